@@ -1,0 +1,31 @@
+# What every target of the project shares: language, warnings, sanitizers, and how a room is declared.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+find_program(SUPPLE_CCACHE ccache)
+if(SUPPLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SUPPLE_CCACHE})
+endif()
+
+add_library(supple_options INTERFACE)
+target_compile_options(supple_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+  -Woverloaded-virtual -Werror)
+if(SUPPLE_SANITIZE)
+  target_compile_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE})
+endif()
+
+# supple_room(NAME SOURCES ... PUBLIC ... PRIVATE ...)
+# Declares the library supple_NAME from the current folder. Its public headers live in include/supple/NAME and are
+# visible only to the targets that link it, so that an include against the house plan does not compile.
+function(supple_room name)
+  cmake_parse_arguments(room "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(supple_${name} STATIC ${room_SOURCES})
+  target_include_directories(supple_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/include
+    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+  target_link_libraries(supple_${name} PUBLIC ${room_PUBLIC} PRIVATE ${room_PRIVATE} supple_options)
+endfunction()

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+namespace supple {
+
+enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3 };
+
+/// A flag shared between whoever may stop a computation and the computation itself.
+///
+/// Copies share the flag. `request` may be called from any thread, the first reason wins. The engine has no clock: a
+/// deadline is requested by its owner. Long loops call `throw_if_requested` at least every few milliseconds; it costs
+/// one relaxed load.
+class CancellationToken {
+ public:
+  CancellationToken() : reason_(std::make_shared<std::atomic<int>>(0)) {}
+
+  void request(StopReason reason) const noexcept;
+  StopReason reason() const noexcept { return static_cast<StopReason>(reason_->load(std::memory_order_relaxed)); }
+  bool requested() const noexcept { return reason() != StopReason::none; }
+
+  /// Throws Error "job.cancelled", "job.deadline_exceeded" or "server.shutting_down" once a stop is requested.
+  void throw_if_requested() const {
+    if (requested()) throw_stop();
+  }
+
+ private:
+  [[noreturn]] void throw_stop() const;
+  std::shared_ptr<std::atomic<int>> reason_;
+};
+
+}  // namespace supple

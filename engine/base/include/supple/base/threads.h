@@ -1,0 +1,15 @@
+#pragma once
+
+#include <functional>
+
+namespace supple {
+
+/// The one place where compute threads are counted. Sets the size of the process's TBB pool; `count` < 1 means the
+/// machine's number of cores. Call once, before the first parallel work.
+void set_thread_count(int count);
+int thread_count();
+
+/// Calls body(i) for i in [0, n), in parallel within the counted threads. Exceptions reach the caller: of several, one.
+void parallel_for(int n, const std::function<void(int)>& body);
+
+}  // namespace supple

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "supple/surface/geodesic.h"
+
+namespace supple::surface {
+
+enum class FieldMethod {
+  windows,    ///< window propagation: exact, or within (1 + relative_error) of exact where that is positive
+  edge_graph  ///< Dijkstra's algorithm over edges and across pairs of faces: an upper bound, the cheapest
+};
+
+struct FieldOptions {
+  FieldMethod method = FieldMethod::windows;
+  /// Allowed relative error of every distance, >= 0. A guarantee, not an estimate; 0 is exact.
+  double relative_error = 0;
+  /// Distances beyond this need not be found (they are reported as unreached). Mesh units.
+  double max_distance = std::numeric_limits<double>::infinity();
+  /// Keep what answers queries for any point (about 0.5 to 2 KB per face); without it only vertices have distances.
+  bool keep_windows = false;
+};
+
+/// The distances from a set of sources, each point's to the nearest. Immutable; may be shared between threads.
+class GeodesicField {
+ public:
+  struct Data;
+  explicit GeodesicField(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+
+  /// Distance at each vertex; infinity where unreached.
+  const std::vector<double>& vertex_distances() const;
+  /// Distance at any point. O(windows of the face), about a microsecond. Throws Error "field.not_kept" if the field was
+  /// computed without keep_windows.
+  double distance(const SurfacePoint& point) const;
+  /// The shortest path from the nearest source to `point`, with what `options` asks for. Same errors.
+  Geodesic geodesic(const SurfacePoint& point, const GeodesicOptions& options = {}) const;
+  /// Index of the source that the point is nearest to; -1 where unreached. Same errors.
+  int nearest_source(const SurfacePoint& point) const;
+
+  /// Guaranteed bound on the relative error of every distance; NaN where the method gives none (edge_graph).
+  double relative_error_bound() const;
+  std::int64_t window_count() const;
+  std::int64_t memory_bytes() const;
+
+ private:
+  std::shared_ptr<const Data> data_;
+};
+
+}  // namespace supple::surface

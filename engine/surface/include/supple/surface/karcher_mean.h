@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "supple/base/execution.h"
+#include "supple/surface/geodesic_solver.h"
+
+namespace supple::surface {
+
+enum class MinimizationMethod { newton, lbfgs, gradient_descent };
+
+struct KarcherProblem {
+  std::vector<SurfacePoint> points;  ///< at least one
+  std::vector<double> weights;       ///< nonnegative, not all zero; empty for equal weights
+  MinimizationMethod method = MinimizationMethod::newton;
+  /// Stops once |grad E| <= tolerance * mesh diagonal: E has the unit of a squared length, its gradient of a length.
+  double tolerance = 1e-9;
+  int max_iterations = 200;
+  std::optional<SurfacePoint> start;  ///< without it: the given point of smallest objective
+  /// Whether a kept distance field per point is used ("on"), pair searches ("off"), or the cheaper by the mesh's size
+  /// and the number of points ("automatic").
+  enum class KeptFields { automatic, on, off } kept_fields = KeptFields::automatic;
+};
+
+struct KarcherStep {
+  double objective = 0;
+  double gradient_norm = 0;
+  double step_length = 0;     ///< length moved on the surface to reach this state; 0 for the start
+  double regularization = 0;  ///< added to the Hessian's diagonal
+};
+
+struct KarcherMean {
+  SurfacePoint mean;
+  Eigen::Vector3d position;
+  /// E = sum w_i g_i^2 / (2 sum w_i) (thesis eq. 3.16, weighted). Mesh units squared.
+  double objective = 0;
+  double gradient_norm = 0;
+  int iterations = 0;
+  std::vector<KarcherStep> history;  ///< the start and every iteration
+  /// "converged", "kink" (a minimum on an edge, a vertex or a cut locus where E has no derivative: no descent was found in any
+  /// direction), "step_too_small", or "iteration_limit".
+  std::string stopped;
+};
+
+/// The point of least weighted mean squared geodesic distance. A local minimum: the problem may have several.
+/// Throws "karcher.no_points", "karcher.weights" (count, sign, sum, non-finite), "karcher.unreachable" (points on
+/// different components, each named), "point.*".
+KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution = {});
+
+}  // namespace supple::surface

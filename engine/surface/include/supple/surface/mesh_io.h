@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "supple/surface/triangle_mesh.h"
+
+namespace supple::surface {
+
+enum class MeshFormat { obj, off, ply, stl };
+
+struct MeshLimits {
+  std::int64_t vertices = 20'000'000;
+  std::int64_t faces = 40'000'000;
+};
+
+/// Vertices and faces as read from a file, before any check of the connectivity.
+struct TriangleSoup {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Triangle> faces;
+  std::vector<std::string> warnings;  ///< e.g. polygons that were cut into triangles, elements that were skipped
+};
+
+/// The format that the first bytes show ("ply\n", "OFF", "solid"/binary STL by its size, otherwise OBJ).
+MeshFormat detect_format(std::string_view bytes);
+
+/// Reads OBJ (v, f with v/vt/vn and negative indices, polygons as fans), OFF (with counts, comments, COFF/NOFF colours
+/// skipped), PLY 1.0 (ascii, binary little and big endian; any scalar types; list faces; other elements skipped) or STL
+/// (ascii and binary; vertices with equal coordinates are merged). Never reads past the end whatever the bytes say, and
+/// reserves no more memory than the bytes could fill. Throws "mesh.malformed" with "line 12" or "byte 84" and what was
+/// expected, "mesh.too_large" with the limit and the value. O(bytes).
+TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits = {});
+
+/// read_mesh of the detected format, then TriangleMesh::build, with both's warnings.
+TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits = {});
+
+std::string write_obj(const TriangleMesh& mesh);
+/// Binary little-endian PLY with double coordinates and int32 indices: the canonical form, equal for equal meshes.
+std::string write_ply(const TriangleMesh& mesh);
+
+}  // namespace supple::surface

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "supple/base/ids.h"
+#include "supple/surface/triangle_mesh.h"
+
+namespace supple::surface {
+
+/// A point of the surface: a face and barycentric coordinates in it, nonnegative and of sum 1. A point on an edge or a
+/// vertex may be written in any face that has it.
+struct SurfacePoint {
+  FaceId face = FaceId::none;
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+};
+
+/// The vertex as a point of one of its faces. Throws "point.vertex_out_of_range" or "point.isolated_vertex".
+SurfacePoint vertex_point(const TriangleMesh& mesh, VertexId v);
+
+/// Checks face and barycentric coordinates and returns the point with coordinates clamped to [0, 1] and of sum exactly
+/// rounded to 1. Throws "point.face_out_of_range", "point.non_finite", or "point.outside_face" where a coordinate is
+/// below -1e-9 or their sum is off 1 by more than 1e-9. `where` names the point in the error ("pairs/3/from").
+SurfacePoint checked_point(const TriangleMesh& mesh, const SurfacePoint& point, const std::string& where = "point");
+
+Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point);
+
+/// The corner (0, 1, 2) of its face on which the point lies exactly, or -1.
+int corner_of(const SurfacePoint& point);
+/// The side i of its face (halfedge 3 f + i) in whose interior the point lies exactly, or -1.
+int side_of(const SurfacePoint& point);
+
+/// Orthonormal frame of a face in space: column 0 along its first halfedge, column 1 turned by +90 degrees within the
+/// face. Tangent vectors of the face have two coordinates in it.
+Eigen::Matrix<double, 3, 2> tangent_frame(const TriangleMesh& mesh, FaceId face);
+
+}  // namespace supple::surface
