@@ -1,0 +1,107 @@
+#include "mesh_faults.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace supple::surface {
+namespace {
+
+std::string triple(const Triangle& face) {
+  return std::to_string(face[0]) + ", " + std::to_string(face[1]) + ", " + std::to_string(face[2]);
+}
+
+void check_sizes(std::size_t vertices, std::size_t faces) {
+  if (vertices == 0) throw Error("mesh.empty", "The mesh has no vertices.", {{"vertices", "is empty"}});
+  if (faces == 0) throw Error("mesh.empty", "The mesh has no faces.", {{"faces", "is empty"}});
+  // Halfedges and vertices are numbered by int32.
+  constexpr std::size_t limit = std::numeric_limits<std::int32_t>::max() / 3;
+  for (const auto& [name, count] : {std::pair{"vertices", vertices}, std::pair{"faces", faces}}) {
+    if (count > limit) {
+      throw Error(
+          "mesh.too_large",
+          "The mesh has " + std::to_string(count) + " " + name + ", the limit is " + std::to_string(limit) + ".",
+          {{name, std::to_string(count) + " is above the limit of " + std::to_string(limit)}});
+    }
+  }
+}
+
+void check_coordinates(const std::vector<Eigen::Vector3d>& positions) {
+  FaultList faults;
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const bool valid = positions[v].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_coordinate;
+    if (valid) continue;
+    faults.add([&]() -> Error::Detail {
+      return {name_of_vertex(static_cast<std::int32_t>(v)), positions[v].allFinite()
+                                                                ? "has a coordinate of magnitude above 1e70"
+                                                                : "has a coordinate that is not a finite number"};
+    });
+  }
+  faults.throw_if_any("mesh.non_finite", "vertex has a coordinate that is not finite or too large",
+                      "vertices have a coordinate that is not finite or too large");
+}
+
+void check_indices(std::int64_t vertices, const std::vector<Triangle>& faces) {
+  FaultList faults;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto [low, high] = std::minmax({faces[f][0], faces[f][1], faces[f][2]});
+    if (low >= 0 && high < vertices) continue;
+    faults.add([&]() -> Error::Detail {
+      return {name_of_face(static_cast<std::int64_t>(f)),
+              "has the vertices " + triple(faces[f]) + "; they must be in 0 to " + std::to_string(vertices - 1)};
+    });
+  }
+  faults.throw_if_any("mesh.index_out_of_range", "face names a vertex that does not exist",
+                      "faces name a vertex that does not exist");
+}
+
+// Whether the height over the longest side is lost in the rounding of the coordinates, or the area underflows.
+bool area_vanishes(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector3d u = b - a, v = c - a;
+  const double doubled_area = u.cross(v).norm();
+  const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (c - b).squaredNorm()}));
+  const double magnitude = a.cwiseAbs().cwiseMax(b.cwiseAbs()).cwiseMax(c.cwiseAbs()).maxCoeff();
+  const double rounding = 2 * std::numeric_limits<double>::epsilon() * (magnitude + longest);
+  return !(doubled_area > rounding * longest) || doubled_area < 2 * smallest_area;
+}
+
+void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+  FaultList faults;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto& [a, b, c] = faces[f];
+    const bool repeated = a == b || b == c || c == a;
+    if (!repeated && !area_vanishes(positions[a], positions[b], positions[c])) continue;
+    faults.add([&]() -> Error::Detail {
+      return {
+          name_of_face(static_cast<std::int64_t>(f)),
+          (repeated ? "repeats a vertex: " : "has no area in double precision; its vertices are ") + triple(faces[f])};
+    });
+  }
+  faults.throw_if_any("mesh.degenerate_face", "face is degenerate", "faces are degenerate");
+}
+
+}  // namespace
+
+void FaultList::throw_if_any(const std::string& code, const std::string& what_one, const std::string& what) {
+  if (count_ == 0) return;
+  std::string sentence = std::to_string(count_) + " " + (count_ == 1 ? what_one : what);
+  if (count_ > detailed) sentence += "; the first " + std::to_string(detailed) + " are named";
+  throw Error(code, sentence + ".", std::move(details_));
+}
+
+std::string name_of_vertex(std::int32_t v) { return "vertex " + std::to_string(v); }
+std::string name_of_face(std::int64_t f) { return "face " + std::to_string(f); }
+std::string name_of_edge(std::int32_t a, std::int32_t b) {
+  return "edge " + std::to_string(std::min(a, b)) + " " + std::to_string(std::max(a, b));
+}
+
+void check_elements(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+  check_sizes(positions.size(), faces.size());
+  check_coordinates(positions);
+  check_indices(static_cast<std::int64_t>(positions.size()), faces);
+  check_areas(positions, faces);
+}
+
+}  // namespace supple::surface

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "supple/base/error.h"
+#include "supple/surface/triangle_mesh.h"
+
+namespace supple::surface {
+
+/// Coordinates beyond this magnitude (mesh units) are refused: squared areas would overflow.
+constexpr double largest_coordinate = 1e70;
+/// Faces of a smaller area (mesh units squared) are refused: squared areas would underflow.
+constexpr double smallest_area = 1e-140;
+
+/// Collects the faulty elements of one kind and throws them as one Error that details the first 20.
+class FaultList {
+ public:
+  static constexpr std::int64_t detailed = 20;
+
+  /// Counts a fault; `describe` returns its Error::Detail and is called for the detailed ones only.
+  template <typename Describe>
+  void add(Describe&& describe) {
+    if (count_++ < detailed) details_.push_back(describe());
+  }
+  /// Throws Error `code` with the sentence "<count> <what>." if there is any fault. `what` follows a count, as in
+  /// "faces are degenerate"; `what_one` is the same for one.
+  void throw_if_any(const std::string& code, const std::string& what_one, const std::string& what);
+
+ private:
+  std::int64_t count_ = 0;
+  std::vector<Error::Detail> details_;
+};
+
+std::string name_of_vertex(std::int32_t v);
+std::string name_of_face(std::int64_t f);
+/// "edge a b" with the smaller vertex first.
+std::string name_of_edge(std::int32_t a, std::int32_t b);
+
+/// Throws the faults that need no connectivity: "mesh.empty", "mesh.too_large", "mesh.non_finite",
+/// "mesh.index_out_of_range", "mesh.degenerate_face". O(n).
+void check_elements(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
+
+}  // namespace supple::surface
