@@ -1,0 +1,134 @@
+"""What can go wrong, as exceptions.
+
+::
+
+    SuppleError
+      ConnectionFailed         no answer: nothing listens, or the connection broke     (also a ConnectionError)
+      RequestTimeout           no answer in time                                       (also a TimeoutError)
+      ProblemError             the server answered with a problem
+        InvalidRequest         what was asked cannot be done (4xx)                     (also a ValueError)
+          InvalidMesh          the mesh is faulty; `faults` names the elements
+          InvalidPoint         a surface point does not lie on the mesh
+        NotFound               no such mesh or job                                     (also a LookupError)
+        JobCancelled           the job was cancelled before it finished
+        DeadlineExceeded       the server's deadline for the computation passed
+        ServerBusy             too much to do at present; try again later
+        ServerError            the server failed (5xx)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Mapping, Tuple, Type
+
+
+class SuppleError(Exception):
+    """Any failure that this package reports."""
+
+
+class ConnectionFailed(SuppleError, ConnectionError):
+    """No answer came: nothing listens at the address, or the connection broke."""
+
+
+class RequestTimeout(SuppleError, TimeoutError):
+    """The answer did not come within the client's timeout."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing at fault: a JSON pointer into the request or a mesh element, and what is wrong with it."""
+
+    where: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.message}" if self.where else self.message
+
+
+class ProblemError(SuppleError):
+    """A problem that the server reports (RFC 9457).
+
+    Attributes:
+        status: HTTP status.
+        code: stable identifier such as ``mesh.non_manifold_edge``; the full table is ``api/errors.yaml``.
+        title: what kind of problem it is.
+        detail: what is wrong this time, one sentence.
+        faults: each field or mesh element at fault.
+    """
+
+    def __init__(self, status: int, code: str, title: str, detail: str, faults: Tuple[Fault, ...] = ()) -> None:
+        lines = [f"{detail or title} [{code}, HTTP {status}]", *(f"  {fault}" for fault in faults)]
+        super().__init__("\n".join(lines))
+        self.status = status
+        self.code = code
+        self.title = title
+        self.detail = detail
+        self.faults = faults
+
+
+class InvalidRequest(ProblemError, ValueError):
+    """What was asked cannot be done; the request must change."""
+
+
+class InvalidMesh(InvalidRequest):
+    """The mesh is not a manifold triangle mesh; `faults` names the elements."""
+
+
+class InvalidPoint(InvalidRequest):
+    """A surface point does not lie on the mesh."""
+
+
+class NotFound(ProblemError, LookupError):
+    """No such mesh or job."""
+
+
+class JobCancelled(ProblemError):
+    """The job was cancelled before it finished."""
+
+
+class DeadlineExceeded(ProblemError):
+    """The server's deadline for the computation passed before it finished."""
+
+
+class ServerBusy(ProblemError):
+    """The server has too much to do at present."""
+
+
+class ServerError(ProblemError):
+    """The server failed."""
+
+
+_BY_CODE: Mapping[str, Type[ProblemError]] = {
+    "job.cancelled": JobCancelled,
+    "job.deadline_exceeded": DeadlineExceeded,
+}
+
+
+def _class_for(status: int, code: str) -> Type[ProblemError]:
+    if code in _BY_CODE:
+        return _BY_CODE[code]
+    if status == 404:
+        return NotFound
+    if status in (429, 503):
+        return ServerBusy
+    if status >= 500:
+        return ServerError
+    if code.startswith("mesh."):
+        return InvalidMesh
+    if code.startswith("point."):
+        return InvalidPoint
+    return InvalidRequest
+
+
+def problem_from(status: int, body: Any) -> ProblemError:
+    """The exception for a problem document; `body` is the decoded JSON, or anything else that came instead."""
+    document: Mapping[str, Any] = body if isinstance(body, dict) else {}
+    code = str(document.get("code", "unknown"))
+    title = str(document.get("title", f"HTTP status {status}"))
+    detail = str(document.get("detail", ""))
+    faults = tuple(
+        Fault(str(entry.get("pointer", entry.get("where", ""))), str(entry.get("detail", entry.get("message", ""))))
+        for entry in document.get("errors", [])
+        if isinstance(entry, dict)
+    )
+    return _class_for(status, code)(status, code, title, detail, faults)

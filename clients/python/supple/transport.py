@@ -1,0 +1,99 @@
+"""Requests and answers: timeouts, retries, problems. The only module that sees `requests`."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any, Callable, Dict, Mapping, Optional
+
+import requests
+
+from .errors import ConnectionFailed, RequestTimeout, problem_from
+
+IDEMPOTENT = frozenset({"GET", "HEAD", "PUT", "DELETE"})
+RETRIES = 3
+FIRST_PAUSE = 0.1
+"""Seconds before the first retry; each further one waits twice as long."""
+
+
+class Answer:
+    """A successful answer: status, headers (case-insensitive) and body."""
+
+    def __init__(self, status: int, headers: Mapping[str, str], content: bytes) -> None:
+        self.status = status
+        self.headers = headers
+        self.content = content
+
+    @property
+    def content_type(self) -> str:
+        return self.headers.get("Content-Type", "").split(";")[0].strip().lower()
+
+    def json(self) -> Any:
+        return json.loads(self.content)
+
+
+class Transport:
+    """One server, over a pool of kept connections.
+
+    A broken connection is tried again (up to three times, pausing 0.1, 0.2, 0.4 s) where repeating the request cannot
+    change its meaning: GET and DELETE always; POST where the caller says so, as for a mesh, which is named by its
+    content, and for a computation that is answered immediately.
+    """
+
+    def __init__(self, url: str, timeout: float, *, sleep: Callable[[float], None] = time.sleep) -> None:
+        self.url = url.rstrip("/")
+        self._timeout = timeout
+        self._sleep = sleep
+        self._session = requests.Session()
+
+    def close(self) -> None:
+        self._session.close()
+
+    def request(
+        self,
+        method: str,
+        path: str,
+        *,
+        body: Optional[bytes] = None,
+        document: Any = None,
+        headers: Optional[Dict[str, str]] = None,
+        timeout: Optional[float] = None,
+        repeatable: Optional[bool] = None,
+    ) -> Answer:
+        """Sends a request and returns its answer (status below 400).
+
+        Raises `ProblemError` for any other status, `ConnectionFailed` and `RequestTimeout` where no answer comes.
+        """
+        sent = dict(headers or {})
+        if document is not None:
+            body = json.dumps(document, allow_nan=False).encode()
+            sent["Content-Type"] = "application/json"
+        sent.setdefault("Accept", "application/json")
+        attempts = 1 + (RETRIES if (method in IDEMPOTENT if repeatable is None else repeatable) else 0)
+        for attempt in range(attempts):
+            try:
+                response = self._session.request(
+                    method,
+                    self.url + path,
+                    data=body,
+                    headers=sent,
+                    timeout=self._timeout if timeout is None else timeout,
+                    allow_redirects=False,
+                )
+                break
+            except requests.Timeout as error:
+                raise RequestTimeout(f"no answer from {self.url} in time: {error}") from error
+            except requests.RequestException as error:
+                if attempt + 1 == attempts:
+                    raise ConnectionFailed(f"no answer from {self.url}: {error}") from error
+                self._sleep(FIRST_PAUSE * 2**attempt)
+        if response.status_code >= 400:
+            raise problem_from(response.status_code, _decoded(response))
+        return Answer(response.status_code, response.headers, response.content)
+
+
+def _decoded(response: requests.Response) -> Any:
+    try:
+        return response.json()
+    except ValueError:
+        return None

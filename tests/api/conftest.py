@@ -1,0 +1,67 @@
+"""Fixtures of the API tests. The server and the CLI come from SUPPLE_BUILD (build/release)."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Callable, Iterator, List
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "clients" / "python"))
+
+from contract import Contract  # noqa: E402
+from harness import Api, SERVER, ServerProcess  # noqa: E402
+from shapes import flat_grid, sphere  # noqa: E402
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    if not SERVER.exists():
+        pytest.exit(f"{SERVER} is missing: build the target supple-server, or set SUPPLE_BUILD", returncode=3)
+
+
+@pytest.fixture(scope="session")
+def contract() -> Contract:
+    return Contract()
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+    """One server for all tests that leave it as they found it."""
+    process = ServerProcess(tmp_path_factory.mktemp("shared") / "data").start()
+    yield process
+    assert process.running(), f"the server died during the tests:\n{process.log_text()[-4000:]}"
+    assert process.terminate() == 0
+
+
+@pytest.fixture
+def api(server: ServerProcess, contract: Contract) -> Api:
+    return Api(server, contract)
+
+
+@pytest.fixture
+def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
+    """Starts servers of a test's own, which may be killed and restarted."""
+    started: List[ServerProcess] = []
+
+    def start(*arguments: str, data: str = "data") -> ServerProcess:
+        process = ServerProcess(tmp_path / data, *arguments)
+        started.append(process)
+        return process.start()
+
+    yield start
+    for process in started:
+        process.stop()
+
+
+@pytest.fixture(scope="session")
+def grid_mesh(server: ServerProcess, contract: Contract) -> str:
+    """The id of a flat unit square of 8 x 8 cells."""
+    return Api(server, contract).upload(*flat_grid(8))
+
+
+@pytest.fixture(scope="session")
+def sphere_mesh(server: ServerProcess, contract: Contract) -> str:
+    """The id of a unit sphere of 1280 faces."""
+    return Api(server, contract).upload(*sphere(3))

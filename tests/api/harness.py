@@ -1,0 +1,169 @@
+"""A real server process and a client that holds all its traffic against the contract."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import time
+from pathlib import Path
+from typing import Any, Dict, List, Optional
+
+import requests
+
+from contract import Contract, ROOT, strict_json
+
+BUILD = Path(os.environ.get("SUPPLE_BUILD", ROOT / "build" / "release"))
+SERVER = BUILD / "server" / "supple-server"
+CLI = BUILD / "clients" / "cli" / "supple"
+MESHES = ROOT / "api" / "examples" / "meshes"
+START_SECONDS = 20.0
+STOP_SECONDS = 20.0
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+class ServerProcess:
+    """supple-server on a free port over a data folder that outlives it."""
+
+    def __init__(self, data: Path, *arguments: str) -> None:
+        self.data = data
+        self.arguments = arguments
+        self.port = free_port()
+        self.url = f"http://127.0.0.1:{self.port}"
+        self.log = data.parent / f"{data.name}.log"
+        self._process: Optional["subprocess.Popen[bytes]"] = None
+
+    @property
+    def pid(self) -> int:
+        assert self._process is not None
+        return self._process.pid
+
+    def running(self) -> bool:
+        return self._process is not None and self._process.poll() is None
+
+    def start(self) -> "ServerProcess":
+        assert not self.running()
+        with self.log.open("ab") as log:
+            self._process = subprocess.Popen(
+                [str(SERVER), "--host", "127.0.0.1", "--port", str(self.port), "--data", str(self.data), *self.arguments],
+                stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        deadline = time.monotonic() + START_SECONDS
+        while time.monotonic() < deadline:
+            if not self.running():
+                raise RuntimeError(f"the server ended with {self._process.returncode}:\n{self.log_text()[-4000:]}")
+            try:
+                if requests.get(self.url + "/readyz", timeout=1).status_code == 200:
+                    return self
+            except requests.RequestException:
+                pass
+            time.sleep(0.02)
+        raise RuntimeError(f"the server was not ready within {START_SECONDS} s:\n{self.log_text()[-4000:]}")
+
+    def log_text(self) -> str:
+        return self.log.read_text(errors="replace") if self.log.exists() else ""
+
+    def terminate(self) -> int:
+        """SIGTERM; returns the exit status."""
+        assert self._process is not None
+        self._process.send_signal(signal.SIGTERM)
+        return self._process.wait(STOP_SECONDS)
+
+    def kill(self) -> None:
+        """SIGKILL, as a power cut would."""
+        assert self._process is not None
+        self._process.kill()
+        self._process.wait(STOP_SECONDS)
+
+    def stop(self) -> None:
+        """Ends the process whatever its state, for the end of a test."""
+        if self.running():
+            try:
+                self.terminate()
+            except subprocess.TimeoutExpired:
+                self.kill()
+
+    def resident_bytes(self) -> int:
+        status = Path(f"/proc/{self.pid}/status").read_text()
+        return 1024 * int(re.search(r"VmRSS:\s+(\d+)", status).group(1))  # type: ignore[union-attr]
+
+    def metrics(self) -> Dict[str, float]:
+        """Every sample of /metrics by its full name, labels included."""
+        samples: Dict[str, float] = {}
+        for line in requests.get(self.url + "/metrics", timeout=10).text.splitlines():
+            if line and not line.startswith("#"):
+                name, value = line.rsplit(" ", 1)
+                samples[name] = float(value)
+        return samples
+
+
+class Api:
+    """Speaks to a server and checks each request and each response against the contract."""
+
+    def __init__(self, server: ServerProcess, contract: Contract) -> None:
+        self.server = server
+        self.contract = contract
+        self.session = requests.Session()
+
+    def call(self, method: str, path: str, *, document: Any = None, body: Optional[bytes] = None,
+             headers: Optional[Dict[str, str]] = None, faulty: bool = False, timeout: float = 60) -> requests.Response:
+        """Sends a request. `faulty` says that it breaks the contract on purpose; the response never may."""
+        sent = dict(headers or {})
+        if document is not None:
+            body = json.dumps(document).encode()
+            sent.setdefault("Content-Type", "application/json")
+        if not faulty:
+            self.contract.check_request(method, path, sent, body or b"")
+        response = self.session.request(method, self.server.url + path, data=body, headers=sent, timeout=timeout,
+                                        allow_redirects=False)
+        self.contract.check_response(method, path, response.status_code, response.headers, response.content)
+        return response
+
+    def get(self, path: str, **more: Any) -> requests.Response:
+        return self.call("GET", path, **more)
+
+    def post(self, path: str, document: Any = None, **more: Any) -> requests.Response:
+        return self.call("POST", path, document=document, **more)
+
+    def delete(self, path: str, **more: Any) -> requests.Response:
+        return self.call("DELETE", path, **more)
+
+    def ok(self, path: str, document: Any, **more: Any) -> Any:
+        """The JSON answer of a POST that must be answered with 200."""
+        response = self.post(path, document, **more)
+        assert response.status_code == 200, response.text
+        return strict_json(response.content)
+
+    def upload(self, vertices: Any, faces: Any) -> str:
+        """Uploads a mesh given by arrays and returns its id."""
+        response = self.post("/v1/meshes", {"vertices": [list(map(float, v)) for v in vertices],
+                                            "faces": [list(map(int, f)) for f in faces]})
+        assert response.status_code in (200, 201), response.text
+        return str(response.json()["id"])
+
+    def wait_for_job(self, job: str, states: "tuple[str, ...]" = ("successful", "failed", "dismissed"),
+                     seconds: float = 60) -> Any:
+        """Polls until the job is in one of the states and returns its document."""
+        deadline = time.monotonic() + seconds
+        while True:
+            document = self.get(f"/v1/jobs/{job}").json()
+            if document["state"] in states:
+                return document
+            assert time.monotonic() < deadline, f"job {job} is still {document['state']} after {seconds} s"
+            time.sleep(0.02)
+
+
+def problem_code(response: requests.Response) -> str:
+    return str(response.json()["code"])
+
+
+def pointers(response: requests.Response) -> List[str]:
+    """The places that a problem points to."""
+    return [entry["pointer"] for entry in response.json().get("errors", [])]

@@ -1,0 +1,68 @@
+"""Meshes with known answers, made on the spot."""
+
+from __future__ import annotations
+
+from typing import Tuple
+
+import numpy as np
+
+Mesh = Tuple[np.ndarray, np.ndarray]
+
+
+def flat_grid(cells: int, size: float = 1.0) -> Mesh:
+    """A square of side `size` in the plane z = 0, cut into 2 cells^2 triangles: geodesics are straight lines."""
+    x, y = np.meshgrid(np.linspace(0, size, cells + 1), np.linspace(0, size, cells + 1), indexing="ij")
+    vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+    i, j = np.meshgrid(np.arange(cells), np.arange(cells), indexing="ij")
+    a = (i * (cells + 1) + j).ravel()
+    b = a + cells + 1
+    faces = np.concatenate([np.stack([a, b, b + 1], axis=1), np.stack([a, b + 1, a + 1], axis=1)])
+    return vertices, faces
+
+
+def sphere(subdivisions: int) -> Mesh:
+    """An icosahedron whose edges are halved `subdivisions` times, on the unit sphere: 20 * 4^n faces."""
+    g = (1 + 5**0.5) / 2
+    vertices = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
+                (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
+    points = [np.asarray(v) / np.linalg.norm(v) for v in vertices]
+    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6),
+             (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10),
+             (8, 6, 7), (9, 8, 1)]
+    for _ in range(subdivisions):
+        middles: "dict[tuple[int, int], int]" = {}
+
+        def middle(i: int, j: int) -> int:
+            key = (min(i, j), max(i, j))
+            if key not in middles:
+                point = points[i] + points[j]
+                middles[key] = len(points)
+                points.append(point / np.linalg.norm(point))
+            return middles[key]
+
+        finer = []
+        for i, j, k in faces:
+            a, b, c = middle(i, j), middle(j, k), middle(k, i)
+            finer += [(i, a, c), (j, b, a), (k, c, b), (a, b, c)]
+        faces = finer
+    return np.asarray(points), np.asarray(faces)
+
+
+def bumpy_sphere(subdivisions: int, seed: int = 1) -> Mesh:
+    """A sphere with waves: many saddles, so that exact geodesics have something to do."""
+    vertices, faces = sphere(subdivisions)
+    phase = np.random.default_rng(seed).uniform(0, 6.28, 3)
+    waves = np.sin(9 * vertices[:, 0] + phase[0]) + np.sin(11 * vertices[:, 1] + phase[1]) + np.sin(8 * vertices[:, 2] + phase[2])
+    return vertices * (1 + 0.08 * waves)[:, None], faces
+
+
+def two_triangles_apart() -> Mesh:
+    """Two components that no path joins."""
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]], dtype=float)
+    return vertices, np.array([[0, 1, 2], [3, 4, 5]])
+
+
+def obj_text(mesh: Mesh) -> str:
+    vertices, faces = mesh
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
+    return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.tolist()]) + "\n"
