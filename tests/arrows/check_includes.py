@@ -1,0 +1,66 @@
+#!/usr/bin/python3
+"""Fails where a file includes what its room may not see (the arrows in CONTRIBUTING.md)."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Folder -> rooms under <supple/...> that its files may include.
+ROOMS = {
+    "engine/base": {"base"},
+    "engine/numerics": {"base", "numerics"},
+    "engine/surface": {"base", "numerics", "surface"},
+    "server/http": {"base", "http"},
+    "clients": set(),
+}
+
+# Heavy or foreign libraries -> the folders whose files may include them.
+LIBRARIES = {
+    "httplib.h": ("server/http", "clients/cli", "tests"),
+    "nlohmann/": ("server", "clients/cli", "tests"),
+    "sqlite3.h": ("server/store",),
+    "prometheus/": ("server",),
+    "spdlog/": ("server",),
+    "CLI/": ("server", "clients/cli"),
+    "CGAL/": ("tests",),
+    "tbb/": ("engine/base",),
+    "oneapi/": ("engine/base",),
+    "gtest/": ("tests",),
+    "benchmark/": ("tests",),
+}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+
+def violations() -> "list[str]":
+    found = []
+    sources = [path for top in ("engine", "server", "clients", "tests") for path in sorted((ROOT / top).rglob("*"))
+               if path.suffix in (".h", ".cpp", ".hpp", ".cc")]
+    if len(sources) < 10:
+        return [f"only {len(sources)} source files were found: the check looks in the wrong place"]
+    for path in sources:
+        name = path.relative_to(ROOT).as_posix()
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            header = match.group(1)
+            for folder, rooms in ROOMS.items():
+                if name.startswith(folder + "/") and header.startswith("supple/") and header.split("/")[1] not in rooms:
+                    found.append(f"{name}:{number}: {folder} may not see {header}")
+            for library, folders in LIBRARIES.items():
+                if header.startswith(library) and not any(name.startswith(f + "/") for f in folders):
+                    found.append(f"{name}:{number}: {header} belongs to {', '.join(folders)}")
+            if ".." in header.split("/"):
+                found.append(f"{name}:{number}: {header} climbs out of its folder")
+    return found
+
+
+if __name__ == "__main__":
+    wrong = violations()
+    print("\n".join(wrong) if wrong else "every include runs along the arrows")
+    sys.exit(1 if wrong else 0)

@@ -1,0 +1,108 @@
+#!/bin/bash
+# Installs what the tests need, builds, and runs every test.
+#
+#   tests/run.sh                all parts
+#   tests/run.sh unit api       only these parts, in the order below
+#   tests/run.sh --list         the parts and what each does
+#
+# Ends with status 0 only if every part passed. Environment: SUPPLE_JOBS (number of cores), SUPPLE_FUZZ_SECONDS (60, over
+# all targets), SUPPLE_SKIP_PACKAGES=1 (leave apt alone).
+set -uo pipefail
+cd "$(dirname "$0")/.."
+
+jobs=${SUPPLE_JOBS:-$(nproc)}
+fuzz_seconds=${SUPPLE_FUZZ_SECONDS:-60}
+python=/usr/bin/python3
+
+declare -A about=(
+  [arrows]="includes run only along the house plan's arrows (by reading every file)"
+  [format]="clang-format has nothing to change"
+  [build]="the optimized build, warnings as errors"
+  [unit]="unit tests, optimized"
+  [stability]="the named hard cases"
+  [python]="the Python package: mypy --strict and its own tests"
+  [api]="black box over HTTP: contract, examples, jobs, faults, restart, kill -9, clients"
+  [tidy]="clang-tidy"
+  [asan]="unit tests under the address and undefined-behaviour sanitizers"
+  [tsan]="unit tests under the thread sanitizer"
+  [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
+)
+order=(arrows format build unit stability python api tidy asan tsan fuzz)
+
+build_preset() { cmake --preset "$1" >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }
+  cmake --build "build/$1" -j "$jobs" "${@:2}"; }
+
+cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*.cpp' 'clients/cli/*.h' 'clients/cli/*.cpp' \
+  'tests/*.h' 'tests/*.cpp'; }
+
+part_arrows() { "$python" tests/arrows/check_includes.py; }
+part_format() { cpp_files | xargs -r clang-format --dry-run --Werror; }
+part_build() { build_preset release; }
+# Reaching none of the tests of a label is a failure: a suite must not vanish unnoticed.
+part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" -L unit --output-on-failure --no-tests=error; }
+part_stability() { build_preset release && ctest --test-dir build/release -j "$jobs" -L stability --output-on-failure --no-tests=error; }
+part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
+part_api() { build_preset release --target supple supple-server && "$python" -m pytest -q -p no:cacheprovider tests/api; }
+part_tidy() { build_preset release --target supple-server && tests/tidy.sh "$jobs"; }
+part_asan() { build_preset asan-ubsan && UBSAN_OPTIONS=print_stacktrace=1 \
+  ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
+part_tsan() { build_preset tsan && TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp history_size=4" \
+  ctest --test-dir build/tsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
+part_fuzz() {
+  build_preset fuzz || return 1
+  local targets share
+  mapfile -t targets < <(find build/fuzz/tests/fuzz -maxdepth 1 -type f -executable -name 'fuzz_*' | sort)
+  [ "${#targets[@]}" -gt 0 ] || { echo "no fuzz target was built"; return 1; }
+  share=$(( (fuzz_seconds + ${#targets[@]} - 1) / ${#targets[@]} ))
+  for target in "${targets[@]}"; do
+    local name corpus
+    name=$(basename "$target")
+    corpus=build/fuzz/corpus/$name
+    mkdir -p "$corpus"
+    echo "-- $name for $share s"
+    local seeds=()
+    [ -d "tests/fuzz/corpus/$name" ] && seeds=("tests/fuzz/corpus/$name")
+    "$target" -max_total_time="$share" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+      -artifact_prefix="build/fuzz/$name-" "$corpus" "${seeds[@]}" 2>"build/fuzz/$name.log" ||
+      { tail -60 "build/fuzz/$name.log"; return 1; }
+    grep -E 'stat::number_of_executed_units' "build/fuzz/$name.log"
+  done
+}
+
+install_packages() {
+  local wanted missing
+  wanted=$(sed 's/#.*//' deploy/packages.txt tests/packages.txt)
+  missing=$(for p in $wanted; do dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || echo "$p"; done)
+  [ -n "$missing" ] || return 0
+  [ "$(id -u)" = 0 ] || { echo "tests/run.sh: these packages are missing and only root can install them:" $missing >&2; return 1; }
+  export DEBIAN_FRONTEND=noninteractive
+  # shellcheck disable=SC2086  # a list of names
+  apt-get update -q && apt-get install -y -q --no-install-recommends $missing
+}
+
+case "${1:-}" in
+  --list) for part in "${order[@]}"; do printf '%-10s %s\n' "$part" "${about[$part]}"; done; exit 0 ;;
+  -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
+for part in "$@"; do
+  [ -n "${about[$part]:-}" ] || { echo "tests/run.sh: no part '$part'; the parts are: ${order[*]}" >&2; exit 2; }
+done
+
+mkdir -p build
+if [ -z "${SUPPLE_SKIP_PACKAGES:-}" ]; then
+  install_packages >build/packages.log 2>&1 || { tail -20 build/packages.log >&2; exit 1; }
+fi
+
+summary=()
+status=0
+for part in "${order[@]}"; do
+  [ $# -eq 0 ] || [[ " $* " == *" $part "* ]] || continue
+  printf '\n=== %s: %s\n' "$part" "${about[$part]}"
+  start=$SECONDS
+  if "part_$part"; then outcome=passed; else outcome=FAILED; status=1; fi
+  summary+=("$(printf '%-10s %-7s %5d s' "$part" "$outcome" $((SECONDS - start)))")
+done
+
+printf '\n=== summary\n'
+printf '%s\n' "${summary[@]}"
+exit $status
