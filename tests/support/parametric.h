@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "supple/surface/triangle_mesh.h"
+
+namespace supple::testing {
+
+/// Vertices and faces while a shape is put together.
+struct Soup {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<surface::Triangle> faces;
+
+  std::int32_t add(const Eigen::Vector3d& p) {
+    positions.push_back(p);
+    return static_cast<std::int32_t>(positions.size()) - 1;
+  }
+  /// The quadrilateral a b c d, counterclockwise, cut from a to c, or from b to d.
+  void add_quad(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d, bool from_b = false);
+  void append(const Soup& other, const Eigen::Vector3d& offset);
+  surface::TriangleMesh build() && { return surface::TriangleMesh::build(std::move(positions), std::move(faces)); }
+};
+
+enum class Wrap { none, u, both };
+
+/// Grid of nu by nv quadrilaterals over (i, j), joined end to end in the wrapped directions. Vertex (i, j) is number
+/// j * columns + i; `from_b` picks the diagonals as in add_quad.
+Soup parametric_grid(int nu, int nv, Wrap wrap, const std::function<Eigen::Vector3d(int i, int j)>& at,
+                     bool from_b = false);
+
+/// Surface of a union of unit cells of the integer grid, each exposed side cut into n by n squares. `filled` says which
+/// cells of [0, size) belong.
+Soup cell_surface(const Eigen::Vector3i& size, int n, const std::function<bool(int x, int y, int z)>& filled);
+
+/// Moves every vertex to the mean of itself and its neighbours' mean, `rounds` times.
+void smooth(Soup& soup, int rounds);
+
+}  // namespace supple::testing
