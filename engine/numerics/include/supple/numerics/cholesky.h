@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "supple/numerics/objective.h"
+
+namespace supple::numerics {
+
+/// Below this many unknowns a sparse matrix is factorized as a dense one: the sparse bookkeeping costs more than the
+/// n^3 / 3 operations it saves.
+inline constexpr Eigen::Index dense_cholesky_limit = 64;
+
+/// Cholesky factorization of H + shift I. Dense matrices and small ones by Eigen's LLT, O(n^3); sparse ones by CHOLMOD
+/// (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic analysis is kept for as long as the pattern stays.
+class ShiftedCholesky {
+ public:
+  ShiftedCholesky();
+  ~ShiftedCholesky();
+  ShiftedCholesky(const ShiftedCholesky&) = delete;
+  ShiftedCholesky& operator=(const ShiftedCholesky&) = delete;
+
+  /// False where H + shift I is not numerically positive definite. `hessian` must not be empty.
+  bool factorize(const Hessian& hessian, double shift);
+
+  /// Solves (H + shift I) x = b for the last matrix that was factorized with success.
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+
+  /// How often a sparse pattern was analysed.
+  int analyses() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Mean of the absolute diagonal entries, the scale against which a shift is large or small; 1 for a zero diagonal.
+double diagonal_scale(const Hessian& hessian);
+
+}  // namespace supple::numerics

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+
+#include "supple/numerics/energy.h"
+#include "supple/numerics/objective.h"
+
+namespace supple::numerics {
+
+/// How far analytic derivatives are from finite differences, and where they are worst.
+///
+/// An entry's error is |analytic - numeric| / (largest analytic entry of the same array), so that entries that vanish
+/// do not divide by zero; an array of zeros is measured absolutely.
+struct DerivativeCheck {
+  struct Worst {
+    double error = 0;
+    Eigen::Index row = 0;
+    Eigen::Index column = 0;  ///< 0 for the gradient
+    double analytic = 0;
+    double numeric = 0;
+    /// The extrapolation's own estimate of the numeric entry's error, in the same measure: an error below it is no
+    /// news.
+    double uncertainty = 0;
+  };
+  Worst gradient;
+  Worst hessian;  ///< empty (error 0) where no Hessian was checked
+
+  /// One sentence with both worst entries.
+  std::string summary() const;
+};
+
+struct DerivativeCheckOptions {
+  /// Length of the longest finite-difference step. It is halved `levels - 1` times; of all the extrapolated differences
+  /// the one that the shorter steps change least is used (Ridders 1982). Choose it well inside the smooth region.
+  double step = 1e-2;
+  int levels = 8;
+  bool hessian = true;
+};
+
+/// A function near a base state: value and derivatives at the state that lies `step` away, with the gradient expressed
+/// in the frame of the base state. Only the base state (a zero step) is asked for the Hessian.
+using LocalFunction = std::function<Evaluation(const Eigen::VectorXd& step, int order)>;
+
+/// Compares gradient with central differences of the value, and Hessian with central differences of the gradient.
+/// 2 levels n evaluations of order 1.
+DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
+                                  const DerivativeCheckOptions& options = {});
+
+/// The same for an objective on a manifold at its current state, along its retraction and with its transport.
+DerivativeCheck check_derivatives(Objective& objective, const DerivativeCheckOptions& options = {});
+
+/// The same for one term of a scene at x.
+DerivativeCheck check_derivatives(const Energy& energy, const Eigen::VectorXd& x,
+                                  const DerivativeCheckOptions& options = {});
+
+}  // namespace supple::numerics

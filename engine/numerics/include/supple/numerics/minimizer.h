@@ -1,0 +1,81 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "supple/base/execution.h"
+#include "supple/numerics/objective.h"
+
+namespace supple::numerics {
+
+enum class MinimizerMethod { newton, lbfgs, gradient_descent };
+
+/// Every tolerance is the inequality that is tested. f is the value, g the gradient, d the direction, s the step.
+struct MinimizerOptions {
+  MinimizerMethod method = MinimizerMethod::newton;
+  /// Converged once |g| <= gradient_tolerance (Euclidean norm; the unit of f per unit of length).
+  double gradient_tolerance = 1e-9;
+  /// A trial with |s| <= step_tolerance is not tried; a line search that comes to it has failed (unit of length).
+  double step_tolerance = 1e-300;
+  int max_iterations = 200;
+  /// A trial of share t is accepted once f(t) <= f + armijo * t * (g . d) ...
+  double armijo = 1e-4;
+  /// ... unless t * |g . d| <= value_rounding * max(|f|, |f(t)|): f cannot show so small a decrease. Such a trial is
+  /// accepted once f(t) <= f + value_rounding * max(|f|, |f(t)|) and |g(t)| < |g|. Relative; for sums of up to some
+  /// thousand terms a few dozen units in the last place of a double.
+  double value_rounding = 1e-14;
+  /// A rejected trial shortens t to the minimum of the parabola through f, g . d and f(t), within [shortest, longest] *
+  /// t.
+  double shortest_backtrack = 0.1;
+  double longest_backtrack = 0.5;
+  int max_backtracks = 50;
+
+  /// Newton: (H + lambda I) d = -g with lambda = regularization * mean |H_ii|. It starts at 0, grows by `raise` from
+  /// `first_regularization` where the factorization fails or no step is found, falls by `lower` after a whole step, and
+  /// is 0 again below `first_regularization`. Above `max_regularization` the search for a step ends.
+  double first_regularization = 1e-6;
+  double raise = 10;
+  double lower = 0.1;
+  double max_regularization = 1e10;
+
+  int lbfgs_history = 10;
+  /// L-BFGS, gradient descent: the first direction is -first_step * g; later ones take their length from measured
+  /// curvature.
+  double first_step = 1;
+};
+
+enum class MinimizerStop {
+  converged,
+  step_too_small,  ///< no trial was accepted in any direction that was tried
+  iteration_limit
+};
+std::string_view to_string(MinimizerStop stop);
+
+struct MinimizerStep {
+  double value = 0;
+  double gradient_norm = 0;
+  double step_length = 0;     ///< length of the step that led to this state; 0 for the start
+  double regularization = 0;  ///< lambda of that step, in the unit of the Hessian
+};
+
+struct MinimizerResult {
+  MinimizerStop stop = MinimizerStop::iteration_limit;
+  int iterations = 0;
+  double value = 0;
+  double gradient_norm = 0;
+  std::vector<MinimizerStep> history;  ///< the start and every iteration
+};
+
+/// Minimizes from the objective's current state, which is the best state found when it returns (values never rise by
+/// more than their rounding). One gradient or Hessian and one or more values per iteration.
+///
+/// newton: regularized Newton, one or more Cholesky factorizations per iteration. lbfgs: two-loop recursion (Nocedal
+/// and Wright 2006, algorithm 7.4) with the pairs transported along the steps. gradient_descent: Barzilai and Borwein's
+/// (1988) step lengths, made monotone by the same line search.
+///
+/// Bills the stage "step" (factorization and direction), reports progress as the share of the logarithm of the gradient
+/// norm, and looks for a stop request before every evaluation. Throws Error "minimizer.not_finite" where the start has
+/// no finite value and gradient.
+MinimizerResult minimize(Objective& objective, const MinimizerOptions& options = {}, const Execution& execution = {});
+
+}  // namespace supple::numerics

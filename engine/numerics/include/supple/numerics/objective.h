@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <limits>
+#include <optional>
+#include <variant>
+
+namespace supple::numerics {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+/// A symmetric matrix of second derivatives, both triangles filled: none, dense or sparse.
+using Hessian = std::variant<std::monostate, Eigen::MatrixXd, SparseMatrix>;
+
+/// A function's value and derivatives at one state. Entries above the order that was asked for are empty.
+struct Evaluation {
+  double value = 0;
+  Eigen::VectorXd gradient;
+  Hessian hessian;
+};
+
+/// A function on a manifold, seen from a state that can be moved: what the minimizer minimizes.
+///
+/// There is a current state and, between `move` and `accept` or `reject`, a trial state. Tangent vectors have
+/// `dimension()` coordinates in an orthonormal frame that belongs to the state; in a vector space the frame is always
+/// the same and `transport` has nothing to do. The frame of the trial state may be chosen by `evaluate`, so `transport`
+/// is called after it.
+class Objective {
+ public:
+  virtual ~Objective() = default;
+
+  virtual Eigen::Index dimension() const = 0;
+
+  /// Value (order 0), gradient (1) and Hessian (2) at the trial state if there is one, otherwise at the current state.
+  /// A value that is not finite marks a trial state as invalid. The minimizer first asks for the value at a trial state
+  /// and, once it accepts, for the derivatives: an objective whose value costs most of them keeps what it has.
+  virtual Evaluation evaluate(int order) = 0;
+
+  /// Makes the trial state: the current one moved along `step` by the retraction of the manifold. Returns the share of
+  /// `step` that was travelled, 1 unless something (a boundary) stopped the motion.
+  virtual double move(const Eigen::VectorXd& step) = 0;
+
+  virtual void accept() = 0;  ///< the trial state becomes the current one
+  virtual void reject() = 0;  ///< the trial state is forgotten
+
+  /// The largest t > 0 such that t * step keeps the state valid (no inverted element, no contact passed through).
+  virtual double largest_step(const Eigen::VectorXd& /*step*/) const { return std::numeric_limits<double>::infinity(); }
+
+  /// Carries a tangent vector of the current state to the trial state, by an isometry. False where no transport makes
+  /// sense (across a kink): what was learned of the curvature is then forgotten.
+  virtual bool transport(Eigen::VectorXd& /*tangent*/) const { return true; }
+
+  /// Called where a step had to be shortened, a sign of a kink nearby. An objective that knows its kinks may replace
+  /// the trial state (or make one, if there is none) by one of lower value than the current and the trial state, and
+  /// returns its distance from the current state.
+  virtual std::optional<double> snap() { return std::nullopt; }
+};
+
+}  // namespace supple::numerics

@@ -1,0 +1,96 @@
+#include "supple/numerics/cholesky.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/CholmodSupport>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace supple::numerics {
+namespace {
+
+/// The pattern of a compressed matrix, to see whether the next one has the same.
+struct Pattern {
+  std::vector<int> outer;
+  std::vector<int> inner;
+
+  bool matches(const SparseMatrix& m) const {
+    return outer.size() == static_cast<std::size_t>(m.outerSize() + 1) &&
+           inner.size() == static_cast<std::size_t>(m.nonZeros()) &&
+           std::equal(outer.begin(), outer.end(), m.outerIndexPtr()) &&
+           std::equal(inner.begin(), inner.end(), m.innerIndexPtr());
+  }
+  void assign(const SparseMatrix& m) {
+    outer.assign(m.outerIndexPtr(), m.outerIndexPtr() + m.outerSize() + 1);
+    inner.assign(m.innerIndexPtr(), m.innerIndexPtr() + m.nonZeros());
+  }
+};
+
+}  // namespace
+
+struct ShiftedCholesky::Implementation {
+  Eigen::LLT<Eigen::MatrixXd> dense;
+  Eigen::CholmodSupernodalLLT<SparseMatrix, Eigen::Lower> sparse;
+  Pattern pattern;
+  bool last_was_sparse = false;
+  int analyses = 0;
+
+  bool factorize_dense(Eigen::MatrixXd matrix, double shift) {
+    matrix.diagonal().array() += shift;
+    last_was_sparse = false;
+    if (!matrix.allFinite()) return false;
+    dense.compute(matrix);
+    return dense.info() == Eigen::Success;
+  }
+
+  bool factorize_sparse(SparseMatrix matrix, double shift) {
+    matrix.makeCompressed();
+    last_was_sparse = true;
+    if (!std::all_of(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros(),
+                     [](double v) { return std::isfinite(v); }))
+      return false;
+    if (analyses == 0 || !pattern.matches(matrix)) {
+      // A matrix that is not positive definite is an answer here, not a mistake to print.
+      sparse.cholmod().print = 0;
+      sparse.analyzePattern(matrix);
+      pattern.assign(matrix);
+      ++analyses;
+    }
+    sparse.setShift(shift);
+    sparse.factorize(matrix);
+    return sparse.info() == Eigen::Success;
+  }
+};
+
+ShiftedCholesky::ShiftedCholesky() : implementation_(std::make_unique<Implementation>()) {}
+ShiftedCholesky::~ShiftedCholesky() = default;
+
+bool ShiftedCholesky::factorize(const Hessian& hessian, double shift) {
+  if (const auto* dense = std::get_if<Eigen::MatrixXd>(&hessian))
+    return implementation_->factorize_dense(*dense, shift);
+  const auto& sparse = std::get<SparseMatrix>(hessian);
+  if (sparse.rows() < dense_cholesky_limit) return implementation_->factorize_dense(Eigen::MatrixXd(sparse), shift);
+  return implementation_->factorize_sparse(sparse, shift);
+}
+
+Eigen::VectorXd ShiftedCholesky::solve(const Eigen::VectorXd& b) const {
+  if (implementation_->last_was_sparse) return implementation_->sparse.solve(b);
+  return implementation_->dense.solve(b);
+}
+
+int ShiftedCholesky::analyses() const { return implementation_->analyses; }
+
+double diagonal_scale(const Hessian& hessian) {
+  double sum = 0;
+  Eigen::Index n = 0;
+  if (const auto* dense = std::get_if<Eigen::MatrixXd>(&hessian)) {
+    n = dense->rows();
+    sum = dense->diagonal().cwiseAbs().sum();
+  } else if (const auto* sparse = std::get_if<SparseMatrix>(&hessian)) {
+    n = sparse->rows();
+    sum = Eigen::VectorXd(sparse->diagonal()).cwiseAbs().sum();
+  }
+  return n > 0 && sum > 0 ? sum / static_cast<double>(n) : 1.0;
+}
+
+}  // namespace supple::numerics

@@ -1,0 +1,150 @@
+#include "supple/numerics/derivative_check.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+namespace supple::numerics {
+namespace {
+
+/// Central differences of a vector-valued function along one line, extrapolated to step zero (Neville's scheme in the
+/// square of the step), entry by entry with the combination that shorter steps change least.
+struct Extrapolated {
+  Eigen::ArrayXd value;
+  Eigen::ArrayXd uncertainty;
+};
+
+Extrapolated ridders(const std::vector<Eigen::ArrayXd>& differences) {
+  Extrapolated best;
+  best.value = differences.front();
+  best.uncertainty = Eigen::ArrayXd::Constant(best.value.size(), std::numeric_limits<double>::infinity());
+  std::vector<Eigen::ArrayXd> previous;  // row of the tableau for the longer step
+  for (const Eigen::ArrayXd& difference : differences) {
+    std::vector<Eigen::ArrayXd> row{difference};
+    double factor = 1;
+    for (std::size_t j = 0; j < previous.size(); ++j) {
+      factor *= 4;
+      row.push_back((factor * row[j] - previous[j]) / (factor - 1));
+      const Eigen::ArrayXd change = (row[j + 1] - row[j]).abs().max((row[j + 1] - previous[j]).abs());
+      for (Eigen::Index i = 0; i < change.size(); ++i) {
+        if (change[i] <= best.uncertainty[i]) {
+          best.uncertainty[i] = change[i];
+          best.value[i] = row[j + 1][i];
+        }
+      }
+    }
+    previous = std::move(row);
+  }
+  return best;
+}
+
+class Comparison {
+ public:
+  Comparison(double scale, DerivativeCheck::Worst& worst) : scale_(scale > 0 ? scale : 1), worst_(worst) {}
+
+  void add(Eigen::Index row, Eigen::Index column, double analytic, double numeric, double uncertainty) {
+    const double error = std::abs(analytic - numeric) / scale_;
+    // Written so that a NaN counts as the worst error.
+    if (error <= worst_.error && !first_) return;
+    first_ = false;
+    worst_ = {std::isnan(error) ? std::numeric_limits<double>::infinity() : error,
+              row,
+              column,
+              analytic,
+              numeric,
+              uncertainty / scale_};
+  }
+
+ private:
+  double scale_;
+  DerivativeCheck::Worst& worst_;
+  bool first_ = true;
+};
+
+Eigen::MatrixXd to_dense(const Hessian& hessian) {
+  if (const auto* dense = std::get_if<Eigen::MatrixXd>(&hessian)) return *dense;
+  if (const auto* sparse = std::get_if<SparseMatrix>(&hessian)) return Eigen::MatrixXd(*sparse);
+  return {};
+}
+
+}  // namespace
+
+std::string DerivativeCheck::summary() const {
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "gradient off by %.2e at %td (analytic %.17g, numeric %.17g, uncertain by %.1e); "
+                "Hessian off by %.2e at (%td, %td) (analytic %.17g, numeric %.17g, uncertain by %.1e)",
+                gradient.error, gradient.row, gradient.analytic, gradient.numeric, gradient.uncertainty, hessian.error,
+                hessian.row, hessian.column, hessian.analytic, hessian.numeric, hessian.uncertainty);
+  return text;
+}
+
+DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
+                                  const DerivativeCheckOptions& options) {
+  const Evaluation base = function(Eigen::VectorXd::Zero(dimension), options.hessian ? 2 : 1);
+  const Eigen::MatrixXd hessian = to_dense(base.hessian);
+  const bool with_hessian = options.hessian && hessian.size() > 0;
+
+  DerivativeCheck check;
+  Comparison gradient_comparison(base.gradient.cwiseAbs().maxCoeff(), check.gradient);
+  Comparison hessian_comparison(with_hessian ? hessian.cwiseAbs().maxCoeff() : 0, check.hessian);
+  for (Eigen::Index column = 0; column < dimension; ++column) {
+    // One array per step length: the difference of the value, then those of the gradient.
+    std::vector<Eigen::ArrayXd> differences;
+    double h = options.step;
+    for (int level = 0; level < options.levels; ++level, h /= 2) {
+      const Evaluation ahead = function(h * Eigen::VectorXd::Unit(dimension, column), 1);
+      const Evaluation behind = function(-h * Eigen::VectorXd::Unit(dimension, column), 1);
+      Eigen::ArrayXd difference(1 + dimension);
+      difference[0] = (ahead.value - behind.value) / (2 * h);
+      difference.tail(dimension) = (ahead.gradient - behind.gradient).array() / (2 * h);
+      differences.push_back(std::move(difference));
+    }
+    const Extrapolated numeric = ridders(differences);
+    gradient_comparison.add(column, 0, base.gradient[column], numeric.value[0], numeric.uncertainty[0]);
+    if (!with_hessian) continue;
+    for (Eigen::Index row = 0; row < dimension; ++row)
+      hessian_comparison.add(row, column, hessian(row, column), numeric.value[1 + row], numeric.uncertainty[1 + row]);
+  }
+  return check;
+}
+
+DerivativeCheck check_derivatives(Objective& objective, const DerivativeCheckOptions& options) {
+  const Eigen::Index n = objective.dimension();
+  const LocalFunction function = [&](const Eigen::VectorXd& step, int order) {
+    if (step.isZero(0)) return objective.evaluate(order);
+    objective.move(step);
+    Evaluation evaluation = objective.evaluate(order);
+    // The transport is an isometry, so its transpose carries the gradient back.
+    Eigen::MatrixXd transport(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      Eigen::VectorXd e = Eigen::VectorXd::Unit(n, i);
+      objective.transport(e);
+      transport.col(i) = e;
+    }
+    evaluation.gradient = transport.transpose() * evaluation.gradient;
+    objective.reject();
+    return evaluation;
+  };
+  return check_derivatives(function, n, options);
+}
+
+DerivativeCheck check_derivatives(const Energy& energy, const Eigen::VectorXd& x,
+                                  const DerivativeCheckOptions& options) {
+  const LocalFunction function = [&](const Eigen::VectorXd& step, int order) {
+    EnergySum sum;
+    sum.gradient = Eigen::VectorXd::Zero(x.size());
+    energy.add(x + step, order, sum);
+    Evaluation evaluation{sum.value, sum.gradient, {}};
+    if (order >= 2) {
+      SparseMatrix hessian(x.size(), x.size());
+      hessian.setFromTriplets(sum.hessian.begin(), sum.hessian.end());
+      evaluation.hessian = std::move(hessian);
+    }
+    return evaluation;
+  };
+  return check_derivatives(function, x.size(), options);
+}
+
+}  // namespace supple::numerics

@@ -1,0 +1,163 @@
+#include "descent_direction.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "supple/numerics/cholesky.h"
+
+namespace supple::numerics {
+namespace {
+
+/// A pair (s, y) tells of positive curvature once s . y > this * |s| |y|; others would spoil the approximation.
+constexpr double least_curvature_cosine = 1e-10;
+
+bool shows_curvature(const Eigen::VectorXd& s, const Eigen::VectorXd& y) {
+  return s.dot(y) > least_curvature_cosine * s.norm() * y.norm();
+}
+
+class NewtonDirection : public DescentDirection {
+ public:
+  explicit NewtonDirection(const MinimizerOptions& options) : options_(options) {}
+
+  int order() const override { return 2; }
+
+  Eigen::VectorXd direction(const Evaluation& at) override {
+    scale_ = diagonal_scale(at.hessian);
+    for (; relative_ <= options_.max_regularization; raise()) {
+      if (!cholesky_.factorize(at.hessian, regularization())) continue;
+      Eigen::VectorXd d = -cholesky_.solve(at.gradient);
+      if (d.allFinite() && at.gradient.dot(d) < 0) return d;
+    }
+    // The next state may be better conditioned: it starts from the least regularization again.
+    relative_ = 0;
+    return {};
+  }
+
+  bool retry() override {
+    raise();
+    if (relative_ <= options_.max_regularization) return true;
+    relative_ = 0;
+    return false;
+  }
+
+  void accepted(bool whole, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::VectorXd&) override {
+    if (!whole) return;
+    relative_ *= options_.lower;
+    if (relative_ < options_.first_regularization) relative_ = 0;
+  }
+
+  double regularization() const override { return relative_ * scale_; }
+
+ private:
+  void raise() { relative_ = relative_ > 0 ? relative_ * options_.raise : options_.first_regularization; }
+
+  const MinimizerOptions& options_;
+  ShiftedCholesky cholesky_;
+  double relative_ = 0;
+  double scale_ = 1;
+};
+
+class LbfgsDirection : public DescentDirection {
+ public:
+  explicit LbfgsDirection(const MinimizerOptions& options) : options_(options) {}
+
+  int order() const override { return 1; }
+
+  Eigen::VectorXd direction(const Evaluation& at) override {
+    Eigen::VectorXd d = at.gradient;
+    std::vector<double> alpha(pairs_.size());
+    for (std::size_t i = pairs_.size(); i-- > 0;) {
+      const auto& [s, y] = pairs_[i];
+      alpha[i] = s.dot(d) / s.dot(y);
+      d -= alpha[i] * y;
+    }
+    if (pairs_.empty()) {
+      d *= options_.first_step;
+    } else {
+      const auto& [s, y] = pairs_.back();
+      d *= s.dot(y) / y.squaredNorm();
+    }
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const auto& [s, y] = pairs_[i];
+      d += (alpha[i] - y.dot(d) / s.dot(y)) * s;
+    }
+    d = -d;
+    if (d.allFinite() && at.gradient.dot(d) < 0) return d;
+    pairs_.clear();
+    return -options_.first_step * at.gradient;
+  }
+
+  bool retry() override {
+    if (pairs_.empty()) return false;
+    pairs_.clear();
+    return true;
+  }
+
+  void accepted(bool, const Eigen::VectorXd& step, const Eigen::VectorXd& old_gradient,
+                const Eigen::VectorXd& new_gradient) override {
+    Eigen::VectorXd y = new_gradient - old_gradient;
+    if (!shows_curvature(step, y)) return;
+    pairs_.emplace_back(step, std::move(y));
+    if (pairs_.size() > static_cast<std::size_t>(options_.lbfgs_history)) pairs_.pop_front();
+  }
+
+  void transport(const Objective& objective) override {
+    for (auto& [s, y] : pairs_) {
+      objective.transport(s);
+      objective.transport(y);
+    }
+  }
+
+  void forget() override { pairs_.clear(); }
+
+ private:
+  const MinimizerOptions& options_;
+  std::deque<std::pair<Eigen::VectorXd, Eigen::VectorXd>> pairs_;
+};
+
+class GradientDirection : public DescentDirection {
+ public:
+  explicit GradientDirection(const MinimizerOptions& options) : options_(options), length_(options.first_step) {}
+
+  int order() const override { return 1; }
+  Eigen::VectorXd direction(const Evaluation& at) override { return -length_ * at.gradient; }
+
+  bool retry() override {
+    const bool learned = length_ != options_.first_step;
+    forget();
+    return learned;
+  }
+
+  void accepted(bool, const Eigen::VectorXd& step, const Eigen::VectorXd& old_gradient,
+                const Eigen::VectorXd& new_gradient) override {
+    const Eigen::VectorXd y = new_gradient - old_gradient;
+    if (!shows_curvature(step, y)) return forget();
+    // Alternating the long and the short step length is more robust than either (Dai and Fletcher 2005).
+    length_ = use_long_ ? step.squaredNorm() / step.dot(y) : step.dot(y) / y.squaredNorm();
+    use_long_ = !use_long_;
+  }
+
+  void forget() override { length_ = options_.first_step; }
+
+ private:
+  const MinimizerOptions& options_;
+  double length_;
+  bool use_long_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<DescentDirection> make_descent_direction(const MinimizerOptions& options) {
+  switch (options.method) {
+    case MinimizerMethod::newton:
+      return std::make_unique<NewtonDirection>(options);
+    case MinimizerMethod::lbfgs:
+      return std::make_unique<LbfgsDirection>(options);
+    case MinimizerMethod::gradient_descent:
+      break;
+  }
+  return std::make_unique<GradientDirection>(options);
+}
+
+}  // namespace supple::numerics

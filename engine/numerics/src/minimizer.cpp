@@ -1,0 +1,168 @@
+#include "supple/numerics/minimizer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "descent_direction.h"
+#include "supple/base/error.h"
+
+namespace supple::numerics {
+namespace {
+
+struct LineSearch {
+  bool accepted = false;  ///< the objective's trial state is the one accepted
+  double share = 0;       ///< of the direction that was travelled
+  bool whole = false;     ///< accepted at the first trial
+};
+
+class Minimization {
+ public:
+  Minimization(Objective& objective, const MinimizerOptions& options, const Execution& execution)
+      : objective_(objective), options_(options), execution_(execution), direction_(make_descent_direction(options)) {}
+
+  MinimizerResult run() {
+    at_ = evaluate(direction_->order());
+    if (!std::isfinite(at_.value) || !at_.gradient.allFinite())
+      throw Error("minimizer.not_finite", "The value or the gradient at the start of the minimization is not finite.");
+    start_norm_ = at_.gradient.norm();
+    record(0);
+    while (true) {
+      if (result_.gradient_norm <= options_.gradient_tolerance) return finish(MinimizerStop::converged);
+      if (result_.iterations >= options_.max_iterations) return finish(MinimizerStop::iteration_limit);
+      report_progress();
+      if (!iterate()) return finish(MinimizerStop::step_too_small);
+    }
+  }
+
+ private:
+  Evaluation evaluate(int order) {
+    execution_.cancellation.throw_if_requested();
+    return objective_.evaluate(order);
+  }
+
+  /// One accepted step; false where none was found.
+  bool iterate() {
+    while (true) {
+      Eigen::VectorXd d;
+      {
+        const StageTimer timer(execution_.cost, "step");
+        d = direction_->direction(at_);
+      }
+      const double slope = d.size() > 0 ? at_.gradient.dot(d) : 0;
+      LineSearch search;
+      if (slope < 0) search = line_search(d, slope);
+      if (!search.whole) {
+        if (const auto distance = objective_.snap()) {
+          take_snap(*distance);
+          return true;
+        }
+      }
+      if (search.accepted) {
+        take_step(search, search.share * d);
+        return true;
+      }
+      if (d.size() == 0 || !direction_->retry()) return false;
+    }
+  }
+
+  LineSearch line_search(const Eigen::VectorXd& d, double slope) {
+    const double length = d.norm();
+    double t = std::min(1.0, objective_.largest_step(d));
+    for (int trial = 0; trial <= options_.max_backtracks; ++trial) {
+      if (!(t * length > options_.step_tolerance)) return {};
+      const double share = t * objective_.move(t * d);
+      const double value = evaluate(0).value;
+      if (share * length > options_.step_tolerance && acceptable(value, share * slope))
+        return {.accepted = true, .share = share, .whole = trial == 0};
+      objective_.reject();
+      t *= backtrack(value, t * slope);
+    }
+    return {};
+  }
+
+  bool acceptable(double value, double predicted) {
+    if (!std::isfinite(value)) return false;
+    const double rounding = options_.value_rounding * std::max(std::abs(at_.value), std::abs(value));
+    if (-predicted > rounding) return value <= at_.value + options_.armijo * predicted;
+    return value <= at_.value + rounding && evaluate(1).gradient.norm() < result_.gradient_norm;
+  }
+
+  /// The factor that takes t to the minimum of the parabola with value at_.value and slope `t_slope` / t at 0 and
+  /// `value` at t.
+  double backtrack(double value, double t_slope) const {
+    const double curvature = value - at_.value - t_slope;
+    const double factor =
+        std::isfinite(value) && curvature > 0 ? -t_slope / (2 * curvature) : options_.longest_backtrack;
+    return std::clamp(factor, options_.shortest_backtrack, options_.longest_backtrack);
+  }
+
+  void take_step(const LineSearch& search, Eigen::VectorXd step) {
+    const double length = step.norm();
+    Eigen::VectorXd old_gradient = at_.gradient;
+    at_ = evaluate(direction_->order());
+    if (objective_.transport(step) && objective_.transport(old_gradient)) {
+      direction_->transport(objective_);
+      direction_->accepted(search.whole, step, old_gradient, at_.gradient);
+    } else {
+      direction_->forget();
+    }
+    objective_.accept();
+    ++result_.iterations;
+    record(length);
+  }
+
+  void take_snap(double distance) {
+    at_ = evaluate(direction_->order());
+    direction_->forget();
+    objective_.accept();
+    ++result_.iterations;
+    record(distance);
+  }
+
+  void record(double step_length) {
+    result_.value = at_.value;
+    result_.gradient_norm = at_.gradient.norm();
+    result_.history.push_back({result_.value, result_.gradient_norm, step_length, direction_->regularization()});
+  }
+
+  void report_progress() {
+    const double whole = std::log(start_norm_) - std::log(std::max(options_.gradient_tolerance, 1e-300));
+    const double done = std::log(start_norm_) - std::log(result_.gradient_norm);
+    if (whole > 0) progress_ = std::max(progress_, std::clamp(done / whole, 0.0, 1.0));
+    execution_.checkpoint(progress_, "step");
+  }
+
+  MinimizerResult finish(MinimizerStop stop) {
+    result_.stop = stop;
+    return std::move(result_);
+  }
+
+  Objective& objective_;
+  const MinimizerOptions& options_;
+  const Execution& execution_;
+  std::unique_ptr<DescentDirection> direction_;
+  Evaluation at_;  ///< at the current state
+  double start_norm_ = 0;
+  double progress_ = 0;
+  MinimizerResult result_;
+};
+
+}  // namespace
+
+std::string_view to_string(MinimizerStop stop) {
+  switch (stop) {
+    case MinimizerStop::converged:
+      return "converged";
+    case MinimizerStop::step_too_small:
+      return "step_too_small";
+    case MinimizerStop::iteration_limit:
+      break;
+  }
+  return "iteration_limit";
+}
+
+MinimizerResult minimize(Objective& objective, const MinimizerOptions& options, const Execution& execution) {
+  return Minimization(objective, options, execution).run();
+}
+
+}  // namespace supple::numerics

@@ -1,0 +1,83 @@
+#include "supple/numerics/cholesky.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "supple/numerics/scene.h"
+#include "test_functions.h"
+
+namespace supple::numerics {
+namespace {
+
+SparseMatrix chain_hessian(int n) {
+  Scene scene(Eigen::VectorXd::Zero(n), {std::make_shared<SpringChain>()});
+  return std::get<SparseMatrix>(scene.evaluate(2).hessian);
+}
+
+class ShiftedCholeskyOfSize : public testing::TestWithParam<int> {};
+
+TEST_P(ShiftedCholeskyOfSize, SolvesASparseMatrixLikeTheDenseOne) {
+  const int n = GetParam();
+  const SparseMatrix sparse = chain_hessian(n);
+  Eigen::VectorXd b(n);
+  for (int i = 0; i < n; ++i) b[i] = std::cos(3 * i);
+  for (const double shift : {0.0, 0.7}) {
+    ShiftedCholesky by_sparse;
+    ShiftedCholesky by_dense;
+    ASSERT_TRUE(by_sparse.factorize(sparse, shift));
+    ASSERT_TRUE(by_dense.factorize(Eigen::MatrixXd(sparse), shift));
+    const Eigen::VectorXd x = by_sparse.solve(b);
+    EXPECT_LT((x - by_dense.solve(b)).norm(), 1e-12 * x.norm());
+    EXPECT_LT((sparse * x + shift * x - b).norm(), 1e-12 * b.norm());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(BothSidesOfTheDenseLimit, ShiftedCholeskyOfSize, testing::Values(2, 63, 64, 500));
+
+TEST(ShiftedCholesky, AnalysesAPatternOnceForAllItsValues) {
+  SparseMatrix matrix = chain_hessian(200);
+  ShiftedCholesky cholesky;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(cholesky.factorize(matrix, 0.1 * i));
+    matrix *= 1.5;
+  }
+  EXPECT_EQ(cholesky.analyses(), 1);
+  ASSERT_TRUE(cholesky.factorize(chain_hessian(300), 0));
+  EXPECT_EQ(cholesky.analyses(), 2);
+}
+
+TEST(ShiftedCholesky, SaysWhereTheMatrixIsNotPositiveDefiniteAndTheShiftMendsIt) {
+  for (const int n : {10, 200}) {
+    SparseMatrix matrix = chain_hessian(n);
+    matrix.coeffRef(n / 2, n / 2) = -3;
+    ShiftedCholesky cholesky;
+    EXPECT_FALSE(cholesky.factorize(matrix, 0)) << n;
+    EXPECT_TRUE(cholesky.factorize(matrix, 20)) << n;
+    EXPECT_FALSE(cholesky.factorize(matrix, 0)) << n << ": a success must not hide the next failure";
+  }
+}
+
+TEST(ShiftedCholesky, RefusesAMatrixThatIsNotFinite) {
+  for (const int n : {10, 200}) {
+    SparseMatrix matrix = chain_hessian(n);
+    matrix.coeffRef(0, 0) = std::numeric_limits<double>::quiet_NaN();
+    ShiftedCholesky cholesky;
+    EXPECT_FALSE(cholesky.factorize(matrix, 0)) << n;
+  }
+}
+
+TEST(ShiftedCholesky, ReusesNothingWhenTheSizeStaysAndThePatternChanges) {
+  ShiftedCholesky cholesky;
+  SparseMatrix chain = chain_hessian(100);
+  ASSERT_TRUE(cholesky.factorize(chain, 0));
+  SparseMatrix ring = chain;
+  ring.coeffRef(0, 99) = -0.5;
+  ring.coeffRef(99, 0) = -0.5;
+  ASSERT_TRUE(cholesky.factorize(ring, 0));
+  const Eigen::VectorXd b = Eigen::VectorXd::Ones(100);
+  EXPECT_LT((ring * cholesky.solve(b) - b).norm(), 1e-11);
+}
+
+}  // namespace
+}  // namespace supple::numerics

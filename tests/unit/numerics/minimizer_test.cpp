@@ -1,0 +1,258 @@
+#include "supple/numerics/minimizer.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <memory>
+
+#include "supple/base/error.h"
+#include "supple/base/random.h"
+#include "supple/numerics/scene.h"
+#include "test_functions.h"
+
+namespace supple::numerics {
+namespace {
+
+template <class Term>
+Scene scene_of(Eigen::VectorXd x, CostLedger* cost = nullptr) {
+  return Scene(std::move(x), {std::make_shared<Term>()}, cost);
+}
+
+MinimizerOptions with_method(MinimizerMethod method, int max_iterations = 200) {
+  MinimizerOptions options;
+  options.method = method;
+  options.max_iterations = max_iterations;
+  return options;
+}
+
+/// The line through a well where the objective is smooth but for one kink, |x0| + x1^2 / 2, which it can snap to.
+class Crease : public Objective {
+ public:
+  explicit Crease(Eigen::Vector2d x) : x_(std::move(x)), trial_(x_) {}
+  Eigen::Index dimension() const override { return 2; }
+  Evaluation evaluate(int order) override {
+    Evaluation e;
+    e.value = std::abs(trial_[0]) + 0.5 * trial_[1] * trial_[1];
+    // At the kink the gradient is the shortest of all subgradients.
+    const double side = trial_[0] > 0 ? 1 : trial_[0] < 0 ? -1 : 0;
+    if (order >= 1) e.gradient = Eigen::Vector2d(side, trial_[1]);
+    if (order >= 2) e.hessian = Eigen::MatrixXd(Eigen::Matrix2d::Identity());
+    return e;
+  }
+  double move(const Eigen::VectorXd& step) override {
+    trial_ = x_ + step;
+    return 1;
+  }
+  void accept() override { x_ = trial_; }
+  void reject() override { trial_ = x_; }
+  std::optional<double> snap() override {
+    if (trial_[0] == 0) return std::nullopt;
+    ++snaps;
+    trial_[0] = 0;
+    return (trial_ - x_).norm();
+  }
+  const Eigen::Vector2d& x() const { return x_; }
+  int snaps = 0;
+
+ private:
+  Eigen::Vector2d x_;
+  Eigen::Vector2d trial_;
+};
+
+TEST(Minimizer, NewtonFindsTheMinimumOfRosenbrocksValley) {
+  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton));
+  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_LE(result.gradient_norm, 1e-9);
+  EXPECT_LT((scene.x() - Eigen::Vector2d(1, 1)).norm(), 1e-9);
+  EXPECT_LE(result.iterations, 30);
+}
+
+TEST(Minimizer, EveryMethodReachesTheSameMinimum) {
+  for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs, MinimizerMethod::gradient_descent}) {
+    Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+    const MinimizerResult result = minimize(scene, with_method(method, 20000));
+    EXPECT_EQ(result.stop, MinimizerStop::converged) << static_cast<int>(method);
+    EXPECT_LT((scene.x() - Eigen::Vector2d(1, 1)).norm(), 1e-8) << static_cast<int>(method);
+  }
+}
+
+TEST(Minimizer, LbfgsNeedsFewerIterationsThanGradientDescentAndMoreThanNewton) {
+  const auto iterations = [](MinimizerMethod method) {
+    Scene scene = scene_of<SpringChain>(Eigen::VectorXd::Zero(50));
+    return minimize(scene, with_method(method, 5000)).iterations;
+  };
+  const int newton = iterations(MinimizerMethod::newton);
+  const int lbfgs = iterations(MinimizerMethod::lbfgs);
+  const int descent = iterations(MinimizerMethod::gradient_descent);
+  EXPECT_EQ(newton, 1);
+  EXPECT_LT(newton, lbfgs);
+  EXPECT_LT(lbfgs, descent);
+}
+
+TEST(Minimizer, ValuesNeverRise) {
+  for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs, MinimizerMethod::gradient_descent}) {
+    Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+    const MinimizerResult result = minimize(scene, with_method(method, 300));
+    ASSERT_EQ(result.history.size(), static_cast<std::size_t>(result.iterations) + 1);
+    for (std::size_t i = 1; i < result.history.size(); ++i)
+      EXPECT_LE(result.history[i].value, result.history[i - 1].value) << "iteration " << i;
+  }
+}
+
+TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {
+  Scene scene = scene_of<DoubleWell>(Eigen::Vector2d(0.01, 1));
+  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton));
+  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_NEAR(scene.x()[0], 1, 1e-9);
+  EXPECT_GT(result.history[1].regularization, 0);
+  EXPECT_LT(result.history.back().regularization, 1e-4 * result.history[1].regularization)
+      << "regularization should fade where it is not needed";
+}
+
+TEST(Minimizer, NewtonsLastStepsSquareTheGradient) {
+  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(0.9, 0.7));
+  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton));
+  ASSERT_EQ(result.stop, MinimizerStop::converged);
+  const std::size_t n = result.history.size();
+  ASSERT_GE(n, 3u);
+  const double before = result.history[n - 2].gradient_norm;
+  EXPECT_LT(before, 1e-2);
+  EXPECT_LE(result.history[n - 1].gradient_norm, 100 * before * before);
+}
+
+TEST(Minimizer, ReachesTheRoundingLevelWhereTheValueShowsNoDecreaseAnyMore) {
+  // On top of 1e8, decreases below about 1e-8 cannot be seen in the value; the gradient still shows the way.
+  class OnAPlateau : public SpringChain {
+   public:
+    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+      SpringChain::add(x, order, sum);
+      sum.value += 1e8;
+    }
+  };
+  for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs}) {
+    Scene scene = scene_of<OnAPlateau>(Eigen::VectorXd::Constant(20, 1e-3));
+    const MinimizerResult result = minimize(scene, with_method(method));
+    EXPECT_EQ(result.stop, MinimizerStop::converged);
+    EXPECT_LE(result.gradient_norm, 1e-9);
+  }
+}
+
+TEST(Minimizer, FindsTheLeastEigenvectorOnTheSphereByEveryMethod) {
+  RandomStream random("rayleigh", 1);
+  for (int trial = 0; trial < 20; ++trial) {
+    Eigen::Matrix3d a;
+    Eigen::Vector3d x;
+    for (int i = 0; i < 3; ++i) {
+      x[i] = random.normal();
+      for (int j = 0; j < 3; ++j) a(i, j) = random.normal();
+    }
+    a = (a + a.transpose()).eval();
+    const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(a).eigenvalues()[0];
+    for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs, MinimizerMethod::gradient_descent}) {
+      RayleighQuotient quotient(a, x);
+      const MinimizerResult result = minimize(quotient, with_method(method, 2000));
+      EXPECT_EQ(result.stop, MinimizerStop::converged) << trial;
+      EXPECT_NEAR(2 * result.value, least, 1e-9) << trial;
+    }
+  }
+}
+
+TEST(Minimizer, NeverTriesAStepBeyondTheLargestValidOne) {
+  class Watched : public LogBarrier {
+   public:
+    explicit Watched(double* least) : least_(least) {}
+    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+      *least_ = std::min(*least_, x[0]);
+      LogBarrier::add(x, order, sum);
+    }
+
+   private:
+    double* least_;
+  };
+  double least = 1;
+  // From 30 the Newton step would lead to x = 30 - 870.
+  Scene scene(Eigen::VectorXd::Constant(1, 30.0), {std::make_shared<Watched>(&least)});
+  const MinimizerResult result = minimize(scene);
+  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_NEAR(scene.x()[0], 1, 1e-9);
+  EXPECT_GT(least, 0) << "a state outside the domain was evaluated";
+}
+
+TEST(Minimizer, SnapsToAKinkThatItsLineSearchCannotReach) {
+  Crease crease(Eigen::Vector2d(0.3, 1));
+  const MinimizerResult result = minimize(crease);
+  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_EQ(crease.x(), Eigen::Vector2d(0, 0));
+  EXPECT_GE(crease.snaps, 1);
+}
+
+TEST(Minimizer, SaysThatItCameToTheIterationLimit) {
+  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton, 3));
+  EXPECT_EQ(result.stop, MinimizerStop::iteration_limit);
+  EXPECT_EQ(result.iterations, 3);
+  EXPECT_EQ(result.history.size(), 4u);
+}
+
+TEST(Minimizer, SaysThatNoStepIsLeftWhereTheToleranceCannotBeReached) {
+  Scene scene = scene_of<SpringChain>(Eigen::VectorXd::Zero(30));
+  MinimizerOptions options;
+  options.gradient_tolerance = 0;
+  EXPECT_EQ(minimize(scene, options).stop, MinimizerStop::step_too_small);
+}
+
+TEST(Minimizer, RefusesAStartWithoutAFiniteValue) {
+  Scene scene = scene_of<LogBarrier>(Eigen::VectorXd::Constant(1, -1.0));
+  try {
+    minimize(scene);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "minimizer.not_finite");
+  }
+}
+
+TEST(Minimizer, StopsWhenItIsCancelledInMidSearch) {
+  class CancelAtThird : public ProgressSink {
+   public:
+    explicit CancelAtThird(CancellationToken token) : token_(std::move(token)) {}
+    void report(double fraction, std::string_view) override {
+      EXPECT_GE(fraction, last_);
+      last_ = fraction;
+      if (++reports == 3) token_.request(StopReason::cancelled);
+    }
+    int reports = 0;
+
+   private:
+    CancellationToken token_;
+    double last_ = 0;
+  };
+  Execution execution;
+  CancelAtThird sink(execution.cancellation);
+  execution.progress = &sink;
+  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  try {
+    minimize(scene, {}, execution);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "job.cancelled");
+  }
+  EXPECT_EQ(sink.reports, 3);
+}
+
+TEST(Minimizer, BillsEveryTermOfAScene) {
+  CostLedger cost;
+  Scene scene(Eigen::VectorXd::Zero(5), {std::make_shared<SpringChain>(), std::make_shared<LogBarrier>()}, &cost);
+  scene.move(Eigen::VectorXd::Ones(5));
+  scene.accept();
+  minimize(scene);
+  ASSERT_EQ(cost.effects().size(), 2u);
+  EXPECT_EQ(cost.effects()[0].name, "spring_chain");
+  EXPECT_EQ(cost.effects()[1].name, "log_barrier");
+  EXPECT_TRUE(cost.effects()[0].ran);
+  EXPECT_GE(cost.effects()[0].count, 3);
+  EXPECT_EQ(cost.effects()[0].count, cost.effects()[1].count);
+}
+
+}  // namespace
+}  // namespace supple::numerics
