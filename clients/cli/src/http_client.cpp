@@ -79,8 +79,8 @@ Answer HttpClient::post(const std::string& path, const std::string& body, const 
                         const std::string& accept, const std::string& prefer) {
   httplib::Headers headers{{"Accept", accept}};
   if (!prefer.empty()) headers.emplace("Prefer", prefer);
-  return connection_->call(
-      url_, [&](httplib::Client& client) { return client.Post(path, headers, body, content_type); });
+  return connection_->call(url_,
+                           [&](httplib::Client& client) { return client.Post(path, headers, body, content_type); });
 }
 
 Answer HttpClient::erase(const std::string& path) {

@@ -4,8 +4,8 @@
 
 namespace supple::cli {
 
-/// Turns Ctrl-C and SIGTERM into a call on a thread of its own, where, unlike in a signal handler, everything is allowed.
-/// Construct the watch before any other thread, so that all of them inherit the blocked signals.
+/// Turns Ctrl-C and SIGTERM into a call on a thread of its own, where, unlike in a signal handler, everything is
+/// allowed. Construct the watch before any other thread, so that all of them inherit the blocked signals.
 class InterruptWatch {
  public:
   InterruptWatch();

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include "session.h"
+
+namespace supple::cli {
+
+// Each function adds one family of commands to the program. `options` is read when a command runs, after parsing.
+
+void add_mesh_commands(CLI::App& program, const GlobalOptions& options);
+void add_geodesic_command(CLI::App& program, const GlobalOptions& options);
+void add_field_command(CLI::App& program, const GlobalOptions& options);
+void add_karcher_command(CLI::App& program, const GlobalOptions& options);
+void add_exponential_map_command(CLI::App& program, const GlobalOptions& options);
+void add_job_commands(CLI::App& program, const GlobalOptions& options);
+
+}  // namespace supple::cli

@@ -1,0 +1,88 @@
+#include "field_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <limits>
+
+#include "color_map.h"
+#include "failure.h"
+
+namespace supple::cli {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "fields and PLY files are written in the machine's byte order");
+
+constexpr std::array<std::uint8_t, 3> unreachable_color = {128, 128, 128};
+constexpr double dark_band = 0.8;  // brightness of every second band
+
+template <class Value>
+void append(std::string& bytes, const Value& value) {
+  const std::size_t size = bytes.size();
+  bytes.resize(size + sizeof(Value));
+  std::memcpy(bytes.data() + size, &value, sizeof(Value));
+}
+
+std::array<std::uint8_t, 3> banded_color(double share, int bands) {
+  auto color = color_of(share);
+  if (bands > 0 && static_cast<int>(std::floor(share * bands)) % 2 == 1) {
+    for (auto& channel : color) channel = static_cast<std::uint8_t>(dark_band * channel);
+  }
+  return color;
+}
+
+}  // namespace
+
+std::vector<double> decode_field(const std::string& bytes) {
+  if (bytes.size() % sizeof(double) != 0) {
+    throw Failure(ExitCode::server_error,
+                  fmt::format("the field has {} bytes, which is no multiple of {}", bytes.size(), sizeof(double)));
+  }
+  std::vector<double> values(bytes.size() / sizeof(double));
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+std::string field_as_csv(const std::vector<double>& distances) {
+  std::string text = "vertex,distance\n";
+  auto out = std::back_inserter(text);
+  for (std::size_t v = 0; v < distances.size(); ++v) {
+    if (std::isfinite(distances[v])) {
+      fmt::format_to(out, "{},{}\n", v, distances[v]);
+    } else {
+      fmt::format_to(out, "{},\n", v);
+    }
+  }
+  return text;
+}
+
+std::string field_as_ply(const Geometry& mesh, const std::vector<double>& distances, int bands) {
+  double largest = 0;
+  for (const double d : distances) {
+    if (std::isfinite(d)) largest = std::max(largest, d);
+  }
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment geodesic distances; infinite where unreachable\n"
+      "element vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
+      "property uchar green\nproperty uchar blue\nproperty double quality\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      mesh.positions.size(), mesh.faces.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const double d = v < distances.size() ? distances[v] : std::numeric_limits<double>::infinity();
+    append(bytes, mesh.positions[v]);
+    append(bytes, std::isfinite(d) ? banded_color(largest > 0 ? d / largest : 0, bands) : unreachable_color);
+    append(bytes, d);
+  }
+  for (const auto& face : mesh.faces) {
+    append(bytes, std::uint8_t{3});
+    append(bytes, face);
+  }
+  return bytes;
+}
+
+}  // namespace supple::cli

@@ -1,0 +1,116 @@
+#include "session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <thread>
+
+#include "failure.h"
+#include "interrupt.h"
+#include "progress_bar.h"
+
+namespace supple::cli {
+namespace {
+
+/// Seconds in which the server may answer at once; whatever takes longer becomes a job.
+constexpr auto prefer_immediate = "wait=1";
+constexpr auto shortest_poll = std::chrono::milliseconds(50);
+constexpr auto longest_poll = std::chrono::milliseconds(1000);
+
+[[noreturn]] void throw_interrupted(const std::string& what) { throw Failure(ExitCode::interrupted, what); }
+
+bool looks_like_file(const std::string& mesh) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(mesh, ignored);
+}
+
+/// Sleeps, but not past Ctrl-C.
+void pause(std::chrono::milliseconds duration) {
+  const auto end = std::chrono::steady_clock::now() + duration;
+  while (!InterruptWatch::interrupted() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::min(duration, std::chrono::milliseconds(20)));
+  }
+}
+
+}  // namespace
+
+std::string Session::mesh_id(const std::string& mesh) {
+  if (looks_like_file(mesh)) {
+    const Answer answer = http_.post("/v1/meshes", read_file(mesh), "application/octet-stream");
+    return answer.json().at("id").get<std::string>();
+  }
+  std::vector<std::string> fitting;
+  for (const auto& entry : http_.get("/v1/meshes").json().at("meshes")) {
+    const auto id = entry.at("id").get<std::string>();
+    if (id == mesh) return id;
+    if (!mesh.empty() && id.starts_with(mesh)) fitting.push_back(id);
+  }
+  if (fitting.size() == 1) return fitting.front();
+  if (fitting.empty()) {
+    throw Failure(ExitCode::rejected, fmt::format("'{}' is neither a file nor a mesh of {}", mesh, http_.url()));
+  }
+  throw Failure(ExitCode::usage,
+                fmt::format("'{}' begins the ids of {} meshes; write more of it", mesh, fitting.size()));
+}
+
+Answer Session::compute(const std::string& path, const nlohmann::json& request, const std::string& accept) {
+  Answer answer;
+  try {
+    // An interrupt hangs up, which cancels an immediate computation on the server.
+    const InterruptWatch::Scope scope([this] { http_.abort(); });
+    answer = http_.post(path, request.dump(), "application/json", accept, prefer_immediate);
+  } catch (const Failure&) {
+    if (InterruptWatch::interrupted()) throw_interrupted("interrupted; the computation was cancelled");
+    throw;
+  }
+  if (answer.status != 202) return answer;
+  return follow(answer.location, accept, /*cancel_on_interrupt=*/true);
+}
+
+Answer Session::follow(const std::string& job_path, const std::string& accept, bool cancel_on_interrupt) {
+  // The polling loop looks at the flag itself: nothing needs to be broken off.
+  const InterruptWatch::Scope scope([] {});
+  ProgressBar bar(!options_.no_progress);
+  auto interval = shortest_poll;
+  while (true) {
+    const nlohmann::json job = http_.get(job_path).json();
+    const auto state = job.at("state").get<std::string>();
+    if (state != "accepted" && state != "running") break;
+    bar.show(job.value("progress", 0.0), job.value("stage", state));
+    pause(interval);
+    interval = std::min(2 * interval, longest_poll);
+    if (InterruptWatch::interrupted()) {
+      if (!cancel_on_interrupt) throw_interrupted("interrupted; the job goes on");
+      http_.erase(job_path);
+      throw_interrupted("interrupted; the job was cancelled");
+    }
+  }
+  return http_.get(job_path + "/result", accept);
+}
+
+void Session::print_json(const nlohmann::json& document) const { fmt::print("{}\n", document.dump(2)); }
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw Failure(ExitCode::local_file, fmt::format("{} cannot be read", path));
+  return content;
+}
+
+void write_file(const std::string& path, const std::string& content) {
+  if (path == "-") {
+    std::cout.write(content.data(), static_cast<std::streamsize>(content.size())).flush();
+    return;
+  }
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(content.data(), static_cast<std::streamsize>(content.size()));
+  file.close();
+  if (!file) throw Failure(ExitCode::local_file, fmt::format("{} cannot be written", path));
+}
+
+}  // namespace supple::cli

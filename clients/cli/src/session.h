@@ -1,0 +1,53 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "http_client.h"
+
+namespace supple::cli {
+
+/// What the options before the command say.
+struct GlobalOptions {
+  std::string server = "http://127.0.0.1:8080";
+  bool json = false;         ///< print the server's answers unchanged
+  bool no_progress = false;  ///< never draw a progress bar
+};
+
+/// One run of the program: the options and the connection that its commands share.
+class Session {
+ public:
+  explicit Session(const GlobalOptions& options) : options_(options), http_(options.server) {}
+
+  HttpClient& http() { return http_; }
+  bool json() const { return options_.json; }
+
+  /// The id of a mesh given as its id, as the beginning of an id that fits one mesh of the server only, or as a mesh
+  /// file, which is uploaded (once: equal content is one mesh). Throws Failure.
+  std::string mesh_id(const std::string& mesh);
+
+  /// Runs a computation and waits for its result, which it returns in the media type `accept`.
+  ///
+  /// The server answers within the first second or hands out a job, which is then followed with a progress bar. Ctrl-C
+  /// cancels the computation on the server and throws Failure(interrupted).
+  Answer compute(const std::string& path, const nlohmann::json& request,
+                 const std::string& accept = "application/json");
+
+  /// Follows a job to its end and returns its result. Ctrl-C cancels the job where `cancel_on_interrupt`, and otherwise
+  /// merely stops looking.
+  Answer follow(const std::string& job_path, const std::string& accept, bool cancel_on_interrupt);
+
+  /// Prints a line for people; nothing where --json asked for the answer itself.
+  void print_json(const nlohmann::json& document) const;
+
+ private:
+  GlobalOptions options_;
+  HttpClient http_;
+};
+
+/// The content of a file. Throws Failure(local_file).
+std::string read_file(const std::string& path);
+/// Writes a file, or standard output where the path is "-". Throws Failure(local_file).
+void write_file(const std::string& path, const std::string& content);
+
+}  // namespace supple::cli
