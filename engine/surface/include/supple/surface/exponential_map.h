@@ -11,7 +11,7 @@ namespace supple::surface {
 struct ExponentialMap {
   SurfacePoint end;
   std::vector<PathPoint> trace;     ///< start, every edge crossing and vertex passed, end
-  Eigen::Vector3d end_direction;    ///< unit tangent of the path at its end, in the end's face
+  Eigen::Vector3d end_direction;    ///< unit tangent of the path at its end, in the end's face; zero for a zero vector
   double length = 0;                ///< length travelled; less than asked only where the path met the boundary
   bool reached_boundary = false;
   /// Angle (radians) that turns tangent_frame coordinates at the start into coordinates at the end by transport along
