@@ -71,9 +71,13 @@ class Minimization {
     for (int trial = 0; trial <= options_.max_backtracks; ++trial) {
       if (!(t * length > options_.step_tolerance)) return {};
       const double share = t * objective_.move(t * d);
+      if (!(share * length > options_.step_tolerance)) {
+        // Stopped at once: shorter steps the same way would be too.
+        objective_.reject();
+        return {};
+      }
       const double value = evaluate(0).value;
-      if (share * length > options_.step_tolerance && acceptable(value, share * slope))
-        return {.accepted = true, .share = share, .whole = trial == 0};
+      if (acceptable(value, share * slope)) return {.accepted = true, .share = share, .whole = trial == 0};
       objective_.reject();
       t *= backtrack(value, t * slope);
     }

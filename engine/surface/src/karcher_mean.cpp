@@ -1,0 +1,293 @@
+#include "supple/surface/karcher_mean.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "anchor_distances.h"
+#include "karcher_objective.h"
+#include "supple/base/error.h"
+#include "supple/numerics/minimizer.h"
+#include "supple/surface/exponential_map.h"
+#include "vertex_cone.h"
+
+namespace supple::surface {
+namespace {
+
+/// Positions of the moving point that a mean is expected to need, for the choice of the search: measured means over the
+/// benchmark's meshes (docs/bench/karcher.md).
+constexpr std::int64_t expected_evaluations_newton = 12;
+constexpr std::int64_t expected_evaluations_lbfgs = 20;
+constexpr std::int64_t expected_evaluations_descent = 40;
+
+/// Of more points than this, the start is sought among the ones of least mean squared straight distance.
+constexpr std::size_t most_start_candidates = 8;
+
+/// Steps shorter than this share of the mesh diagonal do not move a point in double precision.
+constexpr double shortest_step = 1e-16;
+/// A line search on an exact model either succeeds within a few halvings or stands before a kink, which snapping
+/// handles.
+constexpr int most_backtracks = 30;
+/// Beyond this multiple of the Hessian's diagonal a step is a thousand times shorter than the gradient step.
+constexpr double most_regularization = 1e3;
+
+/// Around a suspicious stop, E is probed in this many directions at this share of the mean edge length: near enough to
+/// see the slope of a kink, far enough for it to stand out of rounding.
+constexpr int probe_directions = 16;
+constexpr double probe_radius = 1e-3;
+/// A probe is lower once it undercuts E by this share, well above E's rounding.
+constexpr double probe_gain = 1e-12;
+constexpr int most_probes = 20;
+
+struct Problem {
+  std::vector<SurfacePoint> anchors;  ///< of positive weight
+  std::vector<double> weights;        ///< of sum 1
+  std::optional<SurfacePoint> start;
+};
+
+std::vector<double> checked_weights(const KarcherProblem& problem) {
+  const std::size_t n = problem.points.size();
+  if (problem.weights.empty()) return std::vector<double>(n, 1.0 / static_cast<double>(n));
+  if (problem.weights.size() != n)
+    throw Error(
+        "karcher.weights", "There must be one weight for each point, or none.",
+        {{"weights", std::to_string(problem.weights.size()) + " weights for " + std::to_string(n) + " points"}});
+  std::vector<Error::Detail> faults;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::string where = "weights/" + std::to_string(i);
+    if (!std::isfinite(problem.weights[i]))
+      faults.push_back({where, "is not finite"});
+    else if (problem.weights[i] < 0)
+      faults.push_back({where, "is negative"});
+  }
+  if (!faults.empty()) throw Error("karcher.weights", "Weights must be finite and not negative.", std::move(faults));
+  // Scaled by the largest first, so that the sum neither overflows nor underflows.
+  const double largest = *std::ranges::max_element(problem.weights);
+  if (!(largest > 0))
+    throw Error("karcher.weights", "At least one weight must be positive.", {{"weights", "are all zero"}});
+  std::vector<double> weights = problem.weights;
+  for (double& w : weights) w /= largest;
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (double& w : weights) w /= sum;
+  return weights;
+}
+
+Problem checked(const TriangleMesh& mesh, const KarcherProblem& problem) {
+  if (problem.points.empty())
+    throw Error("karcher.no_points", "A mean needs at least one point.", {{"points", "is empty"}});
+  const std::vector<double> weights = checked_weights(problem);
+
+  Problem result;
+  std::int32_t component = -1;
+  std::vector<Error::Detail> elsewhere;
+  const auto check_component = [&](const SurfacePoint& point, const std::string& where) {
+    const std::int32_t own = mesh.component(index(point.face));
+    if (component < 0) component = own;
+    if (own != component)
+      elsewhere.push_back(
+          {where, "lies on component " + std::to_string(own) + ", points/0 on component " + std::to_string(component)});
+  };
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    const std::string where = "points/" + std::to_string(i);
+    const SurfacePoint point = checked_point(mesh, problem.points[i], where);
+    check_component(point, where);
+    if (weights[i] <= 0) continue;
+    result.anchors.push_back(point);
+    result.weights.push_back(weights[i]);
+  }
+  if (problem.start) {
+    result.start = checked_point(mesh, *problem.start, "start");
+    check_component(*result.start, "start");
+  }
+  if (!elsewhere.empty())
+    throw Error("karcher.unreachable", "The points lie on different components of the mesh, so they have no mean.",
+                std::move(elsewhere));
+  return result;
+}
+
+/// The anchors that are worth a look as starts: all, or of many the ones of least mean squared straight distance, which
+/// costs no search.
+std::vector<std::size_t> start_candidates(const TriangleMesh& mesh, const Problem& problem) {
+  std::vector<std::size_t> candidates(problem.anchors.size());
+  std::iota(candidates.begin(), candidates.end(), std::size_t{0});
+  if (candidates.size() <= most_start_candidates) return candidates;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < candidates.size(); ++i) centre += problem.weights[i] * position(mesh, problem.anchors[i]);
+  std::vector<double> away(candidates.size());
+  for (const std::size_t i : candidates) away[i] = (position(mesh, problem.anchors[i]) - centre).squaredNorm();
+  std::ranges::stable_sort(candidates, {}, [&](std::size_t i) { return away[i]; });
+  candidates.resize(most_start_candidates);
+  return candidates;
+}
+
+SurfacePoint best_start(const KarcherObjective& objective, const TriangleMesh& mesh, const Problem& problem) {
+  if (problem.anchors.size() == 1) return problem.anchors.front();
+  double best = std::numeric_limits<double>::infinity();
+  SurfacePoint start = problem.anchors.front();
+  for (const std::size_t i : start_candidates(mesh, problem)) {
+    const double value = objective.value_at(problem.anchors[i]);
+    if (value < best) {
+      best = value;
+      start = problem.anchors[i];
+    }
+  }
+  return start;
+}
+
+std::int64_t expected_evaluations(MinimizationMethod method) {
+  switch (method) {
+    case MinimizationMethod::newton:
+      return expected_evaluations_newton;
+    case MinimizationMethod::lbfgs:
+      return expected_evaluations_lbfgs;
+    case MinimizationMethod::gradient_descent:
+      break;
+  }
+  return expected_evaluations_descent;
+}
+
+AnchorSearch choose_search(const TriangleMesh& mesh, const KarcherProblem& problem, std::size_t anchors,
+                           CostLedger* cost) {
+  AnchorSearchChoice choice;
+  const auto count = static_cast<std::int64_t>(anchors);
+  switch (problem.kept_fields) {
+    case KarcherProblem::KeptFields::on:
+      choice = {AnchorSearch::fields, "asked for"};
+      break;
+    case KarcherProblem::KeptFields::off:
+      choice = cheapest_search(mesh.face_count(), count, 0);
+      choice.why = "asked not to";
+      break;
+    case KarcherProblem::KeptFields::automatic:
+      choice = cheapest_search(mesh.face_count(), count, expected_evaluations(problem.method));
+      break;
+  }
+  const bool kept = choice.search == AnchorSearch::fields;
+  if (cost) cost->add_effect("kept_fields", kept, choice.why, kept ? count : 0);
+  return choice.search;
+}
+
+numerics::MinimizerOptions minimizer_options(const KarcherProblem& problem, double diagonal) {
+  numerics::MinimizerOptions options;
+  switch (problem.method) {
+    case MinimizationMethod::newton:
+      options.method = numerics::MinimizerMethod::newton;
+      break;
+    case MinimizationMethod::lbfgs:
+      options.method = numerics::MinimizerMethod::lbfgs;
+      break;
+    case MinimizationMethod::gradient_descent:
+      options.method = numerics::MinimizerMethod::gradient_descent;
+      break;
+  }
+  options.gradient_tolerance = problem.tolerance * diagonal;
+  options.step_tolerance = shortest_step * diagonal;
+  options.max_backtracks = most_backtracks;
+  options.max_regularization = most_regularization;
+  return options;
+}
+
+/// Directions evenly spread around a point, each as the point written in the face that the direction enters and a unit
+/// vector in it.
+std::vector<VertexCone::Direction> spread_directions(const TriangleMesh& mesh, const SurfacePoint& point) {
+  std::vector<VertexCone::Direction> directions;
+  const int corner = corner_of(point);
+  if (corner >= 0) {
+    const VertexCone cone(mesh, mesh.faces()[index(point.face)][corner]);
+    // Half a spacing off the ends, so that no direction of a boundary vertex runs along the boundary.
+    for (int k = 0; k < probe_directions; ++k)
+      directions.push_back(cone.direction((k + 0.5) / probe_directions * cone.total_angle()));
+    return directions;
+  }
+  const auto frame = tangent_frame(mesh, point.face);
+  for (int k = 0; k < probe_directions; ++k) {
+    const double angle = 2 * std::numbers::pi * (k + 0.5) / probe_directions;
+    directions.push_back({point, frame * Eigen::Vector2d(std::cos(angle), std::sin(angle))});
+  }
+  return directions;
+}
+
+class Search {
+ public:
+  Search(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution)
+      : mesh_(solver.mesh()),
+        options_(minimizer_options(problem, mesh_.diagonal())),
+        most_iterations_(problem.max_iterations),
+        execution_(execution) {}
+
+  KarcherMean run(KarcherObjective& objective) {
+    numerics::MinimizerStop stop{};
+    for (int probes = 0;; ++probes) {
+      options_.max_iterations = most_iterations_ - mean_.iterations;
+      const numerics::MinimizerResult result = numerics::minimize(objective, options_, execution_);
+      append(result);
+      stop = result.stop;
+      // Only at a cut locus, on a tip or without a step can a lower value be next to the stop.
+      if (stop == numerics::MinimizerStop::iteration_limit || probes == most_probes ||
+          mean_.iterations >= most_iterations_)
+        break;
+      if (stop == numerics::MinimizerStop::converged && !objective.on_tip() && objective.away_from_cut_loci()) break;
+      if (!probe(objective)) break;
+    }
+    mean_.mean = objective.point();
+    mean_.position = position(mesh_, mean_.mean);
+    mean_.objective = mean_.history.back().objective;
+    mean_.gradient_norm = mean_.history.back().gradient_norm;
+    const bool kink = stop == numerics::MinimizerStop::converged && objective.on_tip();
+    mean_.stopped = kink ? "kink" : std::string(numerics::to_string(stop));
+    return std::move(mean_);
+  }
+
+ private:
+  void append(const numerics::MinimizerResult& result) {
+    // After a probe the first state is the one that the probe moved to: one iteration of the length of the probe.
+    const bool probed = !mean_.history.empty();
+    mean_.iterations += result.iterations + (probed ? 1 : 0);
+    for (const numerics::MinimizerStep& step : result.history)
+      mean_.history.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
+    if (probed) mean_.history[mean_.history.size() - result.history.size()].step_length = probe_length();
+  }
+
+  double probe_length() const { return probe_radius * mesh_.mean_edge_length(); }
+
+  /// Moves the objective to a lower point nearby if there is one.
+  bool probe(KarcherObjective& objective) const {
+    double best = mean_.history.back().objective * (1 - probe_gain);
+    std::optional<SurfacePoint> lower;
+    for (const auto& direction : spread_directions(mesh_, objective.point())) {
+      const ExponentialMap walked = exponential_map(mesh_, direction.vertex, probe_length() * direction.vector, false);
+      const double value = objective.value_at(walked.end);
+      if (value < best) {
+        best = value;
+        lower = walked.end;
+      }
+    }
+    if (lower) objective.place(*lower);
+    return lower.has_value();
+  }
+
+  const TriangleMesh& mesh_;
+  numerics::MinimizerOptions options_;
+  int most_iterations_;
+  const Execution& execution_;
+  KarcherMean mean_;
+};
+
+}  // namespace
+
+KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution) {
+  const TriangleMesh& mesh = solver.mesh();
+  const Problem own = checked(mesh, problem);
+  execution.checkpoint(0, "search");
+  const AnchorSearch search = choose_search(mesh, problem, own.anchors.size(), execution.cost);
+  const AnchorDistances distances(solver, own.anchors, search, execution);
+  KarcherObjective objective(mesh, distances, own.weights, own.start.value_or(own.anchors.front()), execution);
+  if (!own.start) objective.place(best_start(objective, mesh, own));
+  KarcherMean mean = Search(solver, problem, execution).run(objective);
+  execution.checkpoint(1, "step");
+  return mean;
+}
+
+}  // namespace supple::surface
