@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "coordinate_index.h"
+#include "equal_points.h"
 #include "mesh_connectivity.h"
 #include "mesh_faults.h"
 
@@ -16,19 +16,21 @@ std::string counted(std::int64_t count, const std::string& one, const std::strin
 }
 
 std::int64_t coincident_vertices(const std::vector<Eigen::Vector3d>& positions) {
-  CoordinateIndex index(positions, positions.size());
+  const std::vector<std::int32_t> first = first_equal_points(positions);
   std::int64_t count = 0;
-  for (std::int32_t v = 0; v < static_cast<std::int32_t>(positions.size()); ++v) count += index.find_or_add(v) != v;
+  for (std::size_t v = 0; v < first.size(); ++v) count += first[v] != static_cast<std::int32_t>(v);
   return count;
 }
 
 }  // namespace
 
-TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces) {
+TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces,
+                                 std::vector<std::string> warnings) {
   check_elements(positions, faces);
   TriangleMesh mesh;
   mesh.positions_ = std::move(positions);
   mesh.faces_ = std::move(faces);
+  mesh.warnings_ = std::move(warnings);
   const std::int32_t vertices = mesh.vertex_count();
   const std::int32_t halfedges = mesh.halfedge_count();
 

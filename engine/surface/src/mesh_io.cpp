@@ -1,0 +1,99 @@
+#include "supple/surface/mesh_io.h"
+
+#include <bit>
+#include <charconv>
+#include <utility>
+
+#include "mesh_reading.h"
+
+namespace supple::surface {
+namespace {
+
+/// Whether the first line that is neither blank nor a comment begins with the keyword of an OFF file.
+bool begins_with_off_keyword(std::string_view bytes) {
+  TextScanner scanner(without_byte_order_mark(bytes));
+  while (scanner.next_line()) {
+    scanner.cut_line_at('#');
+    const std::string_view word = scanner.token();
+    if (!word.empty()) return word.size() <= 8 && word.ends_with("OFF");
+  }
+  return false;
+}
+
+void append_number(std::string& text, double value) {
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  text.append(buffer, end);
+}
+
+template <typename Unsigned>
+void append_little_endian(std::string& bytes, Unsigned value) {
+  for (std::size_t i = 0; i < sizeof value; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
+}
+
+}  // namespace
+
+MeshFormat detect_format(std::string_view bytes) {
+  const std::string_view text = without_byte_order_mark(bytes);
+  if (text.starts_with("ply\n") || text.starts_with("ply\r")) return MeshFormat::ply;
+  if (is_binary_stl(bytes)) return MeshFormat::stl;
+  if (text.starts_with("solid")) return MeshFormat::stl;
+  return begins_with_off_keyword(bytes) ? MeshFormat::off : MeshFormat::obj;
+}
+
+TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits) {
+  switch (format) {
+    case MeshFormat::off:
+      return read_off(bytes, limits);
+    case MeshFormat::ply:
+      return read_ply(bytes, limits);
+    case MeshFormat::stl:
+      return read_stl(bytes, limits);
+    default:
+      return read_obj(bytes, limits);
+  }
+}
+
+TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits) {
+  TriangleSoup soup = read_mesh(bytes, detect_format(bytes), limits);
+  return TriangleMesh::build(std::move(soup.positions), std::move(soup.faces), std::move(soup.warnings));
+}
+
+std::string write_obj(const TriangleMesh& mesh) {
+  std::string text;
+  for (const Eigen::Vector3d& p : mesh.positions()) {
+    text += 'v';
+    for (int i = 0; i < 3; ++i) {
+      text += ' ';
+      append_number(text, p[i]);
+    }
+    text += '\n';
+  }
+  for (const Triangle& face : mesh.faces()) {
+    text += 'f';
+    for (const std::int32_t v : face) text += ' ' + std::to_string(v + 1);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string write_ply(const TriangleMesh& mesh) {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\n"
+      "element vertex " +
+      std::to_string(mesh.vertex_count()) +
+      "\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face " +
+      std::to_string(mesh.face_count()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  bytes.reserve(bytes.size() + 24 * mesh.positions().size() + 13 * mesh.faces().size());
+  for (const Eigen::Vector3d& p : mesh.positions()) {
+    for (int i = 0; i < 3; ++i) append_little_endian(bytes, std::bit_cast<std::uint64_t>(p[i]));
+  }
+  for (const Triangle& face : mesh.faces()) {
+    bytes += '\3';
+    for (const std::int32_t v : face) append_little_endian(bytes, static_cast<std::uint32_t>(v));
+  }
+  return bytes;
+}
+
+}  // namespace supple::surface

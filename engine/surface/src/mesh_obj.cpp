@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <limits>
+
+#include "mesh_reading.h"
+
+namespace supple::surface {
+namespace {
+
+/// Statements of the OBJ format (Wavefront, appendix B1) that say nothing about triangles.
+constexpr std::string_view ignored_statements[] = {
+    "vt",     "vn",    "vp",       "g",        "s",     "o",          "mg",        "usemtl", "mtllib", "usemap",
+    "maplib", "bevel", "c_interp", "d_interp", "lod",   "shadow_obj", "trace_obj", "cstype", "deg",    "bmat",
+    "step",   "curv",  "curv2",    "surf",     "parm",  "trim",       "hole",      "scrv",   "sp",     "end",
+    "con",    "call",  "csh",      "ctech",    "stech", "bsp",        "bzp",       "cdc",    "cdp",    "res"};
+
+constexpr std::string_view skipped_elements[] = {"l", "p"};
+
+Eigen::Vector3d read_position(TextScanner& scanner) {
+  Eigen::Vector3d p;
+  for (int i = 0; i < 3; ++i) p[i] = scanner.number(scanner.token(), "a coordinate");
+  return p;
+}
+
+/// The vertex of "7", "7/1", "7//3", "7/1/3" or "-2/...", counted from 0.
+std::int32_t read_corner(const TextScanner& scanner, std::string_view token, std::int64_t vertices_so_far) {
+  const std::int64_t number = scanner.integer(token.substr(0, token.find('/')), "a vertex number");
+  const std::int64_t v = number > 0 ? number - 1 : vertices_so_far + number;
+  if (number == 0 || v < 0 || v > std::numeric_limits<std::int32_t>::max()) {
+    throw_malformed_line(scanner.line_number(), "vertex number " + std::to_string(number) + " does not exist; " +
+                                                    std::to_string(vertices_so_far) + " vertices precede this line");
+  }
+  return static_cast<std::int32_t>(v);
+}
+
+}  // namespace
+
+TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits) {
+  TextScanner scanner(without_byte_order_mark(bytes));
+  SoupBuilder builder(limits);
+  std::vector<std::int32_t> corners;
+  std::int64_t skipped = 0;
+  while (scanner.next_line()) {
+    scanner.cut_line_at('#');
+    const std::string_view word = scanner.token();
+    if (word.empty()) continue;
+    if (word == "v") {
+      builder.add_vertex(read_position(scanner));
+    } else if (word == "f" || word == "fo") {
+      corners.clear();
+      for (std::string_view token = scanner.token(); !token.empty(); token = scanner.token()) {
+        const bool continues = token.ends_with('\\');
+        if (continues) token.remove_suffix(1);
+        if (!token.empty()) corners.push_back(read_corner(scanner, token, builder.vertex_count()));
+        if (continues) scanner.next_line();
+      }
+      builder.add_polygon(corners);
+    } else if (std::ranges::count(skipped_elements, word) > 0) {
+      ++skipped;
+    } else if (std::ranges::count(ignored_statements, word) == 0) {
+      throw_malformed_line(scanner.line_number(), "expected an OBJ statement such as v or f, found " + quoted(word));
+    } else {
+      // A statement that is left out may go on over several lines.
+      while (scanner.current_line_continues() && scanner.next_line()) {
+      }
+    }
+  }
+  if (skipped > 0) builder.add_warning(std::to_string(skipped) + " line or point elements were left out.");
+  return std::move(builder).finish();
+}
+
+}  // namespace supple::surface

@@ -1,0 +1,326 @@
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "mesh_reading.h"
+
+namespace supple::surface {
+namespace {
+
+enum class Encoding { ascii, little_endian, big_endian };
+enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+struct Property {
+  std::string_view name;
+  Scalar type;
+  std::optional<Scalar> count_type;  // set for lists
+};
+
+struct Element {
+  std::string_view name;
+  std::int64_t count = 0;
+  std::vector<Property> properties;
+
+  int find(std::string_view wanted) const {
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+      if (properties[i].name == wanted) return static_cast<int>(i);
+    }
+    return -1;
+  }
+};
+
+struct Header {
+  Encoding encoding = Encoding::ascii;
+  std::vector<Element> elements;
+  std::string_view body;
+  std::int64_t lines = 0;
+};
+
+std::size_t size_of(Scalar type) {
+  switch (type) {
+    case Scalar::int8:
+    case Scalar::uint8:
+      return 1;
+    case Scalar::int16:
+    case Scalar::uint16:
+      return 2;
+    case Scalar::float64:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+Scalar scalar_type(const TextScanner& scanner, std::string_view name) {
+  struct Row {
+    std::string_view name;
+    Scalar type;
+  };
+  constexpr Row table[] = {{"char", Scalar::int8},      {"int8", Scalar::int8},       {"uchar", Scalar::uint8},
+                           {"uint8", Scalar::uint8},    {"short", Scalar::int16},     {"int16", Scalar::int16},
+                           {"ushort", Scalar::uint16},  {"uint16", Scalar::uint16},   {"int", Scalar::int32},
+                           {"int32", Scalar::int32},    {"uint", Scalar::uint32},     {"uint32", Scalar::uint32},
+                           {"float", Scalar::float32},  {"float32", Scalar::float32}, {"double", Scalar::float64},
+                           {"float64", Scalar::float64}};
+  for (const Row& row : table) {
+    if (row.name == name) return row.type;
+  }
+  throw_malformed_line(scanner.line_number(), "expected a PLY scalar type, found " + quoted(name));
+}
+
+Encoding read_encoding(TextScanner& scanner) {
+  const std::string_view name = scanner.token(), version = scanner.token();
+  if (version != "1.0")
+    throw_malformed_line(scanner.line_number(), "expected PLY version 1.0, found " + quoted(version));
+  if (name == "ascii") return Encoding::ascii;
+  if (name == "binary_little_endian") return Encoding::little_endian;
+  if (name == "binary_big_endian") return Encoding::big_endian;
+  throw_malformed_line(scanner.line_number(), "expected a PLY format, found " + quoted(name));
+}
+
+Property read_property(TextScanner& scanner) {
+  Property property{};
+  std::string_view type = scanner.token();
+  if (type == "list") {
+    property.count_type = scalar_type(scanner, scanner.token());
+    type = scanner.token();
+  }
+  property.type = scalar_type(scanner, type);
+  property.name = scanner.token();
+  if (property.name.empty()) throw_malformed_line(scanner.line_number(), "expected the property's name");
+  return property;
+}
+
+Header read_header(std::string_view bytes) {
+  TextScanner scanner(bytes);
+  Header header;
+  bool has_format = false;
+  scanner.next_line();
+  if (const std::string_view magic = scanner.token(); magic != "ply") {
+    throw_malformed_line(1, "expected ply, found " + quoted(magic));
+  }
+  while (scanner.next_line()) {
+    const std::string_view word = scanner.token();
+    if (word == "end_header") {
+      if (!has_format) throw_malformed_line(scanner.line_number(), "the header has no format line");
+      header.body = scanner.rest();
+      // Where lines end with CR alone, an LF after the last one is data.
+      const bool cr_alone = bytes.starts_with("ply\r") && !bytes.starts_with("ply\r\n");
+      const std::size_t body_at = bytes.size() - header.body.size();
+      if (cr_alone && bytes.substr(0, body_at).ends_with("\r\n")) header.body = bytes.substr(body_at - 1);
+      header.lines = scanner.line_number();
+      return header;
+    }
+    if (word == "format") {
+      header.encoding = read_encoding(scanner);
+      has_format = true;
+    } else if (word == "element") {
+      Element element;
+      element.name = scanner.token();
+      element.count = scanner.integer(scanner.token(), "the number of elements");
+      if (element.count < 0) throw_malformed_line(scanner.line_number(), "the number of elements is negative");
+      header.elements.push_back(std::move(element));
+    } else if (word == "property") {
+      if (header.elements.empty()) throw_malformed_line(scanner.line_number(), "a property precedes every element");
+      header.elements.back().properties.push_back(read_property(scanner));
+    } else if (!word.empty() && word != "comment" && word != "obj_info") {
+      throw_malformed_line(scanner.line_number(), "expected a PLY header line, found " + quoted(word));
+    }
+  }
+  throw_malformed_line(scanner.line_number(), "the header has no end_header");
+}
+
+/// Reads the numbers of an ASCII body.
+class TextBody {
+ public:
+  explicit TextBody(const Header& header) : scanner_(header.body, header.lines) {}
+
+  double number(Scalar) {
+    const std::string_view token = scanner_.token_across_lines();
+    if (token.empty()) fail("expected a number, found the end of the file");
+    return scanner_.number(token, "a number");
+  }
+  void skip(const Element& element) {
+    for (std::int64_t i = 0; i < element.count && !element.properties.empty(); ++i) {
+      for (const Property& property : element.properties) skip_property(property);
+    }
+  }
+  void skip_property(const Property& property) {
+    const double values = property.count_type ? number(*property.count_type) : 1;
+    if (!(values >= 0)) fail("the length of a list is not a number >= 0");
+    for (double i = 0; i < values; ++i) number(property.type);
+  }
+  bool at_end() { return scanner_.token_across_lines().empty(); }
+  [[noreturn]] void fail(const std::string& message) const { throw_malformed_line(scanner_.line_number(), message); }
+
+ private:
+  TextScanner scanner_;
+};
+
+/// Reads the numbers of a binary body.
+class BinaryBody {
+ public:
+  BinaryBody(const Header& header, std::size_t header_size)
+      : bytes_(header.body), header_size_(header_size), big_endian_(header.encoding == Encoding::big_endian) {}
+
+  double number(Scalar type) {
+    const std::uint64_t bits = take(size_of(type));
+    switch (type) {
+      case Scalar::int8:
+        return static_cast<std::int8_t>(bits);
+      case Scalar::int16:
+        return static_cast<std::int16_t>(bits);
+      case Scalar::int32:
+        return static_cast<std::int32_t>(bits);
+      case Scalar::float32:
+        return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+      case Scalar::float64:
+        return std::bit_cast<double>(bits);
+      default:
+        return static_cast<double>(bits);
+    }
+  }
+  void skip(const Element& element) {
+    std::size_t size = 0;
+    bool has_list = false;
+    for (const Property& property : element.properties) {
+      has_list = has_list || property.count_type;
+      size += size_of(property.type);
+    }
+    if (!has_list) {
+      if (size > 0) skip_values(static_cast<double>(element.count), size);
+      return;
+    }
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      for (const Property& property : element.properties) skip_property(property);
+    }
+  }
+  void skip_property(const Property& property) {
+    skip_values(property.count_type ? number(*property.count_type) : 1, size_of(property.type));
+  }
+  bool at_end() const { return at_ == bytes_.size(); }
+  [[noreturn]] void fail(const std::string& message) const { throw_malformed_byte(header_size_ + at_, message); }
+
+ private:
+  std::uint64_t take(std::size_t size) {
+    if (bytes_.size() - at_ < size) fail("expected a number, found the end of the file");
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t from = big_endian_ ? at_ + i : at_ + size - 1 - i;
+      bits = bits << 8 | static_cast<unsigned char>(bytes_[from]);
+    }
+    at_ += size;
+    return bits;
+  }
+  void skip_values(double count, std::size_t size) {
+    const std::size_t left = bytes_.size() - at_;
+    if (!(count >= 0) || count > static_cast<double>(left / size)) {
+      fail("expected more values than the " + std::to_string(left) + " bytes that are left can hold");
+    }
+    at_ += static_cast<std::size_t>(count) * size;
+  }
+
+  std::string_view bytes_;
+  std::size_t header_size_;
+  std::size_t at_ = 0;
+  bool big_endian_;
+};
+
+template <typename Body>
+void read_vertices(Body& body, const Element& element, SoupBuilder& builder) {
+  const int axes[] = {element.find("x"), element.find("y"), element.find("z")};
+  for (const int axis : axes) {
+    if (axis < 0 || element.properties[axis].count_type) body.fail("the vertices have no properties x, y and z");
+  }
+  for (std::int64_t v = 0; v < element.count; ++v) {
+    Eigen::Vector3d p;
+    for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
+      const Property& property = element.properties[i];
+      if (i == axes[0] || i == axes[1] || i == axes[2]) {
+        p[i == axes[0] ? 0 : i == axes[1] ? 1 : 2] = body.number(property.type);
+      } else {
+        body.skip_property(property);
+      }
+    }
+    builder.add_vertex(p);
+  }
+}
+
+/// A number that must be an integer of [0, limit).
+template <typename Body>
+std::int64_t whole_number(Body& body, Scalar type, double limit, const char* what) {
+  const double value = body.number(type);
+  if (value >= 0 && value < limit && value == std::floor(value)) return static_cast<std::int64_t>(value);
+  body.fail(std::string(what) + " is not an integer from 0 to " + std::to_string(static_cast<std::int64_t>(limit) - 1));
+}
+
+template <typename Body>
+void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupBuilder& builder) {
+  int list = element.find("vertex_indices");
+  if (list < 0) list = element.find("vertex_index");
+  if (list < 0 || !element.properties[list].count_type) body.fail("the faces have no list property vertex_indices");
+  std::vector<std::int32_t> corners;
+  for (std::int64_t f = 0; f < element.count; ++f) {
+    for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
+      const Property& property = element.properties[i];
+      if (i != list) {
+        body.skip_property(property);
+        continue;
+      }
+      corners.clear();
+      const std::int64_t size = whole_number(body, *property.count_type, 0x1p31, "the number of corners");
+      for (std::int64_t corner = 0; corner < size; ++corner) {
+        const std::int64_t v = whole_number(body, property.type, static_cast<double>(vertices), "a vertex number");
+        corners.push_back(static_cast<std::int32_t>(v));
+      }
+      builder.add_polygon(corners);
+    }
+  }
+}
+
+template <typename Body>
+TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits) {
+  SoupBuilder builder(limits);
+  const Element* vertices = nullptr;
+  const Element* faces = nullptr;
+  for (const Element& element : header.elements) {
+    for (const auto& [name, found] : {std::pair{"vertex", &vertices}, std::pair{"face", &faces}}) {
+      if (element.name != name) continue;
+      if (*found) body.fail("the header has more than one element " + std::string(name));
+      *found = &element;
+    }
+  }
+  if (!vertices || !faces) body.fail("the header has no element " + std::string(vertices ? "face" : "vertex"));
+  builder.check_announced(vertices->count, faces->count);
+  builder.reserve(plausible_count(vertices->count, header.body.size(), 3),
+                  plausible_count(faces->count, header.body.size(), 4));
+  std::int64_t left_out = 0;
+  std::string_view first_left_out;
+  for (const Element& element : header.elements) {
+    if (&element == vertices) {
+      read_vertices(body, element, builder);
+    } else if (&element == faces) {
+      read_faces(body, element, vertices->count, builder);
+    } else {
+      body.skip(element);
+      if (left_out++ == 0) first_left_out = element.name;
+    }
+  }
+  if (left_out > 0) {
+    builder.add_warning("Elements other than vertex and face were left out: " + quoted(first_left_out) +
+                        (left_out > 1 ? " and " + std::to_string(left_out - 1) + " more." : "."));
+  }
+  if (!body.at_end()) builder.add_warning("What follows the last element was left out.");
+  return std::move(builder).finish();
+}
+
+}  // namespace
+
+TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits) {
+  const Header header = read_header(without_byte_order_mark(bytes));
+  if (header.encoding == Encoding::ascii) return read_body(TextBody(header), header, limits);
+  return read_body(BinaryBody(header, bytes.size() - header.body.size()), header, limits);
+}
+
+}  // namespace supple::surface

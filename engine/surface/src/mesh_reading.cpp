@@ -1,0 +1,154 @@
+#include "mesh_reading.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <utility>
+
+#include "supple/base/error.h"
+
+namespace supple::surface {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+
+[[noreturn]] void throw_malformed(std::string where, const std::string& message) {
+  throw Error("mesh.malformed", "The mesh file is malformed at " + where + ": " + message + ".", {{where, message}});
+}
+
+void check_limit(std::int64_t count, std::int64_t limit, const std::string& what) {
+  if (count <= limit) return;
+  const std::string over = std::to_string(count) + " " + what + ", the limit is " + std::to_string(limit);
+  throw Error("mesh.too_large", "The mesh has at least " + over + ".", {{what, over}});
+}
+
+// from_chars takes no leading plus, files may.
+std::string_view without_plus(std::string_view token) {
+  if (token.size() > 1 && token[0] == '+' && token[1] != '-') token.remove_prefix(1);
+  return token;
+}
+
+}  // namespace
+
+void throw_malformed_line(std::int64_t line, const std::string& message) {
+  throw_malformed("line " + std::to_string(line), message);
+}
+
+void throw_malformed_byte(std::size_t offset, const std::string& message) {
+  throw_malformed("byte " + std::to_string(offset), message);
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t longest = 24;
+  if (text.empty()) return "nothing";
+  std::string result = "'";
+  for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
+  return result + (text.size() > longest ? "...'" : "'");
+}
+
+std::string_view without_byte_order_mark(std::string_view bytes) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  return bytes;
+}
+
+bool TextScanner::next_line() {
+  if (rest_.empty()) {
+    line_ = {};
+    return false;
+  }
+  const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+  line_ = rest_.substr(0, end);
+  rest_.remove_prefix(end);
+  if (rest_.starts_with("\r\n")) {
+    rest_.remove_prefix(2);
+  } else if (!rest_.empty()) {
+    rest_.remove_prefix(1);
+  }
+  ++line_number_;
+  return true;
+}
+
+std::string_view TextScanner::token() {
+  const auto first = std::find_if_not(line_.begin(), line_.end(), is_blank);
+  const auto last = std::find_if(first, line_.end(), is_blank);
+  const std::string_view found(first, last);
+  line_ = std::string_view(last, line_.end());
+  return found;
+}
+
+std::string_view TextScanner::token_across_lines() {
+  for (;;) {
+    if (const std::string_view found = token(); !found.empty()) return found;
+    if (!next_line()) return {};
+  }
+}
+
+void TextScanner::cut_line_at(char mark) { line_ = line_.substr(0, line_.find(mark)); }
+
+double TextScanner::number(std::string_view token, std::string_view what) const {
+  const std::string_view digits = without_plus(token);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::result_out_of_range) {
+    throw_malformed_line(line_number_, quoted(token) + " is beyond the range of double precision");
+  }
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    throw_malformed_line(line_number_, "expected " + std::string(what) + ", found " + quoted(token));
+  }
+  return value;
+}
+
+std::int64_t TextScanner::integer(std::string_view token, std::string_view what) const {
+  const std::string_view digits = without_plus(token);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    throw_malformed_line(line_number_, "expected " + std::string(what) + ", found " + quoted(token));
+  }
+  return value;
+}
+
+void SoupBuilder::check_announced(std::int64_t vertices, std::int64_t faces) const {
+  check_limit(vertices, limits_.vertices, "vertices");
+  check_limit(faces, limits_.faces, "faces");
+}
+
+void SoupBuilder::reserve(std::size_t vertices, std::size_t faces) {
+  soup_.positions.reserve(vertices);
+  soup_.faces.reserve(faces);
+}
+
+void SoupBuilder::add_vertex(const Eigen::Vector3d& p) {
+  check_limit(vertex_count() + 1, limits_.vertices, "vertices");
+  soup_.positions.push_back(p);
+}
+
+void SoupBuilder::add_polygon(std::span<const std::int32_t> corners) {
+  if (corners.size() < 3) {
+    ++skipped_polygons_;
+    return;
+  }
+  cut_polygons_ += corners.size() > 3;
+  check_limit(static_cast<std::int64_t>(soup_.faces.size() + corners.size() - 2), limits_.faces, "faces");
+  for (std::size_t i = 2; i < corners.size(); ++i) soup_.faces.push_back({corners[0], corners[i - 1], corners[i]});
+}
+
+TriangleSoup SoupBuilder::finish() && {
+  if (cut_polygons_ > 0) {
+    soup_.warnings.push_back(std::to_string(cut_polygons_) + (cut_polygons_ == 1 ? " polygon was" : " polygons were") +
+                             " cut into triangles.");
+  }
+  if (skipped_polygons_ > 0) {
+    soup_.warnings.push_back(
+        std::to_string(skipped_polygons_) +
+        (skipped_polygons_ == 1 ? " face of fewer than three corners was" : " faces of fewer than three corners were") +
+        " left out.");
+  }
+  return std::move(soup_);
+}
+
+std::size_t plausible_count(std::int64_t announced, std::size_t bytes, std::size_t bytes_per_element) {
+  return std::min(static_cast<std::size_t>(std::max<std::int64_t>(announced, 0)), bytes / bytes_per_element + 1);
+}
+
+}  // namespace supple::surface

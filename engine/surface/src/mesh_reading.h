@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "supple/surface/mesh_io.h"
+
+namespace supple::surface {
+
+/// What the readers of the single formats share. All throw as read_mesh promises.
+TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits);
+/// Whether the bytes have the exact size that their count field gives a binary STL file.
+bool is_binary_stl(std::string_view bytes);
+
+/// Throws "mesh.malformed" at "line <line>" or "byte <offset>".
+[[noreturn]] void throw_malformed_line(std::int64_t line, const std::string& message);
+[[noreturn]] void throw_malformed_byte(std::size_t offset, const std::string& message);
+/// The text in quotes, shortened, with everything but printable ASCII replaced: fit for a message whatever it is.
+std::string quoted(std::string_view text);
+std::string_view without_byte_order_mark(std::string_view bytes);
+
+/// Steps through the lines and the blank-separated tokens of a text. Lines end with LF, CR or CR LF.
+class TextScanner {
+ public:
+  /// `lines_before` precede the text in its file and count in line_number.
+  explicit TextScanner(std::string_view text, std::int64_t lines_before = 0)
+      : rest_(text), line_number_(lines_before) {}
+
+  /// Moves to the next line; false at the end of the text.
+  bool next_line();
+  /// The next token of the current line, empty at its end.
+  std::string_view token();
+  /// The next token of this line or those that follow, empty at the end of the text.
+  std::string_view token_across_lines();
+  /// Drops what remains of the current line from `mark` on, e.g. a comment.
+  void cut_line_at(char mark);
+  /// Whether the current line ends with the backslash by which OBJ statements go on in the next line.
+  bool current_line_continues() const { return !line_.empty() && line_.back() == '\\'; }
+
+  std::int64_t line_number() const { return line_number_; }
+  /// What follows the current line.
+  std::string_view rest() const { return rest_; }
+
+  /// The token as a number. "nan" and "inf" are numbers: the mesh check names the vertex that has them.
+  double number(std::string_view token, std::string_view what) const;
+  std::int64_t integer(std::string_view token, std::string_view what) const;
+
+ private:
+  std::string_view rest_;
+  std::int64_t line_number_;
+  std::string_view line_;
+};
+
+/// Collects vertices and polygons within the limits.
+class SoupBuilder {
+ public:
+  explicit SoupBuilder(const MeshLimits& limits) : limits_(limits) {}
+
+  /// Throws "mesh.too_large" if a file announces more than the limits allow.
+  void check_announced(std::int64_t vertices, std::int64_t faces) const;
+  void reserve(std::size_t vertices, std::size_t faces);
+  void add_vertex(const Eigen::Vector3d& p);
+  /// Cuts polygons into fans from their first corner; skips those with fewer than three corners.
+  void add_polygon(std::span<const std::int32_t> corners);
+  void add_warning(std::string text) { soup_.warnings.push_back(std::move(text)); }
+
+  std::int64_t vertex_count() const { return static_cast<std::int64_t>(soup_.positions.size()); }
+  /// The soup with the warnings about polygons.
+  TriangleSoup finish() &&;
+
+ private:
+  MeshLimits limits_;
+  TriangleSoup soup_;
+  std::int64_t cut_polygons_ = 0;
+  std::int64_t skipped_polygons_ = 0;
+};
+
+/// A count that files write before data, as a number of elements worth reserving: no more than `bytes` could hold.
+std::size_t plausible_count(std::int64_t announced, std::size_t bytes, std::size_t bytes_per_element);
+
+}  // namespace supple::surface
