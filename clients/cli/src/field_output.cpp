@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <string_view>
 
 #include "color_map.h"
 #include "failure.h"
@@ -28,6 +30,16 @@ void append(std::string& bytes, const Value& value) {
   std::memcpy(bytes.data() + size, &value, sizeof(Value));
 }
 
+/// The number after `key` in a PLY header; 0 where it is missing.
+std::size_t count_of(std::string_view header, std::string_view key) {
+  const std::size_t at = header.find(key);
+  std::size_t count = 0;
+  if (at != std::string_view::npos) {
+    std::from_chars(header.data() + at + key.size(), header.data() + header.size(), count);
+  }
+  return count;
+}
+
 std::array<std::uint8_t, 3> banded_color(double share, int bands) {
   auto color = color_of(share);
   if (bands > 0 && static_cast<int>(std::floor(share * bands)) % 2 == 1) {
@@ -45,7 +57,34 @@ std::vector<double> decode_field(const std::string& bytes) {
   }
   std::vector<double> values(bytes.size() / sizeof(double));
   std::memcpy(values.data(), bytes.data(), bytes.size());
+  for (double& value : values) {
+    if (value < 0) value = std::numeric_limits<double>::infinity();
+  }
   return values;
+}
+
+Geometry decode_geometry(const std::string& ply) {
+  constexpr std::string_view end_of_header = "end_header\n";
+  const std::size_t header_end = ply.find(end_of_header);
+  const std::string_view header = std::string_view(ply).substr(0, header_end);
+  const auto vertices = count_of(header, "element vertex ");
+  const auto faces = count_of(header, "element face ");
+  constexpr std::size_t vertex_size = 3 * sizeof(double);
+  constexpr std::size_t face_size = 1 + 3 * sizeof(std::int32_t);
+  const std::size_t body = header_end + end_of_header.size();
+  if (header_end == std::string::npos || ply.size() != body + vertices * vertex_size + faces * face_size) {
+    throw Failure(ExitCode::server_error, "the server's mesh file is not in the form that this version reads");
+  }
+  Geometry geometry;
+  geometry.positions.resize(vertices);
+  geometry.faces.resize(faces);
+  std::memcpy(geometry.positions.data(), ply.data() + body, vertices * vertex_size);
+  const char* next = ply.data() + body + vertices * vertex_size;
+  for (auto& face : geometry.faces) {
+    std::memcpy(face.data(), next + 1, sizeof(face));  // the first byte is the length of the list, 3
+    next += face_size;
+  }
+  return geometry;
 }
 
 std::string field_as_csv(const std::vector<double>& distances) {

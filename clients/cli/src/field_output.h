@@ -13,9 +13,13 @@ struct Geometry {
   std::vector<std::array<std::int32_t, 3>> faces;
 };
 
-/// The values of an octet-stream answer: little-endian float64, one for each vertex. Throws Failure(server_error) where
-/// the length is no multiple of 8.
+/// The values of an octet-stream answer, one for each vertex; infinity where the server sends -1, which means
+/// unreached. Throws Failure(server_error) where the length is no multiple of 8.
 std::vector<double> decode_field(const std::string& bytes);
+
+/// The mesh of the server's canonical file (binary little-endian PLY with double x, y, z and lists of int indices,
+/// nothing else). Throws Failure(server_error) where the bytes are something else.
+Geometry decode_geometry(const std::string& ply);
 
 /// "vertex,distance" and one line for each vertex; the distance is empty where the vertex is unreachable.
 std::string field_as_csv(const std::vector<double>& distances);

@@ -44,12 +44,12 @@ bool InterruptWatch::interrupted() { return interrupt_seen; }
 
 InterruptWatch::Scope::Scope(std::function<void()> action) {
   const std::lock_guard lock(action_mutex);
-  current_action = std::move(action);
+  outer_ = std::exchange(current_action, std::move(action));
 }
 
 InterruptWatch::Scope::~Scope() {
   const std::lock_guard lock(action_mutex);
-  current_action = nullptr;
+  current_action = std::move(outer_);
 }
 
 }  // namespace supple::cli

@@ -15,13 +15,17 @@ class InterruptWatch {
   /// Whether Ctrl-C was pressed.
   static bool interrupted();
 
-  /// While it lives, an interrupt calls `action` once from the watching thread. At most one exists at a time.
+  /// While it lives, an interrupt calls `action` once from the watching thread. Scopes nest; the innermost one is
+  /// called. Outside of all scopes an interrupt ends the process.
   class Scope {
    public:
     explicit Scope(std::function<void()> action);
     ~Scope();
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
+
+   private:
+    std::function<void()> outer_;
   };
 };
 

@@ -9,6 +9,8 @@
 #include <iostream>
 #include <iterator>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "failure.h"
 #include "interrupt.h"
@@ -17,6 +19,8 @@
 namespace supple::cli {
 namespace {
 
+/// SHA-256 in hexadecimal.
+constexpr std::size_t full_id_length = 64;
 /// Seconds in which the server may answer at once; whatever takes longer becomes a job.
 constexpr auto prefer_immediate = "wait=1";
 constexpr auto shortest_poll = std::chrono::milliseconds(50);
@@ -41,24 +45,40 @@ void pause(std::chrono::milliseconds duration) {
 
 std::string Session::mesh_id(const std::string& mesh) {
   if (looks_like_file(mesh)) {
-    const Answer answer = http_.post("/v1/meshes", read_file(mesh), "application/octet-stream");
-    return answer.json().at("id").get<std::string>();
+    return http_.post("/v1/meshes", read_file(mesh), "application/octet-stream").json().at("id").get<std::string>();
+  }
+  const bool hexadecimal = mesh.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (mesh.size() == full_id_length && hexadecimal) return mesh;
+  if (mesh.empty() || !hexadecimal) {
+    throw Failure(ExitCode::usage, fmt::format("'{}' is neither a file nor the id of a mesh", mesh));
   }
   std::vector<std::string> fitting;
-  for (const auto& entry : http_.get("/v1/meshes").json().at("meshes")) {
-    const auto id = entry.at("id").get<std::string>();
-    if (id == mesh) return id;
-    if (!mesh.empty() && id.starts_with(mesh)) fitting.push_back(id);
-  }
+  for_each_entry("/v1/meshes", "meshes", [&](const nlohmann::json& entry) {
+    if (auto id = entry.at("id").get<std::string>(); id.starts_with(mesh)) fitting.push_back(std::move(id));
+  });
   if (fitting.size() == 1) return fitting.front();
   if (fitting.empty()) {
-    throw Failure(ExitCode::rejected, fmt::format("'{}' is neither a file nor a mesh of {}", mesh, http_.url()));
+    throw Failure(ExitCode::rejected, fmt::format("no mesh of {} has an id that begins with '{}'", http_.url(), mesh));
   }
   throw Failure(ExitCode::usage,
                 fmt::format("'{}' begins the ids of {} meshes; write more of it", mesh, fitting.size()));
 }
 
+void Session::for_each_entry(const std::string& path, const char* key,
+                             const std::function<void(const nlohmann::json&)>& visit) {
+  std::string page = path;
+  while (true) {
+    const nlohmann::json document = http_.get(page).json();
+    for (const auto& entry : document.at(key)) visit(entry);
+    const auto next = document.find("next");
+    if (next == document.end()) return;
+    page = fmt::format("{}{}after={}", path, path.find('?') == std::string::npos ? '?' : '&', next->get<std::string>());
+  }
+}
+
 Answer Session::compute(const std::string& path, const nlohmann::json& request, const std::string& accept) {
+  // Between the answer and the job's first look an interrupt only leaves its mark.
+  const InterruptWatch::Scope quiet([] {});
   Answer answer;
   try {
     // An interrupt hangs up, which cancels an immediate computation on the server.
@@ -68,7 +88,10 @@ Answer Session::compute(const std::string& path, const nlohmann::json& request, 
     if (InterruptWatch::interrupted()) throw_interrupted("interrupted; the computation was cancelled");
     throw;
   }
-  if (answer.status != 202) return answer;
+  if (answer.status != 202) {
+    if (InterruptWatch::interrupted()) throw_interrupted("interrupted");
+    return answer;
+  }
   return follow(answer.location, accept, /*cancel_on_interrupt=*/true);
 }
 
@@ -81,7 +104,7 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
     const nlohmann::json job = http_.get(job_path).json();
     const auto state = job.at("state").get<std::string>();
     if (state != "accepted" && state != "running") break;
-    bar.show(job.value("progress", 0.0), job.value("stage", state));
+    bar.show(job.at("progress").get<double>(), state == "running" ? job.at("stage").get<std::string>() : "waiting");
     pause(interval);
     interval = std::min(2 * interval, longest_poll);
     if (InterruptWatch::interrupted()) {
@@ -93,7 +116,7 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
   return http_.get(job_path + "/result", accept);
 }
 
-void Session::print_json(const nlohmann::json& document) const { fmt::print("{}\n", document.dump(2)); }
+void print_json(const nlohmann::json& document) { fmt::print("{}\n", document.dump(2)); }
 
 std::string read_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

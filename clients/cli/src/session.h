@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -26,6 +27,10 @@ class Session {
   /// file, which is uploaded (once: equal content is one mesh). Throws Failure.
   std::string mesh_id(const std::string& mesh);
 
+  /// Calls `visit` for each entry of a list that the server gives page by page; `key` names the array.
+  void for_each_entry(const std::string& path, const char* key,
+                      const std::function<void(const nlohmann::json&)>& visit);
+
   /// Runs a computation and waits for its result, which it returns in the media type `accept`.
   ///
   /// The server answers within the first second or hands out a job, which is then followed with a progress bar. Ctrl-C
@@ -37,14 +42,13 @@ class Session {
   /// merely stops looking.
   Answer follow(const std::string& job_path, const std::string& accept, bool cancel_on_interrupt);
 
-  /// Prints a line for people; nothing where --json asked for the answer itself.
-  void print_json(const nlohmann::json& document) const;
-
  private:
   GlobalOptions options_;
   HttpClient http_;
 };
 
+/// Prints a server's answer for programs.
+void print_json(const nlohmann::json& document);
 /// The content of a file. Throws Failure(local_file).
 std::string read_file(const std::string& path);
 /// Writes a file, or standard output where the path is "-". Throws Failure(local_file).

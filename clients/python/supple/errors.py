@@ -100,6 +100,7 @@ class ServerError(ProblemError):
 
 _BY_CODE: Mapping[str, Type[ProblemError]] = {
     "job.cancelled": JobCancelled,
+    "job.dismissed": JobCancelled,
     "job.deadline_exceeded": DeadlineExceeded,
 }
 

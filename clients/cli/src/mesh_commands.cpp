@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <vector>
+
+#include "commands.h"
+
+namespace supple::cli {
+namespace {
+
+void print_mesh(const nlohmann::json& mesh) {
+  const auto& box = mesh.at("bounding_box");
+  const auto& edge = mesh.at("edge_length");
+  fmt::print("mesh            {}\n", mesh.at("id").get<std::string>());
+  fmt::print("vertices        {}\n", mesh.at("vertices").get<std::int64_t>());
+  fmt::print("faces           {}\n", mesh.at("faces").get<std::int64_t>());
+  fmt::print("components      {}\n", mesh.at("components").get<std::int64_t>());
+  fmt::print("boundary loops  {}\n", mesh.at("boundary_loops").get<std::int64_t>());
+  fmt::print("genus           {}\n", mesh.at("genus").get<std::int64_t>());
+  fmt::print("saddle vertices {}\n", mesh.at("saddle_vertices").get<std::int64_t>());
+  fmt::print("bounding box    {} to {}\n", box.at("lower").dump(), box.at("upper").dump());
+  fmt::print("area            {:.9g}\n", mesh.at("area").get<double>());
+  fmt::print("edge length     {:.4g} to {:.4g}, mean {:.4g}\n", edge.at("min").get<double>(),
+             edge.at("max").get<double>(), edge.at("mean").get<double>());
+  for (const auto& warning : mesh.at("warnings")) fmt::print("warning         {}\n", warning.get<std::string>());
+}
+
+void add_meshes(Session& session, const std::vector<std::string>& files) {
+  for (const auto& file : files) {
+    const nlohmann::json mesh = session.http().post("/v1/meshes", read_file(file), "application/octet-stream").json();
+    session.json() ? print_json(mesh) : print_mesh(mesh);
+  }
+}
+
+void list_meshes(Session& session) {
+  auto entries = nlohmann::json::array();
+  session.for_each_entry("/v1/meshes", "meshes", [&](const nlohmann::json& mesh) {
+    if (session.json()) return entries.push_back(mesh);
+    fmt::print("{}  {:>9} faces  {}\n", mesh.at("id").get<std::string>(), mesh.at("faces").get<std::int64_t>(),
+               mesh.at("created").get<std::string>());
+  });
+  if (session.json()) print_json(entries);
+}
+
+void show_mesh(Session& session, const std::string& mesh) {
+  const nlohmann::json document = session.http().get("/v1/meshes/" + session.mesh_id(mesh)).json();
+  session.json() ? print_json(document) : print_mesh(document);
+}
+
+void download_mesh(Session& session, const std::string& mesh, const std::string& file) {
+  const char* format = file.ends_with(".obj") ? "model/obj" : "model/ply";
+  write_file(file, session.http().get("/v1/meshes/" + session.mesh_id(mesh) + "/content", format).body);
+}
+
+}  // namespace
+
+void add_mesh_commands(CLI::App& program, const GlobalOptions& options) {
+  struct Arguments {
+    std::vector<std::string> files;
+    std::string mesh;
+    std::string output;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* family = program.add_subcommand("mesh", "Upload, list, describe, download and delete meshes");
+  family->require_subcommand(1);
+
+  CLI::App* add = family->add_subcommand("add", "Upload mesh files (OBJ, OFF, PLY, STL) and describe them");
+  add->add_option("file", arguments->files, "Mesh files")->required();
+  add->callback([&options, arguments] {
+    Session session(options);
+    add_meshes(session, arguments->files);
+  });
+
+  CLI::App* list = family->add_subcommand("list", "List the server's meshes, the newest first");
+  list->callback([&options] {
+    Session session(options);
+    list_meshes(session);
+  });
+
+  CLI::App* show = family->add_subcommand("show", "Describe a mesh");
+  show->add_option("mesh", arguments->mesh, "Mesh")->required();
+  show->callback([&options, arguments] {
+    Session session(options);
+    show_mesh(session, arguments->mesh);
+  });
+
+  CLI::App* get = family->add_subcommand("get", "Download a mesh as PLY or OBJ");
+  get->add_option("mesh", arguments->mesh, "Mesh")->required();
+  get->add_option("-o,--output", arguments->output,
+                  "File; .obj for OBJ, anything else is binary PLY, - for the terminal")
+      ->required();
+  get->callback([&options, arguments] {
+    Session session(options);
+    download_mesh(session, arguments->mesh, arguments->output);
+  });
+
+  CLI::App* remove = family->add_subcommand("delete", "Delete a mesh");
+  remove->add_option("mesh", arguments->mesh, "Mesh id, or the beginning of one")->required();
+  remove->callback([&options, arguments] {
+    Session session(options);
+    session.http().erase("/v1/meshes/" + session.mesh_id(arguments->mesh));
+  });
+}
+
+}  // namespace supple::cli

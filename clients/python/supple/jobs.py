@@ -1,0 +1,155 @@
+"""Jobs: computations that the server runs while the caller does something else."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar
+
+from .errors import RequestTimeout, SuppleError
+from .transport import Answer, Transport
+
+Result = TypeVar("Result")
+Progress = Callable[[float, str], None]
+"""Called as `progress(fraction, stage)`: the share of the work that is done, in [0, 1], and what runs now."""
+
+FIRST_POLL = 0.05
+LONGEST_POLL = 1.0
+"""Seconds between two looks at a job: the pause starts at the first and doubles up to the second."""
+
+UNFINISHED = frozenset({"accepted", "running"})
+
+
+@dataclass(frozen=True)
+class JobStatus:
+    """How far a job is.
+
+    Attributes:
+        id: names the job in /v1/jobs/{id}.
+        state: "accepted", "running", "successful", "failed" or "dismissed".
+        progress: share of the work that is done, in [0, 1].
+        stage: what runs now; empty where the server does not say.
+        created: when the job was accepted, RFC 3339 in UTC.
+    """
+
+    id: str
+    state: str
+    progress: float
+    stage: str
+    created: str
+
+    @property
+    def finished(self) -> bool:
+        return self.state not in UNFINISHED
+
+
+def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
+    return JobStatus(
+        id=str(document["id"]),
+        state=str(document["state"]),
+        progress=float(document.get("progress") or 0.0),
+        stage=str(document.get("stage") or ""),
+        created=str(document.get("created") or ""),
+    )
+
+
+@dataclass(frozen=True)
+class Computation(Generic[Result]):
+    """A request that is ready to be sent and what makes its answer a value. Internal: see the methods of `Mesh`."""
+
+    path: str
+    document: Dict[str, Any]
+    decode: Callable[[Answer], Result]
+    accept: str = "application/json"
+
+
+class Job(Generic[Result]):
+    """A computation on the server.
+
+    The job belongs to the server: leaving a `Client` does not end it. `client.job(id)` finds it again.
+    """
+
+    def __init__(self, transport: Transport, job_id: str, decode: Callable[[Answer], Result], accept: str) -> None:
+        self._transport = transport
+        self._path = f"/v1/jobs/{job_id}"
+        self._decode = decode
+        self._accept = accept
+        self.id = job_id
+
+    def __repr__(self) -> str:
+        return f"Job({self.id!r})"
+
+    def status(self) -> JobStatus:
+        return status_from_wire(self._transport.request("GET", self._path).json())
+
+    def cancel(self) -> None:
+        """Ends the job if it has not finished; its later `result` raises `JobCancelled`."""
+        self._transport.request("DELETE", self._path)
+
+    def wait(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> JobStatus:
+        """Returns once the job has finished, however it ended.
+
+        Raises `RequestTimeout` after `timeout` seconds; the job goes on. An exception from `progress` reaches the caller
+        and leaves the job running too.
+        """
+        end = None if timeout is None else time.monotonic() + timeout
+        pause = FIRST_POLL
+        while True:
+            status = self.status()
+            if progress is not None:
+                progress(status.progress, status.stage)
+            if status.finished:
+                return status
+            if end is not None and time.monotonic() + pause > end:
+                raise RequestTimeout(f"job {self.id} is {status.state} after {timeout} s")
+            time.sleep(pause)
+            pause = min(2 * pause, LONGEST_POLL)
+
+    def result(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> Result:
+        """Waits and returns the result. Raises what the computation failed with, as a `ProblemError`."""
+        self.wait(timeout=timeout, progress=progress)
+        return self._decode(self._transport.request("GET", self._path + "/result", headers={"Accept": self._accept}))
+
+
+def submit(transport: Transport, computation: Computation[Result]) -> Job[Result]:
+    """Hands a computation to the server as a job."""
+    answer = transport.request(
+        "POST",
+        computation.path,
+        document=computation.document,
+        headers={"Accept": computation.accept, "Prefer": "respond-async"},
+    )
+    return Job(transport, _job_id(answer), computation.decode, computation.accept)
+
+
+def run(
+    transport: Transport, computation: Computation[Result], timeout: Optional[float], progress: Optional[Progress]
+) -> Result:
+    """Computes and returns the result, at once or by way of a job where it takes longer than a second.
+
+    Whatever interrupts the wait (a timeout, Ctrl-C, an exception from `progress`) cancels the computation on the server.
+    """
+    answer = transport.request(
+        "POST",
+        computation.path,
+        document=computation.document,
+        headers={"Accept": computation.accept, "Prefer": "wait=1"},
+        repeatable=True,
+    )
+    if answer.status != 202:
+        if progress is not None:
+            progress(1.0, "")
+        return computation.decode(answer)
+    job = Job(transport, _job_id(answer), computation.decode, computation.accept)
+    try:
+        return job.result(timeout=timeout, progress=progress)
+    except BaseException:
+        with contextlib.suppress(SuppleError):
+            if not job.status().finished:
+                job.cancel()
+        raise
+
+
+def _job_id(answer: Answer) -> str:
+    return answer.headers["Location"].rstrip("/").rsplit("/", 1)[-1]

@@ -1,0 +1,93 @@
+"""Retries and timeouts, against sockets that misbehave on purpose."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from typing import Callable, Iterator, List
+
+import pytest
+
+from supple.errors import ConnectionFailed, RequestTimeout
+from supple.transport import RETRIES, Transport
+
+OK = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: 2\r\n\r\n{}"
+
+
+class Listener:
+    """Accepts connections, reads one request from each and answers with the next of `answers` (b"" hangs up)."""
+
+    def __init__(self, answers: List[bytes], delay: float = 0.0) -> None:
+        self.requests: List[bytes] = []
+        self._answers = list(answers)
+        self._delay = delay
+        self._socket = socket.create_server(("127.0.0.1", 0))
+        self.url = "http://127.0.0.1:%d" % self._socket.getsockname()[1]
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def _serve(self) -> None:
+        while self._answers:
+            connection, _ = self._socket.accept()
+            with connection:
+                self.requests.append(connection.recv(65536))
+                time.sleep(self._delay)
+                connection.sendall(self._answers.pop(0))
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+@pytest.fixture
+def listen() -> Iterator[Callable[..., Listener]]:
+    opened: List[Listener] = []
+
+    def open_one(answers: List[bytes], delay: float = 0.0) -> Listener:
+        opened.append(Listener(answers, delay))
+        return opened[-1]
+
+    yield open_one
+    for listener in opened:
+        listener.close()
+
+
+def test_a_broken_connection_is_tried_again_where_that_is_safe(listen: Callable[..., Listener]) -> None:
+    listener = listen([b"", b"", OK])
+    pauses: List[float] = []
+    assert Transport(listener.url, 5, sleep=pauses.append).request("GET", "/healthz").json() == {}
+    assert len(listener.requests) == 3
+    assert pauses == [0.1, 0.2]
+
+
+def test_a_post_is_sent_once_unless_the_caller_says_that_it_may_be_repeated(listen: Callable[..., Listener]) -> None:
+    listener = listen([b"", OK])
+    with pytest.raises(ConnectionFailed):
+        Transport(listener.url, 5).request("POST", "/v1/geodesics", document={})
+    assert len(listener.requests) == 1
+    listener = listen([b"", OK])
+    Transport(listener.url, 5, sleep=lambda _: None).request("POST", "/v1/geodesics", document={}, repeatable=True)
+    assert len(listener.requests) == 2
+
+
+def test_it_gives_up_after_the_last_retry() -> None:
+    pauses: List[float] = []
+    with socket.create_server(("127.0.0.1", 0)) as unused:
+        url = "http://127.0.0.1:%d" % unused.getsockname()[1]
+    with pytest.raises(ConnectionFailed):
+        Transport(url, 5, sleep=pauses.append).request("GET", "/healthz")
+    assert len(pauses) == RETRIES
+
+
+def test_a_silent_server_is_a_timeout_and_not_tried_again(listen: Callable[..., Listener]) -> None:
+    listener = listen([OK], delay=1.0)
+    start = time.monotonic()
+    with pytest.raises(RequestTimeout):
+        Transport(listener.url, 0.2).request("GET", "/healthz")
+    assert time.monotonic() - start < 0.9
+    assert len(listener.requests) == 1
+
+
+def test_a_number_that_json_cannot_hold_is_refused_before_it_is_sent() -> None:
+    with pytest.raises(ValueError):
+        Transport("http://127.0.0.1:1", 5).request("POST", "/v1/geodesics", document={"tolerance": float("nan")})
