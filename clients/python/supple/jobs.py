@@ -28,13 +28,17 @@ class JobStatus:
     Attributes:
         id: names the job in /v1/jobs/{id}.
         state: "accepted", "running", "successful", "failed" or "dismissed".
+        kind: "geodesics", "geodesic-fields", "karcher-means" or "exponential-maps".
+        mesh: id of the mesh that it works on.
         progress: share of the work that is done, in [0, 1].
-        stage: what runs now; empty where the server does not say.
+        stage: what runs now; empty where nothing does.
         created: when the job was accepted, RFC 3339 in UTC.
     """
 
     id: str
     state: str
+    kind: str
+    mesh: str
     progress: float
     stage: str
     created: str
@@ -48,9 +52,11 @@ def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
     return JobStatus(
         id=str(document["id"]),
         state=str(document["state"]),
-        progress=float(document.get("progress") or 0.0),
-        stage=str(document.get("stage") or ""),
-        created=str(document.get("created") or ""),
+        kind=str(document["kind"]),
+        mesh=str(document["mesh"]),
+        progress=float(document["progress"]),
+        stage=str(document["stage"]),
+        created=str(document["created"]),
     )
 
 

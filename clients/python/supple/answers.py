@@ -1,0 +1,334 @@
+"""What the server answers, as dataclasses and numpy arrays.
+
+Lengths are in mesh units (the unit of the mesh's coordinates), angles in radians, times in seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .points import SurfacePoint, point_from_wire
+
+Array = NDArray[np.float64]
+Vector3 = Tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """The bill of a computation.
+
+    Attributes:
+        seconds: wall-clock duration on the server.
+        stages: seconds by stage; stages of parallel work add up the time of all threads.
+        quantities: counted work by name, such as "windows".
+    """
+
+    seconds: float
+    stages: Dict[str, float]
+    quantities: Dict[str, float]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An optional part of a computation: whether it ran, what decided, how often and for how many seconds it ran."""
+
+    name: str
+    ran: bool
+    why: str
+    count: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class MeshInfo:
+    """What the server found out about a mesh.
+
+    Attributes:
+        id: SHA-256 of the canonical content; equal meshes have equal ids.
+        created: time of the first upload, RFC 3339 in UTC.
+        vertices, faces, edges: numbers.
+        components: number of connected components.
+        boundary_loops: number of closed boundary curves.
+        genus: number of handles, summed over the components.
+        saddle_vertices: interior vertices whose angles sum to more than 2 pi; shortest paths bend there.
+        lower, upper: corners of the bounding box; `diagonal` is its length.
+        area: sum of the faces' areas, mesh units squared.
+        edge_min, edge_mean, edge_max: edge lengths.
+        angle_min, angle_max: corner angles, radians.
+        warnings: what was repaired or deserves attention.
+    """
+
+    id: str
+    created: str
+    vertices: int
+    faces: int
+    edges: int
+    components: int
+    boundary_loops: int
+    genus: int
+    saddle_vertices: int
+    lower: Vector3
+    upper: Vector3
+    diagonal: float
+    area: float
+    edge_min: float
+    edge_mean: float
+    edge_max: float
+    angle_min: float
+    angle_max: float
+    warnings: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Path:
+    """A path on the surface, straight between neighbouring points.
+
+    Attributes:
+        points: where it starts, crosses edges, passes vertices and ends.
+        positions: the same in space, shape (n, 3).
+        vertices: for each point the vertex that it is, or None.
+    """
+
+    points: Tuple[SurfacePoint, ...]
+    positions: Array
+    vertices: Tuple[Optional[int], ...]
+
+    def length(self) -> float:
+        return float(np.linalg.norm(np.diff(self.positions, axis=0), axis=1).sum())
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """First derivatives of a distance.
+
+    Attributes:
+        barycentric: with respect to the three barycentric coordinates of the first end, then of the second; shape (6,),
+            mesh units. Meaningful for variations of sum zero at either end.
+        tangent: with respect to displacements of the first end, then of the second, in `Geodesic.frames`; shape (4,),
+            dimensionless.
+    """
+
+    barycentric: Array
+    tangent: Array
+
+
+@dataclass(frozen=True)
+class Hessian:
+    """Second derivatives, symmetric; variables as in `Gradient`. Shapes (6, 6), mesh units, and (4, 4), 1 / mesh unit."""
+
+    barycentric: Array
+    tangent: Array
+
+
+@dataclass(frozen=True)
+class Geodesic:
+    """A shortest path between two points.
+
+    Attributes:
+        distance: its length; infinity where `unreachable`.
+        unreachable: whether the points lie on different components; all that follows is empty then.
+        unique: whether no other shortest path was found, within 1e-9 relative.
+        near_cut_locus: whether a path from another direction is longer by less than 1e-6, relative.
+        competing_excess: length by which the best path from another direction exceeds the distance; infinity where none
+            was met.
+        pinned_at: saddle or boundary vertices that the path bends at, from the first end to the second.
+        differentiable: False where the ends coincide; None where no derivatives were asked for.
+        gradient, hessian: what was asked for.
+        frames: orthonormal frames of the ends' faces in space, shape (2, 2, 3): end, axis, coordinate. None without
+            derivatives.
+        path: None where it was not asked for.
+    """
+
+    distance: float
+    unreachable: bool
+    unique: bool = True
+    near_cut_locus: bool = False
+    competing_excess: float = float("inf")
+    pinned_at: Tuple[int, ...] = ()
+    differentiable: Optional[bool] = None
+    gradient: Optional[Gradient] = None
+    hessian: Optional[Hessian] = None
+    frames: Optional[Array] = None
+    path: Optional[Path] = None
+
+
+@dataclass(frozen=True)
+class Field:
+    """Distances from a set of sources to every vertex.
+
+    Attributes:
+        distances: shape (vertices,), mesh units; infinity where unreached.
+        method: "windows" or "edge_graph".
+        relative_error_bound: guaranteed bound of every distance's relative error; None where the method gives none.
+        seconds: duration of the computation on the server.
+    """
+
+    distances: Array
+    method: str
+    relative_error_bound: Optional[float]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class KarcherStep:
+    """One state of the iteration: objective (mesh units squared), norm of its gradient (mesh units), length moved to get
+    there (mesh units) and what was added to the Hessian's diagonal (dimensionless)."""
+
+    objective: float
+    gradient_norm: float
+    step_length: float
+    regularization: float
+
+
+@dataclass(frozen=True)
+class KarcherMean:
+    """The point of least weighted mean squared geodesic distance: E = sum w_i g_i^2 / (2 sum w_i).
+
+    Attributes:
+        mean: the point; `position` is the same in space.
+        objective: E at the mean, mesh units squared.
+        gradient_norm: |grad E| at the mean, mesh units; the bound that was asked for is `gradient_tolerance`.
+        iterations: steps taken.
+        stopped: "converged", "kink", "step_too_small" or "iteration_limit".
+        history: the start and every step.
+    """
+
+    mean: SurfacePoint
+    position: Vector3
+    objective: float
+    gradient_norm: float
+    gradient_tolerance: float
+    iterations: int
+    stopped: str
+    history: Tuple[KarcherStep, ...]
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+    @property
+    def converged(self) -> bool:
+        """Whether the mean is a minimum within the tolerance, smooth or at a kink."""
+        return self.stopped in ("converged", "kink")
+
+
+@dataclass(frozen=True)
+class ExponentialMap:
+    """Where a straightest path ends.
+
+    Attributes:
+        end: the point; `position` is the same in space.
+        end_direction: unit tangent of the path at its end, in space.
+        length: length travelled; less than asked only where the path met the boundary.
+        reached_boundary: whether it did.
+        transport_angle: angle in radians that turns coordinates in the start face's frame into coordinates in the end
+            face's by transport along the path.
+        trace: the path; None where it was not asked for.
+    """
+
+    end: SurfacePoint
+    position: Vector3
+    end_direction: Vector3
+    length: float
+    reached_boundary: bool
+    transport_angle: float
+    trace: Optional[Path]
+
+
+def _vector(values: List[float]) -> Vector3:
+    x, y, z = values
+    return (float(x), float(y), float(z))
+
+
+def _array(values: Any) -> Array:
+    return np.asarray(values, dtype=np.float64)
+
+
+def mesh_info_from_wire(document: Mapping[str, Any]) -> MeshInfo:
+    box, edge, angle = document["bounding_box"], document["edge_length"], document["angle"]
+    counts = ("vertices", "faces", "edges", "components", "boundary_loops", "genus", "saddle_vertices")
+    return MeshInfo(
+        id=document["id"],
+        created=document["created"],
+        **{name: int(document[name]) for name in counts},
+        lower=_vector(box["lower"]),
+        upper=_vector(box["upper"]),
+        diagonal=box["diagonal"],
+        area=document["area"],
+        edge_min=edge["min"],
+        edge_mean=edge["mean"],
+        edge_max=edge["max"],
+        angle_min=angle["min"],
+        angle_max=angle["max"],
+        warnings=tuple(document["warnings"]),
+    )
+
+
+def cost_from_wire(document: Mapping[str, Any]) -> Cost:
+    stages = {stage["name"]: float(stage["seconds"]) for stage in document["stages"]}
+    return Cost(float(document["seconds"]), stages, dict(document["quantities"]))
+
+
+def effects_from_wire(documents: List[Mapping[str, Any]]) -> Tuple[Effect, ...]:
+    return tuple(Effect(e["name"], e["ran"], e["why"], int(e["count"]), float(e["seconds"])) for e in documents)
+
+
+def path_from_wire(points: Optional[List[Dict[str, Any]]]) -> Optional[Path]:
+    if points is None:
+        return None
+    return Path(
+        points=tuple(point_from_wire(point) for point in points),
+        positions=_array([point["position"] for point in points]).reshape(-1, 3),
+        vertices=tuple(point.get("vertex") for point in points),
+    )
+
+
+def geodesic_from_wire(result: Mapping[str, Any]) -> Geodesic:
+    if result["unreachable"]:
+        return Geodesic(distance=float("inf"), unreachable=True)
+    gradient, hessian, frames = result.get("gradient"), result.get("hessian"), result.get("frames")
+    return Geodesic(
+        distance=float(result["distance"]),
+        unreachable=False,
+        unique=result.get("unique", True),
+        near_cut_locus=result.get("near_cut_locus", False),
+        competing_excess=result.get("competing_excess", float("inf")),
+        pinned_at=tuple(result.get("pinned_at", ())),
+        differentiable=result.get("differentiable"),
+        gradient=Gradient(_array(gradient["barycentric"]), _array(gradient["tangent"])) if gradient else None,
+        hessian=Hessian(_array(hessian["barycentric"]), _array(hessian["tangent"])) if hessian else None,
+        frames=_array([frames["from"]["axes"], frames["to"]["axes"]]) if frames else None,
+        path=path_from_wire(result.get("path")),
+    )
+
+
+def karcher_mean_from_wire(document: Mapping[str, Any]) -> KarcherMean:
+    return KarcherMean(
+        mean=point_from_wire(document["mean"]),
+        position=_vector(document["position"]),
+        objective=document["objective"],
+        gradient_norm=document["gradient_norm"],
+        gradient_tolerance=document["accuracy"]["gradient_tolerance"],
+        iterations=document["iterations"],
+        stopped=document["stopped"],
+        history=tuple(
+            KarcherStep(s["objective"], s["gradient_norm"], s["step_length"], s["regularization"])
+            for s in document["history"]
+        ),
+        effects=effects_from_wire(document["effects"]),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def exponential_map_from_wire(document: Mapping[str, Any]) -> ExponentialMap:
+    return ExponentialMap(
+        end=point_from_wire(document["end"]),
+        position=_vector(document["position"]),
+        end_direction=_vector(document["end_direction"]),
+        length=document["length"],
+        reached_boundary=document["reached_boundary"],
+        transport_angle=document["transport_angle"],
+        trace=path_from_wire(document.get("trace")),
+    )

@@ -1,0 +1,203 @@
+"""A mesh on the server and what can be asked of it."""
+
+from __future__ import annotations
+
+from typing import List, Optional, Sequence, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import computations
+from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo
+from .jobs import Job, Progress, run, submit
+from .points import PointLike
+from .transport import Transport
+
+_VERTEX = np.dtype("<f8")
+_FACE = np.dtype([("corners", "u1"), ("vertices", "<i4", (3,))])
+
+
+class Mesh:
+    """A mesh that a server holds. Made by the methods of `Client`.
+
+    Every computation has two forms: `geodesics(...)` waits and returns the result, `start_geodesics(...)` returns a `Job`
+    at once. The waiting forms take `timeout` (seconds after which `RequestTimeout` is raised; None waits for ever) and
+    `progress` (see `Progress`); whatever interrupts the wait cancels the computation. `deadline` bounds the computation on
+    the server (seconds; `DeadlineExceeded`).
+
+    All forms raise `InvalidPoint` where a point does not lie on the mesh.
+    """
+
+    def __init__(self, transport: Transport, info: MeshInfo) -> None:
+        self._transport = transport
+        self.info = info
+
+    def __repr__(self) -> str:
+        return f"Mesh({self.id[:12]}…, {self.info.vertices} vertices, {self.info.faces} faces)"
+
+    @property
+    def id(self) -> str:
+        return self.info.id
+
+    def delete(self) -> None:
+        """Removes the mesh from the server. Raises `InvalidRequest` (code "mesh.in_use") while a job uses it."""
+        self._transport.request("DELETE", f"/v1/meshes/{self.id}")
+
+    def arrays(self) -> Tuple[Array, NDArray[np.int32]]:
+        """Positions, shape (vertices, 3), and the corners of each face, shape (faces, 3), as the server has them."""
+        answer = self._transport.request("GET", f"/v1/meshes/{self.id}/content", headers={"Accept": "model/ply"})
+        body = answer.content.index(b"end_header\n") + len(b"end_header\n")
+        split = body + 3 * _VERTEX.itemsize * self.info.vertices
+        positions = np.frombuffer(answer.content[body:split], dtype=_VERTEX).reshape(-1, 3)
+        faces = np.frombuffer(answer.content[split:], dtype=_FACE)["vertices"]
+        return positions.astype(np.float64), faces.astype(np.int32)
+
+    def geodesic(self, start: PointLike, end: PointLike, *, derivatives: int = 0, path: bool = False) -> Geodesic:
+        """The shortest path between two points. See `geodesics` for what the options mean."""
+        return self.geodesics([(start, end)], derivatives=derivatives, paths=path)[0]
+
+    def geodesics(
+        self,
+        pairs: Sequence[Tuple[PointLike, PointLike]],
+        *,
+        derivatives: int = 0,
+        paths: bool = False,
+        mollifier: Optional[str] = None,
+        mollifier_length: Optional[float] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> List[Geodesic]:
+        """The exact shortest paths between pairs of points, in their order.
+
+        Args:
+            pairs: start and end of each; pairs with a common start cost one search together.
+            derivatives: 0 for distances, 1 for gradients, 2 for Hessians too.
+            paths: whether the paths are returned.
+            mollifier: "on", "off" or "automatic": smooths derivatives near vertices.
+            mollifier_length: its smoothing length as a fraction of an edge, in (0, 0.5]; 1e-6 on the server's side.
+        """
+        computation = computations.geodesics(
+            self.id, pairs, derivatives, paths, mollifier, mollifier_length, deadline
+        )
+        return run(self._transport, computation, timeout, progress)
+
+    def start_geodesics(
+        self,
+        pairs: Sequence[Tuple[PointLike, PointLike]],
+        *,
+        derivatives: int = 0,
+        paths: bool = False,
+        mollifier: Optional[str] = None,
+        mollifier_length: Optional[float] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[List[Geodesic]]:
+        """`geodesics` as a job."""
+        computation = computations.geodesics(
+            self.id, pairs, derivatives, paths, mollifier, mollifier_length, deadline
+        )
+        return submit(self._transport, computation)
+
+    def field(
+        self,
+        sources: Sequence[PointLike],
+        *,
+        relative_error: float = 0.0,
+        method: str = "windows",
+        max_distance: Optional[float] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> Field:
+        """The distance from the nearest of the sources to every vertex.
+
+        Args:
+            sources: at least one point.
+            relative_error: allowed relative error of every distance, a guarantee; 0 is exact.
+            method: "windows", or "edge_graph" for the cheapest upper bound, without a guarantee.
+            max_distance: distances beyond it need not be found. Mesh units.
+        """
+        computation = computations.field(self.id, sources, relative_error, method, max_distance, deadline)
+        return run(self._transport, computation, timeout, progress)
+
+    def start_field(
+        self,
+        sources: Sequence[PointLike],
+        *,
+        relative_error: float = 0.0,
+        method: str = "windows",
+        max_distance: Optional[float] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[Field]:
+        """`field` as a job."""
+        computation = computations.field(self.id, sources, relative_error, method, max_distance, deadline)
+        return submit(self._transport, computation)
+
+    def karcher_mean(
+        self,
+        points: Sequence[PointLike],
+        weights: Optional[Sequence[float]] = None,
+        *,
+        tolerance: Optional[float] = None,
+        method: Optional[str] = None,
+        start: Optional[PointLike] = None,
+        max_iterations: Optional[int] = None,
+        kept_fields: Optional[str] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> KarcherMean:
+        """The point of least weighted mean squared geodesic distance: a local minimum, a problem may have several.
+
+        Args:
+            points: at least one, all on one component.
+            weights: one for each point, at least 0 and not all 0; None weighs all the same.
+            tolerance: the iteration stops once |grad E| <= tolerance * diagonal of the bounding box. 1e-9 on the server's
+                side.
+            method: "newton" (with exact second derivatives), "lbfgs" or "gradient_descent".
+            start: where to start; None starts at the given point of least objective.
+            max_iterations: 200 on the server's side.
+            kept_fields: "on", "off" or "automatic": keep one distance field for each point over all iterations.
+        """
+        computation = computations.karcher_mean(
+            self.id, points, weights, tolerance, method, start, max_iterations, kept_fields, deadline
+        )
+        return run(self._transport, computation, timeout, progress)
+
+    def start_karcher_mean(
+        self,
+        points: Sequence[PointLike],
+        weights: Optional[Sequence[float]] = None,
+        *,
+        tolerance: Optional[float] = None,
+        method: Optional[str] = None,
+        start: Optional[PointLike] = None,
+        max_iterations: Optional[int] = None,
+        kept_fields: Optional[str] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[KarcherMean]:
+        """`karcher_mean` as a job."""
+        computation = computations.karcher_mean(
+            self.id, points, weights, tolerance, method, start, max_iterations, kept_fields, deadline
+        )
+        return submit(self._transport, computation)
+
+    def exponential_map(
+        self,
+        start: PointLike,
+        tangent: Sequence[float],
+        *,
+        trace: bool = True,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+    ) -> ExponentialMap:
+        """Where the straightest path of a given direction and length ends.
+
+        Args:
+            start: where it starts.
+            tangent: direction and length in mesh units: three numbers are a vector in space, whose part within the start's
+                face counts; two are coordinates in the frame of that face.
+            trace: whether the path is returned.
+        """
+        computation = computations.exponential_map(self.id, start, tangent, trace, deadline)
+        return run(self._transport, computation, timeout, None)
