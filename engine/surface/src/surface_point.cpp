@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 
 #include "supple/base/error.h"
 
@@ -48,7 +49,7 @@ SurfacePoint checked_point(const TriangleMesh& mesh, const SurfacePoint& point, 
                 {{coordinates, text(point.barycentric) + " must be nonnegative and of sum 1, within 1e-9"}});
   }
   Eigen::Vector3d b = point.barycentric.cwiseMax(0.0);
-  if (b.sum() != 1) b /= b.sum();
+  if (std::abs(b.sum() - 1) > 4 * std::numeric_limits<double>::epsilon()) b /= b.sum();
   // The largest coordinate takes the rounding, so that small ones keep all their digits.
   int largest = 0;
   b.maxCoeff(&largest);

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+#include "supple/base/error.h"
+
+namespace supple::testing {
+
+/// Runs `action`, expects it to throw Error of that code, and returns the error (one of code "" if none came).
+template <typename Action>
+Error expect_error(const std::string& code, Action&& action) {
+  try {
+    std::forward<Action>(action)();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    return error;
+  }
+  ADD_FAILURE() << "expected the error " << code << ", but none was thrown";
+  return Error("", "");
+}
+
+/// Where the error's details lie, in order.
+inline std::vector<std::string> places(const Error& error) {
+  std::vector<std::string> result;
+  for (const Error::Detail& detail : error.details()) result.push_back(detail.where);
+  return result;
+}
+
+}  // namespace supple::testing
