@@ -1,0 +1,70 @@
+// Feeds arbitrary bytes to the mesh readers. Whatever they are, the answer is a mesh that holds together or an Error.
+
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "supple/base/error.h"
+#include "supple/surface/mesh_io.h"
+#include "supple/surface/mesh_report.h"
+
+namespace {
+
+using supple::surface::MeshFormat;
+using supple::surface::MeshLimits;
+using supple::surface::TriangleMesh;
+
+constexpr MeshLimits limits{.vertices = 2000, .faces = 4000};
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+/// Messages go to users as JSON: they must be printable whatever the bytes were.
+void check_error(const supple::Error& error) {
+  require(!error.code().empty() && !error.details().empty());
+  const auto printable = [](std::string_view text) {
+    for (const char c : text) require(c >= ' ' && c <= '~');
+  };
+  printable(error.what());
+  for (const auto& detail : error.details()) {
+    printable(detail.where);
+    printable(detail.message);
+  }
+}
+
+void check_mesh(const TriangleMesh& mesh) {
+  require(mesh.vertex_count() <= limits.vertices && mesh.face_count() <= limits.faces);
+  for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h) {
+    require(mesh.edge_length(h) > 0 && mesh.corner_angle(h) >= 0);
+    require(mesh.twin(h) < 0 || (mesh.twin(mesh.twin(h)) == h && mesh.tail(mesh.twin(h)) == mesh.head(h)));
+  }
+  const supple::surface::MeshReport report = supple::surface::report(mesh);
+  require(report.genus >= 0 && report.components >= 1 && report.area > 0);
+  for (const std::string& warning : report.warnings) {
+    for (const char c : warning) require(c >= ' ' && c <= '~');
+  }
+  const TriangleMesh again = supple::surface::load_mesh(supple::surface::write_ply(mesh), limits);
+  require(again.faces() == mesh.faces() && again.positions() == mesh.positions());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  try {
+    check_mesh(supple::surface::load_mesh(bytes, limits));
+  } catch (const supple::Error& error) {
+    check_error(error);
+  }
+  for (const MeshFormat format : {MeshFormat::obj, MeshFormat::off, MeshFormat::ply, MeshFormat::stl}) {
+    try {
+      const auto soup = supple::surface::read_mesh(bytes, format, limits);
+      require(static_cast<std::int64_t>(soup.positions.size()) <= limits.vertices &&
+              static_cast<std::int64_t>(soup.faces.size()) <= limits.faces);
+    } catch (const supple::Error& error) {
+      check_error(error);
+    }
+  }
+  return 0;
+}
