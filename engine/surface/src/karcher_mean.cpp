@@ -74,7 +74,17 @@ std::vector<double> checked_weights(const KarcherProblem& problem) {
   return weights;
 }
 
+void check_options(const KarcherProblem& problem) {
+  if (!std::isfinite(problem.tolerance) || problem.tolerance < 0)
+    throw Error("karcher.invalid_option", "The tolerance must be finite and not negative.",
+                {{"tolerance", "is " + std::to_string(problem.tolerance)}});
+  if (problem.max_iterations < 0)
+    throw Error("karcher.invalid_option", "The number of iterations must not be negative.",
+                {{"max_iterations", "is " + std::to_string(problem.max_iterations)}});
+}
+
 Problem checked(const TriangleMesh& mesh, const KarcherProblem& problem) {
+  check_options(problem);
   if (problem.points.empty())
     throw Error("karcher.no_points", "A mean needs at least one point.", {{"points", "is empty"}});
   const std::vector<double> weights = checked_weights(problem);

@@ -45,7 +45,6 @@ KarcherObjective::State KarcherObjective::state_at(const SurfacePoint& point) co
 }
 
 std::vector<AnchorGeodesic> KarcherObjective::search(const SurfacePoint& point, AnchorDistances::Need need) const {
-  const StageTimer timer(execution_.cost, "search");
   if (execution_.cost) execution_.cost->add_quantity("geodesics", static_cast<double>(weights_.size()));
   return distances_.at(point, need, execution_);
 }

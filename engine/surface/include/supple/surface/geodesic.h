@@ -18,9 +18,9 @@ struct PathPoint {
 
 /// First and second derivatives of a distance with respect to its two ends.
 ///
-/// Barycentric: the variables are the three barycentric coordinates of the first end, then those of the second, each in
-/// its own face; the derivatives are those of the affine extension c(w) = sum w_i v_i, so only variations whose
-/// coordinates sum to zero at either end stay on the surface. Tangent: two coordinates at each end, in tangent_frame of
+/// Barycentric: the variables are the three barycentric coordinates w of the first end, then those of the second, each in
+/// its own face, with dc/dw_i = v_i - c (thesis eq. 3.7 up to the part along which the sum of w changes); only variations
+/// that sum to zero at either end stay on the surface, and for them these are the derivatives. Tangent: two coordinates at each end, in tangent_frame of
 /// the end's face. Units: mesh units per coordinate; 1 for the tangent gradient; 1 / mesh unit for the tangent Hessian.
 struct GeodesicDerivatives {
   Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
@@ -44,6 +44,8 @@ struct Geodesic {
   std::vector<PathPoint> path;  ///< from the first end to the second; empty unless asked for
   /// Empty unless asked for, and at coincident ends, where the distance has no derivative.
   std::optional<GeodesicDerivatives> derivatives;
+  /// The path's length with mollified crossings, whose derivatives `derivatives` are; empty without mollifier.
+  std::optional<double> mollified_distance;
 };
 
 struct GeodesicOptions {

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace supple::surface {
+
+/// A monotone priority queue of small integers in buckets of equal width. Order within a bucket is that of arrival.
+///
+/// Keys below the current bucket go into the current one: a label-correcting search stays correct, only less well
+/// ordered. Owners keep for each item the bucket that it waits in and skip entries that are out of date.
+class BucketQueue {
+ public:
+  using Bucket = std::int32_t;
+  static constexpr Bucket kNotQueued = std::numeric_limits<Bucket>::max();
+
+  /// Empties the queue. O(buckets touched since the last start).
+  void start(double first_key, double width) {
+    for (Bucket b = current_; b < used_; ++b) buckets_[b].clear();
+    current_ = 0;
+    used_ = 0;
+    position_ = 0;
+    origin_ = first_key;
+    inverse_width_ = 1 / width;
+    width_ = width;
+  }
+
+  Bucket bucket_of(double key) const {
+    const double b = (key - origin_) * inverse_width_;
+    return b < kMost ? std::max(current_, static_cast<Bucket>(b)) : kMost;
+  }
+
+  void push(std::int32_t item, Bucket bucket) {
+    if (bucket >= used_) {
+      used_ = bucket + 1;
+      if (static_cast<std::size_t>(used_) > buckets_.size()) buckets_.resize(std::max<std::size_t>(64, 2 * used_));
+    }
+    buckets_[bucket].push_back(item);
+  }
+
+  /// The next item, or false. `bucket` is the one it came from.
+  bool pop(std::int32_t& item, Bucket& bucket) {
+    while (current_ < used_) {
+      std::vector<std::int32_t>& items = buckets_[current_];
+      if (position_ < items.size()) {
+        item = items[position_++];
+        bucket = current_;
+        return true;
+      }
+      items.clear();
+      position_ = 0;
+      ++current_;
+    }
+    return false;
+  }
+
+  /// No key still queued, or pushed from now on by a monotone search, is below this.
+  double least_key() const { return origin_ + current_ * width_; }
+
+ private:
+  /// More buckets than this are not made; longer distances share the last.
+  static constexpr Bucket kMost = 1 << 22;
+
+  std::vector<std::vector<std::int32_t>> buckets_;
+  Bucket current_ = 0;
+  Bucket used_ = 0;
+  std::size_t position_ = 0;
+  double origin_ = 0;
+  double inverse_width_ = 1;
+  double width_ = 1;
+};
+
+}  // namespace supple::surface

@@ -1,0 +1,55 @@
+#include "edge_frames.h"
+
+#include <numbers>
+
+namespace supple::surface {
+namespace {
+
+/// A vertex whose total angle exceeds 2 pi by less bends no path that matters: the shadow behind it is narrower than
+/// what windows are trimmed by.
+constexpr double kSaddleTolerance = 1e-12;
+
+}  // namespace
+
+SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::move(mesh_in)) {
+  const TriangleMesh& m = *mesh;
+  frames.resize(static_cast<std::size_t>(m.halfedge_count()));
+  for (std::int32_t h = 0; h < m.halfedge_count(); ++h) {
+    EdgeFrame& frame = frames[h];
+    const std::int32_t onward = TriangleMesh::next(h);
+    const std::int32_t back = TriangleMesh::previous(h);
+    frame.length = m.edge_length(h);
+    frame.left_length = m.edge_length(back);
+    frame.right_length = m.edge_length(onward);
+    const double angle = m.corner_angle(h);
+    frame.apex_x = frame.left_length * std::cos(angle);
+    frame.apex_y = frame.left_length * std::sin(angle);
+    frame.left = m.twin(back);
+    frame.right = m.twin(onward);
+    frame.tail = m.tail(h);
+    frame.head = m.head(h);
+    frame.apex = m.tail(back);
+    frame.padding = 0;
+  }
+  pins_paths.resize(static_cast<std::size_t>(m.vertex_count()));
+  polar_angles.resize(frames.size());
+  for (std::int32_t v = 0; v < m.vertex_count(); ++v) {
+    double angle = 0;
+    const std::int32_t first = m.outgoing(v);
+    for (std::int32_t h = first; h >= 0;) {
+      polar_angles[h] = angle;
+      angle += m.corner_angle(h);
+      h = m.rotate(h);
+      if (h == first) break;
+    }
+    pins_paths[v] = m.is_boundary(v) || m.vertex_angle(v) > 2 * std::numbers::pi + kSaddleTolerance;
+  }
+}
+
+Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side) {
+  const double head = barycentric[(side + 1) % 3];
+  const double apex = barycentric[(side + 2) % 3];
+  return {head * frame.length + apex * frame.apex_x, apex * frame.apex_y};
+}
+
+}  // namespace supple::surface

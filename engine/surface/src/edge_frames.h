@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "supple/surface/triangle_mesh.h"
+
+namespace supple::surface {
+
+/// What window propagation reads of one halfedge h: its face laid into the plane with the tail at the origin, the head
+/// on the positive x axis and the apex above, and where windows go from here. One cache line.
+struct EdgeFrame {
+  double length;
+  double apex_x, apex_y;
+  double left_length;   ///< of the edge tail - apex
+  double right_length;  ///< of the edge apex - head
+  std::int32_t left;    ///< twin of previous(h), from tail to apex in the next face; -1 on the boundary
+  std::int32_t right;   ///< twin of next(h), from apex to head in the next face; -1 on the boundary
+  std::int32_t tail, head, apex;
+  std::int32_t padding;
+};
+static_assert(sizeof(EdgeFrame) == 64);
+
+/// The mesh as the searches see it.
+struct SearchMesh {
+  explicit SearchMesh(std::shared_ptr<const TriangleMesh> mesh);
+
+  /// A vertex that can bend a shortest path: a saddle vertex or one of the boundary.
+  bool pins(std::int32_t vertex) const { return pins_paths[vertex] != 0; }
+
+  std::shared_ptr<const TriangleMesh> mesh;
+  std::vector<EdgeFrame> frames;
+  std::vector<std::uint8_t> pins_paths;
+  /// Per halfedge: sum of the corner angles that come before it around its tail, from TriangleMesh::outgoing(tail).
+  std::vector<double> polar_angles;
+};
+
+/// Planar coordinates, in the frame of halfedge 3 f + side, of the point of face f with the given barycentrics.
+Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side);
+
+}  // namespace supple::surface

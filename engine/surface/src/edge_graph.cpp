@@ -1,0 +1,63 @@
+#include "edge_graph.h"
+
+#include "bucket_queue.h"
+#include "window_search.h"
+
+namespace supple::surface {
+namespace {
+
+constexpr std::int64_t kVerticesPerCheckpoint = 8192;
+
+}  // namespace
+
+std::vector<double> edge_graph_distances(const SearchMesh& mesh, std::span<const SurfacePoint> sources, double limit,
+                                         const Execution& execution) {
+  const TriangleMesh& m = *mesh.mesh;
+  std::vector<double> distances(static_cast<std::size_t>(m.vertex_count()), kInfinity);
+  std::vector<BucketQueue::Bucket> queued(distances.size(), BucketQueue::kNotQueued);
+  BucketQueue queue;
+  // Half the mean edge: a vertex settles mostly once; the others are corrected.
+  queue.start(0, 0.5 * m.mean_edge_length());
+  const auto improve = [&](std::int32_t v, double distance) {
+    if (!(distance < distances[v]) || distance > limit) return;
+    distances[v] = distance;
+    const BucketQueue::Bucket bucket = queue.bucket_of(distance);
+    if (queued[v] <= bucket) return;
+    queued[v] = bucket;
+    queue.push(v, bucket);
+  };
+  for (const SurfacePoint& source : sources) {
+    const Eigen::Vector3d p = position(m, source);
+    for (const std::int32_t v : m.faces()[index(source.face)]) improve(v, (m.positions()[v] - p).norm());
+  }
+  std::int32_t v = 0;
+  BucketQueue::Bucket bucket = 0;
+  std::int64_t settled = 0;
+  while (queue.pop(v, bucket)) {
+    if (queued[v] != bucket) continue;
+    queued[v] = BucketQueue::kNotQueued;
+    if (++settled % kVerticesPerCheckpoint == 0) execution.cancellation.throw_if_requested();
+    const double distance = distances[v];
+    const std::int32_t first = m.outgoing(v);
+    std::int32_t corner = first;
+    do {
+      const std::int32_t opposite = TriangleMesh::next(corner);
+      const EdgeFrame& frame = mesh.frames[opposite];  // v is its apex
+      improve(frame.tail, distance + frame.left_length);
+      improve(frame.head, distance + frame.right_length);
+      if (const std::int32_t across = m.twin(opposite); across >= 0) {
+        const EdgeFrame& other = mesh.frames[across];
+        const double x = frame.length - frame.apex_x;  // v in the other face's frame is (x, -apex_y)
+        const double height = frame.apex_y + other.apex_y;
+        const double crossing = x + (other.apex_x - x) * frame.apex_y / height;
+        if (crossing > 0 && crossing < frame.length) {
+          improve(other.apex, distance + hypotenuse(other.apex_x - x, height));
+        }
+      }
+      corner = m.rotate(corner);
+    } while (corner >= 0 && corner != first);
+  }
+  return distances;
+}
+
+}  // namespace supple::surface

@@ -1,0 +1,223 @@
+#include "supple/surface/geodesic_derivatives.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace supple::surface {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Frame = Eigen::Matrix<double, 3, 2>;
+
+/// Orthonormal frame of h's face whose first axis is h.
+Frame halfedge_frame(const TriangleMesh& mesh, std::int32_t h) {
+  const Frame face = tangent_frame(mesh, FaceId(TriangleMesh::face_of(h)));
+  const Vector3d along = (mesh.positions()[mesh.head(h)] - mesh.positions()[mesh.tail(h)]).normalized();
+  const Vector2d d = face.transpose() * along;
+  Matrix2d turn;
+  turn << d.x(), -d.y(), d.y(), d.x();
+  return face * turn;
+}
+
+/// Faces that hold a point: one, two or a vertex's fan, as halfedges of the face (the point's side or corner).
+std::vector<std::int32_t> faces_around(const TriangleMesh& mesh, const SurfacePoint& point) {
+  const std::int32_t first = 3 * index(point.face);
+  if (const int corner = corner_of(point); corner >= 0) {
+    std::vector<std::int32_t> corners;
+    const std::int32_t start = mesh.outgoing(mesh.tail(first + corner));
+    std::int32_t h = start;
+    do {
+      corners.push_back(h);
+      h = mesh.rotate(h);
+    } while (h >= 0 && h != start);
+    return corners;
+  }
+  if (const int side = side_of(point); side >= 0) {
+    const std::int32_t twin = mesh.twin(first + side);
+    return twin >= 0 ? std::vector{first + side, twin} : std::vector{first + side};
+  }
+  return {first};
+}
+
+/// The halfedge at `a` (as in faces_around) of a face that holds both points; a's own face if it does, -1 if none does.
+std::int32_t common_face(const TriangleMesh& mesh, const SurfacePoint& a, const SurfacePoint& b) {
+  std::int32_t found = -1;
+  for (const std::int32_t h : faces_around(mesh, a)) {
+    for (const std::int32_t k : faces_around(mesh, b)) {
+      if (TriangleMesh::face_of(h) != TriangleMesh::face_of(k)) continue;
+      if (found < 0 || TriangleMesh::face_of(h) == index(a.face)) found = h;
+    }
+  }
+  return found;
+}
+
+/// The tangent frame of the point's face, unfolded into the face of `h`, one of faces_around(point).
+Frame unfolded_frame(const TriangleMesh& mesh, const SurfacePoint& point, std::int32_t h) {
+  const Frame own = tangent_frame(mesh, point.face);
+  const std::int32_t face = index(point.face);
+  if (TriangleMesh::face_of(h) == face) return own;
+  const int corner = corner_of(point);
+  const std::int32_t base = 3 * face + (corner >= 0 ? corner : side_of(point));
+  const Vector3d axis = mesh.positions()[mesh.head(base)] - mesh.positions()[mesh.tail(base)];
+  const Vector2d d = own.transpose() * axis;
+  double turn = std::atan2(d.y(), d.x());  // of the base halfedge in the own frame
+  Frame there = halfedge_frame(mesh, h);
+  if (corner < 0) {
+    there = -there;  // the twin runs the other way
+  } else {
+    double ahead = 0;
+    std::int32_t k = base;
+    for (; k >= 0 && k != h; k = mesh.rotate(k)) ahead += mesh.corner_angle(k);
+    const double total = mesh.vertex_angle(mesh.tail(base));
+    if (k < 0) {
+      ahead = 0;  // past a boundary: clockwise instead
+      for (std::int32_t c = h; c >= 0 && c != base; c = mesh.rotate(c)) ahead -= mesh.corner_angle(c);
+    } else if (!mesh.is_boundary(mesh.tail(base)) && ahead > 0.5 * total) {
+      ahead -= total;
+    }
+    turn += ahead;
+  }
+  Matrix2d back;
+  back << std::cos(turn), std::sin(turn), -std::sin(turn), std::cos(turn);
+  return there * back;
+}
+
+/// A point of the path as a function of one crossing parameter; vertices and ends do not move with any.
+struct Node {
+  Vector3d position;
+  Vector3d slope = Vector3d::Zero();
+  Vector3d curvature = Vector3d::Zero();
+  bool moves = false;
+};
+
+Node crossing_node(const TriangleMesh& mesh, const PathPoint& point, double epsilon) {
+  Node node{point.position};
+  const int side = side_of(point.point);
+  if (point.vertex != VertexId::none || side < 0) return node;
+  const std::int32_t h = 3 * index(point.point.face) + side;
+  const double t = point.point.barycentric[(side + 1) % 3];
+  const Mollified m = epsilon > 0 ? mollify(t, epsilon) : Mollified{t, 1, 0};
+  const Vector3d& tail = mesh.positions()[mesh.tail(h)];
+  const Vector3d edge = mesh.positions()[mesh.head(h)] - tail;
+  node.position = tail + m.value * edge;
+  node.slope = m.slope * edge;
+  node.curvature = m.curvature * edge;
+  node.moves = true;
+  return node;
+}
+
+}  // namespace
+
+Mollified mollify(double t, double epsilon) {
+  if (t < epsilon) {
+    const double s = t / epsilon;
+    return {epsilon * s * s * (2 - s), s * (4 - 3 * s), (4 - 6 * s) / epsilon};
+  }
+  if (t > 1 - epsilon) {
+    // The mirror image 1 - mollified(1 - t).
+    const Mollified mirrored = mollify(1 - t, epsilon);
+    return {1 - mirrored.value, mirrored.slope, -mirrored.curvature};
+  }
+  return {t, 1, 0};
+}
+
+MollifiedLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon) {
+  MollifiedLength result;
+  if (path.size() < 2) return result;
+  std::vector<Node> nodes;
+  nodes.push_back(Node{path.front().position});
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) nodes.push_back(crossing_node(mesh, path[i], epsilon));
+  nodes.push_back(Node{path.back().position});
+  const std::size_t last = nodes.size() - 1;
+
+  std::vector<Vector3d> directions(last);
+  std::vector<Matrix3d> curvatures(last);  // Hessian of each segment's length: (I - u u^T) / l
+  for (std::size_t i = 0; i < last; ++i) {
+    const Vector3d segment = nodes[i + 1].position - nodes[i].position;
+    const double length = segment.norm();
+    result.length += length;
+    directions[i] = length > 0 ? Vector3d(segment / length) : Vector3d(Vector3d::Zero());
+    curvatures[i] = length > 0 ? Matrix3d((Matrix3d::Identity() - directions[i] * directions[i].transpose()) / length)
+                               : Matrix3d(Matrix3d::Zero());
+  }
+  if (result.length == 0) return result;
+
+  const SurfacePoint& from = path.front().point;
+  const SurfacePoint& to = path.back().point;
+  Eigen::Matrix<double, 3, 4> ends;  // how the two ends move with their tangent coordinates
+  const std::int32_t first_face = common_face(mesh, from, path[1].point);
+  const std::int32_t last_face = common_face(mesh, to, path[path.size() - 2].point);
+  ends.leftCols<2>() =
+      first_face >= 0 ? unfolded_frame(mesh, from, first_face) : tangent_frame(mesh, from.face);
+  ends.rightCols<2>() = last_face >= 0 ? unfolded_frame(mesh, to, last_face) : tangent_frame(mesh, to.face);
+
+  GeodesicDerivatives& d = result.derivatives;
+  d.tangent_gradient.head<2>() = -ends.leftCols<2>().transpose() * directions.front();
+  d.tangent_gradient.tail<2>() = ends.rightCols<2>().transpose() * directions.back();
+  d.tangent_hessian.topLeftCorner<2, 2>() = ends.leftCols<2>().transpose() * curvatures.front() * ends.leftCols<2>();
+  d.tangent_hessian.bottomRightCorner<2, 2>() =
+      ends.rightCols<2>().transpose() * curvatures.back() * ends.rightCols<2>();
+  if (last == 1) {
+    const Matrix2d mixed = -ends.leftCols<2>().transpose() * curvatures.front() * ends.rightCols<2>();
+    d.tangent_hessian.topRightCorner<2, 2>() = mixed;
+    d.tangent_hessian.bottomLeftCorner<2, 2>() = mixed.transpose();
+    express_in_barycentrics(mesh, from, to, d);
+    return result;
+  }
+
+  // d2g/dt2 (tridiagonal) and d2g/dt dc, then eliminate t with dt/dc = -(d2g/dt2)^-1 d2g/dt dc (eq. 3.9).
+  const std::size_t m = last - 1;
+  std::vector<double> diagonal(m, 1.0);
+  std::vector<double> above(m, 0.0);
+  std::vector<Eigen::RowVector4d> mixed(m, Eigen::RowVector4d::Zero());
+  for (std::size_t k = 0; k < m; ++k) {
+    const Node& node = nodes[k + 1];
+    if (!node.moves) continue;
+    diagonal[k] = node.slope.dot((curvatures[k] + curvatures[k + 1]) * node.slope) +
+                  (directions[k] - directions[k + 1]).dot(node.curvature);
+    if (k + 1 < m && nodes[k + 2].moves) above[k] = -node.slope.dot(curvatures[k + 1] * nodes[k + 2].slope);
+    if (k == 0) mixed[k].head<2>() -= node.slope.transpose() * curvatures.front() * ends.leftCols<2>();
+    if (k + 1 == m) mixed[k].tail<2>() -= node.slope.transpose() * curvatures.back() * ends.rightCols<2>();
+  }
+  // Thomas's algorithm; a crossing with neither slope nor curvature (a straight mollified pass) stays where it is.
+  std::vector<Eigen::RowVector4d> solution = mixed;
+  std::vector<double> pivot(m);
+  for (std::size_t k = 0; k < m; ++k) {
+    pivot[k] = diagonal[k];
+    if (k > 0 && pivot[k - 1] != 0) {
+      const double factor = above[k - 1] / pivot[k - 1];
+      pivot[k] -= factor * above[k - 1];
+      solution[k] -= factor * solution[k - 1];
+    }
+  }
+  for (std::size_t k = m; k-- > 0;) {
+    if (k + 1 < m) solution[k] -= above[k] * solution[k + 1];
+    if (pivot[k] != 0) solution[k] /= pivot[k];
+    else solution[k].setZero();
+  }
+  for (std::size_t k = 0; k < m; ++k) d.tangent_hessian -= mixed[k].transpose() * solution[k];
+  express_in_barycentrics(mesh, from, to, d);
+  return result;
+}
+
+void express_in_barycentrics(const TriangleMesh& mesh, const SurfacePoint& from, const SurfacePoint& to,
+                             GeodesicDerivatives& derivatives) {
+  Eigen::Matrix<double, 4, 6> jacobian = Eigen::Matrix<double, 4, 6>::Zero();
+  const SurfacePoint* points[2] = {&from, &to};
+  for (int end = 0; end < 2; ++end) {
+    const Frame frame = tangent_frame(mesh, points[end]->face);
+    const Vector3d center = position(mesh, *points[end]);
+    const Triangle& corners = mesh.faces()[index(points[end]->face)];
+    for (int i = 0; i < 3; ++i) {
+      jacobian.block<2, 1>(2 * end, 3 * end + i) = frame.transpose() * (mesh.positions()[corners[i]] - center);
+    }
+  }
+  derivatives.gradient = jacobian.transpose() * derivatives.tangent_gradient;
+  derivatives.hessian = jacobian.transpose() * derivatives.tangent_hessian * jacobian;
+}
+
+}  // namespace supple::surface

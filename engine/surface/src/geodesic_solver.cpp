@@ -1,0 +1,167 @@
+#include "supple/surface/geodesic_solver.h"
+
+#include <mutex>
+
+#include "edge_graph.h"
+#include "field_data.h"
+#include "path_assembly.h"
+#include "supple/base/error.h"
+#include "window_search.h"
+
+namespace supple::surface {
+
+struct GeodesicSolver::Implementation {
+  explicit Implementation(std::shared_ptr<const TriangleMesh> mesh)
+      : search_mesh(std::make_shared<const SearchMesh>(std::move(mesh))) {}
+
+  std::shared_ptr<const SearchMesh> search_mesh;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<WindowSearch>> idle;
+
+  /// A search taken from the pool for as long as this lives.
+  class Lease {
+   public:
+    explicit Lease(Implementation& owner) : owner_(owner) {
+      {
+        const std::lock_guard lock(owner_.mutex);
+        if (!owner_.idle.empty()) {
+          search_ = std::move(owner_.idle.back());
+          owner_.idle.pop_back();
+        }
+      }
+      if (!search_) search_ = std::make_unique<WindowSearch>(*owner_.search_mesh);
+    }
+    ~Lease() {
+      const std::lock_guard lock(owner_.mutex);
+      owner_.idle.push_back(std::move(search_));
+    }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    WindowSearch& operator*() { return *search_; }
+    WindowSearch* operator->() { return search_.get(); }
+
+   private:
+    Implementation& owner_;
+    std::unique_ptr<WindowSearch> search_;
+  };
+};
+
+namespace {
+
+SearchState state_of(const WindowSearch& search) {
+  return {&search.mesh(), search.pool(), search.records(), search.sources()};
+}
+
+void bill(const WindowSearch& search, const Execution& execution) {
+  if (!execution.cost) return;
+  execution.cost->add_quantity("windows", static_cast<double>(search.windows_created()));
+  execution.cost->add_quantity("batches", static_cast<double>(search.batches()));
+}
+
+double length_of(const std::vector<PathPoint>& path) {
+  double length = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i].position - path[i - 1].position).norm();
+  return length;
+}
+
+}  // namespace
+
+GeodesicSolver::GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh)
+    : implementation_(std::make_unique<Implementation>(std::move(mesh))) {}
+GeodesicSolver::~GeodesicSolver() = default;
+
+const TriangleMesh& GeodesicSolver::mesh() const { return *implementation_->search_mesh->mesh; }
+const std::shared_ptr<const TriangleMesh>& GeodesicSolver::shared_mesh() const {
+  return implementation_->search_mesh->mesh;
+}
+
+double GeodesicSolver::distance(const SurfacePoint& from, const SurfacePoint& to, const Execution& execution) const {
+  return geodesic(from, to, {}, execution).distance;
+}
+
+Geodesic GeodesicSolver::geodesic(const SurfacePoint& from, const SurfacePoint& to, const GeodesicOptions& options,
+                                  const Execution& execution, const std::vector<PathPoint>* known_path) const {
+  const SearchMesh& search_mesh = *implementation_->search_mesh;
+  if (mesh().component(index(from.face)) != mesh().component(index(to.face))) return {};
+  SearchTarget target = make_target(search_mesh, to);
+  Implementation::Lease search(*implementation_);
+  SearchSettings settings;
+  settings.goal_directed = true;
+  settings.keep_windows = true;
+  if (known_path && known_path->size() > 1) {
+    // The triangle inequality turns a path between nearby points into a bound for these.
+    const double detour = (known_path->front().position - position(mesh(), from)).norm() +
+                          (known_path->back().position - target.position).norm();
+    if (detour == 0) settings.limit = length_of(*known_path) * (1 + 1e-9);
+  }
+  {
+    const StageTimer timer(execution.cost, "search");
+    search->run({&from, 1}, {&target, 1}, settings, execution);
+  }
+  bill(*search, execution);
+  const StageTimer timer(execution.cost, "assembly");
+  return assemble(state_of(*search), target, options);
+}
+
+std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from, std::span<const SurfacePoint> to,
+                                                const GeodesicOptions& options, const Execution& execution) const {
+  std::vector<SearchTarget> targets;
+  std::vector<std::size_t> places;
+  const std::int32_t component = mesh().component(index(from.face));
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    if (mesh().component(index(to[i].face)) != component) continue;
+    targets.push_back(make_target(*implementation_->search_mesh, to[i]));
+    places.push_back(i);
+  }
+  std::vector<Geodesic> results(to.size());
+  if (targets.empty()) return results;
+  Implementation::Lease search(*implementation_);
+  SearchSettings settings;
+  settings.keep_windows = true;
+  {
+    const StageTimer timer(execution.cost, "search");
+    search->run({&from, 1}, targets, settings, execution);
+  }
+  bill(*search, execution);
+  const StageTimer timer(execution.cost, "assembly");
+  const SearchState state = state_of(*search);
+  for (std::size_t i = 0; i < targets.size(); ++i) results[places[i]] = assemble(state, targets[i], options);
+  return results;
+}
+
+GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const FieldOptions& options,
+                                    const Execution& execution) const {
+  if (sources.empty()) throw Error("field.no_sources", "A distance field needs at least one source.");
+  auto data = std::make_shared<GeodesicField::Data>();
+  data->mesh = implementation_->search_mesh;
+  data->sources.assign(sources.begin(), sources.end());
+  const auto vertices = static_cast<std::size_t>(mesh().vertex_count());
+  if (options.method == FieldMethod::edge_graph) {
+    const StageTimer timer(execution.cost, "search");
+    data->distances = edge_graph_distances(*data->mesh, sources, options.max_distance, execution);
+    return GeodesicField(std::move(data));
+  }
+  Implementation::Lease search(*implementation_);
+  SearchSettings settings;
+  settings.keep_windows = options.keep_windows;
+  settings.relative_error = options.relative_error;
+  settings.limit = options.max_distance;
+  {
+    const StageTimer timer(execution.cost, "search");
+    search->run(sources, {}, settings, execution);
+  }
+  bill(*search, execution);
+  const StageTimer timer(execution.cost, "assembly");
+  data->relative_error_bound = options.relative_error;
+  data->window_count = search->windows_created();
+  data->distances.resize(vertices);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const double distance = search->distance(static_cast<std::int32_t>(v));
+    data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
+  }
+  if (options.keep_windows) search->move_into(data->records, data->windows, data->first);
+  data->kept = options.keep_windows;
+  return GeodesicField(std::move(data));
+}
+
+}  // namespace supple::surface

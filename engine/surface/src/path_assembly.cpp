@@ -1,0 +1,347 @@
+#include "path_assembly.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "supple/surface/geodesic_derivatives.h"
+
+namespace supple::surface {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// A crossing this close to a vertex, relative to the edge, is written as the vertex.
+constexpr double kVertexSnap = 1e-12;
+/// Paths whose lengths differ by less, relative, are both shortest.
+constexpr double kTie = 1e-9;
+
+Vector2d rotated(const Vector2d& v, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+
+/// Unit direction of halfedge 3 f + side in the tangent frame of f.
+Vector2d side_direction(const SearchMesh& mesh, std::int32_t h) {
+  const EdgeFrame& frame = mesh.frames[h - h % 3];
+  const Vector2d apex(frame.apex_x, frame.apex_y);
+  if (h % 3 == 0) return {1, 0};
+  if (h % 3 == 1) return (apex - Vector2d(frame.length, 0)) / frame.right_length;
+  return -apex / frame.left_length;
+}
+
+/// From the frame of halfedge h to the tangent frame of its face.
+Vector2d to_face(const SearchMesh& mesh, std::int32_t h, const Vector2d& v) {
+  const Vector2d d = side_direction(mesh, h);
+  return {v.x() * d.x() - v.y() * d.y(), v.x() * d.y() + v.y() * d.x()};
+}
+
+/// Direction at a vertex of polar angle `angle`, in the tangent frame of the face of corner c; faces between are unfolded
+/// the shorter way round.
+Vector2d direction_at_vertex(const SearchMesh& mesh, std::int32_t c, double angle) {
+  const TriangleMesh& m = *mesh.mesh;
+  double turn = angle - mesh.polar_angles[c];
+  const std::int32_t v = m.tail(c);
+  const double total = m.vertex_angle(v);
+  const double middle = 0.5 * m.corner_angle(c);
+  if (!m.is_boundary(v)) {
+    while (turn - middle > 0.5 * total) turn -= total;
+    while (turn - middle < -0.5 * total) turn += total;
+  }
+  return rotated(side_direction(mesh, c), turn);
+}
+
+std::int32_t corner_halfedge(const SurfacePoint& point, int corner) { return 3 * index(point.face) + corner; }
+
+/// Walks a path back from its end to its source.
+class Backtrace {
+ public:
+  Backtrace(const SearchState& state, bool record_points) : state_(state), mesh_(*state.mesh), record_(record_points) {}
+
+  void from_target(const SearchTarget& target) {
+    const Arrival& best = target.best;
+    add_point({target.point, target.position, target.vertex >= 0 ? VertexId(target.vertex) : VertexId::none});
+    switch (best.kind) {
+      case Arrival::Kind::none:
+        return;
+      case Arrival::Kind::direct:
+        source_ = best.source;
+        first_length_ = best.image.norm();
+        reach_source_directly(target);
+        return;
+      case Arrival::Kind::vertex:
+        if (best.vertex == target.vertex) {
+          follow_record(best.vertex, true);
+        } else {
+          const Vector2d& p = target.planar[corner_of_vertex(target.point, best.vertex)];
+          departure_ = Departure{corner_halfedge(target.point, corner_of_vertex(target.point, best.vertex)), p};
+          arrive_at_vertex(best.vertex, p.norm());
+        }
+        return;
+      case Arrival::Kind::window: {
+        const Window& window = state_.windows[best.window];
+        Vector2d end;
+        if (target.vertex >= 0) {
+          const EdgeFrame& frame = mesh_.frames[window.halfedge];
+          end = {frame.apex_x, frame.apex_y};
+        } else {
+          end = target.planar[window.halfedge % 3];
+        }
+        follow_window(best.window, end);
+      }
+    }
+  }
+
+  int source() const { return source_; }
+  const std::vector<std::int32_t>& pins() const { return pins_; }
+  std::vector<PathPoint>& points() { return points_; }
+  double first_length() const { return first_length_; }
+
+  /// Unit direction of travel at the source, in the tangent frame of the source point's face.
+  Vector2d from_direction() const {
+    const SurfacePoint& source = state_.sources[source_];
+    if (!departure_) return direct_;
+    const std::int32_t h = departure_->halfedge;
+    const Vector2d unit = departure_->vector.normalized();
+    if (const int corner = corner_of(source); corner >= 0) {
+      // At a vertex the departure is in the frame of an outgoing halfedge of that vertex.
+      const double angle =
+          mesh_.polar_angles[h] + std::atan2(departure_->vector.y(), departure_->vector.x());
+      return direction_at_vertex(mesh_, corner_halfedge(source, corner), angle);
+    }
+    if (TriangleMesh::face_of(h) == index(source.face)) return to_face(mesh_, h, unit);
+    // The source lies on an edge and the path leaves through the other face: unfold about that edge.
+    const std::int32_t side = 3 * index(source.face) + side_of(source);
+    const std::int32_t across = mesh_.mesh->twin(side);
+    const Vector2d in_face = to_face(mesh_, h, unit);
+    const Vector2d along = side_direction(mesh_, across);
+    const Vector2d in_edge(in_face.dot(along), -in_face.x() * along.y() + in_face.y() * along.x());
+    return to_face(mesh_, side, -in_edge);
+  }
+
+ private:
+  /// The first piece of the path as a vector in the frame of a halfedge of the face that it starts in.
+  struct Departure {
+    std::int32_t halfedge;
+    Vector2d vector;
+  };
+
+  int corner_of_vertex(const SurfacePoint& point, std::int32_t v) const {
+    const Triangle& corners = mesh_.mesh->faces()[index(point.face)];
+    return corners[0] == v ? 0 : corners[1] == v ? 1 : 2;
+  }
+
+  void add_point(const PathPoint& point) {
+    if (!record_) return;
+    if (point.vertex != VertexId::none && !points_.empty() && points_.back().vertex == point.vertex) return;
+    points_.push_back(point);
+  }
+
+  void add_crossing(std::int32_t h, double x) {
+    if (!record_) return;
+    const EdgeFrame& frame = mesh_.frames[h];
+    double head = std::clamp(x / frame.length, 0.0, 1.0);
+    if (head < kVertexSnap) return add_vertex(frame.tail);
+    if (head > 1 - kVertexSnap) return add_vertex(frame.head);
+    PathPoint point;
+    point.point.face = FaceId(TriangleMesh::face_of(h));
+    point.point.barycentric[h % 3] = 1 - head;
+    point.point.barycentric[(h % 3 + 1) % 3] = head;
+    point.position = position(*mesh_.mesh, point.point);
+    add_point(point);
+  }
+
+  void add_vertex(std::int32_t v) {
+    add_point({vertex_point(*mesh_.mesh, VertexId(v)), mesh_.mesh->positions()[v], VertexId(v)});
+  }
+
+  void reach_source_directly(const SearchTarget& target) {
+    const SurfacePoint& source = state_.sources[source_];
+    const std::int32_t face = index(target.point.face);
+    const Vector2d travel = -target.best.image;  // in the tangent frame of the target's face
+    if (index(source.face) == face) {
+      direct_ = travel.normalized();
+    } else {
+      departure_ = Departure{3 * face, travel};
+    }
+    finish();
+  }
+
+  /// `end` is where the straight piece ends, in the frame of the window's halfedge.
+  void follow_window(std::int32_t i, Vector2d end) {
+    const Window* window = &state_.windows[i];
+    double x = 0;
+    length_to(*window, end.x(), end.y(), x);
+    while (true) {
+      add_crossing(window->halfedge, x);
+      if (window->parent < 0) break;
+      const Window& parent = state_.windows[window->parent];
+      const EdgeFrame& frame = mesh_.frames[parent.halfedge];
+      const bool left = window->halfedge == frame.left;
+      const Vector2d apex(frame.apex_x, frame.apex_y);
+      const Vector2d origin = left ? Vector2d(0, 0) : apex;
+      const Vector2d direction = left ? Vector2d(apex / frame.left_length)
+                                      : Vector2d((Vector2d(frame.length, 0) - apex) / frame.right_length);
+      const Vector2d normal(-direction.y(), direction.x());
+      const Vector2d on_edge = origin + x * direction;
+      end = origin + end.x() * direction + end.y() * normal;
+      length_to(parent, on_edge.x(), std::max(0.0, on_edge.y()), x);
+      window = &parent;
+    }
+    const Vector2d vector = end - Vector2d(window->source_x, -window->depth);
+    // Seen from the face that holds the (pseudo-)source, across the edge.
+    const std::int32_t behind = mesh_.mesh->twin(window->halfedge);
+    departure_ = Departure{behind, -vector};
+    if (window->origin < 0) {
+      source_ = -1 - window->origin;
+      first_length_ = vector.norm();
+      finish();
+    } else {
+      // Turn into the frame of the outgoing halfedge: the vertex is the apex of `behind`.
+      const std::int32_t outgoing = TriangleMesh::previous(behind);
+      const Vector2d in_face = to_face(mesh_, behind, -vector);
+      const Vector2d along = side_direction(mesh_, outgoing);
+      departure_ = Departure{outgoing,
+                             {in_face.dot(along), -in_face.x() * along.y() + in_face.y() * along.x()}};
+      arrive_at_vertex(window->origin, vector.norm());
+    }
+  }
+
+  /// The piece behind us began at vertex v; `departure_` is set as seen from there.
+  void arrive_at_vertex(std::int32_t v, double piece) {
+    const VertexRecord& record = state_.records[v];
+    if (record.halfedge < 0 && record.along < 0) {
+      source_ = -1 - record.origin;
+      first_length_ = piece;
+      finish();
+      return;
+    }
+    pins_.push_back(v);
+    follow_record(v, false);
+  }
+
+  /// The way to vertex v. `is_target` where v ends the path.
+  void follow_record(std::int32_t v, bool is_target) {
+    const VertexRecord& record = state_.records[v];
+    if (!is_target) add_vertex(v);
+    if (record.along >= 0) {
+      const TriangleMesh& m = *mesh_.mesh;
+      const bool outward = m.tail(record.along) == record.origin;
+      const double length = m.edge_length(record.along);
+      if (outward) {
+        departure_ = Departure{record.along, {length, 0}};
+      } else {
+        // The halfedge arrives at the origin: the next one leaves it, and the edge lies a corner's angle further.
+        const std::int32_t outgoing = TriangleMesh::next(record.along);
+        departure_ = Departure{outgoing, rotated({length, 0}, m.corner_angle(outgoing))};
+      }
+      arrive_at_vertex(record.origin, length);
+    } else if (record.window >= 0) {
+      const EdgeFrame& frame = mesh_.frames[record.halfedge];
+      follow_window(record.window, {frame.apex_x, frame.apex_y});
+    } else if (record.halfedge >= 0) {
+      const EdgeFrame& frame = mesh_.frames[record.halfedge];
+      const Vector2d vector(frame.apex_x - record.source_x, frame.apex_y + record.depth);
+      source_ = -1 - record.origin;
+      first_length_ = vector.norm();
+      departure_ = Departure{record.halfedge, vector};
+      finish();
+    } else {
+      source_ = -1 - record.origin;
+      first_length_ = 0;
+    }
+  }
+
+  void finish() {
+    if (!record_) return;
+    const SurfacePoint& source = state_.sources[source_];
+    const int corner = corner_of(source);
+    add_point({source, position(*mesh_.mesh, source),
+               corner >= 0 ? VertexId(mesh_.mesh->faces()[index(source.face)][corner]) : VertexId::none});
+  }
+
+  const SearchState& state_;
+  const SearchMesh& mesh_;
+  bool record_;
+  int source_ = -1;
+  double first_length_ = 0;
+  std::optional<Departure> departure_;
+  Vector2d direct_ = Vector2d::Zero();
+  std::vector<std::int32_t> pins_;
+  std::vector<PathPoint> points_;
+};
+
+Vector2d arrival_direction(const SearchState& state, const SearchTarget& target) {
+  const SearchMesh& mesh = *state.mesh;
+  if (target.vertex < 0) return -target.best.image.normalized();
+  const double turn = mesh.mesh->vertex_angle(target.vertex) / (2 * std::numbers::pi);
+  double angle = std::atan2(target.best.image.y(), target.best.image.x());
+  if (angle < 0) angle += 2 * std::numbers::pi;
+  return -direction_at_vertex(mesh, corner_halfedge(target.point, corner_of(target.point)), angle * turn);
+}
+
+}  // namespace
+
+int source_of(const SearchState& state, const SearchTarget& target) {
+  if (target.best.kind == Arrival::Kind::none) return -1;
+  Backtrace trace(state, false);
+  trace.from_target(target);
+  return trace.source();
+}
+
+Geodesic assemble(const SearchState& state, const SearchTarget& target, const GeodesicOptions& options) {
+  Geodesic result;
+  const Arrival& best = target.best;
+  if (best.kind == Arrival::Kind::none) return result;
+  result.unreachable = false;
+  result.distance = best.length;
+  result.competing_excess = target.competing_length - best.length;
+  result.unique = result.competing_excess > kTie * best.length;
+  const bool general = options.mollifier > 0 && options.derivatives > 0;
+  Backtrace trace(state, options.path || general);
+  trace.from_target(target);
+  for (const std::int32_t v : trace.pins()) result.pinned_at.push_back(VertexId(v));
+  std::reverse(result.pinned_at.begin(), result.pinned_at.end());
+  std::reverse(trace.points().begin(), trace.points().end());
+  if (best.length > 0 && options.derivatives > 0) {
+    const SurfacePoint& from = state.sources[trace.source()];
+    if (general) {
+      MollifiedLength mollified = mollified_length(*state.mesh->mesh, trace.points(), options.mollifier);
+      result.mollified_distance = mollified.length;
+      result.derivatives = mollified.derivatives;
+    } else {
+      PathEnds ends;
+      ends.from_direction = trace.from_direction();
+      ends.to_direction = arrival_direction(state, target);
+      ends.first_length = trace.first_length();
+      ends.pinned = !result.pinned_at.empty();
+      ends.last_length = ends.pinned ? best.image.norm() : best.length;
+      if (!ends.pinned) ends.first_length = best.length;
+      result.derivatives = end_derivatives(*state.mesh->mesh, from, target.point, ends, options.derivatives);
+    }
+  }
+  if (options.path) result.path = std::move(trace.points());
+  return result;
+}
+
+GeodesicDerivatives end_derivatives(const TriangleMesh& mesh, const SurfacePoint& from, const SurfacePoint& to,
+                                    const PathEnds& ends, int order) {
+  GeodesicDerivatives result;
+  result.tangent_gradient << -ends.from_direction, ends.to_direction;
+  if (order > 1) {
+    // A straight piece of length L resists only turning: n n^T / L at its ends, n the normal within the face.
+    const Vector2d n0(-ends.from_direction.y(), ends.from_direction.x());
+    const Vector2d n1(-ends.to_direction.y(), ends.to_direction.x());
+    result.tangent_hessian.topLeftCorner<2, 2>() = n0 * n0.transpose() / ends.first_length;
+    result.tangent_hessian.bottomRightCorner<2, 2>() = n1 * n1.transpose() / ends.last_length;
+    if (!ends.pinned) {
+      result.tangent_hessian.topRightCorner<2, 2>() = -n0 * n1.transpose() / ends.first_length;
+      result.tangent_hessian.bottomLeftCorner<2, 2>() = -n1 * n0.transpose() / ends.first_length;
+    }
+  }
+  express_in_barycentrics(mesh, from, to, result);
+  return result;
+}
+
+}  // namespace supple::surface

@@ -1,0 +1,129 @@
+// How windows begin: at source points and at the vertices that bend shortest paths.
+#include <numbers>
+
+#include "window_search.h"
+
+namespace supple::surface {
+namespace {
+
+/// A path may turn at a saddle vertex if both sides measure pi; rays within this angle (radians) of the limit are sent
+/// too, so that nothing is lost between them and the windows that pass by.
+constexpr double kSectorTolerance = 1e-9;
+
+}  // namespace
+
+void WindowSearch::emit_from_source(std::int32_t source) {
+  const SurfacePoint& point = sources_[source];
+  const TriangleMesh& mesh = *mesh_->mesh;
+  const std::int32_t face = index(point.face);
+  const std::int32_t origin = -1 - source;
+  if (const int corner = corner_of(point); corner >= 0) {
+    improve_vertex(mesh.faces()[face][corner], 0, 0, 0, -1, -1, origin, -1);
+    VertexRecord& record = vertex_record(mesh.faces()[face][corner]);
+    record.emits = true;
+    queue_vertex(mesh.faces()[face][corner], record);
+    return;
+  }
+  std::array<Eigen::Vector2d, 3> planar;
+  for (int side = 0; side < 3; ++side) {
+    planar[side] = planar_point(mesh_->frames[3 * face + side], point.barycentric, side);
+  }
+  const int side = side_of(point);
+  emit_into_face(face, planar, origin, side);
+  if (side < 0) return;
+  const std::int32_t across = mesh.twin(3 * face + side);
+  if (across < 0) return;
+  // The same point of the edge, seen from the other face: its coordinates swap the ends of the side.
+  Eigen::Vector3d other = Eigen::Vector3d::Zero();
+  other[across % 3] = point.barycentric[(side + 1) % 3];
+  other[(across + 1) % 3] = point.barycentric[side];
+  for (int s = 0; s < 3; ++s) {
+    planar[s] = planar_point(mesh_->frames[across - across % 3 + s], other, s);
+  }
+  emit_into_face(TriangleMesh::face_of(across), planar, origin, across % 3);
+}
+
+void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vector2d, 3>& planar, std::int32_t origin,
+                                  int entered_through) {
+  const std::int32_t source = -1 - origin;
+  visit_targets(face, [&](SearchTarget& target) { offer_direct(*mesh_, target, sources_[source], source); });
+  for (int side = 0; side < 3; ++side) {
+    const std::int32_t h = 3 * face + side;
+    const EdgeFrame& frame = mesh_->frames[h];
+    const Eigen::Vector2d& p = planar[side];
+    improve_vertex(frame.apex, hypotenuse(p.x() - frame.apex_x, p.y() - frame.apex_y), p.x(), -p.y(), h, -1, origin, -1);
+    const std::int32_t across = mesh_->mesh->twin(h);
+    if (side == entered_through || across < 0) continue;
+    Window window{0, frame.length, frame.length - p.x(), std::max(0.0, p.y()), 0, 0, 0, -1, -1, origin, across};
+    admit_first(window);
+  }
+}
+
+void WindowSearch::emit_from_vertex(std::int32_t v) {
+  const TriangleMesh& mesh = *mesh_->mesh;
+  const VertexRecord record = vertices_[v];
+  const double distance = distances_[v].value;
+  const double total = mesh.vertex_angle(v);
+  const bool is_source = record.halfedge < 0 && record.along < 0;
+  const bool everywhere = is_source || !mesh_->pins(v);
+  const bool boundary = mesh.is_boundary(v);
+  const double arrival = everywhere ? 0 : arrival_angle(*mesh_, record, v);
+  constexpr double pi = std::numbers::pi;
+  const double first = pi - kSectorTolerance;
+  const double last = total - pi + kSectorTolerance;
+
+  // Sends a window through the part [low, high] of the corner's angle, and distances along the edges that bound it.
+  const auto send = [&](std::int32_t corner, double low, double high) {
+    const std::int32_t opposite = TriangleMesh::next(corner);
+    const EdgeFrame& frame = mesh_->frames[opposite];  // v is its apex
+    const double angle = mesh.corner_angle(corner);
+    if (low <= 0) {
+      improve_vertex(frame.tail, distance + frame.left_length, 0, 0, -1, -1, v, corner);
+    }
+    if (high >= angle) {
+      improve_vertex(frame.head, distance + frame.right_length, 0, 0, -1, -1, v,
+                     TriangleMesh::previous(corner));
+    }
+    const std::int32_t across = mesh.twin(opposite);
+    if (across < 0) return;
+    // Rays in the frame of the opposite edge: angles turn from the direction apex -> tail.
+    const auto meets = [&](double turn) {
+      const double c = std::cos(turn);
+      const double s = std::sin(turn);
+      const double dx = -frame.apex_x * c + frame.apex_y * s;
+      const double dy = -frame.apex_x * s - frame.apex_y * c;
+      return std::clamp(frame.apex_x - frame.apex_y * dx / dy, 0.0, frame.length);
+    };
+    const double from = low <= 0 ? 0 : meets(low);
+    const double to = high >= angle ? frame.length : meets(high);
+    Window window{frame.length - to, frame.length - from, frame.length - frame.apex_x, frame.apex_y, 0, 0,
+                  distance, -1, -1, v, across};
+    admit_first(window);
+  };
+
+  const std::int32_t start = mesh.outgoing(v);
+  double base = 0;
+  std::int32_t corner = start;
+  do {
+    const double angle = mesh.corner_angle(corner);
+    if (everywhere) {
+      send(corner, 0, angle);
+    } else if (boundary) {
+      // Either side of the arriving path, as far as it is at least a straight angle away.
+      const double after = arrival + first - base;
+      if (after <= angle) send(corner, after, angle);
+      const double before = arrival - first - base;
+      if (before >= 0) send(corner, 0, before);
+    } else {
+      double relative = base - arrival;
+      if (relative < 0) relative += total;
+      const double low = first - relative;
+      const double high = last - relative;
+      if (low <= angle && high >= 0) send(corner, low, high);
+    }
+    base += angle;
+    corner = mesh.rotate(corner);
+  } while (corner >= 0 && corner != start);
+}
+
+}  // namespace supple::surface

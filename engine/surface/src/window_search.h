@@ -1,0 +1,184 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "bucket_queue.h"
+#include "edge_frames.h"
+#include "supple/base/execution.h"
+#include "supple/surface/surface_point.h"
+#include "window.h"
+
+namespace supple::surface {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// How the best known path reaches a vertex.
+struct VertexRecord {
+  double source_x, depth;  ///< the pseudo-source in the frame of `halfedge`, as in a Window
+  std::int32_t halfedge;   ///< whose apex the vertex is; -1 for a path along an edge
+  std::int32_t window;     ///< pool index of the window that covers the vertex, -1 if none
+  std::int32_t origin;     ///< pseudo-source: a vertex, or -1 - i for the i-th source
+  std::int32_t along;      ///< halfedge with the vertex at one end when the path runs along an edge, else -1
+  BucketQueue::Bucket queued;
+  bool emits;  ///< sends out windows: pins paths, or stands in for windows that an allowed error has dropped
+};
+
+/// How a path reaches a target.
+struct Arrival {
+  enum class Kind { none, direct, window, vertex } kind = Kind::none;
+  double length = kInfinity;
+  std::int32_t window = -1;  ///< pool index
+  std::int32_t vertex = -1;
+  std::int32_t source = -1;  ///< for direct arrivals
+  double crossing = 0;       ///< of the window's edge, in the window's frame
+  /// The unfolded pseudo-source relative to the target: in the planar frame of side 0 of the target's face, or, for a
+  /// target at a vertex, in polar coordinates whose full turn is the vertex's total angle.
+  Eigen::Vector2d image = Eigen::Vector2d::Zero();
+};
+
+/// A point whose distance is wanted, and what the search finds of it.
+struct SearchTarget {
+  SurfacePoint point;
+  std::int32_t vertex = -1;  ///< the vertex that the point lies on exactly
+  std::array<Eigen::Vector2d, 3> planar;  ///< the point in the frames of the three sides of its face
+  Eigen::Vector3d position;
+  Arrival best;
+  double competing_length = kInfinity;  ///< shortest length met of a path with another image
+};
+
+SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& point);
+/// Angle around its vertex at which the recorded path arrives, counted as SearchMesh::polar_angles.
+double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::int32_t vertex);
+/// Offers the way by a corner of the target's face, or, where the target is a vertex, that vertex's own record.
+void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, double distance,
+                  const VertexRecord& record);
+/// Offers a window of halfedge `h` as a way to the target.
+void offer_window(const SearchMesh& mesh, SearchTarget& target, std::int32_t h, const Window& window,
+                  std::int32_t window_index);
+/// Offers the straight way from a source in the same face, or in a face that shares the edge on which the source lies.
+void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoint& source, int source_index);
+/// Offers an arrival whose image is set.
+void offer(SearchTarget& target, const Arrival& arrival);
+
+struct SearchSettings {
+  bool goal_directed = false;  ///< exactly one target, only its distance matters
+  bool keep_windows = false;   ///< every processed window stays in the pool
+  double relative_error = 0;
+  double limit = kInfinity;  ///< distances beyond need not be found
+};
+
+/// One continuous-Dijkstra search with all its state, reusable: a search marks what it touches with its number, so that
+/// starting one clears nothing.
+///
+/// The queue holds halfedges and vertices, never single windows. A popped halfedge takes all windows that wait at it,
+/// trims them to their lower envelope and sends what is left through its face at once; a popped saddle or boundary vertex
+/// sends windows into the angles that a shortest path may turn to. The order only decides how much work is wasted: windows
+/// that improve on earlier ones may come at any time.
+class WindowSearch {
+ public:
+  explicit WindowSearch(const SearchMesh& mesh);
+
+  void run(std::span<const SurfacePoint> sources, std::span<SearchTarget> targets, const SearchSettings& settings,
+           const Execution& execution);
+
+  const SearchMesh& mesh() const { return *mesh_; }
+  double distance(std::int32_t vertex) const {
+    const Distance& d = distances_[vertex];
+    return d.epoch == epoch_ ? d.value : kInfinity;
+  }
+  /// Per vertex; those that the search did not reach are out of date.
+  const VertexRecord* records() const { return vertices_.data(); }
+  const std::vector<Window>& pool() const { return pool_; }
+  /// Hands out what point queries need: records of all vertices, the windows, and per halfedge the first of its list.
+  void move_into(std::vector<VertexRecord>& records, std::vector<Window>& windows, std::vector<std::int32_t>& first);
+  std::int64_t windows_created() const { return windows_created_; }
+  std::int64_t batches() const { return batches_; }
+  std::span<const SurfacePoint> sources() const { return sources_; }
+
+ private:
+  struct HalfedgeRecord {
+    std::int32_t pending;
+    std::int32_t kept;
+    std::uint32_t epoch;
+    BucketQueue::Bucket queued;
+  };
+  struct Distance {
+    double value;
+    std::uint32_t epoch;
+  };
+  struct Hook {
+    std::int32_t target;
+    std::int32_t next;  ///< the next hook in the same face
+  };
+  struct FaceRecord {
+    std::uint32_t epoch;
+    std::int32_t hook;
+  };
+
+  [[gnu::always_inline]] HalfedgeRecord& halfedge_record(std::int32_t h);
+  VertexRecord& vertex_record(std::int32_t v);
+  void offer_corners(SearchTarget& target);
+  void start(std::span<const SurfacePoint> sources, std::span<SearchTarget> targets, const SearchSettings& settings);
+  void hook(std::int32_t face, std::int32_t target);
+  template <typename Visit>
+  void visit_targets(std::int32_t face, Visit visit) {
+    if (faces_[face].epoch != epoch_) return;
+    for (std::int32_t i = faces_[face].hook; i >= 0; i = hooks_[i].next) visit(targets_[hooks_[i].target]);
+  }
+  /// Whether every target is certain: no path still to be found can be shorter than what is known.
+  bool settled();
+
+  void emit_from_source(std::int32_t index);
+  void emit_from_vertex(std::int32_t v);
+  /// Distance to the source point and a window across each side of the face; the face's frame sees the source at
+  /// `planar` (per side). `entered_through` is skipped: the side that the source lies on.
+  void emit_into_face(std::int32_t face, const std::array<Eigen::Vector2d, 3>& planar, std::int32_t origin,
+                      int entered_through);
+  bool improve_vertex(std::int32_t v, double distance, double source_x, double depth, std::int32_t halfedge,
+                      std::int32_t window, std::int32_t origin, std::int32_t along);
+  void queue_vertex(std::int32_t v, VertexRecord& record);
+  void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
+
+  void process(std::int32_t h);
+  void propagate(const Window& window, std::int32_t index, const EdgeFrame& frame, std::int32_t h, double& left_key,
+                 double& right_key);
+  /// Cuts a new window against its edge's vertices, and keeps it if anything is left and no bound excludes it.
+  [[gnu::always_inline]] void admit(Window& window, const EdgeFrame& frame, const Eigen::Vector2d& goal, double& key);
+  /// Cuts with an allowed error: vertices that take over from a window send out windows of their own.
+  bool cut_within_error(Window& window, const EdgeFrame& frame);
+  /// admit for windows that start at a (pseudo-)source, and the halfedge's place in the queue.
+  void admit_first(Window& window);
+  [[gnu::always_inline]] VertexBounds bounds(const Window& window, const EdgeFrame& frame, double shrink) const;
+  Eigen::Vector2d goal_in_frame(std::int32_t tail, std::int32_t head, double length) const;
+  [[gnu::always_inline]] std::int32_t allocate();
+  void release(std::int32_t window);
+
+  const SearchMesh* mesh_;
+  std::vector<HalfedgeRecord> halfedges_;
+  std::vector<Distance> distances_;  ///< apart from the records, because every window looks them up
+  std::vector<VertexRecord> vertices_;
+  std::vector<Window> pool_;
+  std::int32_t free_ = -1;
+  BucketQueue queue_;
+  std::vector<FaceRecord> faces_;  ///< which faces have targets in this search
+  std::uint32_t epoch_ = 0;
+
+  std::vector<SurfacePoint> sources_;
+  std::span<SearchTarget> targets_;
+  std::vector<Hook> hooks_;
+  SearchSettings settings_;
+  double bound_ = kInfinity;  ///< keys beyond this are of no use
+  std::size_t uncertain_ = 0;  ///< the targets before this one are certain
+  Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
+  Eigen::Vector2d left_goal_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d right_goal_ = Eigen::Vector2d::Zero();
+  std::vector<std::int32_t> batch_;
+  std::int64_t windows_created_ = 0;
+  std::int64_t batches_ = 0;
+};
+
+}  // namespace supple::surface
