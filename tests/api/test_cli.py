@@ -1,0 +1,243 @@
+"""The command line client against a live server."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import Any, List, Tuple
+
+import numpy as np
+import pytest
+
+from harness import Api, CLI, free_port
+from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apart
+
+
+class Program:
+    """Runs `supple` with a server and a folder of its own."""
+
+    def __init__(self, url: str, folder: Path) -> None:
+        self.url = url
+        self.folder = folder
+
+    def run(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run([str(CLI), *arguments], cwd=self.folder, env={**os.environ, "SUPPLE_SERVER": self.url},
+                              capture_output=True, text=True, timeout=60, check=False)
+
+    def ok(self, *arguments: str) -> str:
+        finished = self.run(*arguments)
+        assert finished.returncode == 0, finished.stderr
+        return finished.stdout
+
+    def file(self, name: str, mesh: Any) -> str:
+        (self.folder / name).write_text(obj_text(mesh))
+        return name
+
+
+@pytest.fixture
+def supple(api: Api, tmp_path: Path) -> Program:
+    return Program(api.server.url, tmp_path)
+
+
+def number_after(name: str, text: str) -> float:
+    found = re.search(rf"{re.escape(name)}\s+([-+0-9.e]+)", text)
+    assert found, text
+    return float(found.group(1))
+
+
+def test_help_lists_the_commands_examples_and_exit_codes(supple: Program) -> None:
+    text = supple.ok("--help")
+    for word in ("geodesic", "karcher", "exponential-map", "Examples", "Exit status", "SUPPLE_SERVER"):
+        assert word in text
+    for command in ("mesh", "geodesic", "field", "karcher", "exponential-map", "job"):
+        assert "Usage: supple " + command in supple.ok(command, "--help")
+
+
+def test_a_mesh_is_added_listed_shown_downloaded_and_deleted(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(3, 7.5))
+    added = supple.ok("mesh", "add", file)
+    mesh = re.search(r"[0-9a-f]{64}", added).group(0)  # type: ignore[union-attr]
+    assert number_after("faces", added) == 18
+    assert mesh in supple.ok("mesh", "list")
+    assert supple.ok("mesh", "show", mesh[:20]) == added == supple.ok("mesh", "show", file)
+    supple.ok("mesh", "get", mesh, "-o", "copy.obj")
+    assert json.loads(supple.ok("--json", "mesh", "add", "copy.obj"))["id"] == mesh
+    supple.ok("mesh", "delete", mesh)
+    assert mesh not in supple.ok("mesh", "list")
+
+
+def test_a_geodesic_is_printed_and_its_path_written(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(8))
+    text = supple.ok("geodesic", file, "v0", "v80", "v0", "0:0.2,0.3,0.5", "--path", "path.obj", "--derivatives", "2")
+    assert "vertex 0 -> vertex 80: distance 1.414213562373095" in text
+    assert "face 0 (0.2, 0.3, 0.5)" in text and text.count("gradient") == 2 and text.count("Hessian") == 8
+    lines = (supple.folder / "path.obj").read_text().splitlines()
+    points = np.array([[float(x) for x in line.split()[1:]] for line in lines if line.startswith("v ")])
+    polylines = [[int(i) for i in line.split()[1:]] for line in lines if line.startswith("l ")]
+    assert len(polylines) == 2
+    first = points[np.array(polylines[0]) - 1]
+    assert np.linalg.norm(np.diff(first, axis=0), axis=1).sum() == pytest.approx(2**0.5)
+    supple.ok("geodesic", file, "v0", "v80", "-p", "path.json")
+    assert json.loads((supple.folder / "path.json").read_text())[0][-1]["position"] == [1, 1, 0]
+
+
+def test_json_is_the_servers_answer(supple: Program, api: Api) -> None:
+    file = supple.file("grid.obj", flat_grid(8))
+    answer = json.loads(supple.ok("--json", "geodesic", file, "v0", "v8"))
+    api.contract.validate({"$ref": "#/components/schemas/GeodesicsResponse"}, answer, "the CLI's output")
+
+
+def test_points_of_different_components_are_said_to_be_unreachable(supple: Program) -> None:
+    text = supple.ok("geodesic", supple.file("two.obj", two_triangles_apart()), "v0", "v3")
+    assert "unreachable" in text
+
+
+def test_a_field_is_written_as_csv_as_doubles_and_as_a_coloured_mesh(supple: Program) -> None:
+    mesh = flat_grid(8)
+    file = supple.file("grid.obj", mesh)
+    expected = np.linalg.norm(mesh[0] - mesh[0][5], axis=1)
+    summary = supple.ok("field", file, "v5", "-o", "field.csv")
+    assert number_after("largest", summary) == pytest.approx(expected.max())
+    table = np.genfromtxt(supple.folder / "field.csv", delimiter=",", skip_header=1)
+    np.testing.assert_allclose(table[:, 1], expected, atol=1e-12)
+    supple.ok("field", file, "v5", "-o", "field.f64")
+    np.testing.assert_allclose(np.fromfile(supple.folder / "field.f64", "<f8"), expected, atol=1e-12)
+    assert supple.ok("field", file, "v5", "-o", "-") == (supple.folder / "field.csv").read_text()
+    supple.ok("field", file, "v5", "-o", "field.ply")
+    header, body = (supple.folder / "field.ply").read_bytes().split(b"end_header\n", 1)
+    assert b"element vertex 81" in header and b"element face 128" in header
+    vertex = np.dtype([("position", "<f8", 3), ("colour", "u1", 3), ("quality", "<f8")])
+    vertices = np.frombuffer(body[:81 * vertex.itemsize], vertex)
+    np.testing.assert_allclose(vertices["position"], mesh[0])
+    np.testing.assert_allclose(vertices["quality"], expected, atol=1e-12)
+    assert len({tuple(colour) for colour in vertices["colour"].tolist()}) > 10
+
+
+def test_the_coloured_mesh_can_be_uploaded_again(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(8))
+    supple.ok("field", file, "v5", "-o", "field.ply")
+    first, second = (json.loads(supple.ok("--json", "mesh", "add", name))["id"] for name in (file, "field.ply"))
+    assert first == second
+
+
+def test_a_weighted_mean_is_found_and_its_history_shown(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(8))
+    text = supple.ok("karcher", file, "v0", "v80", "--weights", "1,3", "--history")
+    assert number_after("position", text) == pytest.approx(0.75, abs=1e-7)
+    assert "converged" in text and "step" in text
+
+
+def test_a_straightest_path_is_traced(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(8))
+    text = supple.ok("exponential-map", file, "v40", "--tangent", "-0.1,0.2,0", "--path", "trace.obj")
+    assert number_after("position", text) == pytest.approx(0.4)
+    assert number_after("length", text) == pytest.approx(0.05**0.5)
+    assert (supple.folder / "trace.obj").read_text().count("\nl ") == 1
+
+
+@pytest.mark.parametrize("arguments, code, message", [
+    (["geodesic"], 1, "required"),
+    (["fly"], 1, ""),
+    (["geodesic", "abc", "v0", "v1", "v2"], 1, "pairs"),
+    (["geodesic", "abc", "v0", "x1"], 1, "'x1' is not a surface point"),
+    (["geodesic", "abc", "v0", "1:0.5"], 1, "is not a surface point"),
+    (["geodesic", "nosuchfile.obj", "v0", "v1"], 1, "neither a file nor the id"),
+    (["geodesic", "0" * 64, "v0", "v1"], 2, "mesh.not_found"),
+    (["geodesic", "0000000000", "v0", "v1"], 2, "no mesh of"),
+    (["mesh", "add", "nosuchfile.obj"], 5, "cannot be read"),
+    (["job", "show", "0" * 32], 2, "job.not_found"),
+    (["--server", "ftp://x", "mesh", "list"], 1, "not a server address"),
+])
+def test_a_failure_has_its_exit_code_and_one_clear_message(
+        supple: Program, arguments: List[str], code: int, message: str) -> None:
+    finished = supple.run(*arguments)
+    assert finished.returncode == code, finished.stderr
+    assert message in finished.stderr and finished.stderr.strip()
+    assert finished.stdout == ""
+
+
+def test_a_faulty_mesh_names_its_elements(supple: Program) -> None:
+    (supple.folder / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n")
+    finished = supple.run("mesh", "add", "bad.obj")
+    assert finished.returncode == 2
+    assert "mesh.degenerate_face" in finished.stderr and "face 0" in finished.stderr
+
+
+def test_a_file_that_cannot_be_written_is_said(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(2))
+    finished = supple.run("field", file, "v0", "-o", "no/such/folder.csv")
+    assert finished.returncode == 5 and "no/such/folder.csv" in finished.stderr
+
+
+def test_without_a_server_it_says_where_it_looked(tmp_path: Path) -> None:
+    url = f"http://127.0.0.1:{free_port()}"
+    finished = Program(url, tmp_path).run("mesh", "list")
+    assert finished.returncode == 4 and url in finished.stderr
+
+
+def start_long_field(supple: Program, sub: int = 7) -> Tuple["subprocess.Popen[str]", str]:
+    mesh = json.loads(supple.ok("--json", "mesh", "add", supple.file("large.obj", bumpy_sphere(sub))))["id"]
+    process = subprocess.Popen([str(CLI), "field", mesh, "v0", "-o", "large.f64"], cwd=supple.folder, text=True,
+                               env={**os.environ, "SUPPLE_SERVER": supple.url}, stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    return process, mesh
+
+
+def test_what_takes_longer_than_a_second_is_followed_as_a_job(supple: Program, api: Api) -> None:
+    process, mesh = start_long_field(supple)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 0, errors
+    assert errors == "", "no bar is drawn where standard error is no terminal"
+    assert (supple.folder / "large.f64").stat().st_size == 8 * api.get(f"/v1/meshes/{mesh}").json()["vertices"]
+
+
+@pytest.mark.parametrize("delay", [0.3, 1.6], ids=["while-immediate", "while-a-job"])
+def test_ctrl_c_cancels_the_computation_on_the_server(supple: Program, api: Api, delay: float) -> None:
+    process, _ = start_long_field(supple)
+    end = time.monotonic() + 10
+    while not api.get("/readyz").json()["jobs_running"] and process.poll() is None:
+        assert time.monotonic() < end
+    time.sleep(delay)
+    assert process.poll() is None, "the computation was too short to be interrupted"
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=10)
+    assert process.returncode == 130 and "interrupted" in errors
+    end = time.monotonic() + 2
+    while api.get("/readyz").json()["jobs_running"]:
+        assert time.monotonic() < end, "the computation goes on"
+        time.sleep(0.01)
+
+
+def test_a_progress_bar_is_drawn_on_a_terminal(supple: Program) -> None:
+    _, mesh = (lambda pair: (pair[0].wait(120), pair[1]))(start_long_field(supple))
+    process = subprocess.run(["script", "-qec", f"{CLI} field {mesh} v3 v99", "/dev/null"], cwd=supple.folder, text=True,
+                             env={**os.environ, "SUPPLE_SERVER": supple.url}, capture_output=True, timeout=120, check=False)
+    assert process.returncode == 0
+    assert re.search(r"\[#*\.*\]\s+\d+ %", process.stdout)
+
+
+def test_jobs_are_listed_shown_waited_for_and_removed(supple: Program, api: Api) -> None:
+    mesh = api.upload(*sphere(2))
+    request = {"mesh": mesh, "points": [{"vertex": 0}, {"vertex": 7}]}
+    job = api.post("/v1/karcher-means", request, headers={"Prefer": "respond-async"}).json()["id"]
+    assert json.loads(supple.ok("job", "wait", job))["mesh"] == mesh
+    assert json.loads(supple.ok("job", "result", job))["mesh"] == mesh
+    assert "successful" in supple.ok("job", "show", job)
+    assert job in supple.ok("job", "list", "--state", "successful")
+    assert supple.run("job", "cancel", job).returncode == 2
+    supple.ok("job", "remove", job)
+    assert supple.run("job", "show", job).returncode == 2
+
+
+def test_a_running_job_is_cancelled_by_its_id(supple: Program, api: Api) -> None:
+    mesh = api.upload(*bumpy_sphere(7))
+    job = api.post("/v1/geodesic-fields", {"mesh": mesh, "sources": [{"vertex": 0}]},
+                   headers={"Prefer": "respond-async"}).json()["id"]
+    supple.ok("job", "cancel", job)
+    assert "dismissed" in supple.ok("job", "show", job)
+    finished = supple.run("job", "result", job)
+    assert finished.returncode == 2 and "job.dismissed" in finished.stderr

@@ -1,0 +1,175 @@
+"""The Python package against a live server."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Iterator, List, Tuple
+
+import numpy as np
+import pytest
+
+import supple
+from contract import ROOT
+from harness import Api, free_port
+from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apart
+
+EXAMPLES = sorted((ROOT / "clients" / "python" / "examples").glob("*.py"))
+
+
+@pytest.fixture
+def client(api: Api) -> Iterator[supple.Client]:
+    with supple.Client(api.server.url) as opened:
+        yield opened
+
+
+def test_a_mesh_is_uploaded_from_a_file_from_bytes_and_from_arrays(client: supple.Client, tmp_path: Path) -> None:
+    vertices, faces = flat_grid(4, 3.0)
+    (tmp_path / "grid.obj").write_text(obj_text((vertices, faces)))
+    meshes = [client.upload(tmp_path / "grid.obj"), client.upload(obj_text((vertices, faces)).encode()),
+              client.upload_arrays(vertices, faces)]
+    assert len({mesh.id for mesh in meshes}) == 1
+    info = meshes[0].info
+    assert (info.vertices, info.faces, info.boundary_loops, info.upper) == (25, 32, 1, (3, 3, 0))
+    assert client.mesh(info.id).info == info
+    assert info.id in [listed.id for listed in client.meshes()]
+    positions, corners = meshes[0].arrays()
+    np.testing.assert_array_equal(positions, vertices)
+    np.testing.assert_array_equal(corners, faces)
+
+
+def test_a_deleted_mesh_is_not_found(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*flat_grid(2, 9.75))
+    mesh.delete()
+    with pytest.raises(supple.NotFound) as error:
+        client.mesh(mesh.id)
+    assert error.value.code == "mesh.not_found"
+
+
+def test_geodesics_have_distances_derivatives_and_paths(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*flat_grid(8))
+    geodesic = mesh.geodesic(0, 80, derivatives=2, path=True)
+    assert geodesic.distance == pytest.approx(2**0.5)
+    assert geodesic.path is not None and geodesic.path.length() == pytest.approx(2**0.5)
+    assert geodesic.gradient is not None and geodesic.hessian is not None and geodesic.frames is not None
+    assert geodesic.gradient.tangent.shape == (4,) and geodesic.hessian.barycentric.shape == (6, 6)
+    along = geodesic.gradient.tangent[2:] @ geodesic.frames[1]
+    np.testing.assert_allclose(along, np.array([1, 1, 0]) / 2**0.5, atol=1e-12)
+    several = mesh.geodesics([(0, 8), (supple.Vertex(0), (0, (0.2, 0.3, 0.5)))])
+    assert [g.distance for g in several][0] == pytest.approx(1)
+    assert several[0].path is None and several[0].gradient is None
+
+
+def test_unreachable_points_have_an_infinite_distance(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*two_triangles_apart())
+    assert mesh.geodesic(0, 3) == supple.Geodesic(float("inf"), True)
+    np.testing.assert_array_equal(np.isinf(mesh.field([0]).distances), [False] * 3 + [True] * 3)
+
+
+def test_a_field_is_a_writable_array(client: supple.Client) -> None:
+    vertices, faces = flat_grid(8)
+    field = client.upload_arrays(vertices, faces).field([7, (3, (0.2, 0.3, 0.5))])
+    sources = np.stack([vertices[7], np.array([0.2, 0.3, 0.5]) @ vertices[faces[3]]])
+    expected = np.linalg.norm(vertices[:, None] - sources[None], axis=2).min(axis=1)
+    np.testing.assert_allclose(field.distances, expected, atol=1e-12)
+    assert field.relative_error_bound == 0 and field.method == "windows" and field.seconds > 0
+    field.distances[0] = 1
+
+
+def test_a_mean_has_its_position_history_and_bill(client: supple.Client) -> None:
+    vertices, faces = flat_grid(8)
+    mean = client.upload_arrays(vertices, faces).karcher_mean([0, 80, 30], weights=[1, 2, 1])
+    np.testing.assert_allclose(mean.position, np.average(vertices[[0, 80, 30]], axis=0, weights=[1, 2, 1]), atol=1e-8)
+    assert mean.converged and mean.gradient_norm <= mean.gradient_tolerance
+    assert len(mean.history) == mean.iterations + 1
+    assert mean.cost.seconds > 0 and {effect.name for effect in mean.effects} >= {"kept_fields"}
+
+
+def test_an_exponential_map_ends_where_it_should(client: supple.Client) -> None:
+    vertices, faces = flat_grid(8)
+    answer = client.upload_arrays(vertices, faces).exponential_map(40, [0.1, 0.2, 0.0])
+    np.testing.assert_allclose(answer.position, vertices[40] + [0.1, 0.2, 0], atol=1e-12)
+    assert answer.trace is not None and answer.trace.length() == pytest.approx(answer.length)
+
+
+def test_each_failure_is_an_exception_of_its_own(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*flat_grid(4))
+    with pytest.raises(supple.InvalidPoint) as point:
+        mesh.geodesic(0, 10_000)
+    assert point.value.code == "point.vertex_out_of_range" and point.value.faults[0].where == "/pairs/0/to"
+    with pytest.raises(supple.InvalidMesh) as faulty:
+        client.upload_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 1]])
+    assert faulty.value.faults[0].where == "face 0"
+    with pytest.raises(supple.InvalidRequest):
+        mesh.karcher_mean([0, 1], weights=[0, 0])
+    with pytest.raises(ValueError):
+        client.upload_arrays(np.zeros((3, 2)), np.zeros((1, 3), int))
+
+
+def test_a_deadline_is_an_exception_of_its_own(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*bumpy_sphere(6))
+    with pytest.raises(supple.DeadlineExceeded):
+        mesh.field([0], deadline=0.01)
+
+
+def test_a_job_reports_progress_and_gives_the_same_result(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*sphere(4))
+    seen: List[Tuple[float, str]] = []
+    job = mesh.start_field([0])
+    field = job.result(progress=lambda fraction, stage: seen.append((fraction, stage)))
+    assert seen[-1][0] == 1
+    np.testing.assert_array_equal(field.distances, mesh.field([0]).distances)
+    status = job.status()
+    assert status.finished and status.state == "successful" and status.mesh == mesh.id
+    assert job.id in [listed.id for listed in client.jobs("successful")]
+    assert len(client.job(job.id).result()) == 8 * mesh.info.vertices
+
+
+def test_a_cancelled_job_raises(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*bumpy_sphere(7))
+    job = mesh.start_field([0])
+    with pytest.raises(supple.RequestTimeout):
+        job.wait(timeout=0.1)
+    job.cancel()
+    with pytest.raises(supple.JobCancelled):
+        job.result(timeout=5)
+
+
+def test_whatever_interrupts_a_waiting_call_cancels_its_computation(client: supple.Client, api: Api) -> None:
+    mesh = client.upload_arrays(*bumpy_sphere(7))
+
+    class Enough(Exception):
+        pass
+
+    def stop(fraction: float, stage: str) -> None:
+        raise Enough
+
+    with pytest.raises(Enough):
+        mesh.field([0], progress=stop)
+    end = time.monotonic() + 2
+    while api.get("/readyz").json()["jobs_running"]:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_a_missing_server_is_a_connection_error() -> None:
+    with supple.Client(f"http://127.0.0.1:{free_port()}", timeout=2) as client:
+        assert client.ready() is False
+        with pytest.raises(ConnectionError):
+            client.mesh("0" * 64)
+
+
+def test_a_living_server_is_ready(client: supple.Client) -> None:
+    assert client.ready() is True
+
+
+@pytest.mark.parametrize("script", EXAMPLES, ids=lambda path: path.stem)
+def test_the_example_runs(api: Api, tmp_path: Path, script: Path) -> None:
+    (tmp_path / "mesh.obj").write_text(obj_text(bumpy_sphere(3)))
+    finished = subprocess.run([sys.executable, str(script), str(tmp_path / "mesh.obj")], capture_output=True, text=True,
+                              env={"PYTHONPATH": str(ROOT / "clients" / "python"), "SUPPLE_SERVER": api.server.url},
+                              timeout=60, check=False)
+    assert finished.returncode == 0, finished.stderr
+    assert finished.stdout

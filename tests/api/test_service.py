@@ -1,0 +1,98 @@
+"""Probes, metrics, methods and paths."""
+
+from __future__ import annotations
+
+import re
+import socket
+import time
+
+import pytest
+import requests
+
+from harness import Api, problem_code
+
+
+def test_the_probes_say_alive_and_ready(api: Api) -> None:
+    health = api.get("/healthz").json()
+    assert health["status"] == "ok" and health["uptime_seconds"] >= 0
+    ready = api.get("/readyz").json()
+    assert ready["status"] == "ready"
+
+
+def test_the_metrics_are_prometheus_text_and_count_requests(api: Api) -> None:
+    before = api.server.metrics()
+    text = api.get("/metrics").text
+    for line in text.splitlines():
+        assert line.startswith("# ") or re.fullmatch(r'[a-zA-Z_:][\w:]*(\{[^{}]*\})? [-+0-9.eEinfNa]+', line), line
+    assert all(name.startswith(("supple_", "process_")) for name in before)
+    for _ in range(5):
+        api.get("/healthz")
+    after = api.server.metrics()
+    grown = [name for name in after if "request" in name and after[name] >= before.get(name, 0) + 5]
+    assert grown, after
+
+
+@pytest.mark.parametrize("path", ["/", "/v1", "/v1/", "/v1/nothing", "/v2/meshes", "/V1/meshes", "/healthz/", "/v1/jobs/a/b/c"])
+def test_an_unknown_path_is_a_problem(api: Api, path: str) -> None:
+    response = api.get(path, faulty=True)
+    assert (response.status_code, problem_code(response)) == (404, "http.not_found")
+
+
+@pytest.mark.parametrize("method, path", [
+    ("DELETE", "/v1/geodesics"), ("GET", "/v1/geodesics"), ("PUT", "/v1/meshes"), ("POST", "/healthz"),
+    ("PATCH", "/v1/meshes"), ("DELETE", "/v1/meshes"), ("POST", "/v1/jobs"), ("POST", f"/v1/meshes/{'0' * 64}"),
+])
+def test_a_method_that_a_path_does_not_have_is_refused_and_the_others_named(api: Api, method: str, path: str) -> None:
+    response = api.call(method, path, faulty=True)
+    assert (response.status_code, problem_code(response)) == (405, "http.method_not_allowed")
+    allowed = {name.strip() for name in response.headers["Allow"].split(",")}
+    contracted = {m for m, template in api.contract.operations()
+                  if re.fullmatch(re.sub(r"\{[^}]+\}", "[^/]+", template), path)}
+    assert contracted <= allowed and method not in allowed
+
+
+@pytest.mark.parametrize("path", ["/v1/meshes?limit=0", "/v1/meshes?limit=abc", "/v1/jobs?limit=1001", "/v1/jobs?state=lost"])
+def test_a_query_parameter_outside_its_range_is_refused(api: Api, path: str) -> None:
+    response = api.get(path, faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid_parameter")
+
+
+@pytest.mark.parametrize("path", ["/v1/meshes/abc", "/v1/meshes/" + "g" * 64, "/v1/meshes/" + "0" * 63, "/v1/meshes/%2e%2e"])
+def test_an_id_of_another_form_is_no_mesh(api: Api, path: str) -> None:
+    response = api.get(path, faulty=True)
+    assert response.status_code in (400, 404)
+
+
+def test_head_answers_like_get_without_the_body(api: Api, grid_mesh: str) -> None:
+    for path in ("/healthz", f"/v1/meshes/{grid_mesh}"):
+        response = requests.head(api.server.url + path, timeout=5)
+        assert response.status_code == 200 and response.content == b""
+
+
+def test_one_connection_serves_many_requests(api: Api) -> None:
+    request = b"GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n"
+    with socket.create_connection(("127.0.0.1", api.server.port), timeout=10) as connection:
+        reader = connection.makefile("rb")
+        for number in range(200):
+            connection.sendall(request)
+            status = reader.readline()
+            assert status.startswith(b"HTTP/1.1 200"), (number, status)
+            length = 0
+            while (line := reader.readline().strip()):
+                name, _, value = line.partition(b":")
+                if name.lower() == b"content-length":
+                    length = int(value)
+            reader.read(length)
+
+
+def test_a_slow_sender_does_not_keep_others_waiting(api: Api) -> None:
+    slow = [socket.create_connection(("127.0.0.1", api.server.port)) for _ in range(16)]
+    try:
+        for connection in slow:
+            connection.sendall(b"POST /v1/geodesics HTTP/1.1\r\nHost: x\r\nContent-Length: 1000\r\n\r\n{")
+        start = time.monotonic()
+        assert api.get("/healthz").status_code == 200
+        assert time.monotonic() - start < 1
+    finally:
+        for connection in slow:
+            connection.close()
