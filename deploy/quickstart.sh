@@ -24,7 +24,7 @@ fail() { printf 'quickstart: %s\n' "$*" >&2; exit 1; }
 running_pid() {
   local pid
   pid=$(cat "$pid_file" 2>/dev/null) || return 0
-  [ "$(cat "/proc/$pid/comm" 2>/dev/null)" = supple-server ] && echo "$pid" || true
+  if [ "$(cat "/proc/$pid/comm" 2>/dev/null)" = supple-server ]; then echo "$pid"; fi
 }
 
 stop_server() {
@@ -42,9 +42,9 @@ stop_server() {
 install_packages() {
   local wanted missing
   wanted=$(sed 's/#.*//' deploy/packages.txt)
-  missing=$(for p in $wanted; do dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || echo "$p"; done)
+  missing=$(for p in $wanted; do dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || echo "$p"; done | paste -sd " ")
   [ -n "$missing" ] || { echo "All packages are installed."; return 0; }
-  [ "$(id -u)" = 0 ] || fail "these packages are missing and only root can install them: $(echo $missing)"
+  [ "$(id -u)" = 0 ] || fail "these packages are missing and only root can install them: $missing"
   command -v apt-get >/dev/null || fail "apt-get is missing: this script is for Debian 12; the packages are listed in deploy/packages.txt"
   export DEBIAN_FRONTEND=noninteractive
   apt-get update -q
@@ -103,13 +103,17 @@ build_server
 say "3/4  Server"
 start_server
 say "4/4  First answers, over HTTP"
-sample=api/examples/meshes/SAMPLE.obj
+sample=api/examples/meshes/trefoil-knot.obj
 show mesh add "$sample"
+show geodesic "$sample" v0 v700 --path "$data/geodesic.obj"
+show karcher "$sample" v0 v150 v300 v450 v600 --history
+show field "$sample" v0 --output "$data/distances.ply"
 
 cat <<END
 
 The server keeps running at $url.
   supple:     $build/clients/cli/supple --help
+  pictures:   $data/geodesic.obj and $data/distances.ply open in MeshLab or Blender
   contract:   curl $url/openapi.yaml
   log:        $log_file
   stop it:    deploy/quickstart.sh --stop

@@ -8,7 +8,7 @@
 # Ends with status 0 only if every part passed. Environment: SUPPLE_JOBS (number of cores), SUPPLE_FUZZ_SECONDS (60, over
 # all targets), SUPPLE_SKIP_PACKAGES=1 (leave apt alone).
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 
 jobs=${SUPPLE_JOBS:-$(nproc)}
 fuzz_seconds=${SUPPLE_FUZZ_SECONDS:-60}
@@ -72,9 +72,9 @@ part_fuzz() {
 install_packages() {
   local wanted missing
   wanted=$(sed 's/#.*//' deploy/packages.txt tests/packages.txt)
-  missing=$(for p in $wanted; do dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || echo "$p"; done)
+  missing=$(for p in $wanted; do dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || echo "$p"; done | paste -sd " ")
   [ -n "$missing" ] || return 0
-  [ "$(id -u)" = 0 ] || { echo "tests/run.sh: these packages are missing and only root can install them:" $missing >&2; return 1; }
+  [ "$(id -u)" = 0 ] || { echo "tests/run.sh: these packages are missing and only root can install them: $missing" >&2; return 1; }
   export DEBIAN_FRONTEND=noninteractive
   # shellcheck disable=SC2086  # a list of names
   apt-get update -q && apt-get install -y -q --no-install-recommends $missing

@@ -2,6 +2,6 @@
 # clang-tidy with the checks of .clang-tidy over every source file of the engine, the server and the CLI.
 # usage: tests/tidy.sh [jobs]     Needs build/release/compile_commands.json.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 git ls-files -- 'engine/*.cpp' 'server/*.cpp' 'clients/cli/*.cpp' |
   xargs -P "${1:-$(nproc)}" -n 1 sh -c 'clang-tidy -p build/release --quiet "$0" 2>/dev/null || { echo "clang-tidy: $0 has findings"; exit 1; }'
