@@ -6,12 +6,37 @@
 
 #include <memory>
 #include <mutex>
+#ifdef SUPPLE_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
 
 namespace supple {
 namespace {
 
 std::mutex control_mutex;
 std::unique_ptr<tbb::global_control> control;
+
+// What a thread does before `publish` has happened for those that `observe` the same address later. TBB guarantees that
+// order, but the thread sanitizer cannot see into TBB's library and is told here.
+void publish([[maybe_unused]] const void* address) {
+#ifdef SUPPLE_THREAD_SANITIZER
+  __tsan_release(const_cast<void*>(address));
+#endif
+}
+void observe([[maybe_unused]] const void* address) {
+#ifdef SUPPLE_THREAD_SANITIZER
+  __tsan_acquire(const_cast<void*>(address));
+#endif
+}
+
+struct PublishAtEnd {
+  const void* address;
+  ~PublishAtEnd() { publish(address); }
+};
+struct ObserveAtEnd {
+  const void* address;
+  ~ObserveAtEnd() { observe(address); }
+};
 
 }  // namespace
 
@@ -28,7 +53,14 @@ int thread_count() {
 }
 
 void parallel_for(int n, const std::function<void(int)>& body) {
-  tbb::parallel_for(0, n, [&](int i) { body(i); });
+  const char finished = 0;
+  const ObserveAtEnd all_parts{&finished};
+  publish(&body);
+  tbb::parallel_for(0, n, [&](int i) {
+    observe(&body);
+    const PublishAtEnd part{&finished};
+    body(i);
+  });
 }
 
 }  // namespace supple
