@@ -14,16 +14,20 @@ ROOMS = {
     "engine/base": {"base"},
     "engine/numerics": {"base", "numerics"},
     "engine/surface": {"base", "numerics", "surface"},
-    "server/http": {"base", "http"},
+    "server/problem": {"base", "problem"},
+    "server/http": {"base", "problem", "http"},
+    "server/json": {"base", "numerics", "surface", "problem", "json"},
+    "server/store": {"base", "numerics", "surface", "problem", "store"},
+    "server/metrics": {"base", "problem", "metrics"},
     "clients": set(),
 }
 
 # Heavy or foreign libraries -> the folders whose files may include them.
 LIBRARIES = {
     "httplib.h": ("server/http", "clients/cli", "tests"),
-    "nlohmann/": ("server", "clients/cli", "tests"),
+    "nlohmann/": ("server/json", "clients/cli", "tests"),
     "sqlite3.h": ("server/store",),
-    "prometheus/": ("server",),
+    "prometheus/": ("server/metrics",),
     "spdlog/": ("server",),
     "CLI/": ("server", "clients/cli"),
     "CGAL/": ("tests",),
