@@ -46,7 +46,7 @@ part_api() { build_preset release --target supple supple-server && "$python" -m 
 part_tidy() { build_preset release --target supple-server && tests/tidy.sh "$jobs"; }
 part_asan() { build_preset asan-ubsan && UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
-part_tsan() { build_preset tsan && TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp history_size=4" \
+part_tsan() { build_preset tsan && TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
   ctest --test-dir build/tsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 part_fuzz() {
   build_preset fuzz || return 1
