@@ -211,11 +211,7 @@ Departure depart(const TriangleMesh& mesh, const SurfacePoint& start, const Vect
   State state{h, weights_of(start, h), (halfedge_frame(mesh, h).transpose() * tangent).normalized(),
               side < 0 ? Entry::inside : Entry::side};
   if (side < 0 || state.direction[1] >= 0) return {state, false};
-  if (mesh.twin(h) < 0) {
-    const bool outward = state.direction[1] < -boundary_angle_tolerance;
-    if (!outward) state.direction[1] = 0;
-    return {state, outward};
-  }
+  if (mesh.twin(h) < 0) return {state, state.direction[1] < -boundary_angle_tolerance};
   return {enter_over(mesh, h, state.weights[0], state.weights[1], state.direction, Vector2d(1, 0)), false};
 }
 

@@ -184,6 +184,26 @@ TEST(ExponentialMap, LeavesAVertexWithEqualAnglesOnBothSides) {
   }
 }
 
+TEST(ExponentialMap, FromAVertexTurnsFromTheNearerSideOfTheFace) {
+  constexpr int n = 10;
+  for (const double total : {4.0, 9.0}) {
+    const TriangleMesh mesh = testing::cone(n, total);
+    const double sector = total / n;
+    const SurfacePoint apex{FaceId(3), Vector3d::UnitX()};
+    const auto frame = tangent_frame(mesh, apex.face);
+    ASSERT_EQ(mesh.faces()[3][0], 0);
+    for (const double off_bisector : {-pi + 0.1, -2.0, -0.4, 0.0, 0.3, 2.0, pi - 0.1}) {
+      const double angle = sector / 2 + off_bisector;
+      const ExponentialMap map = exponential_map(mesh, apex, frame * Vector2d(std::cos(angle), std::sin(angle)) / 2);
+      expect_sound(mesh, map, 0.5);
+      const Vector3d rim = mesh.positions()[1 + index(map.end.face)], end = position(mesh, map.end);
+      const double polar = index(map.end.face) * sector + std::atan2(rim.cross(end).norm(), rim.dot(end));
+      EXPECT_NEAR(end.norm(), 0.5, 1e-14);
+      EXPECT_NEAR(std::remainder(polar - 3 * sector - angle, total), 0, 1e-12) << off_bisector;
+    }
+  }
+}
+
 TEST(ExponentialMap, RunsAlongEdgesThroughManyVertices) {
   const TriangleMesh mesh = testing::flat_grid(30, 30);
   const ExponentialMap diagonal =

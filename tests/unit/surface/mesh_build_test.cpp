@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -159,6 +160,22 @@ TEST(MeshBuild, NamesFacesThatRepeatAVertexOrHaveNoArea) {
     TriangleMesh::build(line, {{0, 1, 3}, {0, 1, 2}, {1, 1, 3}});
   });
   EXPECT_EQ(places(error), (Places{"face 1", "face 2"}));
+}
+
+TEST(MeshBuild, RefusesFacesWhoseHeightIsOnlyRounding) {
+  // Corners on a line through the origin, each rounded: the cross product is not exactly zero.
+  const Eigen::Vector3d direction(0.1, 0.3, 0.7);
+  int nonzero = 0;
+  for (const double factor : {3.0, 7.0, 11.0, 13.0}) {
+    const std::vector<Eigen::Vector3d> line = {direction, factor * direction, 1.7 * factor * direction};
+    nonzero += (line[1] - line[0]).cross(line[2] - line[0]).norm() > 0;
+    EXPECT_EQ(places(expect_error("mesh.degenerate_face",
+                                  [&] {
+                                    TriangleMesh::build(line, {{0, 1, 2}});
+                                  })),
+              Places{"face 0"});
+  }
+  EXPECT_GT(nonzero, 0);
 }
 
 TEST(MeshBuild, RefusesAreasThatUnderflowAndAcceptsTinyMeshes) {

@@ -179,6 +179,18 @@ TEST(MeshFormats, PlyReadsAnyScalarTypesInEitherByteOrderAndSkipsTheRest) {
   }
 }
 
+TEST(MeshFormats, PlyDataMayBeginWithTheByteOfALineFeed) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    std::string bytes = "ply" + end + "format binary_little_endian 1.0" + end + "element vertex 3" + end +
+                        "property uchar x" + end + "property uchar y" + end + "property uchar z" + end +
+                        "element face 1" + end + "property list uchar uchar vertex_indices" + end + "end_header" + end;
+    for (const int byte : {10, 0, 0, 1, 0, 0, 0, 1, 0, 3, 0, 1, 2}) bytes += static_cast<char>(byte);
+    const TriangleSoup soup = read_mesh(bytes, MeshFormat::ply);
+    EXPECT_EQ(soup.positions, (std::vector<Eigen::Vector3d>{{10, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(soup.faces, (std::vector<Triangle>{{0, 1, 2}}));
+  }
+}
+
 TEST(MeshFormats, StlJoinsEqualCornersAndKeepsFloatPrecision) {
   const TriangleMesh mesh = testing::torus(12, 8);
   const TriangleMesh read = load_mesh(binary_stl(mesh));
