@@ -17,7 +17,8 @@ pid_file=$data/supple-server.pid
 log_file=$data/supple-server.log
 url=http://$host:$port
 
-say() { printf '\n\033[1m%s\033[0m\n' "$*"; }
+if [ -t 1 ]; then bold=$(printf '\033[1m') plain=$(printf '\033[0m'); else bold='' plain=''; fi
+say() { printf '\n%s%s%s\n' "$bold" "$*" "$plain"; }
 fail() { printf 'quickstart: %s\n' "$*" >&2; exit 1; }
 
 # The process id of the server that this script started and that still runs, or nothing. A recycled id is no server.
@@ -47,9 +48,10 @@ install_packages() {
   [ "$(id -u)" = 0 ] || fail "these packages are missing and only root can install them: $missing"
   command -v apt-get >/dev/null || fail "apt-get is missing: this script is for Debian 12; the packages are listed in deploy/packages.txt"
   export DEBIAN_FRONTEND=noninteractive
-  apt-get update -q
+  echo "Installing $missing"
   # shellcheck disable=SC2086  # a list of names
-  apt-get install -y -q --no-install-recommends $missing
+  { apt-get update -q && apt-get install -y -q --no-install-recommends $missing; } >"$data/packages.log" 2>&1 ||
+    { tail -20 "$data/packages.log" >&2; fail "apt-get could not install the packages; the log is $data/packages.log"; }
 }
 
 build_server() {
