@@ -57,6 +57,12 @@ class BucketQueue {
     return false;
   }
 
+  /// The item that pop() is going to return after `ahead` others of its bucket, or `fallback` past the bucket's end.
+  std::int32_t upcoming(std::size_t ahead, std::int32_t fallback) const {
+    const std::vector<std::int32_t>& items = buckets_[current_];
+    return position_ + ahead < items.size() ? items[position_ + ahead] : fallback;
+  }
+
   /// No key still queued, or pushed from now on by a monotone search, is below this.
   double least_key() const { return origin_ + current_ * width_; }
 

@@ -32,18 +32,21 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::
     frame.padding = 0;
   }
   pins_paths.resize(static_cast<std::size_t>(m.vertex_count()));
-  polar_angles.resize(frames.size());
+  corners.reserve(frames.size());
+  first_corner.reserve(pins_paths.size() + 1);
   for (std::int32_t v = 0; v < m.vertex_count(); ++v) {
-    double angle = 0;
+    first_corner.push_back(static_cast<std::int32_t>(corners.size()));
+    double polar = 0;
     const std::int32_t first = m.outgoing(v);
     for (std::int32_t h = first; h >= 0;) {
-      polar_angles[h] = angle;
-      angle += m.corner_angle(h);
+      corners.push_back({polar, m.corner_angle(h), h, m.twin(TriangleMesh::next(h))});
+      polar += m.corner_angle(h);
       h = m.rotate(h);
       if (h == first) break;
     }
     pins_paths[v] = m.is_boundary(v) || m.vertex_angle(v) > 2 * std::numbers::pi + kSaddleTolerance;
   }
+  first_corner.push_back(static_cast<std::int32_t>(corners.size()));
 }
 
 Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side) {

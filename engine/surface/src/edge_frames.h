@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "supple/surface/triangle_mesh.h"
@@ -23,6 +24,14 @@ struct EdgeFrame {
 };
 static_assert(sizeof(EdgeFrame) == 64);
 
+/// A corner of a vertex's fan of faces.
+struct FanCorner {
+  double polar_angle;     ///< sum of the corner angles that come before, from TriangleMesh::outgoing
+  double angle;           ///< of this corner
+  std::int32_t halfedge;  ///< outgoing
+  std::int32_t across;    ///< twin of the side opposite the vertex: where windows from the vertex go; -1 on the boundary
+};
+
 /// The mesh as the searches see it.
 struct SearchMesh {
   explicit SearchMesh(std::shared_ptr<const TriangleMesh> mesh);
@@ -33,8 +42,20 @@ struct SearchMesh {
   std::shared_ptr<const TriangleMesh> mesh;
   std::vector<EdgeFrame> frames;
   std::vector<std::uint8_t> pins_paths;
-  /// Per halfedge: sum of the corner angles that come before it around its tail, from TriangleMesh::outgoing(tail).
-  std::vector<double> polar_angles;
+  std::span<const FanCorner> fan(std::int32_t vertex) const {
+    return {corners.data() + first_corner[vertex], corners.data() + first_corner[vertex + 1]};
+  }
+  /// Polar angle around its tail of an outgoing halfedge.
+  double polar_angle(std::int32_t h) const {
+    for (const FanCorner& corner : fan(frames[h].tail)) {
+      if (corner.halfedge == h) return corner.polar_angle;
+    }
+    return 0;
+  }
+
+  /// The fans of all vertices, counterclockwise, each in one piece of memory.
+  std::vector<FanCorner> corners;
+  std::vector<std::int32_t> first_corner;
 };
 
 /// Planar coordinates, in the frame of halfedge 3 f + side, of the point of face f with the given barycentrics.

@@ -100,7 +100,7 @@ void KarcherObjective::evaluate_vertex(State& state) const {
   const StageTimer timer(execution_.cost, "derivatives");
   const VertexCone cone(mesh_, vertex_of(mesh_, state.point));
   double value = 0;
-  std::vector<Arrival> arrivals;
+  std::vector<ArrivingPath> arrivals;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const AnchorGeodesic& g = found[i];
     value += 0.5 * weights_[i] * g.distance * g.distance;

@@ -41,7 +41,7 @@ Vector2d to_face(const SearchMesh& mesh, std::int32_t h, const Vector2d& v) {
 /// the shorter way round.
 Vector2d direction_at_vertex(const SearchMesh& mesh, std::int32_t c, double angle) {
   const TriangleMesh& m = *mesh.mesh;
-  double turn = angle - mesh.polar_angles[c];
+  double turn = angle - mesh.polar_angle(c);
   const std::int32_t v = m.tail(c);
   const double total = m.vertex_angle(v);
   const double middle = 0.5 * m.corner_angle(c);
@@ -107,7 +107,7 @@ class Backtrace {
     if (const int corner = corner_of(source); corner >= 0) {
       // At a vertex the departure is in the frame of an outgoing halfedge of that vertex.
       const double angle =
-          mesh_.polar_angles[h] + std::atan2(departure_->vector.y(), departure_->vector.x());
+          mesh_.polar_angle(h) + std::atan2(departure_->vector.y(), departure_->vector.x());
       return direction_at_vertex(mesh_, corner_halfedge(source, corner), angle);
     }
     if (TriangleMesh::face_of(h) == index(source.face)) return to_face(mesh_, h, unit);

@@ -52,27 +52,43 @@ SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& point) {
 double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::int32_t vertex) {
   const TriangleMesh& m = *mesh.mesh;
   if (record.along >= 0) {
-    if (m.tail(record.along) == vertex) return mesh.polar_angles[record.along];
+    if (m.tail(record.along) == vertex) return mesh.polar_angle(record.along);
     const std::int32_t corner = TriangleMesh::next(record.along);
-    return mesh.polar_angles[corner] + m.corner_angle(corner);
+    return mesh.polar_angle(corner) + m.corner_angle(corner);
   }
-  return mesh.polar_angles[TriangleMesh::previous(record.halfedge)] +
+  return mesh.polar_angle(TriangleMesh::previous(record.halfedge)) +
          angle_at_apex(mesh.frames[record.halfedge], record.source_x, record.depth);
 }
 
 void offer(SearchTarget& target, const Arrival& arrival) {
-  if (arrival.length < target.best.length) {
+  // Bent ways only fill gaps that rounding may leave: they yield to straight ones of the same length.
+  double limit = target.best.length;
+  if (arrival.bent && !target.best.bent) limit *= 1 - kDropTolerance;
+  if (!arrival.bent && target.best.bent) limit *= 1 + kDropTolerance;
+  if (arrival.length < limit) {
     const Arrival previous = target.best;
     target.best = arrival;
-    if (previous.kind != Arrival::Kind::none &&
+    if (previous.kind != Arrival::Kind::none && !previous.bent &&
         (previous.image - arrival.image).norm() > kSameImage * previous.length) {
       target.competing_length = previous.length;
     }
-  } else if (arrival.length < target.competing_length &&
+  } else if (!arrival.bent && arrival.length < target.competing_length &&
              (target.best.image - arrival.image).norm() > kSameImage * arrival.length) {
     target.competing_length = arrival.length;
   }
 }
+
+namespace {
+
+/// Whether the straight way from the window's source to (x, y) misses the interval by more than rounding.
+bool misses_interval(const Window& window, double x, double y) {
+  const double total = window.depth + y;
+  const double crossing = total > 0 ? window.source_x + (x - window.source_x) * (window.depth / total) : x;
+  const double rounding = kDropTolerance * (std::abs(window.b0) + std::abs(window.b1));
+  return crossing < window.b0 - rounding || crossing > window.b1 + rounding;
+}
+
+}  // namespace
 
 void offer_window(const SearchMesh& mesh, SearchTarget& target, std::int32_t h, const Window& window,
                   std::int32_t window_index) {
@@ -83,14 +99,16 @@ void offer_window(const SearchMesh& mesh, SearchTarget& target, std::int32_t h, 
     const int side = h % 3;
     const Eigen::Vector2d& p = target.planar[side];
     arrival.length = length_to(window, p.x(), p.y(), arrival.crossing);
-    if (arrival.length >= target.best.length && arrival.length >= target.competing_length) return;
+    if (arrival.length >= target.best.length * (1 + kDropTolerance) && arrival.length >= target.competing_length) return;
+    arrival.bent = misses_interval(window, p.x(), p.y());
     arrival.image = to_side_zero(mesh, target, side, {window.source_x - p.x(), -window.depth - p.y()});
   } else {
     const EdgeFrame& frame = mesh.frames[h];
     if (frame.apex != target.vertex) return;
     arrival.length = length_to(window, frame.apex_x, frame.apex_y, arrival.crossing);
-    if (arrival.length >= target.best.length && arrival.length >= target.competing_length) return;
-    const double angle = mesh.polar_angles[TriangleMesh::previous(h)] +
+    if (arrival.length >= target.best.length * (1 + kDropTolerance) && arrival.length >= target.competing_length) return;
+    arrival.bent = misses_interval(window, frame.apex_x, frame.apex_y);
+    const double angle = mesh.polar_angle(TriangleMesh::previous(h)) +
                          angle_at_apex(frame, window.source_x, window.depth);
     arrival.image = polar_image(mesh, target.vertex, angle,
                                 hypotenuse(window.source_x - frame.apex_x, window.depth + frame.apex_y));

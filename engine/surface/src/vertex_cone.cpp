@@ -67,13 +67,13 @@ VertexCone::Direction VertexCone::direction(double angle) const {
   return direction;
 }
 
-SteepestDescent steepest_descent(const VertexCone& cone, std::span<const Arrival> arrivals) {
+SteepestDescent steepest_descent(const VertexCone& cone, std::span<const ArrivingPath> arrivals) {
   const double total = cone.total_angle();
   // Beyond this turn from an arrival its term is constant (a bend), or another way round is shorter.
   const double reach = cone.open() ? pi : std::min(pi, total / 2);
 
   std::vector<double> breaks{0, total};
-  for (const Arrival& arrival : arrivals) {
+  for (const ArrivingPath& arrival : arrivals) {
     for (double b : {arrival.angle - reach, arrival.angle + reach}) {
       if (!cone.open()) b -= total * std::floor(b / total);
       if (b > 0 && b < total) breaks.push_back(b);
@@ -83,7 +83,7 @@ SteepestDescent steepest_descent(const VertexCone& cone, std::span<const Arrival
 
   const auto derivative = [&](double u) {
     double sum = 0;
-    for (const Arrival& arrival : arrivals)
+    for (const ArrivingPath& arrival : arrivals)
       sum -= arrival.weight * std::cos(std::min(cone.between(u, arrival.angle), pi));
     return sum;
   };
@@ -101,7 +101,7 @@ SteepestDescent steepest_descent(const VertexCone& cone, std::span<const Arrival
     // Within the interval every term is constant or -w cos(u - a) with a unrolled next to the interval.
     const double middle = (begin + end) / 2;
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const Arrival& arrival : arrivals) {
+    for (const ArrivingPath& arrival : arrivals) {
       if (cone.between(middle, arrival.angle) >= pi) continue;
       double a = arrival.angle;
       if (!cone.open()) a += total * std::round((middle - a) / total);

@@ -49,7 +49,7 @@ class VertexCone {
 
 /// One shortest path that ends at a vertex: its length falls at rate cos(angle) towards directions within pi of
 /// `angle`, and rises at rate 1 towards others, to which the path continues through the vertex.
-struct Arrival {
+struct ArrivingPath {
   double angle;
   double weight;
 };
@@ -62,6 +62,6 @@ struct SteepestDescent {
 /// The least of D(u) = - sum w_i cos(min(angle between u and a_i, pi)), the directional derivative of a weighted sum of
 /// distances at a vertex. D is a sinusoid between the directions where a term changes its form, so the least value is
 /// found exactly. O(arrivals^2).
-SteepestDescent steepest_descent(const VertexCone& cone, std::span<const Arrival> arrivals);
+SteepestDescent steepest_descent(const VertexCone& cone, std::span<const ArrivingPath> arrivals);
 
 }  // namespace supple::surface

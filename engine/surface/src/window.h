@@ -15,7 +15,6 @@ namespace supple::surface {
 struct Window {
   double b0, b1;
   double source_x, depth;
-  double r0, r1;          ///< distance from the source to either end when the window was made, before later trimming
   double sigma;           ///< distance from the nearest true source to the pseudo-source
   std::int32_t parent;    ///< pool index of the window that this one continues, -1 if it left the source itself
   std::int32_t next;      ///< pool index of the next window of the same halfedge
@@ -25,15 +24,10 @@ struct Window {
 
 inline double hypotenuse(double x, double y) { return std::sqrt(x * x + y * y); }
 
-inline double radius(const Window& w, double x) { return hypotenuse(x - w.source_x, w.depth); }
-inline double length_at(const Window& w, double x) { return w.sigma + radius(w, x); }
-
-/// Least length over the interval, whose ends are at r0 and r1.
-inline double least_length(const Window& w) {
-  if (w.source_x < w.b0) return w.sigma + w.r0;
-  if (w.source_x > w.b1) return w.sigma + w.r1;
-  return w.sigma + w.depth;
+inline double squared_radius(const Window& w, double x) {
+  return (x - w.source_x) * (x - w.source_x) + w.depth * w.depth;
 }
+inline double length_at(const Window& w, double x) { return w.sigma + std::sqrt(squared_radius(w, x)); }
 
 /// Length of the shortest path to (x, y), y >= 0, through the window's interval; `crossing` is where it crosses.
 inline double length_to(const Window& w, double x, double y, double& crossing) {
@@ -41,7 +35,7 @@ inline double length_to(const Window& w, double x, double y, double& crossing) {
   crossing = total > 0 ? w.source_x + (x - w.source_x) * (w.depth / total) : x;
   if (crossing >= w.b0 && crossing <= w.b1) return w.sigma + hypotenuse(x - w.source_x, total);
   crossing = crossing < w.b0 ? w.b0 : w.b1;
-  return w.sigma + radius(w, crossing) + hypotenuse(x - crossing, y);
+  return length_at(w, crossing) + hypotenuse(x - crossing, y);
 }
 
 /// A window or part of one is dropped only where it is longer than what replaces it by this much, relative: overlaps
@@ -57,6 +51,11 @@ struct VertexBounds {
   double head;
 };
 
+/// |S - x| > limit, without a root.
+inline bool farther(const Window& w, double x, double limit) {
+  return limit < 0 || squared_radius(w, x) > limit * limit;
+}
+
 /// What cut() has done: which end vertices have taken over a part, and whether anything is left.
 struct Cut {
   bool by_tail = false;
@@ -64,31 +63,25 @@ struct Cut {
   bool dead = false;
 };
 
-/// Trims the window, whose r0 and r1 are up to date, to where it beats both vertices of its edge of the given length. Each
-/// boundary has a linear root: |S - x| - x decreases and |S - x| + x increases along the edge.
+/// Trims the window to where it beats both vertices of its edge of the given length. Each boundary has a linear root:
+/// |S - x| - x decreases and |S - x| + x increases along the edge.
 [[gnu::always_inline]] inline Cut cut(Window& w, const VertexBounds& bounds, double length) {
   const double from_head = bounds.head + length;
-  if (w.r1 - w.b1 > bounds.tail) return {.by_tail = true, .dead = true};
-  if (w.r0 + w.b0 > from_head) return {.by_head = true, .dead = true};
-  Cut result{w.r0 - w.b0 > bounds.tail, w.r1 + w.b1 > from_head, false};
+  if (farther(w, w.b1, bounds.tail + w.b1)) return {.by_tail = true, .dead = true};
+  if (farther(w, w.b0, from_head - w.b0)) return {.by_head = true, .dead = true};
+  Cut result{farther(w, w.b0, bounds.tail + w.b0), farther(w, w.b1, from_head - w.b1), false};
   if (!result.by_tail && !result.by_head) return result;
   const double square = w.source_x * w.source_x + w.depth * w.depth;
   if (result.by_tail) {
     // |S - x| = x + k
     const double k = bounds.tail;
     const double root = (square - k * k) / (2 * (k + w.source_x));
-    if (root > w.b0) {
-      w.b0 = std::min(root, w.b1);
-      w.r0 = radius(w, w.b0);
-    }
+    if (root > w.b0) w.b0 = std::min(root, w.b1);
   }
   if (result.by_head) {
     // |S - x| = m - x
     const double root = (from_head * from_head - square) / (2 * (from_head - w.source_x));
-    if (root < w.b1) {
-      w.b1 = std::max(root, w.b0);
-      w.r1 = radius(w, w.b1);
-    }
+    if (root < w.b1) w.b1 = std::max(root, w.b0);
   }
   result.dead = !(w.b1 - w.b0 > kLeastWidth * length);
   return result;

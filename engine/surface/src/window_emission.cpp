@@ -54,7 +54,7 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
     improve_vertex(frame.apex, hypotenuse(p.x() - frame.apex_x, p.y() - frame.apex_y), p.x(), -p.y(), h, -1, origin, -1);
     const std::int32_t across = mesh_->mesh->twin(h);
     if (side == entered_through || across < 0) continue;
-    Window window{0, frame.length, frame.length - p.x(), std::max(0.0, p.y()), 0, 0, 0, -1, -1, origin, across};
+    Window window{0, frame.length, frame.length - p.x(), std::max(0.0, p.y()), 0, -1, -1, origin, across};
     admit_first(window);
   }
 }
@@ -73,19 +73,17 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
   const double last = total - pi + kSectorTolerance;
 
   // Sends a window through the part [low, high] of the corner's angle, and distances along the edges that bound it.
-  const auto send = [&](std::int32_t corner, double low, double high) {
-    const std::int32_t opposite = TriangleMesh::next(corner);
-    const EdgeFrame& frame = mesh_->frames[opposite];  // v is its apex
-    const double angle = mesh.corner_angle(corner);
+  const auto send = [&](const FanCorner& corner, double low, double high) {
+    const EdgeFrame& frame = mesh_->frames[TriangleMesh::next(corner.halfedge)];  // v is its apex
+    const double angle = corner.angle;
     if (low <= 0) {
-      improve_vertex(frame.tail, distance + frame.left_length, 0, 0, -1, -1, v, corner);
+      improve_vertex(frame.tail, distance + frame.left_length, 0, 0, -1, -1, v, corner.halfedge);
     }
     if (high >= angle) {
       improve_vertex(frame.head, distance + frame.right_length, 0, 0, -1, -1, v,
-                     TriangleMesh::previous(corner));
+                     TriangleMesh::previous(corner.halfedge));
     }
-    const std::int32_t across = mesh.twin(opposite);
-    if (across < 0) return;
+    if (corner.across < 0) return;
     // Rays in the frame of the opposite edge: angles turn from the direction apex -> tail.
     const auto meets = [&](double turn) {
       const double c = std::cos(turn);
@@ -96,34 +94,29 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
     };
     const double from = low <= 0 ? 0 : meets(low);
     const double to = high >= angle ? frame.length : meets(high);
-    Window window{frame.length - to, frame.length - from, frame.length - frame.apex_x, frame.apex_y, 0, 0,
-                  distance, -1, -1, v, across};
+    Window window{frame.length - to, frame.length - from, frame.length - frame.apex_x, frame.apex_y, distance,
+                  -1, -1, v, corner.across};
     admit_first(window);
   };
 
-  const std::int32_t start = mesh.outgoing(v);
-  double base = 0;
-  std::int32_t corner = start;
-  do {
-    const double angle = mesh.corner_angle(corner);
+  for (const FanCorner& corner : mesh_->fan(v)) {
+    const double angle = corner.angle;
     if (everywhere) {
       send(corner, 0, angle);
     } else if (boundary) {
       // Either side of the arriving path, as far as it is at least a straight angle away.
-      const double after = arrival + first - base;
+      const double after = arrival + first - corner.polar_angle;
       if (after <= angle) send(corner, after, angle);
-      const double before = arrival - first - base;
+      const double before = arrival - first - corner.polar_angle;
       if (before >= 0) send(corner, 0, before);
     } else {
-      double relative = base - arrival;
+      double relative = corner.polar_angle - arrival;
       if (relative < 0) relative += total;
       const double low = first - relative;
       const double high = last - relative;
       if (low <= angle && high >= 0) send(corner, low, high);
     }
-    base += angle;
-    corner = mesh.rotate(corner);
-  } while (corner >= 0 && corner != start);
+  }
 }
 
 }  // namespace supple::surface

@@ -13,6 +13,11 @@ constexpr double kTieTolerance = 1e-9;
 /// An apex this far outside a window, relative to the edge, still takes the path by the window's end: windows on both
 /// sides of a vertex meet there only up to rounding.
 constexpr double kApexTolerance = 1e-9;
+/// Neighbouring windows that overlap by less, relative to the edge, only touch up to rounding: not worth trimming.
+constexpr double kTouching = 1e-9;
+/// How many queue entries ahead memory is asked for.
+constexpr std::size_t kPrefetchFar = 6;
+constexpr std::size_t kPrefetchNear = 2;
 /// Smallest relative improvement of a vertex: less is rounding.
 constexpr double kImprovement = 4e-16;
 /// Batches between looks at the cancellation flag (well under a millisecond).
@@ -142,6 +147,7 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
       checked = bucket;
       if (settled() || queue_.least_key() > bound_) break;
     }
+    prefetch();
     if (item >= 0) {
       HalfedgeRecord& record = halfedges_[item];
       if (record.queued != bucket) continue;
@@ -157,6 +163,32 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
   }
   for (SearchTarget& target : targets_) {
     offer_corners(target);
+  }
+}
+
+void WindowSearch::prefetch() const {
+  // Two stages, because what the later one fetches is named by what the earlier one has brought.
+  constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max();
+  const std::int32_t far = queue_.upcoming(kPrefetchFar, none);
+  const std::int32_t near = queue_.upcoming(kPrefetchNear, none);
+  if (far < 0) {
+    __builtin_prefetch(&vertices_[~far]);
+    __builtin_prefetch(&mesh_->first_corner[~far]);
+  } else if (far != none) {
+    __builtin_prefetch(&mesh_->frames[far]);
+    __builtin_prefetch(&halfedges_[far]);
+  }
+  if (near < 0) {
+    const FanCorner* fan = mesh_->fan(~near).data();
+    __builtin_prefetch(fan);
+    __builtin_prefetch(fan + 4);
+    if (const std::int32_t h = vertices_[~near].halfedge; h >= 0) __builtin_prefetch(&mesh_->frames[h]);
+  } else if (near != none) {
+    const EdgeFrame& frame = mesh_->frames[near];
+    if (const std::int32_t pending = halfedges_[near].pending; pending >= 0) __builtin_prefetch(&pool_[pending]);
+    if (frame.left >= 0) __builtin_prefetch(&halfedges_[frame.left]);
+    if (frame.right >= 0) __builtin_prefetch(&halfedges_[frame.right]);
+    __builtin_prefetch(&distances_[frame.apex]);
   }
 }
 
@@ -209,14 +241,11 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double source
   return true;
 }
 
-inline VertexBounds WindowSearch::bounds(const Window& window, const EdgeFrame& frame, double shrink) const {
-  const double tail = distance(frame.tail);
-  const double head = distance(frame.head);
-  return {(tail * (1 + kDropTolerance) - window.sigma) * shrink, (head * (1 + kDropTolerance) - window.sigma) * shrink};
-}
-
-bool WindowSearch::cut_within_error(Window& window, const EdgeFrame& frame) {
-  const Cut result = cut(window, bounds(window, frame, 1 / (1 + settings_.relative_error)), frame.length);
+bool WindowSearch::cut_within_error(Window& window) {
+  const EdgeFrame& frame = mesh_->frames[window.halfedge];
+  const double shrink = 1 / (1 + settings_.relative_error);
+  const VertexBounds bounds{(allowed(frame.tail) - window.sigma) * shrink, (allowed(frame.head) - window.sigma) * shrink};
+  const Cut result = cut(window, bounds, frame.length);
   for (const auto& [by, v] : {std::pair{result.by_tail, frame.tail}, std::pair{result.by_head, frame.head}}) {
     if (!by) continue;
     VertexRecord& record = vertex_record(v);
@@ -227,37 +256,37 @@ bool WindowSearch::cut_within_error(Window& window, const EdgeFrame& frame) {
   return !result.dead;
 }
 
-inline void WindowSearch::admit(Window& window, const EdgeFrame& frame, const Eigen::Vector2d& goal, double& key) {
-  if (!(window.b1 - window.b0 > kLeastWidth * frame.length)) return;
-  window.r0 = radius(window, window.b0);
-  window.r1 = radius(window, window.b1);
-  if (cut(window, bounds(window, frame, 1), frame.length).dead) return;
-  if (settings_.relative_error > 0 && !cut_within_error(window, frame)) return;
-  double window_key = 0;
+inline void WindowSearch::admit(Window& window, Exit& exit) {
+  if (!(window.b1 - window.b0 > kLeastWidth * exit.length)) return;
+  if (cut(window, {exit.tail - window.sigma, exit.head - window.sigma}, exit.length).dead) return;
+  if (settings_.relative_error > 0 && !cut_within_error(window)) return;
   if (settings_.goal_directed) {
     double crossing = 0;
-    window_key = length_to(window, goal.x(), goal.y(), crossing);
+    const double key = length_to(window, exit.goal.x(), exit.goal.y(), crossing);
+    if (key > bound_) return;
+    exit.key = std::min(exit.key, key);
   } else {
-    window_key = least_length(window);
+    // The root is taken only where it lowers the batch's key.
+    const double nearest = squared_radius(window, std::clamp(window.source_x, window.b0, window.b1));
+    const double to_beat = exit.key - window.sigma;
+    if (to_beat > 0 && nearest < to_beat * to_beat) exit.key = window.sigma + std::sqrt(nearest);
+    if (bound_ < kInfinity && farther(window, std::clamp(window.source_x, window.b0, window.b1), bound_ - window.sigma)) {
+      return;
+    }
   }
-  if (window_key > bound_) return;
-  key = std::min(key, window_key);
-  const std::int32_t h = window.halfedge;
   const std::int32_t i = allocate();
-  HalfedgeRecord& record = halfedge_record(h);
+  HalfedgeRecord& record = halfedge_record(exit.halfedge);
   // Field by field: a copy of the whole struct would read back in wide loads what narrow stores have just written.
   Window& slot = pool_[i];
   slot.b0 = window.b0;
   slot.b1 = window.b1;
   slot.source_x = window.source_x;
   slot.depth = window.depth;
-  slot.r0 = window.r0;
-  slot.r1 = window.r1;
   slot.sigma = window.sigma;
   slot.parent = window.parent;
   slot.next = record.pending;
   slot.origin = window.origin;
-  slot.halfedge = h;
+  slot.halfedge = exit.halfedge;
   record.pending = i;
 }
 
@@ -269,27 +298,31 @@ Eigen::Vector2d WindowSearch::goal_in_frame(std::int32_t tail, std::int32_t head
   return {along, std::sqrt(std::max(0.0, relative.squaredNorm() - along * along))};
 }
 
+WindowSearch::Exit WindowSearch::exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head,
+                                              double length, double ux, double uy) {
+  Exit exit{halfedge, length, ux, uy, allowed(tail), allowed(head), kInfinity, {0, 0}};
+  if (halfedge >= 0 && settings_.goal_directed) exit.goal = goal_in_frame(tail, head, length);
+  return exit;
+}
+
 void WindowSearch::admit_first(Window& window) {
   const EdgeFrame& frame = mesh_->frames[window.halfedge];
-  Eigen::Vector2d goal = Eigen::Vector2d::Zero();
-  if (settings_.goal_directed) goal = goal_in_frame(frame.tail, frame.head, frame.length);
-  double key = kInfinity;
-  admit(window, frame, goal, key);
-  if (key < kInfinity) queue_halfedge(window.halfedge, halfedges_[window.halfedge], key);
+  Exit exit = exit_towards(window.halfedge, frame.tail, frame.head, frame.length, 1, 0);
+  admit(window, exit);
+  if (exit.key < kInfinity) queue_halfedge(window.halfedge, halfedges_[window.halfedge], exit.key);
 }
 
 void WindowSearch::process(std::int32_t h) {
   HalfedgeRecord& record = halfedges_[h];
   const EdgeFrame& frame = mesh_->frames[h];
   batch_.clear();
-  if (frame.left >= 0) __builtin_prefetch(&mesh_->frames[frame.left]);
-  if (frame.right >= 0) __builtin_prefetch(&mesh_->frames[frame.right]);
-  __builtin_prefetch(&distances_[frame.apex]);
+  const double tail = allowed(frame.tail);
+  const double head = allowed(frame.head);
   for (std::int32_t i = record.pending; i >= 0;) {
     Window& window = pool_[i];
     const std::int32_t next = window.next;
     // The vertices may have come closer since the window was cut.
-    if (cut(window, bounds(window, frame, 1), frame.length).dead) {
+    if (cut(window, {tail - window.sigma, head - window.sigma}, frame.length).dead) {
       release(i);
     } else {
       std::size_t place = batch_.size();
@@ -303,23 +336,24 @@ void WindowSearch::process(std::int32_t h) {
     i = next;
   }
   record.pending = -1;
+  const double least_width = kLeastWidth * frame.length;
+  const double touching = kTouching * frame.length;
   for (std::size_t i = 1; i < batch_.size(); ++i) {
     Window& window = pool_[batch_[i]];
     for (std::size_t j = i; j-- > 0;) {
       Window& before = pool_[batch_[j]];
       if (before.b1 <= before.b0) continue;
-      if (before.b1 <= window.b0) break;
+      if (before.b1 <= window.b0 + touching) break;
       trim_to_envelope(before, window);
       if (window.b1 <= window.b0) break;
     }
   }
-  if (settings_.goal_directed && frame.left >= 0) left_goal_ = goal_in_frame(frame.tail, frame.apex, frame.left_length);
-  if (settings_.goal_directed && frame.right >= 0) {
-    right_goal_ = goal_in_frame(frame.apex, frame.head, frame.right_length);
-  }
-  double left_key = kInfinity;
-  double right_key = kInfinity;
-  const double least_width = kLeastWidth * frame.length;
+  const double per_left = 1 / frame.left_length;
+  const double per_right = 1 / frame.right_length;
+  Exit left = exit_towards(frame.left, frame.tail, frame.apex, frame.left_length, frame.apex_x * per_left,
+                           frame.apex_y * per_left);
+  Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length,
+                            (frame.length - frame.apex_x) * per_right, frame.apex_y * per_right);
   // From the last to the first, so that the children's lists, which grow at the front, come out in order.
   for (std::size_t place = batch_.size(); place-- > 0;) {
     const std::int32_t i = batch_[place];
@@ -330,7 +364,7 @@ void WindowSearch::process(std::int32_t h) {
     }
     visit_targets(TriangleMesh::face_of(h),
                   [&](SearchTarget& target) { offer_window(*mesh_, target, h, window, i); });
-    propagate(window, i, frame, h, left_key, right_key);
+    propagate(window, i, frame, h, left, right);
     if (settings_.keep_windows) {
       pool_[i].next = halfedges_[h].kept;
       halfedges_[h].kept = i;
@@ -338,49 +372,55 @@ void WindowSearch::process(std::int32_t h) {
       release(i);
     }
   }
-  if (left_key < kInfinity) queue_halfedge(frame.left, halfedges_[frame.left], left_key);
-  if (right_key < kInfinity) queue_halfedge(frame.right, halfedges_[frame.right], right_key);
+  if (left.key < kInfinity) queue_halfedge(frame.left, halfedges_[frame.left], left.key);
+  if (right.key < kInfinity) queue_halfedge(frame.right, halfedges_[frame.right], right.key);
 }
 
-void WindowSearch::propagate(const Window& w, std::int32_t i, const EdgeFrame& frame, std::int32_t h, double& left_key,
-                             double& right_key) {
-  const double length = frame.length;
+void WindowSearch::propagate(const Window& w, std::int32_t i, const EdgeFrame& frame, std::int32_t h, Exit& left,
+                             Exit& right) {
   const double ax = frame.apex_x;
   const double ay = frame.apex_y;
   const double reach = w.depth + ay;
-  // Where the ray to the apex crosses the edge.
-  const double split = w.source_x + (ax - w.source_x) * (w.depth / reach);
-  const double tolerance = kApexTolerance * length;
-  if (split >= w.b0 - tolerance && split <= w.b1 + tolerance) {
+  // Negative where a ray through b passes left of the apex; no division.
+  const auto side_of_apex = [&](double b) { return (b - w.source_x) * reach - (ax - w.source_x) * w.depth; };
+  const double first = side_of_apex(w.b0);
+  const double last = side_of_apex(w.b1);
+  const double tolerance = kApexTolerance * frame.length * reach;
+  if (first <= tolerance && last >= -tolerance) {
     double crossing = 0;
-    improve_vertex(frame.apex, length_to(w, ax, ay, crossing), w.source_x, w.depth, h, i, w.origin, -1);
+    if (improve_vertex(frame.apex, length_to(w, ax, ay, crossing), w.source_x, w.depth, h, i, w.origin, -1)) {
+      left.head = right.tail = allowed(frame.apex);
+    }
   }
-  Window child;
-  child.sigma = w.sigma;
-  child.parent = i;
-  child.origin = w.origin;
-  if (frame.left >= 0 && w.b0 < split) {
-    // Along tail -> apex; a ray through b meets it at the returned distance from the tail.
-    const double scale = frame.left_length * w.depth;
-    const auto meets = [&](double b) { return scale * b / (w.depth * ax + (w.source_x - b) * ay); };
+  if (left.halfedge >= 0 && first < 0) {
+    // Along tail -> apex; a ray through b meets it at this distance from the tail.
+    const auto meets = [&](double b) { return w.depth * b / (w.depth * left.ux + (w.source_x - b) * left.uy); };
+    Window child;
     child.b0 = w.b0 > 0 ? meets(w.b0) : 0;
-    child.b1 = w.b1 < split ? std::min(meets(w.b1), frame.left_length) : frame.left_length;
-    child.source_x = (w.source_x * ax - w.depth * ay) / frame.left_length;
-    child.depth = std::max(0.0, (w.source_x * ay + w.depth * ax) / frame.left_length);
-    child.halfedge = frame.left;
-    admit(child, mesh_->frames[frame.left], left_goal_, left_key);
+    child.b1 = last < 0 ? std::min(meets(w.b1), left.length) : left.length;
+    child.source_x = w.source_x * left.ux - w.depth * left.uy;
+    child.depth = std::max(0.0, w.source_x * left.uy + w.depth * left.ux);
+    child.sigma = w.sigma;
+    child.parent = i;
+    child.origin = w.origin;
+    child.halfedge = left.halfedge;
+    admit(child, left);
   }
-  if (frame.right >= 0 && w.b1 > split) {
-    // Along apex -> head, measured from the head.
-    const double side_x = length - ax;
-    const double scale = frame.right_length * w.depth;
-    const auto meets = [&](double b) { return scale * (length - b) / (w.depth * side_x + (b - w.source_x) * ay); };
-    child.b0 = w.b0 > split ? std::max(0.0, frame.right_length - meets(w.b0)) : 0;
-    child.b1 = w.b1 < length ? frame.right_length - meets(w.b1) : frame.right_length;
-    child.source_x = ((w.source_x - ax) * side_x + reach * ay) / frame.right_length;
-    child.depth = std::max(0.0, ((ax - w.source_x) * ay + reach * side_x) / frame.right_length);
-    child.halfedge = frame.right;
-    admit(child, mesh_->frames[frame.right], right_goal_, right_key);
+  if (right.halfedge >= 0 && last > 0) {
+    // Along apex -> head; a ray through b meets it at this distance from the head.
+    const auto meets = [&](double b) {
+      return w.depth * (frame.length - b) / (w.depth * right.ux + (b - w.source_x) * right.uy);
+    };
+    Window child;
+    child.b0 = first > 0 ? std::max(0.0, right.length - meets(w.b0)) : 0;
+    child.b1 = w.b1 < frame.length ? right.length - meets(w.b1) : right.length;
+    child.source_x = (w.source_x - ax) * right.ux + reach * right.uy;
+    child.depth = std::max(0.0, (ax - w.source_x) * right.uy + reach * right.ux);
+    child.sigma = w.sigma;
+    child.parent = i;
+    child.origin = w.origin;
+    child.halfedge = right.halfedge;
+    admit(child, right);
   }
 }
 

@@ -35,6 +35,9 @@ struct Arrival {
   std::int32_t vertex = -1;
   std::int32_t source = -1;  ///< for direct arrivals
   double crossing = 0;       ///< of the window's edge, in the window's frame
+  /// Beside the window's cone: the way bends at the end of its interval. Where that is shortest, it bends at a vertex
+  /// whose own windows hold the same way with the directions that it has.
+  bool bent = false;
   /// The unfolded pseudo-source relative to the target: in the planar frame of side 0 of the target's face, or, for a
   /// target at a vertex, in polar coordinates whose full turn is the vertex's total angle.
   Eigen::Vector2d image = Eigen::Vector2d::Zero();
@@ -51,7 +54,7 @@ struct SearchTarget {
 };
 
 SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& point);
-/// Angle around its vertex at which the recorded path arrives, counted as SearchMesh::polar_angles.
+/// Angle around its vertex at which the recorded path arrives, counted as SearchMesh::polar_angle.
 double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::int32_t vertex);
 /// Offers the way by a corner of the target's face, or, where the target is a vertex, that vertex's own record.
 void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, double distance,
@@ -144,17 +147,30 @@ class WindowSearch {
   void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
 
   void process(std::int32_t h);
-  void propagate(const Window& window, std::int32_t index, const EdgeFrame& frame, std::int32_t h, double& left_key,
-                 double& right_key);
+  /// One of the two edges that windows leave a face by, as a batch of windows sees it.
+  struct Exit {
+    std::int32_t halfedge;   ///< that they arrive at in the next face, -1 on the boundary
+    double length;
+    double ux, uy;           ///< unit direction of that halfedge in the frame of the edge entered by
+    double tail, head;       ///< distances of its ends, allowances included
+    double key;              ///< least key of the windows that have left this way
+    Eigen::Vector2d goal;    ///< where the goal-directed search's target lies at best, in the halfedge's frame
+  };
+  Exit exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head, double length, double ux, double uy);
+  void propagate(const Window& window, std::int32_t index, const EdgeFrame& frame, std::int32_t h, Exit& left,
+                 Exit& right);
   /// Cuts a new window against its edge's vertices, and keeps it if anything is left and no bound excludes it.
-  [[gnu::always_inline]] void admit(Window& window, const EdgeFrame& frame, const Eigen::Vector2d& goal, double& key);
+  [[gnu::always_inline]] void admit(Window& window, Exit& exit);
   /// Cuts with an allowed error: vertices that take over from a window send out windows of their own.
-  bool cut_within_error(Window& window, const EdgeFrame& frame);
+  bool cut_within_error(Window& window);
   /// admit for windows that start at a (pseudo-)source, and the halfedge's place in the queue.
   void admit_first(Window& window);
-  [[gnu::always_inline]] VertexBounds bounds(const Window& window, const EdgeFrame& frame, double shrink) const;
+  double allowed(std::int32_t vertex) const { return distance(vertex) * (1 + kDropTolerance); }
+  /// The goal turned about the edge into the plane of the next face: no path to it is shorter than to there.
   Eigen::Vector2d goal_in_frame(std::int32_t tail, std::int32_t head, double length) const;
   [[gnu::always_inline]] std::int32_t allocate();
+  /// Asks memory for what the next batches need.
+  void prefetch() const;
   void release(std::int32_t window);
 
   const SearchMesh* mesh_;
@@ -174,8 +190,6 @@ class WindowSearch {
   double bound_ = kInfinity;  ///< keys beyond this are of no use
   std::size_t uncertain_ = 0;  ///< the targets before this one are certain
   Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
-  Eigen::Vector2d left_goal_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d right_goal_ = Eigen::Vector2d::Zero();
   std::vector<std::int32_t> batch_;
   std::int64_t windows_created_ = 0;
   std::int64_t batches_ = 0;
