@@ -148,6 +148,12 @@ class Api:
         assert response.status_code in (200, 201), response.text
         return str(response.json()["id"])
 
+    def busy(self) -> bool:
+        """Whether anything is being computed or waits to be."""
+        ready = self.get("/readyz").json()
+        return bool(ready["jobs_running"] or ready["jobs_waiting"]
+                    or self.server.metrics()["supple_immediate_computations"])
+
     def wait_for_job(self, job: str, states: "tuple[str, ...]" = ("successful", "failed", "dismissed"),
                      seconds: float = 60) -> Any:
         """Polls until the job is in one of the states and returns its document."""
