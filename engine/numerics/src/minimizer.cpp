@@ -88,7 +88,8 @@ class Minimization {
     if (!std::isfinite(value)) return false;
     const double rounding = options_.value_rounding * std::max(std::abs(at_.value), std::abs(value));
     if (-predicted > rounding) return value <= at_.value + options_.armijo * predicted;
-    return value <= at_.value + rounding && evaluate(1).gradient.norm() < result_.gradient_norm;
+    return value <= at_.value + rounding &&
+           evaluate(1).gradient.norm() <= (1 - options_.gradient_decrease) * result_.gradient_norm;
   }
 
   /// The factor that takes t to the minimum of the parabola with value at_.value and slope `t_slope` / t at 0 and

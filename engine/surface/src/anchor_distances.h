@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,14 +18,22 @@ enum class AnchorSearch {
   fields        ///< a distance field per anchor, computed once and kept
 };
 
+/// What is known when the search is chosen, sizes and counts only, so that equal problems are solved alike on every
+/// run.
+struct AnchorSearchFacts {
+  std::int64_t faces = 0;
+  std::int64_t anchors = 0;
+  std::int64_t evaluations = 0;  ///< positions of the moving point that are still expected
+  double windows_per_pair = 0;   ///< what the pair searches so far took on average; 0 if there were none
+};
 struct AnchorSearchChoice {
   AnchorSearch search;
   std::string why;  ///< one sentence for the bill
 };
 
-/// The cheapest search for `anchors` anchors and about `evaluations` positions of the moving point. Reads nothing but
-/// sizes, so equal problems are solved alike on every run.
-AnchorSearchChoice cheapest_search(std::int64_t faces, std::int64_t anchors, std::int64_t evaluations);
+/// The search that is expected to propagate the fewest windows. A pair search on a compact shape looks at a twentieth
+/// of what a field takes, one on a winding shape, where straight distances say little, at half of it: hence the count.
+AnchorSearchChoice cheapest_search(const AnchorSearchFacts& facts);
 
 /// A shortest path between an anchor and the moving point p, seen from p.
 struct AnchorGeodesic {
@@ -41,19 +50,33 @@ struct AnchorGeodesic {
 /// Distances between fixed anchors and a moving point.
 class AnchorDistances {
  public:
-  /// Computes the fields if `search` keeps them. The solver outlives the object.
-  AnchorDistances(const GeodesicSolver& solver, std::vector<SurfacePoint> anchors, AnchorSearch search,
-                  const Execution& execution);
+  /// Begins with pair searches, or, for many anchors, with one search for all. The solver outlives the object.
+  AnchorDistances(const GeodesicSolver& solver, std::vector<SurfacePoint> anchors);
+
+  /// Distances from each of the chosen anchors (indices, ascending) to all, one row each; pairs of chosen anchors are
+  /// searched once.
+  std::vector<std::vector<double>> between(const std::vector<std::size_t>& chosen, const Execution& execution);
+
+  /// What is known of the cost of the searches, for `evaluations` more positions.
+  AnchorSearchFacts facts(std::int64_t evaluations) const;
+  /// Changes to another search. For fields computes one per anchor.
+  void use(AnchorSearch search, const Execution& execution);
 
   enum class Need { values, derivatives, directions };
   /// One entry per anchor. Directions give the neighbours along the paths and no derivatives.
-  std::vector<AnchorGeodesic> at(const SurfacePoint& p, Need need, const Execution& execution) const;
+  std::vector<AnchorGeodesic> at(const SurfacePoint& p, Need need, const Execution& execution);
 
  private:
+  /// Runs body(i, execution) for i in [0, n), in parallel where the mesh is large enough; returns the windows
+  /// propagated.
+  double for_each(std::size_t n, const Execution& execution, const std::function<void(int, const Execution&)>& body);
+
   const GeodesicSolver& solver_;
   std::vector<SurfacePoint> anchors_;
   AnchorSearch search_;
   std::vector<GeodesicField> fields_;
+  double pair_windows_ = 0;
+  std::int64_t pairs_searched_ = 0;
 };
 
 }  // namespace supple::surface

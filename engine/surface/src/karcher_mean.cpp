@@ -16,14 +16,14 @@
 namespace supple::surface {
 namespace {
 
-/// Positions of the moving point that a mean is expected to need, for the choice of the search: measured means over the
-/// benchmark's meshes (docs/bench/karcher.md).
-constexpr std::int64_t expected_evaluations_newton = 12;
-constexpr std::int64_t expected_evaluations_lbfgs = 20;
-constexpr std::int64_t expected_evaluations_descent = 40;
+/// Positions of the moving point that a mean is expected to need once it has a start, for the choice of the search:
+/// rounded means over the benchmark's meshes (docs/bench/karcher.md).
+constexpr std::int64_t expected_evaluations_newton = 9;
+constexpr std::int64_t expected_evaluations_lbfgs = 12;
+constexpr std::int64_t expected_evaluations_descent = 15;
 
 /// Of more points than this, the start is sought among the ones of least mean squared straight distance.
-constexpr std::size_t most_start_candidates = 8;
+constexpr std::size_t most_start_candidates = 5;
 
 /// Steps shorter than this share of the mesh diagonal do not move a point in double precision.
 constexpr double shortest_step = 1e-16;
@@ -129,18 +129,23 @@ std::vector<std::size_t> start_candidates(const TriangleMesh& mesh, const Proble
   for (const std::size_t i : candidates) away[i] = (position(mesh, problem.anchors[i]) - centre).squaredNorm();
   std::ranges::stable_sort(candidates, {}, [&](std::size_t i) { return away[i]; });
   candidates.resize(most_start_candidates);
+  std::ranges::sort(candidates);
   return candidates;
 }
 
-SurfacePoint best_start(const KarcherObjective& objective, const TriangleMesh& mesh, const Problem& problem) {
+SurfacePoint best_start(AnchorDistances& distances, const TriangleMesh& mesh, const Problem& problem,
+                        const Execution& execution) {
   if (problem.anchors.size() == 1) return problem.anchors.front();
+  const std::vector<std::size_t> candidates = start_candidates(mesh, problem);
+  const auto rows = distances.between(candidates, execution);
   double best = std::numeric_limits<double>::infinity();
   SurfacePoint start = problem.anchors.front();
-  for (const std::size_t i : start_candidates(mesh, problem)) {
-    const double value = objective.value_at(problem.anchors[i]);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    double value = 0;
+    for (std::size_t i = 0; i < rows[r].size(); ++i) value += problem.weights[i] * rows[r][i] * rows[r][i];
     if (value < best) {
       best = value;
-      start = problem.anchors[i];
+      start = problem.anchors[candidates[r]];
     }
   }
   return start;
@@ -158,25 +163,18 @@ std::int64_t expected_evaluations(MinimizationMethod method) {
   return expected_evaluations_descent;
 }
 
-AnchorSearch choose_search(const TriangleMesh& mesh, const KarcherProblem& problem, std::size_t anchors,
-                           CostLedger* cost) {
-  AnchorSearchChoice choice;
-  const auto count = static_cast<std::int64_t>(anchors);
-  switch (problem.kept_fields) {
-    case KarcherProblem::KeptFields::on:
-      choice = {AnchorSearch::fields, "asked for"};
-      break;
-    case KarcherProblem::KeptFields::off:
-      choice = cheapest_search(mesh.face_count(), count, 0);
-      choice.why = "asked not to";
-      break;
-    case KarcherProblem::KeptFields::automatic:
-      choice = cheapest_search(mesh.face_count(), count, expected_evaluations(problem.method));
-      break;
+/// Changes to the search that the request or the counts so far call for, and says so in the bill.
+void choose_search(AnchorDistances& distances, const KarcherProblem& problem, const Execution& execution) {
+  const AnchorSearchFacts facts = distances.facts(expected_evaluations(problem.method));
+  AnchorSearchChoice choice = cheapest_search(facts);
+  if (problem.kept_fields == KarcherProblem::KeptFields::on) choice = {AnchorSearch::fields, "asked for"};
+  if (problem.kept_fields == KarcherProblem::KeptFields::off) {
+    const bool few = facts.windows_per_pair > 0;
+    choice = {few ? AnchorSearch::pairs : AnchorSearch::one_to_many, "asked not to"};
   }
   const bool kept = choice.search == AnchorSearch::fields;
-  if (cost) cost->add_effect("kept_fields", kept, choice.why, kept ? count : 0);
-  return choice.search;
+  if (execution.cost) execution.cost->add_effect("kept_fields", kept, choice.why, kept ? facts.anchors : 0);
+  distances.use(choice.search, execution);
 }
 
 numerics::MinimizerOptions minimizer_options(const KarcherProblem& problem, double diagonal) {
@@ -291,10 +289,11 @@ KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& pro
   const TriangleMesh& mesh = solver.mesh();
   const Problem own = checked(mesh, problem);
   execution.checkpoint(0, "search");
-  const AnchorSearch search = choose_search(mesh, problem, own.anchors.size(), execution.cost);
-  const AnchorDistances distances(solver, own.anchors, search, execution);
-  KarcherObjective objective(mesh, distances, own.weights, own.start.value_or(own.anchors.front()), execution);
-  if (!own.start) objective.place(best_start(objective, mesh, own));
+  AnchorDistances distances(solver, own.anchors);
+  const SurfacePoint start = own.start ? *own.start : best_start(distances, mesh, own, execution);
+  KarcherObjective objective(mesh, distances, own.weights, start, execution);
+  objective.prepare();
+  choose_search(distances, problem, execution);
   KarcherMean mean = Search(solver, problem, execution).run(objective);
   execution.checkpoint(1, "step");
   return mean;

@@ -25,8 +25,8 @@ bool is_flat(const TriangleMesh& mesh, std::int32_t vertex) {
 
 }  // namespace
 
-KarcherObjective::KarcherObjective(const TriangleMesh& mesh, const AnchorDistances& distances,
-                                   std::vector<double> weights, const SurfacePoint& start, const Execution& execution)
+KarcherObjective::KarcherObjective(const TriangleMesh& mesh, AnchorDistances& distances, std::vector<double> weights,
+                                   const SurfacePoint& start, const Execution& execution)
     : mesh_(mesh), distances_(distances), weights_(std::move(weights)), execution_(execution) {
   current_ = state_at(start);
 }
@@ -44,13 +44,8 @@ KarcherObjective::State KarcherObjective::state_at(const SurfacePoint& point) co
   return state;
 }
 
-std::vector<AnchorGeodesic> KarcherObjective::search(const SurfacePoint& point, AnchorDistances::Need need) const {
-  if (execution_.cost) execution_.cost->add_quantity("geodesics", static_cast<double>(weights_.size()));
-  return distances_.at(point, need, execution_);
-}
-
 double KarcherObjective::value_at(const SurfacePoint& point) const {
-  const auto found = search(point, AnchorDistances::Need::values);
+  const auto found = distances_.at(point, AnchorDistances::Need::values, execution_);
   double value = 0;
   for (std::size_t i = 0; i < found.size(); ++i) value += 0.5 * weights_[i] * found[i].distance * found[i].distance;
   return value;
@@ -76,7 +71,7 @@ void KarcherObjective::evaluate_state(State& state) const {
 }
 
 void KarcherObjective::evaluate_smooth(State& state) const {
-  const auto found = search(state.point, AnchorDistances::Need::derivatives);
+  const auto found = distances_.at(state.point, AnchorDistances::Need::derivatives, execution_);
   const StageTimer timer(execution_.cost, "derivatives");
   double value = 0;
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
@@ -96,7 +91,7 @@ void KarcherObjective::evaluate_smooth(State& state) const {
 }
 
 void KarcherObjective::evaluate_vertex(State& state) const {
-  const auto found = search(state.point, AnchorDistances::Need::directions);
+  const auto found = distances_.at(state.point, AnchorDistances::Need::directions, execution_);
   const StageTimer timer(execution_.cost, "derivatives");
   const VertexCone cone(mesh_, vertex_of(mesh_, state.point));
   double value = 0;

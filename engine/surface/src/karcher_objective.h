@@ -29,7 +29,7 @@ namespace supple::surface {
 class KarcherObjective : public numerics::Objective {
  public:
   /// The weights are positive and of sum 1. `distances` outlives the objective.
-  KarcherObjective(const TriangleMesh& mesh, const AnchorDistances& distances, std::vector<double> weights,
+  KarcherObjective(const TriangleMesh& mesh, AnchorDistances& distances, std::vector<double> weights,
                    const SurfacePoint& start, const Execution& execution);
 
   const SurfacePoint& point() const { return current_.point; }
@@ -38,6 +38,8 @@ class KarcherObjective : public numerics::Objective {
 
   /// E at any point; the state stays.
   double value_at(const SurfacePoint& point) const;
+  /// Makes sure that the current state is evaluated. Later evaluations of it cost nothing.
+  void prepare() { evaluate_state(current_); }
   /// Whether the current state is a vertex where E is not differentiable.
   bool on_tip();
   /// Whether no anchor has a second, equally short path to the current state.
@@ -65,10 +67,9 @@ class KarcherObjective : public numerics::Objective {
   void evaluate_state(State& state) const;
   void evaluate_vertex(State& state) const;
   void evaluate_smooth(State& state) const;
-  std::vector<AnchorGeodesic> search(const SurfacePoint& point, AnchorDistances::Need need) const;
 
   const TriangleMesh& mesh_;
-  const AnchorDistances& distances_;
+  AnchorDistances& distances_;
   std::vector<double> weights_;
   const Execution& execution_;
   State current_;

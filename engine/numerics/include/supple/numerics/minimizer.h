@@ -21,9 +21,10 @@ struct MinimizerOptions {
   /// A trial of share t is accepted once f(t) <= f + armijo * t * (g . d) ...
   double armijo = 1e-4;
   /// ... unless t * |g . d| <= value_rounding * max(|f|, |f(t)|): f cannot show so small a decrease. Such a trial is
-  /// accepted once f(t) <= f + value_rounding * max(|f|, |f(t)|) and |g(t)| < |g|. Relative; for sums of up to some
-  /// thousand terms a few dozen units in the last place of a double.
+  /// accepted once f(t) <= f + value_rounding * max(|f|, |f(t)|) and |g(t)| <= (1 - gradient_decrease) * |g|. Relative;
+  /// for sums of up to some thousand terms a few dozen units in the last place of a double.
   double value_rounding = 1e-14;
+  double gradient_decrease = 1e-3;
   /// A rejected trial shortens t to the minimum of the parabola through f, g . d and f(t), within [shortest, longest] *
   /// t.
   double shortest_backtrack = 0.1;

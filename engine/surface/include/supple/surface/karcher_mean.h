@@ -18,7 +18,9 @@ struct KarcherProblem {
   /// Stops once |grad E| <= tolerance * mesh diagonal: E has the unit of a squared length, its gradient of a length.
   double tolerance = 1e-9;
   int max_iterations = 200;
-  std::optional<SurfacePoint> start;  ///< without it: the given point of smallest objective
+  /// Without it: the given point of smallest objective; of more than five, among the five nearest in space to the
+  /// weighted centroid.
+  std::optional<SurfacePoint> start;
   /// Whether a kept distance field per point is used ("on"), pair searches ("off"), or the cheaper by the mesh's size
   /// and the number of points ("automatic").
   enum class KeptFields { automatic, on, off } kept_fields = KeptFields::automatic;
@@ -26,7 +28,7 @@ struct KarcherProblem {
 
 struct KarcherStep {
   double objective = 0;
-  double gradient_norm = 0;
+  double gradient_norm = 0;   ///< |grad E|; at a vertex the slope of steepest descent. Mesh units.
   double step_length = 0;     ///< length moved on the surface to reach this state; 0 for the start
   double regularization = 0;  ///< added to the Hessian's diagonal
 };
@@ -39,14 +41,14 @@ struct KarcherMean {
   double gradient_norm = 0;
   int iterations = 0;
   std::vector<KarcherStep> history;  ///< the start and every iteration
-  /// "converged", "kink" (a minimum on an edge, a vertex or a cut locus where E has no derivative: no descent was found in any
-  /// direction), "step_too_small", or "iteration_limit".
+  /// "converged"; "kink" (a minimum at a saddle or boundary vertex where E has no derivative: no direction descends,
+  /// and gradient_norm, there the slope of steepest descent, is 0); "step_too_small"; or "iteration_limit".
   std::string stopped;
 };
 
 /// The point of least weighted mean squared geodesic distance. A local minimum: the problem may have several.
-/// Throws "karcher.no_points", "karcher.weights" (count, sign, sum, non-finite), "karcher.unreachable" (points on
-/// different components, each named), "point.*".
+/// Throws "karcher.no_points", "karcher.weights" (count, sign, sum, non-finite), "karcher.invalid_option"
+/// (tolerance, iterations), "karcher.unreachable" (points on different components, each named), "point.*".
 KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution = {});
 
 }  // namespace supple::surface
