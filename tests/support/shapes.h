@@ -17,8 +17,9 @@ TriangleMesh genus3(int n = 4);
 /// Unit cube [0, 1]^3, each side an n by n grid, 12 n^2 faces.
 TriangleMesh cube(int n);
 /// The cube with `bumps` waves along each side of height `amplitude` (in units of the side), 12 n^2 faces: 40,368
-/// at 58. The bumps split wave fronts, so that many windows pass each edge.
-TriangleMesh bumpy_cube(int n = 58, double bumps = 12, double amplitude = 0.03);
+/// at 58. Shallow bumps split wave fronts again and again, so that about 20 windows pass each edge; steep ones would
+/// hide what lies behind them and leave fewer. `bumps` is a multiple of 0.5 and 2 bumps no multiple of n.
+TriangleMesh bumpy_cube(int n = 58, double bumps = 6.5, double amplitude = 0.004);
 /// A flattened tube wound into a rising spiral and closed at both ends, 2 along * across faces: 34,800 at 870, 20. Long
 /// and thin: paths cross hundreds of edges.
 TriangleMesh spiral_cup(int along = 870, int across = 20, double turns = 4);
