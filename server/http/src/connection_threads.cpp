@@ -1,0 +1,45 @@
+#include "connection_threads.h"
+
+#include <system_error>
+
+namespace supple::http {
+
+void ConnectionThreads::enqueue(std::function<void()> serve) {
+  const std::lock_guard lock(mutex_);
+  waiting_.push_back(std::move(serve));
+  if (idle_ < waiting_.size() && threads_.size() < most_) {
+    try {
+      threads_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+      // The system gives no further thread: the connection waits for one of those that there are.
+      if (threads_.empty()) throw;
+    }
+  }
+  wake_.notify_one();
+}
+
+void ConnectionThreads::shutdown() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  wake_.notify_all();
+  for (auto& thread : threads_) thread.join();
+}
+
+void ConnectionThreads::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    ++idle_;
+    wake_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
+    --idle_;
+    if (waiting_.empty()) return;
+    const auto serve = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    serve();
+    lock.lock();
+  }
+}
+
+}  // namespace supple::http

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "supple/base/execution.h"
+#include "supple/jobs/compute_slots.h"
+#include "supple/jobs/watchdog.h"
+#include "supple/problem/problem.h"
+#include "supple/store/store.h"
+
+namespace supple::jobs {
+
+/// What is to be computed. `run` gets the cancellation token and the progress sink; it makes its own cost ledger, for
+/// the bill is part of the result.
+struct Computation {
+  std::string kind;  ///< "karcher-means"
+  std::string mesh;
+  double deadline = 600;  ///< seconds from now
+  std::function<store::Result(const Execution&)> run;
+};
+
+/// A job as a client sees it: its record, and how far it is.
+struct JobStatus {
+  store::JobRecord record;
+  double progress = 0;  ///< in [0, 1]
+  std::string stage;
+};
+
+struct QueueOptions {
+  int workers = 2;                ///< jobs that run at the same time
+  int immediate = 4;              ///< immediate computations that run at the same time
+  std::size_t max_queue = 1000;   ///< jobs that wait for a worker; setting --max-queue
+  double retention = 7 * 86400;   ///< seconds that a finished job is kept; setting --retention
+  std::size_t max_jobs = 10'000;  ///< finished jobs that are kept; setting --max-jobs
+};
+
+/// Runs computations: at once on the caller's thread, or as jobs on worker threads.
+///
+/// Problems of failed jobs are kept as the text that `render` makes of them. All members may be called from any thread.
+class JobQueue {
+ public:
+  using Render = std::function<std::string(const problem::Problem&)>;
+  /// Hears of every finished job.
+  using Observe = std::function<void(const store::JobRecord&)>;
+
+  /// Jobs that an earlier process left unfinished become failed with "job.interrupted".
+  JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe);
+  /// Shuts down without grace.
+  ~JobQueue();
+  JobQueue(const JobQueue&) = delete;
+  JobQueue& operator=(const JobQueue&) = delete;
+
+  /// Computes on this thread within a compute slot. Throws what the computation throws; "job.cancelled" once `hung_up`
+  /// says so, "job.deadline_exceeded", "server.shutting_down". Leaves no trace in the store.
+  store::Result run_now(const Computation& computation, std::function<bool()> hung_up);
+
+  /// Makes it a job that waits for a worker. Throws "job.queue_full", "server.shutting_down".
+  JobStatus submit(Computation computation);
+
+  /// Computes on a worker and waits: for the result, or for `seconds`, after which it has become a job that can be
+  /// asked for. Throws like run_now; a client that hangs up while this waits cancels the computation.
+  struct ResultOrJob {
+    std::optional<store::Result> result;
+    JobStatus job;
+  };
+  ResultOrJob run_within(Computation computation, double seconds, const std::function<bool()>& hung_up);
+
+  /// Throws "job.not_found".
+  JobStatus status(const std::string& id) const;
+  std::vector<JobStatus> list(std::optional<store::JobState> state, std::size_t limit, const std::string& after) const;
+  /// Throws "job.not_found", "job.not_finished" and "job.dismissed"; for a failed job there is none.
+  store::Result result(const std::string& id) const;
+  /// Requests the stop of an unfinished job, which is dismissed at once, or removes a finished one. Returns the
+  /// dismissed job, or nothing. Throws "job.not_found".
+  std::optional<JobStatus> remove(const std::string& id);
+
+  /// Waits until the job's status has changed since `version` (0: returns at once), or for `seconds`. Updates
+  /// `version`.
+  JobStatus wait_for_change(const std::string& id, std::uint64_t& version, double seconds) const;
+
+  bool mesh_in_use(const std::string& mesh) const;
+  std::size_t running() const;
+  std::size_t waiting() const;
+  int immediate() const { return slots_.in_use(); }
+
+  /// Refuses new computations, gives those that run `grace_seconds` to finish, then stops them. Jobs that did not run
+  /// to their end fail with "job.interrupted". Returns once no worker runs.
+  void shut_down(double grace_seconds);
+
+ private:
+  struct Job;
+  using JobPointer = std::shared_ptr<Job>;
+
+  JobPointer enqueue(Computation computation, bool visible);
+  void publish(Job& job);
+  void work();
+  void run_job(const JobPointer& job);
+  void finish(const JobPointer& job, store::JobState state, std::optional<store::Result> result,
+              const std::exception_ptr& failure);
+  JobPointer find(const std::string& id) const;
+  static JobStatus status_of(const Job& job);
+  void clean_up();
+
+  store::Store& store_;
+  const QueueOptions options_;
+  const Render render_;
+  const Observe observe_;
+  Watchdog watchdog_;
+  ComputeSlots slots_;
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable work_;     // a job waits, or the end has come
+  mutable std::condition_variable changed_;  // a job's status has changed
+  std::deque<JobPointer> queue_;
+  std::map<std::string, JobPointer> jobs_;  // unfinished ones, those not yet visible to clients included
+  std::map<std::uint64_t, CancellationToken> immediate_;
+  std::uint64_t next_immediate_ = 0;
+  std::size_t running_ = 0;
+  bool refusing_ = false;
+  bool ending_ = false;
+  std::vector<std::thread> workers_;
+  std::thread cleaner_;
+};
+
+/// 128 random bits from the system, hexadecimal.
+std::string random_id();
+
+}  // namespace supple::jobs

@@ -1,0 +1,405 @@
+#include "supple/jobs/job_queue.h"
+
+#include <openssl/rand.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+#include <stdexcept>
+
+namespace supple::jobs {
+namespace {
+
+using Clock = Watchdog::Clock;
+using store::JobState;
+using store::Result;
+
+constexpr std::chrono::milliseconds progress_period{100};  // between two published states of progress
+constexpr std::chrono::milliseconds look_at_client{20};
+constexpr std::chrono::milliseconds look_at_queue{250};
+constexpr std::chrono::minutes look_at_store{1};
+
+Clock::duration duration(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+problem::ProblemError queue_full(std::size_t limit) {
+  problem::Problem problem{"job.queue_full",
+                           "The queue holds " + std::to_string(limit) + " jobs, its limit (setting --max-queue).",
+                           {},
+                           problem::Limit{static_cast<double>(limit), static_cast<double>(limit) + 1, "--max-queue"},
+                           5};
+  return problem::ProblemError(std::move(problem));
+}
+
+[[noreturn]] void throw_shutting_down() { throw Error("server.shutting_down", "The server is shutting down."); }
+
+[[noreturn]] void throw_not_found(const std::string& id) {
+  throw Error("job.not_found", "There is no job " + id + ".");
+}
+
+bool is_finished(JobState state) { return state != JobState::accepted && state != JobState::running; }
+
+}  // namespace
+
+std::string random_id() {
+  std::array<unsigned char, 16> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  return text;
+}
+
+/// All members but the token are guarded by the queue's mutex.
+struct JobQueue::Job final : ProgressSink {
+  Job(JobQueue& owner, Computation work) : queue(owner), computation(std::move(work)) {}
+
+  void report(double fraction, std::string_view name) override {
+    const auto now = Clock::now();
+    if (now - last_report < progress_period && last_report != Clock::time_point{}) return;
+    last_report = now;
+    const std::lock_guard lock(queue.mutex_);
+    progress = std::clamp(fraction, progress, 1.0);
+    stage = name;
+    ++version;
+    queue.changed_.notify_all();
+  }
+
+  JobQueue& queue;
+  Computation computation;
+  store::JobRecord record;
+  CancellationToken token;
+  std::unique_ptr<Watchdog::Guard> watch;
+  Clock::time_point last_report{};  // of the computing thread alone
+  double progress = 0;
+  std::string stage;
+  std::uint64_t version = 1;
+  bool visible = false;          // in the store, and clients may ask for it
+  bool finished = false;         // also once it was dismissed
+  std::optional<Result> result;  // of one that is not visible
+  std::exception_ptr failure;
+};
+
+JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe)
+    : store_(store),
+      options_(options),
+      render_(std::move(render)),
+      observe_(std::move(observe)),
+      slots_(options.immediate) {
+  for (auto job : store_.unfinished_jobs()) {
+    const problem::Problem problem{"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
+    job.state = JobState::failed;
+    job.finished = store::now_milliseconds();
+    job.expires = job.finished + static_cast<std::int64_t>(1000 * options_.retention);
+    job.error = render_(problem);
+    job.error_status = problem::status_of(problem);
+    store_.finish_job(job, nullptr);
+  }
+  for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
+  cleaner_ = std::thread([this] { clean_up(); });
+}
+
+JobQueue::~JobQueue() { shut_down(0); }
+
+Result JobQueue::run_now(const Computation& computation, std::function<bool()> hung_up) {
+  const CancellationToken token;
+  std::uint64_t ticket = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (refusing_) throw_shutting_down();
+    ticket = ++next_immediate_;
+    immediate_.emplace(ticket, token);
+  }
+  struct Leave {
+    JobQueue& queue;
+    std::uint64_t ticket;
+    ~Leave() {
+      const std::lock_guard lock(queue.mutex_);
+      queue.immediate_.erase(ticket);
+      if (queue.refusing_) queue.changed_.notify_all();
+    }
+  } const leave{*this, ticket};
+  const Watchdog::Guard watch(watchdog_, {token, Clock::now() + duration(computation.deadline), std::move(hung_up)});
+  const ComputeSlots::Slot slot(slots_, token);
+  Execution execution;
+  execution.cancellation = token;
+  return computation.run(execution);
+}
+
+JobQueue::JobPointer JobQueue::enqueue(Computation computation, bool visible) {
+  auto job = std::make_shared<Job>(*this, std::move(computation));
+  job->record.id = random_id();
+  job->record.kind = job->computation.kind;
+  job->record.mesh = job->computation.mesh;
+  job->record.created = store::now_milliseconds();
+  job->record.deadline = job->computation.deadline;
+  job->watch = std::make_unique<Watchdog::Guard>(
+      watchdog_, Watchdog::Watch{job->token, Clock::now() + duration(job->computation.deadline), {}});
+  const std::lock_guard lock(mutex_);
+  if (refusing_) throw_shutting_down();
+  if (queue_.size() >= options_.max_queue) throw queue_full(options_.max_queue);
+  if (visible) publish(*job);
+  jobs_.emplace(job->record.id, job);
+  queue_.push_back(job);
+  work_.notify_one();
+  return job;
+}
+
+/// Under the mutex, so that the job cannot finish between its check and its row.
+void JobQueue::publish(Job& job) {
+  store_.add_job(job.record);
+  job.visible = true;
+}
+
+JobStatus JobQueue::submit(Computation computation) {
+  const auto job = enqueue(std::move(computation), true);
+  const std::lock_guard lock(mutex_);
+  return status_of(*job);
+}
+
+JobQueue::ResultOrJob JobQueue::run_within(Computation computation, double seconds,
+                                           const std::function<bool()>& hung_up) {
+  const auto end = Clock::now() + duration(seconds);
+  const auto job = enqueue(std::move(computation), false);
+  std::unique_lock lock(mutex_);
+  while (!job->finished && Clock::now() < end) {
+    changed_.wait_until(lock, std::min(end, Clock::now() + look_at_client));
+    if (job->finished) break;
+    lock.unlock();
+    if (hung_up && hung_up()) job->token.request(StopReason::cancelled);
+    lock.lock();
+  }
+  if (!job->finished) {
+    publish(*job);
+    return {std::nullopt, status_of(*job)};
+  }
+  if (job->failure) std::rethrow_exception(job->failure);
+  return {std::move(job->result), {}};
+}
+
+JobQueue::JobPointer JobQueue::find(const std::string& id) const {
+  const auto found = jobs_.find(id);
+  return found != jobs_.end() && found->second->visible ? found->second : nullptr;
+}
+
+JobStatus JobQueue::status_of(const Job& job) { return {job.record, job.progress, job.stage}; }
+
+JobStatus JobQueue::status(const std::string& id) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto job = find(id)) return status_of(*job);
+  }
+  const auto record = store_.job(id);
+  if (!record) throw_not_found(id);
+  return {*record, record->state == JobState::successful ? 1.0 : 0.0, {}};
+}
+
+std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit,
+                                      const std::string& after) const {
+  // The store knows a running job as accepted; both are looked for together and told apart in memory.
+  std::vector<JobStatus> list;
+  const bool unfinished = state == JobState::accepted || state == JobState::running;
+  std::string last = after;
+  while (list.size() < limit) {
+    const auto page = store_.jobs(unfinished ? std::optional(JobState::accepted) : state, limit, last);
+    for (const auto& record : page) {
+      JobStatus status{record, record.state == JobState::successful ? 1.0 : 0.0, {}};
+      {
+        const std::lock_guard lock(mutex_);
+        if (const auto job = find(record.id)) status = status_of(*job);
+      }
+      if ((!state || status.record.state == *state) && list.size() < limit) list.push_back(std::move(status));
+    }
+    if (page.size() < limit) break;
+    last = page.back().id;
+  }
+  return list;
+}
+
+Result JobQueue::result(const std::string& id) const {
+  const auto record = status(id).record;
+  if (record.state == JobState::dismissed) throw Error("job.dismissed", "The job " + id + " was dismissed.");
+  if (!is_finished(record.state)) {
+    throw problem::ProblemError(
+        {"job.not_finished", "The job " + id + " is " + std::string(state_name(record.state)) + ".", {}, {}, 1});
+  }
+  return store_.job_result(id);
+}
+
+std::optional<JobStatus> JobQueue::remove(const std::string& id) {
+  JobPointer job;
+  {
+    const std::lock_guard lock(mutex_);
+    job = find(id);
+  }
+  if (!job) {
+    if (!store_.remove_job(id)) throw_not_found(id);
+    return std::nullopt;
+  }
+  job->token.request(StopReason::cancelled);
+  finish(job, JobState::dismissed, std::nullopt, nullptr);
+  return status(id);
+}
+
+JobStatus JobQueue::wait_for_change(const std::string& id, std::uint64_t& version, double seconds) const {
+  {
+    std::unique_lock lock(mutex_);
+    if (const auto job = find(id)) {
+      changed_.wait_for(lock, duration(seconds), [&] { return job->finished || job->version != version; });
+      if (!job->finished) {
+        version = job->version;
+        return status_of(*job);
+      }
+    }
+  }
+  version = std::numeric_limits<std::uint64_t>::max();
+  return status(id);
+}
+
+bool JobQueue::mesh_in_use(const std::string& mesh) const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& entry) { return entry.second->record.mesh == mesh; });
+}
+
+std::size_t JobQueue::running() const {
+  const std::lock_guard lock(mutex_);
+  return running_;
+}
+
+std::size_t JobQueue::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.size();
+}
+
+void JobQueue::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    work_.wait(lock, [this] { return ending_ || !queue_.empty(); });
+    if (ending_) return;
+    const auto job = queue_.front();
+    queue_.pop_front();
+    if (job->finished) continue;
+    ++running_;
+    job->record.state = JobState::running;
+    job->record.started = store::now_milliseconds();
+    ++job->version;
+    changed_.notify_all();
+    lock.unlock();
+    run_job(job);
+    lock.lock();
+    --running_;
+    changed_.notify_all();
+  }
+}
+
+void JobQueue::run_job(const JobPointer& job) {
+  std::optional<Result> result;
+  std::exception_ptr failure;
+  try {
+    job->token.throw_if_requested();
+    Execution execution;
+    execution.cancellation = job->token;
+    execution.progress = job.get();
+    result = job->computation.run(execution);
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  finish(job, failure ? JobState::failed : JobState::successful, std::move(result), failure);
+}
+
+void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Result> result,
+                      const std::exception_ptr& failure) {
+  std::unique_lock lock(mutex_);
+  if (job->finished) return;
+  auto record = job->record;
+  record.state = state;
+  record.finished = store::now_milliseconds();
+  record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
+  if (failure) {
+    auto problem = problem::problem_of(failure);
+    if (problem.code == "server.shutting_down") {
+      problem = {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
+    }
+    record.error = render_(problem);
+    record.error_status = problem::status_of(problem);
+  }
+  if (job->visible) {
+    // Disk work without the mutex; until it is done the job counts as unfinished.
+    lock.unlock();
+    try {
+      store_.finish_job(record, result ? &*result : nullptr);
+    } catch (const Error& error) {
+      // The row stays unfinished and the next start calls it interrupted; what this process answers says why.
+      record.state = JobState::failed;
+      record.error = render_({error.code(), error.what(), {}, {}, {}});
+      record.error_status = problem::status_of({error.code(), {}, {}, {}, {}});
+    }
+    lock.lock();
+    if (job->finished) return;
+  }
+  job->record = record;
+  job->finished = true;
+  job->result = std::move(result);
+  job->failure = failure;
+  jobs_.erase(record.id);
+  changed_.notify_all();
+  auto watch = std::move(job->watch);
+  lock.unlock();
+  watch.reset();
+  observe_(record);
+}
+
+void JobQueue::clean_up() {
+  auto next_look_at_store = Clock::now();
+  std::unique_lock lock(mutex_);
+  while (!ending_) {
+    std::vector<JobPointer> stopped;  // while they waited for a worker
+    for (auto place = queue_.begin(); place != queue_.end();) {
+      if ((*place)->finished || (*place)->token.requested()) {
+        stopped.push_back(*place);
+        place = queue_.erase(place);
+      } else {
+        ++place;
+      }
+    }
+    lock.unlock();
+    for (const auto& job : stopped) run_job(job);
+    if (Clock::now() >= next_look_at_store) {
+      try {
+        store_.remove_expired_jobs(store::now_milliseconds(), options_.max_jobs);
+      } catch (const Error&) {
+        // The store is unavailable, as every request that needs it says; the next look tries again.
+      }
+      next_look_at_store = Clock::now() + look_at_store;
+    }
+    lock.lock();
+    work_.wait_for(lock, look_at_queue, [this] { return ending_; });
+  }
+}
+
+void JobQueue::shut_down(double grace_seconds) {
+  std::unique_lock lock(mutex_);
+  refusing_ = true;
+  for (const auto& job : queue_) job->token.request(StopReason::shutdown);
+  const auto idle = [this] { return running_ == 0 && immediate_.empty(); };
+  changed_.wait_for(lock, duration(grace_seconds), idle);
+  for (const auto& [id, job] : jobs_) job->token.request(StopReason::shutdown);
+  for (const auto& [ticket, token] : immediate_) token.request(StopReason::shutdown);
+  changed_.wait(lock, [this] { return running_ == 0; });
+  ending_ = true;
+  const auto left = std::move(queue_);
+  queue_.clear();
+  work_.notify_all();
+  lock.unlock();
+  for (auto& worker : workers_) worker.join();
+  workers_.clear();
+  if (cleaner_.joinable()) cleaner_.join();
+  for (const auto& job : left) run_job(job);
+}
+
+}  // namespace supple::jobs

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+
+namespace supple::json {
+
+/// What a request may hold. Each limit that an operator can change is named after its setting.
+struct Limits {
+  std::size_t depth = 32;              ///< nesting of arrays and objects; fixed
+  std::size_t max_values = 8'000'000;  ///< JSON values of one body; about 50 bytes of memory each
+  std::size_t max_pairs = 100'000;
+  std::size_t max_points = 100'000;         ///< points of a mean, sources of a field
+  double max_deadline = 3600;               ///< seconds
+  double default_deadline = 600;            ///< seconds
+  std::size_t max_path_points = 1'000'000;  ///< points of all known paths of a request; fixed
+};
+
+}  // namespace supple::json

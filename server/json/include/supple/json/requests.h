@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "supple/json/limits.h"
+#include "supple/surface/geodesic_field.h"
+#include "supple/surface/karcher_mean.h"
+#include "supple/surface/mesh_io.h"
+
+/// The requests of api/openapi.yaml as types. Each `parse_*` reads a body completely and collects every fault: they
+/// throw "request.not_utf8", "request.malformed_json", "request.too_deep", "request.too_many_values",
+/// "request.limit_exceeded" and "request.invalid", the last with a JSON pointer for each field. Unknown fields are
+/// faults. Whether a point lies on the mesh is not asked here.
+namespace supple::json {
+
+/// A point as a client writes it.
+struct PointSpec {
+  bool by_vertex = false;
+  std::int32_t index = 0;  ///< of the vertex or of the face
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+};
+
+enum class Switch { automatic, on, off };
+
+struct GeodesicsRequest {
+  struct Pair {
+    PointSpec from;
+    PointSpec to;
+    std::vector<PointSpec> known_path;
+  };
+  std::string mesh;
+  std::vector<Pair> pairs;
+  int derivatives = 0;
+  bool paths = false;
+  Switch mollifier = Switch::automatic;
+  double mollifier_length = 1e-6;
+  double deadline = 0;  ///< seconds; set also where the request leaves it out
+};
+GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits);
+
+struct GeodesicFieldRequest {
+  std::string mesh;
+  std::vector<PointSpec> sources;
+  surface::FieldMethod method = surface::FieldMethod::windows;
+  double relative_error = 0;
+  double max_distance = std::numeric_limits<double>::infinity();
+  double deadline = 0;
+};
+GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& limits);
+
+struct KarcherMeanRequest {
+  std::string mesh;
+  std::vector<PointSpec> points;
+  std::vector<double> weights;
+  std::optional<PointSpec> start;
+  double tolerance = 1e-9;
+  int max_iterations = 200;
+  surface::MinimizationMethod method = surface::MinimizationMethod::newton;
+  Switch kept_fields = Switch::automatic;
+  double deadline = 0;
+};
+KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limits);
+
+struct ExponentialMapRequest {
+  std::string mesh;
+  PointSpec start;
+  std::vector<double> tangent;  ///< three numbers in space or two in the frame of the start's face
+  bool trace = true;
+  double deadline = 0;
+};
+ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits);
+
+/// {"vertices", "faces"}. Also throws "mesh.too_large".
+surface::TriangleSoup parse_mesh_arrays(std::string_view body, const Limits& limits,
+                                        const surface::MeshLimits& mesh_limits);
+
+}  // namespace supple::json

@@ -1,0 +1,106 @@
+#include "document.h"
+
+#include <string>
+#include <vector>
+
+#include "supple/problem/problem.h"
+#include "utf8.h"
+
+namespace supple::json {
+namespace {
+
+/// Builds the document from the parser's events and stops at the first limit.
+class BoundedBuilder final : public nlohmann::json_sax<Document> {
+ public:
+  BoundedBuilder(Document& root, const Limits& limits) : root_(root), limits_(limits) {}
+
+  bool null() override { return add(nullptr); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(value); }
+  bool number_unsigned(number_unsigned_t value) override { return add(value); }
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& value) override { return add(std::move(value)); }
+  bool binary(binary_t&) override { return false; }
+
+  bool start_object(std::size_t) override { return open(Document::object()); }
+  bool start_array(std::size_t) override { return open(Document::array()); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+
+  bool key(string_t& name) override {
+    const auto [place, inserted] = stack_.back()->get_ref<Document::object_t&>().emplace(std::move(name), nullptr);
+    if (!inserted)
+      throw Error("request.malformed_json", "The key \"" + place->first + "\" is given twice in one object.");
+    member_ = &place->second;
+    return true;
+  }
+
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) override {
+    std::string text = error.what();
+    // The parser's sentence begins with its own error number and ends with what it expected.
+    if (const auto start = text.find(": "); start != std::string::npos) text = text.substr(start + 2);
+    throw Error("request.malformed_json",
+                "The body is not JSON at byte " + std::to_string(position) + ": " + text + ".");
+  }
+
+ private:
+  template <class Value>
+  Document* place(Value&& value) {
+    if (++count_ > limits_.max_values) {
+      problem::throw_limit("request.too_many_values", "The number of JSON values",
+                           static_cast<double>(limits_.max_values), static_cast<double>(count_), "--max-json-values");
+    }
+    if (stack_.empty()) {
+      root_ = std::forward<Value>(value);
+      return &root_;
+    }
+    if (stack_.back()->is_array()) {
+      auto& array = stack_.back()->get_ref<Document::array_t&>();
+      array.emplace_back(std::forward<Value>(value));
+      return &array.back();
+    }
+    *member_ = std::forward<Value>(value);
+    return member_;
+  }
+
+  template <class Value>
+  bool add(Value&& value) {
+    place(std::forward<Value>(value));
+    return true;
+  }
+
+  bool open(Document container) {
+    if (stack_.size() == limits_.depth) {
+      problem::throw_limit("request.too_deep", "The nesting of the JSON", static_cast<double>(limits_.depth),
+                           static_cast<double>(limits_.depth) + 1, "");
+    }
+    stack_.push_back(place(std::move(container)));
+    return true;
+  }
+
+  bool close() {
+    stack_.pop_back();
+    return true;
+  }
+
+  Document& root_;
+  const Limits& limits_;
+  std::vector<Document*> stack_;  // containers that are open; stable, for only the innermost one grows
+  Document* member_ = nullptr;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+Document parse_document(std::string_view text, const Limits& limits) {
+  if (const auto at = first_invalid_utf8(text); at != std::string_view::npos) {
+    throw Error("request.not_utf8", "The body is not UTF-8 at byte " + std::to_string(at) + ".");
+  }
+  if (text.empty()) throw Error("request.malformed_json", "The body is empty; this request takes a JSON object.");
+  Document root;
+  BoundedBuilder builder(root, limits);
+  Document::sax_parse(text.begin(), text.end(), &builder);
+  return root;
+}
+
+}  // namespace supple::json

@@ -1,0 +1,266 @@
+#include "fields.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+#include "supple/problem/problem.h"
+
+namespace supple::json {
+namespace {
+
+std::string text_of(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+/// Edits (insertions, deletions, substitutions) between two short words.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+/// An unknown key as it may be shown: long ones are cut, and so stay cheap to compare.
+std::string shown(const std::string& key) { return key.size() <= 64 ? key : key.substr(0, 64) + "..."; }
+
+/// RFC 6901: "~" and "/" of a key are escaped.
+std::string pointer_token(const std::string& key) {
+  std::string token;
+  for (const char c : key) {
+    if (c == '~')
+      token += "~0";
+    else if (c == '/')
+      token += "~1";
+    else
+      token += c;
+  }
+  return token;
+}
+
+bool is_index(const Document& value) {
+  return value.is_number_unsigned() && value.get<std::uint64_t>() <= std::numeric_limits<std::int32_t>::max();
+}
+
+}  // namespace
+
+void Faults::add(std::string pointer, std::string message) {
+  ++total_;
+  if (details_.size() < most) details_.push_back({std::move(pointer), std::move(message)});
+}
+
+void Faults::throw_if_any() const {
+  if (total_ == 0) return;
+  const auto& first = details_.front();
+  std::string sentence = (first.where.empty() ? "The body" : first.where) + ": " + first.message;
+  if (total_ > 1) sentence += " (and " + std::to_string(total_ - 1) + " more)";
+  throw Error("request.invalid", sentence, details_);
+}
+
+std::string_view kind_of(const Document& value) {
+  switch (value.type()) {
+    case Document::value_t::null:
+      return "null";
+    case Document::value_t::boolean:
+      return "a boolean";
+    case Document::value_t::string:
+      return "a string";
+    case Document::value_t::array:
+      return "an array";
+    case Document::value_t::object:
+      return "an object";
+    default:
+      return "a number";
+  }
+}
+
+Fields::Fields(const Document& value, std::string pointer, Faults& faults)
+    : pointer_(std::move(pointer)), faults_(faults) {
+  if (value.is_object()) {
+    object_ = &value;
+  } else {
+    faults_.add(pointer_, "must be an object, not " + std::string(kind_of(value)));
+  }
+}
+
+const Document* Fields::find(std::string_view name) const {
+  if (!object_) return nullptr;
+  const auto entry = object_->find(name);
+  return entry == object_->end() ? nullptr : &*entry;
+}
+
+const Document* Fields::optional(std::string_view name) {
+  known_.push_back(name);
+  return find(name);
+}
+
+const Document* Fields::required(std::string_view name) {
+  const auto* value = optional(name);
+  if (!value && object_) faults_.add(at(name), "is required");
+  return value;
+}
+
+void Fields::number(std::string_view name, double& out, double least, double most, bool least_excluded) {
+  const auto* value = optional(name);
+  if (!value) return;
+  if (!value->is_number()) return faults_.add(at(name), "must be a number, not " + std::string(kind_of(*value)));
+  const double number = value->get<double>();
+  if (number > most || number < least || (least_excluded && number == least)) {
+    std::string range = least_excluded ? "above " + text_of(least) : "at least " + text_of(least);
+    if (most < std::numeric_limits<double>::max()) range += " and at most " + text_of(most);
+    return faults_.add(at(name), "must be " + range + ", not " + text_of(number));
+  }
+  out = number;
+}
+
+void Fields::integer(std::string_view name, int& out, int least, int most) {
+  const auto* value = optional(name);
+  if (!value) return;
+  const bool whole = value->is_number_integer();
+  const double number = whole ? value->get<double>() : 0;
+  if (!whole || number < least || number > most) {
+    return faults_.add(at(name), "must be an integer from " + std::to_string(least) + " to " + std::to_string(most));
+  }
+  out = value->get<int>();
+}
+
+void Fields::boolean(std::string_view name, bool& out) {
+  const auto* value = optional(name);
+  if (!value) return;
+  if (!value->is_boolean()) return faults_.add(at(name), "must be true or false, not " + std::string(kind_of(*value)));
+  out = value->get<bool>();
+}
+
+std::optional<std::size_t> Fields::choice_index(std::string_view name, const std::vector<std::string_view>& choices) {
+  const auto* value = optional(name);
+  if (!value) return std::nullopt;
+  if (value->is_string()) {
+    const auto found = std::find(choices.begin(), choices.end(), value->get_ref<const std::string&>());
+    if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
+  }
+  std::string list;
+  for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + quoted(choice);
+  faults_.add(at(name), "must be one of " + list);
+  return std::nullopt;
+}
+
+void Fields::mesh_id(std::string& out) {
+  const auto* value = required("mesh");
+  if (!value) return;
+  const auto* text = value->is_string() ? &value->get_ref<const std::string&>() : nullptr;
+  const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if (!text || text->size() != 64 || !std::all_of(text->begin(), text->end(), is_hex)) {
+    return faults_.add(at("mesh"), "must be a mesh's id, 64 hexadecimal digits in lower case");
+  }
+  out = *text;
+}
+
+void Fields::point(std::string_view name, PointSpec& out, bool is_required) {
+  if (const auto* value = is_required ? required(name) : optional(name)) out = read_point(*value, at(name), faults_);
+}
+
+const Document* Fields::array(std::string_view name, bool is_required, std::size_t least, std::size_t most,
+                              const std::string& setting) {
+  const auto* value = is_required ? required(name) : optional(name);
+  if (!value) return nullptr;
+  if (!value->is_array()) {
+    faults_.add(at(name), "must be an array, not " + std::string(kind_of(*value)));
+    return nullptr;
+  }
+  if (value->size() > most) {
+    problem::throw_limit("request.limit_exceeded", "The number of entries of " + at(name), static_cast<double>(most),
+                         static_cast<double>(value->size()), setting, at(name));
+  }
+  if (value->size() < least) {
+    faults_.add(at(name),
+                "must have at least " + std::to_string(least) + " entries, not " + std::to_string(value->size()));
+    return nullptr;
+  }
+  return value;
+}
+
+void Fields::points(std::string_view name, std::vector<PointSpec>& out, std::size_t least, std::size_t most,
+                    const std::string& setting) {
+  const auto* entries = array(name, true, least, most, setting);
+  if (!entries) return;
+  out.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    out.push_back(read_point((*entries)[i], at(name) + "/" + std::to_string(i), faults_));
+  }
+}
+
+void Fields::numbers(std::string_view name, std::vector<double>& out, bool is_required, std::size_t least,
+                     std::size_t most) {
+  const auto* value = is_required ? required(name) : optional(name);
+  if (!value) return;
+  if (!value->is_array() || value->size() < least || value->size() > most) {
+    std::string length = least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
+    return faults_.add(at(name), "must be an array of " + length + " numbers");
+  }
+  for (std::size_t i = 0; i < value->size(); ++i) {
+    const auto& entry = (*value)[i];
+    if (!entry.is_number()) {
+      faults_.add(at(name) + "/" + std::to_string(i), "must be a number, not " + std::string(kind_of(entry)));
+    } else {
+      out.push_back(entry.get<double>());
+    }
+  }
+}
+
+void Fields::finish() {
+  if (!object_) return;
+  for (const auto& [key, value] : object_->items()) {
+    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
+    const auto name = shown(key);
+    std::string message = "unknown field";
+    const auto nearest = std::min_element(
+        known_.begin(), known_.end(), [&](auto a, auto b) { return edit_distance(name, a) < edit_distance(name, b); });
+    if (nearest != known_.end() && edit_distance(name, *nearest) <= 2)
+      message += "; did you mean " + quoted(*nearest) + "?";
+    faults_.add(pointer_ + "/" + pointer_token(name), message);
+  }
+}
+
+PointSpec read_point(const Document& value, const std::string& pointer, Faults& faults) {
+  PointSpec point;
+  Fields fields(value, pointer, faults);
+  if (!value.is_object()) return point;
+  const bool by_vertex = fields.present("vertex");
+  const auto index = [&](std::string_view name) -> std::int32_t {
+    const auto* entry = fields.required(name);
+    if (!entry) return 0;
+    if (is_index(*entry)) return entry->get<std::int32_t>();
+    faults.add(fields.at(name), "must be an integer from 0 to 2147483647");
+    return 0;
+  };
+  if (by_vertex) {
+    point.by_vertex = true;
+    point.index = index("vertex");
+  } else {
+    point.index = index("face");
+    if (const auto* entry = fields.required("barycentric")) {
+      const bool three = entry->is_array() && entry->size() == 3 &&
+                         std::all_of(entry->begin(), entry->end(), [](const Document& b) { return b.is_number(); });
+      if (!three) {
+        faults.add(fields.at("barycentric"), "must be an array of 3 numbers");
+      } else {
+        for (int i = 0; i < 3; ++i) point.barycentric[i] = (*entry)[static_cast<std::size_t>(i)].get<double>();
+      }
+    }
+  }
+  fields.finish();
+  return point;
+}
+
+}  // namespace supple::json

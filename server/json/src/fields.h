@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "document.h"
+#include "supple/base/error.h"
+#include "supple/json/requests.h"
+
+namespace supple::json {
+
+/// Collects what is wrong with a request, so that one answer names every field at fault.
+class Faults {
+ public:
+  void add(std::string pointer, std::string message);
+  bool any() const { return !details_.empty(); }
+  /// Throws "request.invalid" if anything was collected. At most 20 details; the sentence gives the total.
+  void throw_if_any() const;
+
+ private:
+  static constexpr std::size_t most = 20;
+  std::vector<Error::Detail> details_;
+  std::size_t total_ = 0;
+};
+
+/// Reads the fields of one JSON object. Each `read` notes the field as known; `finish` reports the others.
+class Fields {
+ public:
+  /// `value` may be no object; that is a fault, and every field then counts as absent.
+  Fields(const Document& value, std::string pointer, Faults& faults);
+
+  bool present(std::string_view name) const { return find(name) != nullptr; }
+  /// The value of a field, or null where it is absent; a missing required field is a fault.
+  const Document* optional(std::string_view name);
+  const Document* required(std::string_view name);
+
+  std::string at(std::string_view name) const { return pointer_ + "/" + std::string(name); }
+
+  /// Leaves `out` as it is where the field is absent or faulty.
+  void number(std::string_view name, double& out, double least, double most, bool least_excluded = false);
+  void integer(std::string_view name, int& out, int least, int most);
+  void boolean(std::string_view name, bool& out);
+  /// Sets `out` to the index of the text among `choices`.
+  template <class Enum>
+  void choice(std::string_view name, Enum& out, const std::vector<std::string_view>& choices) {
+    if (const auto index = choice_index(name, choices)) out = static_cast<Enum>(*index);
+  }
+  void mesh_id(std::string& out);
+  void point(std::string_view name, PointSpec& out, bool is_required);
+  /// An array of points of at least `least`, at most `most` entries (setting `setting`).
+  void points(std::string_view name, std::vector<PointSpec>& out, std::size_t least, std::size_t most,
+              const std::string& setting);
+  /// A required or optional array whose length is checked; null where it is absent or faulty.
+  const Document* array(std::string_view name, bool is_required, std::size_t least, std::size_t most,
+                        const std::string& setting);
+  void numbers(std::string_view name, std::vector<double>& out, bool is_required, std::size_t least, std::size_t most);
+
+  /// Reports unknown fields, each with the known one that it resembles.
+  void finish();
+
+  Faults& faults() { return faults_; }
+
+ private:
+  const Document* find(std::string_view name) const;
+  std::optional<std::size_t> choice_index(std::string_view name, const std::vector<std::string_view>& choices);
+
+  const Document* object_ = nullptr;
+  std::string pointer_;
+  Faults& faults_;
+  std::vector<std::string_view> known_;
+};
+
+/// Reads a point; faults are reported at `pointer`.
+PointSpec read_point(const Document& value, const std::string& pointer, Faults& faults);
+
+/// "a number", "an object": what a value is, for messages.
+std::string_view kind_of(const Document& value);
+
+}  // namespace supple::json

@@ -1,0 +1,183 @@
+#include "supple/json/requests.h"
+
+#include <algorithm>
+
+#include "document.h"
+#include "fields.h"
+#include "supple/problem/problem.h"
+
+namespace supple::json {
+namespace {
+
+const std::vector<std::string_view> switch_names{"automatic", "on", "off"};
+
+double read_deadline(Fields& fields, const Limits& limits) {
+  double deadline = std::min(limits.default_deadline, limits.max_deadline);
+  fields.number("deadline", deadline, 0, std::numeric_limits<double>::max(), true);
+  if (deadline > limits.max_deadline) {
+    problem::throw_limit("request.limit_exceeded", "The deadline in seconds", limits.max_deadline, deadline,
+                         "--max-deadline", fields.at("deadline"));
+  }
+  return deadline;
+}
+
+/// Calls read(fields) for an optional nested object.
+template <class Read>
+void nested(Fields& fields, std::string_view name, Read read) {
+  const auto* value = fields.optional(name);
+  if (!value) return;
+  Fields inner(*value, fields.at(name), fields.faults());
+  read(inner);
+  inner.finish();
+}
+
+void read_pairs(Fields& fields, std::vector<GeodesicsRequest::Pair>& pairs, const Limits& limits) {
+  const auto* entries = fields.array("pairs", true, 1, limits.max_pairs, "--max-pairs");
+  if (!entries) return;
+  pairs.resize(entries->size());
+  std::size_t path_points = 0;
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const auto pointer = fields.at("pairs") + "/" + std::to_string(i);
+    Fields pair((*entries)[i], pointer, fields.faults());
+    pair.point("from", pairs[i].from, true);
+    pair.point("to", pairs[i].to, true);
+    if (pair.present("known_path")) {
+      pair.points("known_path", pairs[i].known_path, 2, limits.max_path_points - path_points, "");
+      path_points += pairs[i].known_path.size();
+    } else {
+      pair.optional("known_path");
+    }
+    pair.finish();
+  }
+}
+
+}  // namespace
+
+GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  GeodesicsRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  fields.mesh_id(request.mesh);
+  read_pairs(fields, request.pairs, limits);
+  fields.integer("derivatives", request.derivatives, 0, 2);
+  fields.boolean("paths", request.paths);
+  nested(fields, "accuracy",
+         [&](Fields& accuracy) { accuracy.number("mollifier_length", request.mollifier_length, 0, 0.5, true); });
+  nested(fields, "effects", [&](Fields& effects) { effects.choice("mollifier", request.mollifier, switch_names); });
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  GeodesicFieldRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  fields.mesh_id(request.mesh);
+  fields.points("sources", request.sources, 1, limits.max_points, "--max-points");
+  nested(fields, "accuracy", [&](Fields& accuracy) {
+    accuracy.choice("method", request.method, {"windows", "edge_graph"});
+    accuracy.number("relative_error", request.relative_error, 0, 1);
+    if (request.method == surface::FieldMethod::edge_graph && request.relative_error > 0) {
+      faults.add(accuracy.at("relative_error"), "is a guarantee that the method \"edge_graph\" cannot give");
+    }
+  });
+  fields.number("max_distance", request.max_distance, 0, std::numeric_limits<double>::max(), true);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  KarcherMeanRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  fields.mesh_id(request.mesh);
+  fields.points("points", request.points, 1, limits.max_points, "--max-points");
+  fields.numbers("weights", request.weights, false, 1, limits.max_points);
+  fields.number("tolerance", request.tolerance, 0, 1, true);
+  fields.integer("max_iterations", request.max_iterations, 1, 100'000);
+  if (fields.present("start")) {
+    request.start.emplace();
+    fields.point("start", *request.start, true);
+  } else {
+    fields.optional("start");
+  }
+  fields.choice("method", request.method, {"newton", "lbfgs", "gradient_descent"});
+  nested(fields, "effects", [&](Fields& effects) { effects.choice("kept_fields", request.kept_fields, switch_names); });
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  ExponentialMapRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  fields.mesh_id(request.mesh);
+  fields.point("start", request.start, true);
+  fields.numbers("tangent", request.tangent, true, 2, 3);
+  fields.boolean("trace", request.trace);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+surface::TriangleSoup parse_mesh_arrays(std::string_view body, const Limits& limits,
+                                        const surface::MeshLimits& mesh_limits) {
+  const auto document = parse_document(body, limits);
+  surface::TriangleSoup soup;
+  Faults faults;
+  Fields fields(document, "", faults);
+  const auto check_count = [](const Document* array, std::int64_t limit, const char* what, const char* setting) {
+    if (array && static_cast<std::int64_t>(array->size()) > limit) {
+      problem::throw_limit("mesh.too_large", what, static_cast<double>(limit), static_cast<double>(array->size()),
+                           setting);
+    }
+  };
+  constexpr auto any = std::numeric_limits<std::size_t>::max();
+  const auto* vertices = fields.array("vertices", true, 0, any, "");
+  const auto* faces = fields.array("faces", true, 0, any, "");
+  check_count(vertices, mesh_limits.vertices, "The number of vertices", "--max-vertices");
+  check_count(faces, mesh_limits.faces, "The number of faces", "--max-faces");
+  const auto is_triple = [](const Document& value, auto is_entry) {
+    return value.is_array() && value.size() == 3 && std::all_of(value.begin(), value.end(), is_entry);
+  };
+  if (vertices) {
+    soup.positions.reserve(vertices->size());
+    for (const auto& vertex : *vertices) {
+      if (is_triple(vertex, [](const Document& x) { return x.is_number(); })) {
+        soup.positions.emplace_back(vertex[0].get<double>(), vertex[1].get<double>(), vertex[2].get<double>());
+      } else {
+        faults.add("/vertices/" + std::to_string(&vertex - &vertices->front()), "must be an array of 3 numbers");
+      }
+    }
+  }
+  if (faces) {
+    const auto is_index = [](const Document& i) {
+      return i.is_number_unsigned() && i.get<std::uint64_t>() <= std::numeric_limits<std::int32_t>::max();
+    };
+    soup.faces.reserve(faces->size());
+    for (const auto& face : *faces) {
+      if (is_triple(face, is_index)) {
+        soup.faces.push_back({face[0].get<std::int32_t>(), face[1].get<std::int32_t>(), face[2].get<std::int32_t>()});
+      } else {
+        faults.add("/faces/" + std::to_string(&face - &faces->front()),
+                   "must be an array of 3 integers from 0 to 2147483647");
+      }
+    }
+  }
+  fields.finish();
+  faults.throw_if_any();
+  return soup;
+}
+
+}  // namespace supple::json

@@ -1,0 +1,132 @@
+// supple-server: opens the store, starts the workers and answers HTTP until SIGTERM or SIGINT.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "server_options.h"
+#include "supple/base/threads.h"
+#include "supple/json/answers.h"
+#include "supple/routes/routes.h"
+
+namespace supple {
+namespace {
+
+/// Blocks the signals that end the process in every thread that starts from here on; one thread waits for them.
+sigset_t block_end_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+std::string host_in_url(const std::string& host) {
+  return host.find(':') == std::string::npos ? host : "[" + host + "]";
+}
+
+/// The parts of the process, in the order in which they may use each other.
+class Process {
+ public:
+  Process(const ServerOptions& options, sigset_t signals)
+      : options_(options), signals_(signals), metrics_(SUPPLE_VERSION) {
+    services_.limits = options.limits;
+    services_.version = SUPPLE_VERSION;
+    services_.metrics = &metrics_;
+    server_ = std::make_unique<http::Server>(
+        options.http, routes::make_router(services_), routes::problem_response,
+        [this](const std::string& pattern, const std::string& method, int status, double seconds) {
+          metrics_.count_request(pattern, method, status, seconds);
+        },
+        [](const std::string& text) { spdlog::error("unexpected exception in {}", text); });
+    services_.connections = [this] { return server_->connections(); };
+  }
+
+  int run() {
+    const int port = server_->bind();
+    std::atomic<bool> ended{false};
+    // Listens while the store opens: probes are answered from the first moment.
+    std::thread listener([&] {
+      server_->run();
+      ended = true;
+    });
+    int status = 0;
+    try {
+      open();
+      std::cout << "supple-server " SUPPLE_VERSION " listens on http://" << host_in_url(options_.http.host) << ":"
+                << port << std::endl;
+      spdlog::info("ready: data in {}, {} workers, {} compute threads, {} connections", options_.data,
+                   options_.jobs.workers, thread_count(), options_.http.max_connections);
+      int signal = 0;
+      sigwait(&signals_, &signal);
+      spdlog::info("signal {}: finishing within {} s", signal, options_.grace);
+    } catch (const std::exception& error) {
+      spdlog::error("cannot start: {}", error.what());
+      status = 1;
+    }
+    services_.stopping = true;
+    server_->stop();
+    if (jobs_) jobs_->shut_down(options_.grace);
+    while (!ended) {
+      server_->stop();  // again, for a listener that was just starting
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    listener.join();
+    spdlog::info("stopped");
+    return status;
+  }
+
+ private:
+  void open() {
+    store_ = std::make_unique<store::Store>(options_.data);
+    meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
+    jobs_ = std::make_unique<jobs::JobQueue>(
+        *store_, options_.jobs, json::write_problem, [this](const store::JobRecord& job) {
+          const double seconds = job.started ? static_cast<double>(job.finished - job.started) / 1000 : 0;
+          metrics_.count_finished_job(job.kind, std::string(store::state_name(job.state)), seconds);
+        });
+    services_.store = store_.get();
+    services_.meshes = meshes_.get();
+    services_.jobs = jobs_.get();
+    services_.ready = true;
+  }
+
+  const ServerOptions& options_;
+  const sigset_t signals_;
+  metrics::Metrics metrics_;
+  routes::Services services_;
+  std::unique_ptr<store::Store> store_;
+  std::unique_ptr<store::MeshCache> meshes_;
+  std::unique_ptr<jobs::JobQueue> jobs_;
+  std::unique_ptr<http::Server> server_;  // last: its handlers use all of the others
+};
+
+int serve(const ServerOptions& options) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("supple-server"));
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+  const auto signals = block_end_signals();
+  std::signal(SIGPIPE, SIG_IGN);
+  set_thread_count(options.threads);
+  return Process(options, signals).run();
+}
+
+}  // namespace
+}  // namespace supple
+
+int main(int argc, char** argv) {
+  supple::ServerOptions options;
+  if (const auto status = supple::read_options(argc, argv, options)) return *status;
+  try {
+    return supple::serve(options);
+  } catch (const std::exception& error) {
+    std::cerr << "supple-server: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace supple::metrics {
+
+/// What is counted elsewhere and read when the counters are asked for.
+struct Snapshot {
+  std::map<std::string, std::int64_t> jobs;  ///< by state: those that this process holds or has finished
+  std::int64_t connections = 0;
+  std::int64_t event_streams = 0;
+  std::int64_t computations = 0;  ///< immediate ones that run or wait
+  std::int64_t meshes_loaded = 0;
+  std::int64_t mesh_bytes = 0;  ///< estimate of the loaded meshes
+};
+
+/// The server's counters in the Prometheus text format. Any thread may call.
+class Metrics {
+ public:
+  explicit Metrics(const std::string& version);
+  ~Metrics();
+  Metrics(const Metrics&) = delete;
+  Metrics& operator=(const Metrics&) = delete;
+
+  /// `route` is a pattern, never a path, so that the number of series stays bounded; "" becomes "none".
+  void count_request(const std::string& route, const std::string& method, int status, double seconds);
+  void count_finished_job(const std::string& kind, const std::string& state, double seconds);
+  std::string text(const Snapshot& snapshot);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace supple::metrics

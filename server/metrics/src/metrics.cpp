@@ -1,0 +1,119 @@
+#include "supple/metrics/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <mutex>
+#include <tuple>
+
+namespace supple::metrics {
+namespace {
+
+/// Seconds; from far below an immediate answer's overhead to a long job.
+const prometheus::Histogram::BucketBoundaries latency_buckets{
+    0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 60};
+
+double resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  double total = 0;
+  double resident = 0;
+  file >> total >> resident;
+  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+struct Metrics::Implementation {
+  prometheus::Registry registry;
+  prometheus::Family<prometheus::Counter>& requests = prometheus::BuildCounter()
+                                                          .Name("supple_http_requests_total")
+                                                          .Help("Answered requests by route, method and status.")
+                                                          .Register(registry);
+  prometheus::Family<prometheus::Histogram>& latency =
+      prometheus::BuildHistogram()
+          .Name("supple_http_request_duration_seconds")
+          .Help("Time from a request's head to its answer, its body's transfer included.")
+          .Register(registry);
+  prometheus::Family<prometheus::Counter>& finished_jobs = prometheus::BuildCounter()
+                                                               .Name("supple_jobs_finished_total")
+                                                               .Help("Finished jobs by kind and state.")
+                                                               .Register(registry);
+  prometheus::Family<prometheus::Histogram>& job_seconds = prometheus::BuildHistogram()
+                                                               .Name("supple_job_duration_seconds")
+                                                               .Help("Time from a job's start to its end, by kind.")
+                                                               .Register(registry);
+  prometheus::Family<prometheus::Gauge>& jobs =
+      prometheus::BuildGauge().Name("supple_jobs").Help("Unfinished jobs by state.").Register(registry);
+  prometheus::Gauge& connections = gauge("supple_connections", "Open connections.");
+  prometheus::Gauge& event_streams = gauge("supple_event_streams", "Event streams that are followed.");
+  prometheus::Gauge& computations = gauge("supple_immediate_computations", "Immediate computations that run or wait.");
+  prometheus::Gauge& meshes = gauge("supple_meshes_loaded", "Meshes held in memory.");
+  prometheus::Gauge& mesh_bytes = gauge("supple_meshes_loaded_bytes", "Estimated memory of the meshes held.");
+  prometheus::Gauge& resident = gauge("process_resident_memory_bytes", "Resident memory of the process.");
+
+  /// The library looks a series up by a map of strings; these maps save that for the series in use.
+  std::mutex mutex;
+  std::map<std::tuple<std::string, std::string, int>, prometheus::Counter*> request_series;
+  std::map<std::string, prometheus::Histogram*> latency_series;
+
+  prometheus::Gauge& gauge(const char* name, const char* help) {
+    return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
+  }
+};
+
+Metrics::Metrics(const std::string& version) : implementation_(std::make_unique<Implementation>()) {
+  prometheus::BuildGauge()
+      .Name("supple_build_info")
+      .Help("Always 1; the label is the version.")
+      .Register(implementation_->registry)
+      .Add({{"version", version}})
+      .Set(1);
+}
+Metrics::~Metrics() = default;
+
+void Metrics::count_request(const std::string& route, const std::string& method, int status, double seconds) {
+  auto& self = *implementation_;
+  const std::string& name = route.empty() ? "none" : route;
+  // A method that the server does not know comes from a stranger: one series for all of them.
+  const std::string& label = route.empty() ? "any" : method;
+  prometheus::Counter* counter = nullptr;
+  prometheus::Histogram* histogram = nullptr;
+  {
+    const std::lock_guard lock(self.mutex);
+    auto& known = self.request_series[{name, label, status}];
+    if (!known) {
+      known = &self.requests.Add({{"route", name}, {"method", label}, {"status", std::to_string(status)}});
+    }
+    counter = known;
+    auto& timed = self.latency_series[name];
+    if (!timed) timed = &self.latency.Add({{"route", name}}, latency_buckets);
+    histogram = timed;
+  }
+  counter->Increment();
+  histogram->Observe(seconds);
+}
+
+void Metrics::count_finished_job(const std::string& kind, const std::string& state, double seconds) {
+  auto& self = *implementation_;
+  self.finished_jobs.Add({{"kind", kind}, {"state", state}}).Increment();
+  self.job_seconds.Add({{"kind", kind}}, latency_buckets).Observe(seconds);
+}
+
+std::string Metrics::text(const Snapshot& snapshot) {
+  auto& self = *implementation_;
+  for (const auto& [state, count] : snapshot.jobs) self.jobs.Add({{"state", state}}).Set(static_cast<double>(count));
+  self.connections.Set(static_cast<double>(snapshot.connections));
+  self.event_streams.Set(static_cast<double>(snapshot.event_streams));
+  self.computations.Set(static_cast<double>(snapshot.computations));
+  self.meshes.Set(static_cast<double>(snapshot.meshes_loaded));
+  self.mesh_bytes.Set(static_cast<double>(snapshot.mesh_bytes));
+  self.resident.Set(resident_bytes());
+  return prometheus::TextSerializer().Serialize(self.registry.Collect());
+}
+
+}  // namespace supple::metrics

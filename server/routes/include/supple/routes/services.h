@@ -1,0 +1,43 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "supple/http/server.h"
+#include "supple/jobs/job_queue.h"
+#include "supple/json/limits.h"
+#include "supple/metrics/metrics.h"
+#include "supple/store/mesh_cache.h"
+#include "supple/surface/mesh_io.h"
+
+namespace supple::routes {
+
+struct RouteLimits {
+  std::uint64_t max_body = 512ULL << 20;  ///< bytes of a mesh file; setting --max-body
+  std::uint64_t max_json = 64ULL << 20;   ///< bytes of a JSON body; setting --max-json
+  int event_streams = 32;                 ///< followed at the same time; setting --event-streams
+  double max_wait = 300;                  ///< seconds of Prefer: wait; fixed
+  json::Limits json;
+  surface::MeshLimits mesh;
+};
+
+/// What the routes call. Exists from the start; `store`, `meshes` and `jobs` once the server is ready, before which the
+/// routes that need them answer "server.not_ready".
+struct Services {
+  RouteLimits limits;
+  std::string version;
+  std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  metrics::Metrics* metrics = nullptr;
+  store::Store* store = nullptr;
+  store::MeshCache* meshes = nullptr;
+  jobs::JobQueue* jobs = nullptr;
+  std::atomic<bool> ready{false};  ///< set after the pointers, read before them
+  std::atomic<bool> stopping{false};
+  std::atomic<int> event_streams{0};
+  std::function<int()> connections;
+};
+
+}  // namespace supple::routes

@@ -1,0 +1,67 @@
+#include "computation_route.h"
+
+#include <cmath>
+
+#include "handlers.h"
+
+namespace supple::routes {
+namespace {
+
+std::string plain_seconds(double seconds) {
+  auto text = std::to_string(seconds);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+http::Response accepted(const jobs::JobStatus& status) {
+  auto response = json_response(write_job(status), 202);
+  response.set_header("Location", "/v1/jobs/" + status.record.id);
+  response.set_header("Retry-After", "1");
+  return response;
+}
+
+http::Response finished(store::Result result) {
+  http::Response response;
+  response.content_type = std::move(result.content_type);
+  response.headers = std::move(result.headers);
+  response.body = std::move(result.body);
+  return response;
+}
+
+}  // namespace
+
+http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation) {
+  const auto preference = http::parse_preference(request.header("Prefer"), services.limits.max_wait);
+  const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
+  if (!preference.respond_async && !preference.wait) return finished(services.jobs->run_now(computation, hung_up));
+  http::Response response;
+  if (preference.wait && *preference.wait > 0) {
+    auto outcome = services.jobs->run_within(std::move(computation), *preference.wait, hung_up);
+    response = outcome.result ? finished(std::move(*outcome.result)) : accepted(outcome.job);
+    response.set_header("Preference-Applied", "wait=" + plain_seconds(*preference.wait));
+  } else {
+    response = accepted(services.jobs->submit(std::move(computation)));
+    response.set_header("Preference-Applied", preference.respond_async ? "respond-async" : "wait=0");
+  }
+  return response;
+}
+
+std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const std::string& id) {
+  try {
+    return services.meshes->get(id);
+  } catch (const Error& error) {
+    if (error.code() != "mesh.not_found") throw;
+    throw Error(error.code(), error.what(), {{"/mesh", error.what()}});
+  }
+}
+
+const std::string& json_body(const http::Request& request) {
+  const auto type = http::media_type(request.header("Content-Type"));
+  if (!type.empty() && type != "application/json") {
+    throw Error("http.unsupported_media_type", "This request takes application/json, not " + type.substr(0, 80) + ".");
+  }
+  return request.body;
+}
+
+}  // namespace supple::routes

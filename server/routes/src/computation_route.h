@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "supple/http/message.h"
+#include "supple/jobs/job_queue.h"
+#include "supple/json/answers.h"
+#include "supple/routes/services.h"
+
+namespace supple::routes {
+
+/// Answers a computation as the request's Prefer header asks for: immediately, or with 202 and a job.
+http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation);
+
+/// The mesh of a computation. Throws "mesh.not_found" with a pointer to the field.
+std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const std::string& id);
+
+/// The body as text that must be JSON. Throws "http.unsupported_media_type" for another Content-Type.
+const std::string& json_body(const http::Request& request);
+
+/// Calls compute(execution) with a cost ledger and returns what it cost.
+template <class Compute>
+json::Bill billed(const Execution& outer, Compute compute) {
+  json::Bill bill;
+  Execution execution = outer;
+  execution.cost = &bill.ledger;
+  const auto start = std::chrono::steady_clock::now();
+  compute(execution);
+  bill.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return bill;
+}
+
+inline store::Result json_result(std::string body) { return {"application/json", {}, std::move(body)}; }
+
+}  // namespace supple::routes

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "supple/http/router.h"
+#include "supple/routes/services.h"
+
+namespace supple::routes {
+
+void add_mesh_routes(http::Router& router, Services& services);
+void add_geodesics_route(http::Router& router, Services& services);
+void add_geodesic_field_route(http::Router& router, Services& services);
+void add_karcher_mean_route(http::Router& router, Services& services);
+void add_exponential_map_route(http::Router& router, Services& services);
+void add_job_routes(http::Router& router, Services& services);
+void add_service_routes(http::Router& router, Services& services);
+
+/// Throws "server.not_ready" until the store is open, "server.shutting_down" at the end.
+void require_ready(const Services& services);
+
+http::Response json_response(std::string body, int status = 200);
+
+/// A page's `limit` (1 to 1000, 100 without it) and `after`. Throws "request.invalid_parameter", also for parameters
+/// other than these and `more`.
+struct Page {
+  std::size_t limit = 100;
+  std::string after;
+};
+Page read_page(const http::Request& request, std::initializer_list<std::string_view> more = {});
+
+/// A job as the contract describes it.
+std::string write_job(const jobs::JobStatus& status);
+
+}  // namespace supple::routes

@@ -1,0 +1,175 @@
+#include "handlers.h"
+#include "supple/json/answers.h"
+#include "supple/json/json_writer.h"
+
+namespace supple::routes {
+namespace {
+
+using store::JobState;
+
+constexpr double keep_alive_seconds = 10;
+constexpr double look_at_client_seconds = 1;
+
+const std::string& job_parameter(const http::Request& request) { return request.path_parameters.at("job"); }
+
+bool is_finished(const jobs::JobStatus& status) {
+  return status.record.state != JobState::accepted && status.record.state != JobState::running;
+}
+
+http::Response list(Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto page = read_page(request, {"state"});
+  std::optional<JobState> state;
+  if (const auto given = request.query.find("state"); given != request.query.end()) {
+    state = store::state_of(given->second);
+    if (!state) {
+      throw Error("request.invalid_parameter",
+                  "The query parameter state takes accepted, running, successful, failed or dismissed.");
+    }
+  }
+  auto statuses = services.jobs->list(state, page.limit + 1, page.after);
+  const bool more = statuses.size() > page.limit;
+  if (more) statuses.pop_back();
+  json::JsonWriter out;
+  out.begin_object().key("jobs").begin_array();
+  for (const auto& status : statuses) out.raw(write_job(status));
+  out.end_array();
+  if (more) out.field("next", statuses.back().record.id);
+  out.end_object();
+  return json_response(out.take());
+}
+
+http::Response show(Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto status = services.jobs->status(job_parameter(request));
+  auto response = json_response(write_job(status));
+  if (!is_finished(status)) response.set_header("Retry-After", "1");
+  return response;
+}
+
+http::Response result(Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto& id = job_parameter(request);
+  http::Response response;
+  if (const auto status = services.jobs->status(id); status.record.state == JobState::failed) {
+    response.status = status.record.error_status;
+    response.content_type = "application/problem+json";
+    response.body = status.record.error;
+    return response;
+  }
+  auto stored = services.jobs->result(id);
+  response.content_type = std::move(stored.content_type);
+  response.headers = std::move(stored.headers);
+  response.body = std::move(stored.body);
+  return response;
+}
+
+http::Response remove(Services& services, const http::Request& request) {
+  require_ready(services);
+  if (const auto dismissed = services.jobs->remove(job_parameter(request))) return json_response(write_job(*dismissed));
+  http::Response response;
+  response.status = 204;
+  return response;
+}
+
+/// Counts a stream for as long as it exists.
+class StreamPlace {
+ public:
+  explicit StreamPlace(Services& services) : services_(services) {
+    const int limit = services.limits.event_streams;
+    if (++services.event_streams <= limit) return;
+    const int value = services.event_streams--;
+    problem::Problem problem{
+        "server.too_many_event_streams",
+        "The server sends " + std::to_string(limit) + " event streams, its limit (setting --event-streams).",
+        {},
+        problem::Limit{static_cast<double>(limit), static_cast<double>(value), "--event-streams"},
+        1};
+    throw problem::ProblemError(std::move(problem));
+  }
+  ~StreamPlace() { --services_.event_streams; }
+  StreamPlace(const StreamPlace&) = delete;
+  StreamPlace& operator=(const StreamPlace&) = delete;
+
+ private:
+  Services& services_;
+};
+
+std::string event(const char* name, const jobs::JobStatus& status) {
+  return "event: " + std::string(name) + "\ndata: " + write_job(status) + "\n\n";
+}
+
+void follow(Services& services, const std::string& id, http::StreamWriter& out) {
+  std::uint64_t version = 0;
+  std::uint64_t sent = 0;
+  auto last_sent = std::chrono::steady_clock::now();
+  try {
+    auto status = services.jobs->wait_for_change(id, version, 0);
+    while (!services.stopping && !out.client_gone()) {
+      if (is_finished(status)) {
+        out.write(event("finished", status));
+        return;
+      }
+      const auto now = std::chrono::steady_clock::now();
+      if (version != sent) {
+        if (!out.write(event("progress", status))) return;
+        sent = version;
+        last_sent = now;
+      } else if (now - last_sent > std::chrono::duration<double>(keep_alive_seconds)) {
+        if (!out.write(": still here\n\n")) return;
+        last_sent = now;
+      }
+      status = services.jobs->wait_for_change(id, version, look_at_client_seconds);
+    }
+  } catch (const Error&) {
+    // The job was removed while it was followed: the stream ends without the event "finished".
+  }
+}
+
+http::Response events(Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto& id = job_parameter(request);
+  services.jobs->status(id);
+  auto place = std::make_shared<StreamPlace>(services);
+  http::Response response;
+  response.content_type = "text/event-stream";
+  response.set_header("Cache-Control", "no-store");
+  response.stream = [&services, id, place](http::StreamWriter& out) { follow(services, id, out); };
+  return response;
+}
+
+}  // namespace
+
+std::string write_job(const jobs::JobStatus& status) {
+  const auto& record = status.record;
+  json::JsonWriter out;
+  out.begin_object()
+      .field("id", record.id)
+      .field("kind", record.kind)
+      .field("mesh", record.mesh)
+      .field("state", store::state_name(record.state))
+      .field("progress", status.progress)
+      .field("stage", status.stage)
+      .field("created", json::time_text(record.created));
+  if (record.started) out.field("started", json::time_text(record.started));
+  if (record.finished) out.field("finished", json::time_text(record.finished));
+  if (record.expires) out.field("expires", json::time_text(record.expires));
+  out.field("deadline", record.deadline);
+  if (record.state == JobState::successful) out.field("result", "/v1/jobs/" + record.id + "/result");
+  if (!record.error.empty()) out.key("error").raw(record.error);
+  out.end_object();
+  return out.take();
+}
+
+void add_job_routes(http::Router& router, Services& services) {
+  const auto with = [&services](http::Response (*handler)(Services&, const http::Request&)) {
+    return [&services, handler](const http::Request& request) { return handler(services, request); };
+  };
+  router.add({"GET", "/v1/jobs", with(list), {}});
+  router.add({"GET", "/v1/jobs/{job}", with(show), {}});
+  router.add({"DELETE", "/v1/jobs/{job}", with(remove), {}});
+  router.add({"GET", "/v1/jobs/{job}/result", with(result), {}});
+  router.add({"GET", "/v1/jobs/{job}/events", with(events), {}});
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,142 @@
+#include <optional>
+
+#include "handlers.h"
+#include "supple/json/answers.h"
+#include "supple/json/json_writer.h"
+#include "supple/json/requests.h"
+#include "supple/surface/mesh_report.h"
+
+namespace supple::routes {
+namespace {
+
+std::optional<surface::MeshFormat> format_of(const std::string& media_type) {
+  if (media_type == "model/obj") return surface::MeshFormat::obj;
+  if (media_type == "model/off") return surface::MeshFormat::off;
+  if (media_type == "model/ply") return surface::MeshFormat::ply;
+  if (media_type == "model/stl") return surface::MeshFormat::stl;
+  return std::nullopt;
+}
+
+std::string quoted(const std::string& tag) { return '"' + tag + '"'; }
+
+/// Whether an If-None-Match header names the tag. Weak comparison, as RFC 9110 (13.1.2) asks for.
+bool matches(const std::string& header, const std::string& tag) {
+  return header == "*" || header.find(quoted(tag)) != std::string::npos;
+}
+
+http::Response not_modified(const std::string& tag) {
+  http::Response response;
+  response.status = 304;
+  response.set_header("ETag", quoted(tag));
+  return response;
+}
+
+const std::string& mesh_parameter(const http::Request& request) { return request.path_parameters.at("mesh"); }
+
+[[noreturn]] void throw_not_found(const std::string& id) {
+  throw Error("mesh.not_found", "There is no mesh " + id.substr(0, 80) + ".");
+}
+
+surface::TriangleSoup read_soup(const http::Request& request, const RouteLimits& limits) {
+  const auto type = http::media_type(request.header("Content-Type"));
+  if (type == "application/json") {
+    if (request.body.size() > limits.max_json) {
+      problem::throw_limit("request.body_too_large", "The length of the JSON body in bytes",
+                           static_cast<double>(limits.max_json), static_cast<double>(request.body.size()),
+                           "--max-json");
+    }
+    return json::parse_mesh_arrays(request.body, limits.json, limits.mesh);
+  }
+  const auto format = format_of(type);
+  return surface::read_mesh(request.body, format ? *format : surface::detect_format(request.body), limits.mesh);
+}
+
+http::Response create(Services& services, const http::Request& request) {
+  require_ready(services);
+  auto soup = read_soup(request, services.limits);
+  const auto mesh = std::make_shared<const surface::TriangleMesh>(
+      surface::TriangleMesh::build(std::move(soup.positions), std::move(soup.faces)));
+  const auto [record, is_new] =
+      services.store->add_mesh(surface::write_ply(*mesh), [&](const std::string& id, std::int64_t created) {
+        auto report = surface::report(*mesh);
+        report.warnings.insert(report.warnings.begin(), soup.warnings.begin(), soup.warnings.end());
+        return json::write_mesh(id, created, report);
+      });
+  services.meshes->put(record.id, std::make_shared<const store::LoadedMesh>(mesh));
+  auto response = json_response(record.description, is_new ? 201 : 200);
+  response.set_header("Location", "/v1/meshes/" + record.id);
+  response.set_header("ETag", quoted(record.id));
+  return response;
+}
+
+http::Response list(const Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto page = read_page(request);
+  auto records = services.store->meshes(page.limit + 1, page.after);
+  const bool more = records.size() > page.limit;
+  if (more) records.pop_back();
+  json::JsonWriter out;
+  out.begin_object().key("meshes").begin_array();
+  for (const auto& record : records) out.raw(record.description);
+  out.end_array();
+  if (more) out.field("next", records.back().id);
+  out.end_object();
+  return json_response(out.take());
+}
+
+http::Response show(const Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto record = services.store->mesh(mesh_parameter(request));
+  if (!record) throw_not_found(mesh_parameter(request));
+  if (matches(request.header("If-None-Match"), record->id)) return not_modified(record->id);
+  auto response = json_response(record->description);
+  response.set_header("ETag", quoted(record->id));
+  return response;
+}
+
+http::Response content(const Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto& id = mesh_parameter(request);
+  const auto type = http::negotiate(request.header("Accept"), {"model/ply", "model/obj"});
+  if (!type) throw Error("http.not_acceptable", "A mesh's content is sent as model/ply or model/obj.");
+  if (!services.store->mesh(id)) throw_not_found(id);
+  const bool as_obj = *type == "model/obj";
+  // One tag for each representation: the bytes differ.
+  const std::string tag = as_obj ? id + "-obj" : id;
+  if (matches(request.header("If-None-Match"), tag)) return not_modified(tag);
+  http::Response response;
+  response.content_type = *type;
+  response.body = as_obj ? surface::write_obj(services.meshes->get(id)->mesh()) : services.store->mesh_content(id);
+  response.set_header("ETag", quoted(tag));
+  response.set_header("Vary", "Accept");
+  return response;
+}
+
+http::Response remove(Services& services, const http::Request& request) {
+  require_ready(services);
+  const auto& id = mesh_parameter(request);
+  if (services.jobs->mesh_in_use(id)) throw Error("mesh.in_use", "Unfinished jobs use the mesh " + id + ".");
+  if (!services.store->remove_mesh(id)) throw_not_found(id);
+  services.meshes->forget(id);
+  http::Response response;
+  response.status = 204;
+  return response;
+}
+
+}  // namespace
+
+void add_mesh_routes(http::Router& router, Services& services) {
+  const auto with = [&services](http::Response (*handler)(Services&, const http::Request&)) {
+    return [&services, handler](const http::Request& request) { return handler(services, request); };
+  };
+  const auto with_const = [&services](http::Response (*handler)(const Services&, const http::Request&)) {
+    return [&services, handler](const http::Request& request) { return handler(services, request); };
+  };
+  router.add({"POST", "/v1/meshes", with(create), {services.limits.max_body, "--max-body"}});
+  router.add({"GET", "/v1/meshes", with_const(list), {}});
+  router.add({"GET", "/v1/meshes/{mesh}", with_const(show), {}});
+  router.add({"DELETE", "/v1/meshes/{mesh}", with(remove), {}});
+  router.add({"GET", "/v1/meshes/{mesh}/content", with_const(content), {}});
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,64 @@
+#include "supple/routes/routes.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "handlers.h"
+#include "supple/json/answers.h"
+
+namespace supple::routes {
+
+http::Router make_router(Services& services) {
+  http::Router router;
+  add_mesh_routes(router, services);
+  add_geodesics_route(router, services);
+  add_geodesic_field_route(router, services);
+  add_karcher_mean_route(router, services);
+  add_exponential_map_route(router, services);
+  add_job_routes(router, services);
+  add_service_routes(router, services);
+  return router;
+}
+
+http::Response problem_response(const problem::Problem& problem) {
+  http::Response response;
+  response.status = problem::status_of(problem);
+  response.content_type = "application/problem+json";
+  response.body = json::write_problem(problem);
+  if (problem.retry_after) response.set_header("Retry-After", std::to_string(*problem.retry_after));
+  return response;
+}
+
+void require_ready(const Services& services) {
+  if (services.stopping) throw Error("server.shutting_down", "The server is shutting down.");
+  if (!services.ready) {
+    throw problem::ProblemError({"server.not_ready", "The server is starting: its store is not open yet.", {}, {}, 1});
+  }
+}
+
+http::Response json_response(std::string body, int status) {
+  http::Response response;
+  response.status = status;
+  response.content_type = "application/json";
+  response.body = std::move(body);
+  return response;
+}
+
+Page read_page(const http::Request& request, std::initializer_list<std::string_view> more) {
+  Page page;
+  for (const auto& [name, value] : request.query) {
+    if (name == "limit") {
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), page.limit);
+      if (error != std::errc() || end != value.data() + value.size() || page.limit < 1 || page.limit > 1000) {
+        throw Error("request.invalid_parameter", "The query parameter limit takes an integer from 1 to 1000.");
+      }
+    } else if (name == "after") {
+      page.after = value;
+    } else if (std::find(more.begin(), more.end(), name) == more.end()) {
+      throw Error("request.invalid_parameter", "There is no query parameter " + name + " here.");
+    }
+  }
+  return page;
+}
+
+}  // namespace supple::routes

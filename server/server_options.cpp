@@ -1,0 +1,75 @@
+#include "server_options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <thread>
+
+namespace supple {
+namespace {
+
+void add_limits(CLI::App& app, ServerOptions& options) {
+  auto* const group = app.add_option_group("Limits", "A problem about a limit names the option that sets it");
+  auto& limits = options.limits;
+  group->add_option("--max-body", limits.max_body, "Bytes of a mesh file")->transform(CLI::AsSizeValue(false));
+  group->add_option("--max-json", limits.max_json, "Bytes of a JSON body")->transform(CLI::AsSizeValue(false));
+  group->add_option("--max-json-values", limits.json.max_values, "Values in a JSON body");
+  group->add_option("--max-vertices", limits.mesh.vertices, "Vertices of a mesh")->check(CLI::PositiveNumber);
+  group->add_option("--max-faces", limits.mesh.faces, "Faces of a mesh")->check(CLI::PositiveNumber);
+  group->add_option("--max-pairs", limits.json.max_pairs, "Pairs of a geodesics request");
+  group->add_option("--max-points", limits.json.max_points, "Points of a mean, sources of a field");
+  group->add_option("--max-deadline", limits.json.max_deadline, "Seconds that a computation may ask for")
+      ->check(CLI::PositiveNumber);
+  group->add_option("--default-deadline", limits.json.default_deadline, "Seconds for a computation that does not say")
+      ->check(CLI::PositiveNumber);
+  group->add_option("--max-connections", options.http.max_connections, "Connections at the same time, a thread each")
+      ->check(CLI::Range(1, 10000));
+  group
+      ->add_option("--event-streams", limits.event_streams, "Event streams at the same time (each is a connection too)")
+      ->check(CLI::NonNegativeNumber);
+  group->add_option("--max-queue", options.jobs.max_queue, "Jobs that wait for a worker");
+  group->add_option("--max-jobs", options.jobs.max_jobs, "Finished jobs that are kept");
+  group->add_option("--retention", options.jobs.retention, "Seconds that a finished job is kept")
+      ->check(CLI::PositiveNumber);
+  group->add_option("--mesh-memory", options.mesh_memory, "Bytes of meshes held in memory (an estimate)")
+      ->transform(CLI::AsSizeValue(false));
+}
+
+}  // namespace
+
+std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.jobs.workers = cores;
+  options.jobs.immediate = 2 * cores;
+
+  CLI::App app("Answers requests for geodesics, distance fields and Karcher means on triangle meshes.",
+               "supple-server");
+  app.option_defaults()->always_capture_default();
+  app.set_version_flag("--version", "supple-server " SUPPLE_VERSION);
+  app.add_option("--host", options.http.host, "Address to listen on");
+  app.add_option("--port", options.http.port, "Port to listen on; 0 takes any free one, which is printed")
+      ->check(CLI::Range(0, 65535));
+  app.add_option("--data", options.data, "Folder of meshes, jobs and results; made if it does not exist");
+  app.add_option("--models", options.models, "Folder of model files")->check(CLI::ExistingDirectory);
+  app.add_option("--workers", options.jobs.workers, "Jobs that run at the same time")->check(CLI::Range(1, 1024));
+  app.add_option("--immediate", options.jobs.immediate, "Immediate computations that run at the same time")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--threads", options.threads, "Threads that parallel computations share; 0: one for each core")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--idle-timeout", options.http.idle_seconds, "Seconds until a connection without requests is closed")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--request-timeout", options.http.request_seconds, "Seconds that a request may take to arrive")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--log-level", options.log_level, "What is logged")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
+  add_limits(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  }
+  return std::nullopt;
+}
+
+}  // namespace supple

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "supple/http/server.h"
+#include "supple/jobs/job_queue.h"
+#include "supple/routes/services.h"
+
+namespace supple {
+
+/// Everything that the command line sets.
+struct ServerOptions {
+  http::ServerOptions http;
+  jobs::QueueOptions jobs;
+  routes::RouteLimits limits;
+  std::string data = "data";
+  std::string models;
+  int threads = 0;                       ///< compute threads; 0: one for each core
+  std::int64_t mesh_memory = 2LL << 30;  ///< bytes
+  double grace = 10;                     ///< seconds that running computations get at the end
+  std::string log_level = "info";
+};
+
+/// Reads the command line. Returns the exit status where the process is to end at once (help, version, a mistake).
+std::optional<int> read_options(int argc, char** argv, ServerOptions& options);
+
+}  // namespace supple

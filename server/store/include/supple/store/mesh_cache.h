@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+
+#include "supple/store/store.h"
+#include "supple/surface/geodesic_solver.h"
+
+namespace supple::store {
+
+/// A mesh in memory with what its geodesics need.
+struct LoadedMesh {
+  explicit LoadedMesh(std::shared_ptr<const surface::TriangleMesh> mesh) : solver(std::move(mesh)) {}
+  const surface::TriangleMesh& mesh() const { return solver.mesh(); }
+  surface::GeodesicSolver solver;
+};
+
+/// Holds the meshes that were used last, up to a limit of memory. A mesh that a computation uses stays until the
+/// computation ends, whatever the limit; the one used last is always held.
+class MeshCache {
+ public:
+  MeshCache(const Store& store, std::int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
+
+  /// Loads the mesh if it is not held; of several requests for one mesh, one loads it and the others wait. Throws
+  /// "mesh.not_found", "store.corrupted".
+  std::shared_ptr<const LoadedMesh> get(const std::string& id);
+  /// Holds a mesh that is in memory already.
+  void put(const std::string& id, std::shared_ptr<const LoadedMesh> mesh);
+  void forget(const std::string& id);
+
+  struct Size {
+    std::size_t meshes = 0;
+    std::int64_t bytes = 0;
+  };
+  Size size() const;
+
+ private:
+  struct Entry {
+    std::mutex loading;
+    std::shared_ptr<const LoadedMesh> mesh;
+    std::int64_t bytes = 0;
+    std::list<std::string>::iterator place;
+  };
+  void keep(const std::string& id, Entry& entry, std::shared_ptr<const LoadedMesh> mesh);
+
+  const Store& store_;
+  const std::int64_t max_bytes_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<Entry>> entries_;
+  std::list<std::string> recent_;  // of the loaded ones, the last used first
+  std::int64_t bytes_ = 0;
+};
+
+}  // namespace supple::store

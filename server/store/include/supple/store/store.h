@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "supple/store/records.h"
+
+namespace supple::store {
+
+/// SHA-256 in hexadecimal.
+std::string sha256(std::string_view bytes);
+
+/// Meshes, jobs and results in one folder: an SQLite database (write-ahead log) for what is searched, one file for each
+/// mesh and each result.
+///
+/// A file is written beside its place, synchronized, and renamed; its row is committed afterwards. So a row's file is
+/// always complete, whenever the process or the machine stops; files without a row are removed at the next start.
+/// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
+/// throws Error "store.unavailable" where the disk or the database refuses. Any thread may call; calls take turns.
+class Store {
+ public:
+  /// Opens or makes the folder. Throws also where another process has it open.
+  explicit Store(std::filesystem::path folder);
+  ~Store();
+  Store(const Store&) = delete;
+  Store& operator=(const Store&) = delete;
+
+  /// The id is the hash of `ply`. Makes the description with `describe(id, created)` and returns the record, and
+  /// whether it is new; a mesh that is stored already stays as it is.
+  std::pair<MeshRecord, bool> add_mesh(const std::string& ply,
+                                       const std::function<std::string(const std::string&, std::int64_t)>& describe);
+  std::optional<MeshRecord> mesh(const std::string& id) const;
+  /// The newest first; `after` is the last id of the page before.
+  std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after) const;
+  /// Canonical PLY. Throws "mesh.not_found", "store.corrupted".
+  std::string mesh_content(const std::string& id) const;
+  /// False where there was none.
+  bool remove_mesh(const std::string& id);
+
+  void add_job(const JobRecord& job);
+  /// Commits a job's end, with its result if it has one. Durable once this returns.
+  void finish_job(const JobRecord& job, const Result* result);
+  std::optional<JobRecord> job(const std::string& id) const;
+  std::vector<JobRecord> jobs(std::optional<JobState> state, std::size_t limit, const std::string& after) const;
+  /// Throws "job.not_found", "store.corrupted".
+  Result job_result(const std::string& id) const;
+  bool remove_job(const std::string& id);
+  /// Jobs that an earlier process left unfinished.
+  std::vector<JobRecord> unfinished_jobs() const;
+  /// Removes finished jobs that have expired by `now`, and the oldest finished ones beyond `most`. Returns their
+  /// number.
+  std::size_t remove_expired_jobs(std::int64_t now, std::size_t most);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Milliseconds since 1970.
+std::int64_t now_milliseconds();
+
+}  // namespace supple::store

@@ -1,0 +1,80 @@
+#include "database.h"
+
+#include "supple/base/error.h"
+
+namespace supple::store {
+namespace {
+
+[[noreturn]] void fail(sqlite3* handle) {
+  throw Error("store.unavailable", std::string("The store's database reports: ") +
+                                       (handle ? sqlite3_errmsg(handle) : "out of memory") + ".");
+}
+
+}  // namespace
+
+Database::Database(const std::filesystem::path& path) {
+  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+  if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
+    const std::string text = handle_ ? sqlite3_errmsg(handle_) : "out of memory";
+    sqlite3_close(handle_);
+    throw Error("store.unavailable", "The store's database cannot be opened: " + text + ".");
+  }
+  sqlite3_busy_timeout(handle_, 500);
+}
+
+Database::~Database() { sqlite3_close(handle_); }
+
+void Database::execute(const char* statements) {
+  if (sqlite3_exec(handle_, statements, nullptr, nullptr, nullptr) != SQLITE_OK) fail(handle_);
+}
+
+Statement::Statement(const Database& database, std::string_view sql) : database_(database) {
+  if (sqlite3_prepare_v2(database.handle(), sql.data(), static_cast<int>(sql.size()), &statement_, nullptr) !=
+      SQLITE_OK) {
+    fail(database.handle());
+  }
+}
+
+Statement::~Statement() { sqlite3_finalize(statement_); }
+
+Statement& Statement::bind(std::string_view text) {
+  if (sqlite3_bind_text64(statement_, ++bound_, text.data() ? text.data() : "", text.size(), SQLITE_TRANSIENT,
+                          SQLITE_UTF8) != SQLITE_OK) {
+    fail(database_.handle());
+  }
+  return *this;
+}
+
+Statement& Statement::bind(std::int64_t value) {
+  if (sqlite3_bind_int64(statement_, ++bound_, value) != SQLITE_OK) fail(database_.handle());
+  return *this;
+}
+
+Statement& Statement::bind(double value) {
+  if (sqlite3_bind_double(statement_, ++bound_, value) != SQLITE_OK) fail(database_.handle());
+  return *this;
+}
+
+bool Statement::step() {
+  const int status = sqlite3_step(statement_);
+  if (status == SQLITE_ROW) return true;
+  if (status == SQLITE_DONE) return false;
+  fail(database_.handle());
+}
+
+int Statement::run() {
+  while (step()) {
+  }
+  return sqlite3_changes(database_.handle());
+}
+
+std::string Statement::text(int column) const {
+  const auto* data = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+  return data ? std::string(data, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))) : std::string();
+}
+
+Transaction::~Transaction() {
+  if (!committed_) sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+
+}  // namespace supple::store

@@ -1,0 +1,342 @@
+#include "supple/store/store.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <set>
+#include <system_error>
+
+#include "atomic_file.h"
+#include "database.h"
+#include "supple/base/error.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 5> state_names{"accepted", "running", "successful", "failed", "dismissed"};
+
+constexpr const char* schema = R"(
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = FULL;
+CREATE TABLE IF NOT EXISTS meshes (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+  id TEXT NOT NULL UNIQUE,
+  created INTEGER NOT NULL,
+  description TEXT NOT NULL
+);
+CREATE TABLE IF NOT EXISTS jobs (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+  id TEXT NOT NULL UNIQUE,
+  kind TEXT NOT NULL,
+  mesh TEXT NOT NULL,
+  state TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  started INTEGER NOT NULL,
+  finished INTEGER NOT NULL,
+  expires INTEGER NOT NULL,
+  deadline REAL NOT NULL,
+  error TEXT NOT NULL,
+  error_status INTEGER NOT NULL,
+  result_type TEXT NOT NULL DEFAULT '',
+  result_headers TEXT NOT NULL DEFAULT '',
+  result_hash TEXT NOT NULL DEFAULT ''
+);
+CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state, sequence);
+PRAGMA user_version = 1;
+)";
+
+constexpr const char* job_columns =
+    "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status";
+
+JobRecord read_job(const Statement& row) {
+  JobRecord job;
+  job.id = row.text(0);
+  job.kind = row.text(1);
+  job.mesh = row.text(2);
+  job.state = state_of(row.text(3)).value_or(JobState::failed);
+  job.created = row.integer(4);
+  job.started = row.integer(5);
+  job.finished = row.integer(6);
+  job.expires = row.integer(7);
+  job.deadline = row.real(8);
+  job.error = row.text(9);
+  job.error_status = static_cast<int>(row.integer(10));
+  return job;
+}
+
+/// Headers as "name: value" lines.
+std::string join_headers(const Result& result) {
+  std::string text;
+  for (const auto& [name, value] : result.headers) text += name + ": " + value + "\n";
+  return text;
+}
+
+void split_headers(const std::string& text, Result& result) {
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const auto end = text.find('\n', begin);
+    const auto colon = text.find(": ", begin);
+    result.headers.emplace_back(text.substr(begin, colon - begin), text.substr(colon + 2, end - colon - 2));
+    begin = end + 1;
+  }
+}
+
+}  // namespace
+
+std::string_view state_name(JobState state) { return state_names[static_cast<std::size_t>(state)]; }
+
+std::optional<JobState> state_of(std::string_view name) {
+  const auto found = std::find(state_names.begin(), state_names.end(), name);
+  if (found == state_names.end()) return std::nullopt;
+  return static_cast<JobState>(found - state_names.begin());
+}
+
+std::int64_t now_milliseconds() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+struct Store::Implementation {
+  explicit Implementation(const fs::path& data)
+      : folder((fs::create_directories(data / "meshes"), fs::create_directories(data / "results"), data)),
+        lock(take_lock(data)),
+        database(data / "supple.sqlite") {
+    database.execute(schema);
+    remove_stray_files("meshes", ".ply", "SELECT id FROM meshes");
+    remove_stray_files("results", ".result", "SELECT id FROM jobs WHERE result_hash <> ''");
+  }
+  ~Implementation() { ::close(lock); }
+
+  /// One process at a time: a second one would call this one's running jobs interrupted.
+  static int take_lock(const fs::path& data) {
+    const int descriptor = ::open((data / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (descriptor < 0) {
+      throw Error("store.unavailable", "The data folder " + data.string() +
+                                           " is not writable: " + std::generic_category().message(errno) + ".");
+    }
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+      ::close(descriptor);
+      throw Error("store.unavailable", "The data folder " + data.string() + " is in use by another server.");
+    }
+    return descriptor;
+  }
+
+  void remove_stray_files(const char* subfolder, const std::string& suffix, const char* known_ids) {
+    std::set<std::string> known;
+    for (Statement rows(database, known_ids); rows.step();) known.insert(rows.text(0) + suffix);
+    for (const auto& entry : fs::directory_iterator(folder / subfolder)) {
+      if (entry.is_regular_file() && !known.contains(entry.path().filename().string())) fs::remove(entry.path());
+    }
+  }
+
+  fs::path mesh_path(const std::string& id) const { return folder / "meshes" / (id + ".ply"); }
+  fs::path result_path(const std::string& id) const { return folder / "results" / (id + ".result"); }
+
+  std::optional<MeshRecord> find_mesh(const std::string& id) const {
+    Statement row(database, "SELECT created, description FROM meshes WHERE id = ?");
+    if (!row.bind(id).step()) return std::nullopt;
+    return MeshRecord{id, row.integer(0), row.text(1)};
+  }
+
+  bool delete_job(const std::string& id) {
+    if (Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() == 0) return false;
+    std::error_code ignored;  // a file without a row goes at the next start
+    fs::remove(result_path(id), ignored);
+    return true;
+  }
+
+  const fs::path folder;
+  const int lock;
+  mutable std::mutex mutex;
+  mutable Database database;
+};
+
+Store::Store(fs::path folder) {
+  try {
+    implementation_ = std::make_unique<Implementation>(folder);
+  } catch (const fs::filesystem_error& error) {
+    throw Error("store.unavailable",
+                "The data folder " + folder.string() + " cannot be used: " + error.code().message() + ".");
+  }
+}
+Store::~Store() = default;
+
+std::pair<MeshRecord, bool> Store::add_mesh(
+    const std::string& ply, const std::function<std::string(const std::string&, std::int64_t)>& describe) {
+  auto& self = *implementation_;
+  MeshRecord record;
+  record.id = sha256(ply);
+  if (auto known = mesh(record.id)) {
+    // Uploading again repairs a file that has been damaged.
+    try {
+      mesh_content(record.id);
+    } catch (const Error&) {
+      write_atomically(self.mesh_path(record.id), ply);
+    }
+    return {std::move(*known), false};
+  }
+  record.created = now_milliseconds();
+  record.description = describe(record.id, record.created);
+  // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
+  const std::lock_guard lock(self.mutex);
+  if (auto known = self.find_mesh(record.id)) return {std::move(*known), false};
+  write_atomically(self.mesh_path(record.id), ply);
+  Statement(self.database, "INSERT INTO meshes (id, created, description) VALUES (?, ?, ?)")
+      .bind(record.id)
+      .bind(record.created)
+      .bind(record.description)
+      .run();
+  return {std::move(record), true};
+}
+
+std::optional<MeshRecord> Store::mesh(const std::string& id) const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->find_mesh(id);
+}
+
+std::vector<MeshRecord> Store::meshes(std::size_t limit, const std::string& after) const {
+  const std::lock_guard lock(implementation_->mutex);
+  std::vector<MeshRecord> records;
+  Statement rows(implementation_->database,
+                 "SELECT id, created, description FROM meshes WHERE ?1 = '' OR sequence < "
+                 "(SELECT sequence FROM meshes WHERE id = ?1) ORDER BY sequence DESC LIMIT ?2");
+  rows.bind(after).bind(static_cast<std::int64_t>(limit));
+  while (rows.step()) records.push_back({rows.text(0), rows.integer(1), rows.text(2)});
+  return records;
+}
+
+std::string Store::mesh_content(const std::string& id) const {
+  if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
+  auto bytes = read_file(implementation_->mesh_path(id));
+  if (sha256(bytes) != id)
+    throw Error("store.corrupted", "The stored file " + id + ".ply has changed since it was written.");
+  return bytes;
+}
+
+bool Store::remove_mesh(const std::string& id) {
+  const std::lock_guard lock(implementation_->mutex);
+  if (Statement(implementation_->database, "DELETE FROM meshes WHERE id = ?").bind(id).run() == 0) return false;
+  std::error_code ignored;  // a file without a row goes at the next start
+  fs::remove(implementation_->mesh_path(id), ignored);
+  return true;
+}
+
+void Store::add_job(const JobRecord& job) {
+  const std::lock_guard lock(implementation_->mutex);
+  Statement(
+      implementation_->database,
+      "INSERT INTO jobs (id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(job.id)
+      .bind(job.kind)
+      .bind(job.mesh)
+      .bind(state_name(job.state))
+      .bind(job.created)
+      .bind(job.started)
+      .bind(job.finished)
+      .bind(job.expires)
+      .bind(job.deadline)
+      .bind(job.error)
+      .bind(static_cast<std::int64_t>(job.error_status))
+      .run();
+}
+
+void Store::finish_job(const JobRecord& job, const Result* result) {
+  auto& self = *implementation_;
+  if (result) write_atomically(self.result_path(job.id), result->body);
+  const std::lock_guard lock(self.mutex);
+  const int changed = Statement(self.database,
+                                "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, "
+                                "error_status = ?, result_type = ?, result_headers = ?, result_hash = ? WHERE id = ?")
+                          .bind(state_name(job.state))
+                          .bind(job.started)
+                          .bind(job.finished)
+                          .bind(job.expires)
+                          .bind(job.error)
+                          .bind(static_cast<std::int64_t>(job.error_status))
+                          .bind(result ? result->content_type : "")
+                          .bind(result ? join_headers(*result) : "")
+                          .bind(result ? sha256(result->body) : "")
+                          .bind(job.id)
+                          .run();
+  if (changed == 0) {
+    std::error_code ignored;
+    fs::remove(self.result_path(job.id), ignored);
+  }
+}
+
+std::optional<JobRecord> Store::job(const std::string& id) const {
+  const std::lock_guard lock(implementation_->mutex);
+  Statement row(implementation_->database, "SELECT " + std::string(job_columns) + " FROM jobs WHERE id = ?");
+  if (!row.bind(id).step()) return std::nullopt;
+  return read_job(row);
+}
+
+std::vector<JobRecord> Store::jobs(std::optional<JobState> state, std::size_t limit, const std::string& after) const {
+  const std::lock_guard lock(implementation_->mutex);
+  Statement rows(implementation_->database,
+                 "SELECT " + std::string(job_columns) +
+                     " FROM jobs WHERE (?1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = ?1)) "
+                     "AND (?2 = '' OR state = ?2) ORDER BY sequence DESC LIMIT ?3");
+  rows.bind(after).bind(state ? state_name(*state) : "").bind(static_cast<std::int64_t>(limit));
+  std::vector<JobRecord> records;
+  while (rows.step()) records.push_back(read_job(rows));
+  return records;
+}
+
+Result Store::job_result(const std::string& id) const {
+  Result result;
+  std::string hash;
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    Statement row(implementation_->database, "SELECT result_type, result_headers, result_hash FROM jobs WHERE id = ?");
+    if (!row.bind(id).step()) throw Error("job.not_found", "There is no job " + id + ".");
+    result.content_type = row.text(0);
+    split_headers(row.text(1), result);
+    hash = row.text(2);
+  }
+  result.body = read_file(implementation_->result_path(id));
+  if (sha256(result.body) != hash) {
+    throw Error("store.corrupted", "The stored file " + id + ".result has changed since it was written.");
+  }
+  return result;
+}
+
+bool Store::remove_job(const std::string& id) {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->delete_job(id);
+}
+
+std::vector<JobRecord> Store::unfinished_jobs() const {
+  const std::lock_guard lock(implementation_->mutex);
+  Statement rows(implementation_->database,
+                 "SELECT " + std::string(job_columns) + " FROM jobs WHERE state IN ('accepted', 'running')");
+  std::vector<JobRecord> records;
+  while (rows.step()) records.push_back(read_job(rows));
+  return records;
+}
+
+std::size_t Store::remove_expired_jobs(std::int64_t now, std::size_t most) {
+  const std::lock_guard lock(implementation_->mutex);
+  auto& self = *implementation_;
+  std::vector<std::string> ids;
+  {
+    Statement rows(self.database,
+                   "SELECT id FROM jobs WHERE finished > 0 AND (expires <= ?1 OR sequence NOT IN "
+                   "(SELECT sequence FROM jobs WHERE finished > 0 ORDER BY sequence DESC LIMIT ?2))");
+    rows.bind(now).bind(static_cast<std::int64_t>(most));
+    while (rows.step()) ids.push_back(rows.text(0));
+  }
+  Transaction transaction(self.database);
+  for (const auto& id : ids) self.delete_job(id);
+  transaction.commit();
+  return ids.size();
+}
+
+}  // namespace supple::store
