@@ -215,7 +215,8 @@ class BinaryBody {
   }
   void skip_values(double count, std::size_t size) {
     const std::size_t left = bytes_.size() - at_;
-    if (!(count >= 0) || count > static_cast<double>(left / size)) {
+    const std::size_t room = left / size;
+    if (!(count >= 0) || count > static_cast<double>(room)) {
       fail("expected more values than the " + std::to_string(left) + " bytes that are left can hold");
     }
     at_ += static_cast<std::size_t>(count) * size;
