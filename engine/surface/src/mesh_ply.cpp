@@ -148,8 +148,8 @@ class TextBody {
   }
   void skip_property(const Property& property) {
     const double values = property.count_type ? number(*property.count_type) : 1;
-    if (!(values >= 0)) fail("the length of a list is not a number >= 0");
-    for (double i = 0; i < values; ++i) number(property.type);
+    if (!(values >= 0 && values < 0x1p53)) fail("the length of a list is not a number from 0 to 2^53");
+    for (std::int64_t i = static_cast<std::int64_t>(values); i > 0; --i) number(property.type);
   }
   bool at_end() { return scanner_.token_across_lines().empty(); }
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_line(scanner_.line_number(), message); }
