@@ -378,7 +378,7 @@ void JobQueue::clean_up() {
       next_look_at_store = Clock::now() + look_at_store;
     }
     lock.lock();
-    work_.wait_for(lock, look_at_queue, [this] { return ending_; });
+    end_.wait_for(lock, look_at_queue, [this] { return ending_; });
   }
 }
 
@@ -395,6 +395,7 @@ void JobQueue::shut_down(double grace_seconds) {
   const auto left = std::move(queue_);
   queue_.clear();
   work_.notify_all();
+  end_.notify_all();
   lock.unlock();
   for (auto& worker : workers_) worker.join();
   workers_.clear();

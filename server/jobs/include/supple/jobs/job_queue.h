@@ -120,7 +120,8 @@ class JobQueue {
   ComputeSlots slots_;
 
   mutable std::mutex mutex_;
-  mutable std::condition_variable work_;     // a job waits, or the end has come
+  mutable std::condition_variable work_;  // for the workers: a job waits, or the end has come
+  std::condition_variable end_;  // for the cleaner, which must not take a wake-up that a worker is meant to get
   mutable std::condition_variable changed_;  // a job's status has changed
   std::deque<JobPointer> queue_;
   std::map<std::string, JobPointer> jobs_;  // unfinished ones, those not yet visible to clients included
