@@ -101,7 +101,7 @@ TEST(MalformedMesh, PlyNamesTheLineOrTheByte) {
           {ply("ascii", head) + points + "3 0 1", "line 11", "end of the file"},
           {ply("ascii", "element junk 1\nproperty list float int a\n" + head) + "inf 1 2 3", "line 13",
            "length of a list"},
-          {ply("ascii", "element junk 1\nproperty list float int a\n" + head) + "1e9 1 2 3", "line 13",
+          {ply("ascii", "element junk 1\nproperty list float int a\n" + head) + "1e9 1 2 3", "line 12",
            "end of the file"},
           {binary, "byte " + std::to_string(binary.size()), "end of the file"},
           {binary + std::string(36, '\0') + "\3", "byte " + std::to_string(binary.size() + 37), "end of the file"},
