@@ -99,7 +99,7 @@ TEST(MalformedMesh, PlyNamesTheLineOrTheByte) {
           {ply("ascii", head) + points + "-3 0 1 2", "line 11", "number of corners"},
           {ply("ascii", head) + points + "nan 0 1 2", "line 11", "number of corners"},
           {ply("ascii", head) + points + "3 0 1", "line 11", "end of the file"},
-          {ply("ascii", "element junk 1\nproperty list float int a\n" + head) + "inf 1 2 3", "line 13",
+          {ply("ascii", "element junk 1\nproperty list float int a\n" + head) + "inf 1 2 3", "line 12",
            "length of a list"},
           {ply("ascii", "element junk 1\nproperty list float int a\n" + head) + "1e9 1 2 3", "line 12",
            "end of the file"},
