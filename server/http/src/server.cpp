@@ -92,6 +92,8 @@ class Server::Implementation final : public httplib::Server {
     new_task_queue = [this] {
       return new ConnectionThreads(static_cast<std::size_t>(options_.max_connections + refusal_threads));
     };
+    set_keep_alive_timeout(static_cast<time_t>(options_.idle_seconds));  // what the Keep-Alive header says
+    set_keep_alive_max_count(static_cast<std::size_t>(options_.requests_per_connection));
     set_payload_max_length(std::numeric_limits<std::size_t>::max());  // each route has its own limit, see read_body
     // The library's default also sets SO_REUSEPORT, with which a second server would silently share the port.
     set_socket_options([](socket_t socket) {

@@ -36,9 +36,12 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
   }
 
   bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& error) override {
+    // The parser's sentence begins with its own error number and where it stopped; what it expected follows.
     std::string text = error.what();
-    // The parser's sentence begins with its own error number and ends with what it expected.
-    if (const auto start = text.find(": "); start != std::string::npos) text = text.substr(start + 2);
+    if (const auto start = text.find("] "); start != std::string::npos) text = text.substr(start + 2);
+    if (const auto start = text.find(": "); text.starts_with("parse error") && start != std::string::npos) {
+      text = text.substr(start + 2);
+    }
     throw Error("request.malformed_json",
                 "The body is not JSON at byte " + std::to_string(position) + ": " + text + ".");
   }

@@ -1,0 +1,283 @@
+#include "supple/http/server.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace supple::http {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A client's end of a connection, in bytes.
+class Client {
+ public:
+  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval limit{10, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  ~Client() { hang_up(); }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  void send(const std::string& text) {
+    EXPECT_EQ(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
+  }
+  void hang_up() {
+    if (socket_ >= 0) ::close(socket_);
+    socket_ = -1;
+  }
+  /// Reads until the text ends with `end`, or the server closes.
+  std::string read_until(const std::string& end) {
+    std::string text;
+    char byte = 0;
+    while (!text.ends_with(end) && ::recv(socket_, &byte, 1, 0) == 1) text += byte;
+    return text;
+  }
+  std::string read_all() { return read_until(std::string(1, '\0') + "never"); }
+
+ private:
+  int socket_;
+};
+
+std::string get(const std::string& path) { return "GET " + path + " HTTP/1.1\r\nHost: x\r\n\r\n"; }
+std::string post(const std::string& path, const std::string& body) {
+  return "POST " + path + " HTTP/1.1\r\nHost: x\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+}
+
+class HttpServerTest : public testing::Test {
+ protected:
+  HttpServerTest() { options_.port = 0; }
+  ~HttpServerTest() override { end(); }
+
+  void start() {
+    Router router;
+    router.add({"GET",
+                "/hello/{name}",
+                [](const Request& r) { return text("hello " + r.path_parameters.at("name") + "!"); },
+                {}});
+    router.add({"POST", "/echo", [](const Request& r) { return text(r.body + "!"); }, {1000, "--max-body"}});
+    router.add({"GET", "/broken", [](const Request&) -> Response { throw std::runtime_error("secret"); }, {}});
+    router.add({"GET",
+                "/slow",
+                [this](const Request& r) {
+                  ++slow_;
+                  while (!r.peer.hung_up() && !release_) std::this_thread::sleep_for(1ms);
+                  if (r.peer.hung_up()) ++hung_up_;
+                  return text("done!");
+                },
+                {}});
+    router.add({"GET",
+                "/stream",
+                [](const Request&) {
+                  Response response;
+                  response.content_type = "text/event-stream";
+                  response.stream = [](StreamWriter& out) {
+                    for (int i = 0; i < 3; ++i) out.write("data: " + std::to_string(i) + "\n\n");
+                  };
+                  return response;
+                },
+                {}});
+    server_ = std::make_unique<Server>(
+        options_, std::move(router),
+        [](const problem::Problem& problem) {
+          auto response = text("problem " + problem.code + "!");
+          response.status = problem::status_of(problem);
+          return response;
+        },
+        [this](const std::string&, const std::string&, int, double) { ++observed_; },
+        [this](const std::string& text) { reported_ = text; });
+    port_ = server_->bind();
+    thread_ = std::thread([this] { server_->run(); });
+  }
+
+  void end() {
+    release_ = true;
+    if (!thread_.joinable()) return;
+    std::atomic<bool> ended{false};
+    std::thread stopper([&] {
+      while (!ended) {
+        server_->stop();
+        std::this_thread::sleep_for(1ms);
+      }
+    });
+    thread_.join();
+    ended = true;
+    stopper.join();
+  }
+
+  static Response text(std::string body) {
+    Response response;
+    response.content_type = "text/plain";
+    response.body = std::move(body);
+    return response;
+  }
+
+  std::string answer(const std::string& request) {
+    Client client(port_);
+    client.send(request);
+    return client.read_until("!");
+  }
+
+  ServerOptions options_;
+  std::unique_ptr<Server> server_;
+  int port_ = 0;
+  std::thread thread_;
+  std::atomic<int> slow_{0};
+  std::atomic<int> hung_up_{0};
+  std::atomic<int> observed_{0};
+  std::atomic<bool> release_{false};
+  std::string reported_;
+};
+
+TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
+  start();
+  Client client(port_);
+  for (int i = 0; i < 50; ++i) {
+    client.send(get("/hello/" + std::to_string(i)));
+    EXPECT_TRUE(client.read_until("!").ends_with("hello " + std::to_string(i) + "!"));
+  }
+}
+
+TEST_F(HttpServerTest, AnswersPipelinedRequestsInTheirOrder) {
+  start();
+  Client client(port_);
+  client.send(get("/hello/a") + post("/echo", "b") + get("/hello/c"));
+  EXPECT_TRUE(client.read_until("!").ends_with("hello a!"));
+  EXPECT_TRUE(client.read_until("!").ends_with("b!"));
+  EXPECT_TRUE(client.read_until("!").ends_with("hello c!"));
+}
+
+TEST_F(HttpServerTest, TurnsEveryErrorIntoAProblem) {
+  start();
+  EXPECT_NE(answer(get("/nothing")).find("404 Not Found"), std::string::npos);
+  EXPECT_TRUE(answer(get("/nothing")).ends_with("problem http.not_found!"));
+  EXPECT_NE(answer(get("/echo")).find("Allow: POST"), std::string::npos);
+  EXPECT_TRUE(answer("NONSENSE\r\n\r\n").ends_with("problem http.bad_request!"));
+  EXPECT_TRUE(answer("BREW / HTTP/1.1\r\n\r\n").ends_with("problem http.bad_request!"));
+  EXPECT_TRUE(answer(get("/" + std::string(3000, 'x'))).ends_with("problem http.uri_too_long!"));
+  EXPECT_TRUE(answer(get("/" + std::string(9000, 'x'))).ends_with("problem http.uri_too_long!"));
+}
+
+TEST_F(HttpServerTest, KeepsTheTextOfAnUnexpectedExceptionFromTheClient) {
+  start();
+  EXPECT_TRUE(answer(get("/broken")).ends_with("problem server.internal!"));
+  EXPECT_EQ(reported_, "GET /broken: secret");
+}
+
+TEST_F(HttpServerTest, RefusesABodyBeyondTheRoutesLimitWhicheverWayItIsSent) {
+  start();
+  EXPECT_TRUE(answer(post("/echo", std::string(1000, 'x'))).ends_with("xx!"));
+  EXPECT_TRUE(answer(post("/echo", std::string(1001, 'x'))).ends_with("problem request.body_too_large!"));
+  const std::string chunk = "400\r\n" + std::string(1024, 'x') + "\r\n";
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n" + chunk + "0\r\n\r\n")
+                  .ends_with("problem request.body_too_large!"));
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nContent-Length: 999999999999\r\n\r\n")
+                  .ends_with("problem request.body_too_large!"));
+}
+
+TEST_F(HttpServerTest, TakesAFormOfAnySizeAsBytes) {
+  start();
+  const std::string body(900, 'x');
+  EXPECT_TRUE(
+      answer("POST /echo HTTP/1.1\r\nContent-Type: application/x-www-form-urlencoded\r\nContent-Length: 900\r\n\r\n" +
+             body)
+          .ends_with("xx!"));
+}
+
+TEST_F(HttpServerTest, DropsARequestThatDoesNotArriveInTime) {
+  options_.request_seconds = 0.1;
+  start();
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nContent-Length: 10\r\n\r\nabc").ends_with("problem http.bad_request!"));
+  Client slow(port_);
+  slow.send("GET /hello/a HT");
+  EXPECT_EQ(slow.read_all().find("200 OK"), std::string::npos);
+}
+
+TEST_F(HttpServerTest, DropsAHeadWithoutEnd) {
+  start();
+  Client client(port_);
+  client.send("GET / HTTP/1.1\r\nX: " + std::string(70'000, 'x'));
+  EXPECT_EQ(client.read_all().find("200 OK"), std::string::npos);
+}
+
+TEST_F(HttpServerTest, TellsAHandlerThatItsClientHungUp) {
+  start();
+  Client client(port_);
+  client.send(get("/slow"));
+  while (slow_ == 0) std::this_thread::sleep_for(1ms);
+  client.hang_up();
+  for (int i = 0; i < 5000 && hung_up_ == 0; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(hung_up_, 1);
+}
+
+TEST_F(HttpServerTest, StreamsAnAnswer) {
+  start();
+  Client client(port_);
+  client.send(get("/stream"));
+  const auto text = client.read_until("0\r\n\r\n");
+  for (const char* piece : {"data: 0", "data: 1", "data: 2", "chunked"})
+    EXPECT_NE(text.find(piece), std::string::npos) << text;
+}
+
+TEST_F(HttpServerTest, ServesSixtyFourConnectionsAtTheSameTime) {
+  options_.max_connections = 64;
+  start();
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int i = 0; i < 64; ++i) {
+    clients.push_back(std::make_unique<Client>(port_));
+    clients.back()->send(get("/slow"));
+  }
+  for (int i = 0; i < 5000 && slow_ < 64; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(slow_, 64);
+  release_ = true;
+  for (auto& client : clients) EXPECT_TRUE(client->read_until("!").ends_with("done!"));
+}
+
+TEST_F(HttpServerTest, RefusesOneConnectionTooManyWithAProblem) {
+  options_.max_connections = 2;
+  start();
+  Client first(port_);
+  Client second(port_);
+  for (Client* client : {&first, &second}) {
+    client->send(get("/hello/a"));
+    client->read_until("!");
+  }
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("problem server.too_many_connections!"));
+  first.hang_up();
+  for (int i = 0; i < 5000 && server_->connections() > 1; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
+}
+
+TEST_F(HttpServerTest, ClosesIdleConnectionsAtOnceWhenItStops) {
+  start();
+  Client client(port_);
+  client.send(get("/hello/a"));
+  client.read_until("!");
+  const auto begin = std::chrono::steady_clock::now();
+  end();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
+  EXPECT_EQ(client.read_all(), "");
+}
+
+TEST_F(HttpServerTest, RefusesAPortThatIsTaken) {
+  start();
+  ServerOptions same;
+  same.port = port_;
+  Server second(same, {}, {}, {}, {});
+  EXPECT_THROW(second.bind(), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace supple::http

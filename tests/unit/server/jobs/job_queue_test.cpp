@@ -1,0 +1,259 @@
+#include "supple/jobs/job_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+
+#include "supple/base/error.h"
+#include "supple/json/answers.h"
+
+namespace supple::jobs {
+namespace {
+
+namespace fs = std::filesystem;
+using store::JobState;
+
+class JobQueueTest : public testing::Test {
+ protected:
+  JobQueueTest() {
+    std::string pattern = (fs::temp_directory_path() / "supple_jobs_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+    store_ = std::make_unique<store::Store>(folder_);
+    options_.workers = 1;
+  }
+  ~JobQueueTest() override {
+    queue_.reset();
+    store_.reset();
+    fs::remove_all(folder_);
+  }
+
+  JobQueue& queue() {
+    if (!queue_)
+      queue_ = std::make_unique<JobQueue>(*store_, options_, json::write_problem, [](const store::JobRecord&) {});
+    return *queue_;
+  }
+
+  static Computation computation(std::function<store::Result(const Execution&)> run, double deadline = 60) {
+    return {"geodesics", "mesh", deadline, std::move(run)};
+  }
+  static Computation answering(const std::string& body) {
+    return computation([body](const Execution&) { return store::Result{"text/plain", {}, body}; });
+  }
+  /// Runs until it is stopped.
+  Computation endless(double deadline = 60) {
+    return computation(
+        [this](const Execution& execution) -> store::Result {
+          ++started_;
+          while (true) {
+            execution.checkpoint(0.5, "spinning");
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          }
+        },
+        deadline);
+  }
+
+  JobStatus wait_until_finished(const std::string& id) {
+    std::uint64_t version = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const auto status = queue().wait_for_change(id, version, 0.1);
+      if (status.record.finished) return status;
+    }
+    ADD_FAILURE() << "the job does not finish";
+    return {};
+  }
+  void wait_until_started(int count = 1) {
+    while (started_ < count) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
+  static std::string code_of(const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return "nothing was thrown";
+  }
+
+  fs::path folder_;
+  std::unique_ptr<store::Store> store_;
+  QueueOptions options_;
+  std::unique_ptr<JobQueue> queue_;
+  std::atomic<int> started_{0};
+};
+
+TEST_F(JobQueueTest, RunsAJobAndKeepsItsResult) {
+  const auto id = queue().submit(answering("42")).record.id;
+  const auto status = wait_until_finished(id);
+  EXPECT_EQ(status.record.state, JobState::successful);
+  EXPECT_EQ(status.progress, 1);
+  EXPECT_GE(status.record.started, status.record.created);
+  EXPECT_EQ(queue().result(id).body, "42");
+}
+
+TEST_F(JobQueueTest, KeepsTheProblemOfAFailedJob) {
+  const auto id =
+      queue()
+          .submit(computation([](const Execution&) -> store::Result { throw Error("karcher.weights", "Bad."); }))
+          .record.id;
+  const auto status = wait_until_finished(id);
+  EXPECT_EQ(status.record.state, JobState::failed);
+  EXPECT_EQ(status.record.error_status, 422);
+  EXPECT_NE(status.record.error.find("karcher.weights"), std::string::npos);
+}
+
+TEST_F(JobQueueTest, StopsAJobThatIsCancelled) {
+  const auto id = queue().submit(endless()).record.id;
+  wait_until_started();
+  EXPECT_EQ(code_of([&] { queue().result(id); }), "job.not_finished");
+  const auto dismissed = queue().remove(id);
+  ASSERT_TRUE(dismissed);
+  EXPECT_EQ(dismissed->record.state, JobState::dismissed);
+  EXPECT_EQ(code_of([&] { queue().result(id); }), "job.dismissed");
+  EXPECT_EQ(wait_until_finished(queue().submit(answering("next")).record.id).record.state, JobState::successful)
+      << "its worker is free again";
+}
+
+TEST_F(JobQueueTest, RemovesAFinishedJob) {
+  const auto id = queue().submit(answering("x")).record.id;
+  wait_until_finished(id);
+  EXPECT_FALSE(queue().remove(id));
+  EXPECT_EQ(code_of([&] { queue().status(id); }), "job.not_found");
+  EXPECT_EQ(code_of([&] { queue().remove(id); }), "job.not_found");
+}
+
+TEST_F(JobQueueTest, FailsARunningJobAtItsDeadline) {
+  const auto id = queue().submit(endless(0.05)).record.id;
+  const auto status = wait_until_finished(id);
+  EXPECT_EQ(status.record.error_status, 504);
+  EXPECT_NE(status.record.error.find("job.deadline_exceeded"), std::string::npos);
+}
+
+TEST_F(JobQueueTest, FailsAWaitingJobAtItsDeadline) {
+  const auto first = queue().submit(endless()).record.id;
+  wait_until_started();
+  const auto second = queue().submit(endless(0.05)).record.id;
+  EXPECT_EQ(wait_until_finished(second).record.state, JobState::failed);
+  EXPECT_EQ(started_, 1) << "it never ran";
+  queue().remove(first);
+}
+
+TEST_F(JobQueueTest, RefusesMoreJobsThanTheQueueHoldsAndNamesTheLimit) {
+  options_.max_queue = 2;
+  queue().submit(endless());
+  wait_until_started();
+  queue().submit(answering("a"));
+  queue().submit(answering("b"));
+  try {
+    queue().submit(answering("c"));
+    FAIL() << "nothing was thrown";
+  } catch (const problem::ProblemError& error) {
+    EXPECT_EQ(error.code(), "job.queue_full");
+    EXPECT_EQ(error.problem().limit->limit, 2);
+    EXPECT_EQ(error.problem().limit->setting, "--max-queue");
+  }
+}
+
+TEST_F(JobQueueTest, TellsProgressAndStage) {
+  const auto id = queue().submit(endless()).record.id;
+  std::uint64_t version = 0;
+  JobStatus status;
+  for (int i = 0; i < 100 && status.progress == 0; ++i) status = queue().wait_for_change(id, version, 0.1);
+  EXPECT_EQ(status.progress, 0.5);
+  EXPECT_EQ(status.stage, "spinning");
+  EXPECT_EQ(status.record.state, JobState::running);
+  queue().remove(id);
+}
+
+TEST_F(JobQueueTest, ListsByState) {
+  const auto done = queue().submit(answering("x")).record.id;
+  wait_until_finished(done);
+  const auto running = queue().submit(endless()).record.id;
+  wait_until_started();
+  const auto waiting = queue().submit(answering("y")).record.id;
+  const auto ids = [&](std::optional<JobState> state) {
+    std::vector<std::string> result;
+    for (const auto& status : queue().list(state, 10, "")) result.push_back(status.record.id);
+    return result;
+  };
+  using Ids = std::vector<std::string>;
+  EXPECT_EQ(ids({}), (Ids{waiting, running, done}));
+  EXPECT_EQ(ids(JobState::accepted), Ids{waiting});
+  EXPECT_EQ(ids(JobState::running), Ids{running});
+  EXPECT_EQ(ids(JobState::successful), Ids{done});
+  EXPECT_TRUE(queue().mesh_in_use("mesh"));
+}
+
+TEST_F(JobQueueTest, ComputesImmediatelyWithoutATraceInTheStore) {
+  EXPECT_EQ(queue().run_now(answering("now"), {}).body, "now");
+  EXPECT_TRUE(store_->jobs({}, 10, "").empty());
+}
+
+TEST_F(JobQueueTest, CancelsAnImmediateComputationWhoseClientHangsUp) {
+  std::atomic<bool> gone{false};
+  std::thread client([&] {
+    wait_until_started();
+    gone = true;
+  });
+  EXPECT_EQ(code_of([&] { queue().run_now(endless(), [&] { return gone.load(); }); }), "job.cancelled");
+  client.join();
+  EXPECT_EQ(queue().immediate(), 0);
+}
+
+TEST_F(JobQueueTest, StopsAnImmediateComputationAtItsDeadline) {
+  EXPECT_EQ(code_of([&] { queue().run_now(endless(0.03), {}); }), "job.deadline_exceeded");
+}
+
+TEST_F(JobQueueTest, AnswersWithinTheWaitOrMakesAJob) {
+  const auto quick = queue().run_within(answering("quick"), 30, {});
+  ASSERT_TRUE(quick.result);
+  EXPECT_EQ(quick.result->body, "quick");
+  EXPECT_TRUE(store_->jobs({}, 10, "").empty()) << "an answer in time leaves no job";
+  const auto slow = queue().run_within(endless(), 0.05, {});
+  EXPECT_FALSE(slow.result);
+  EXPECT_EQ(queue().status(slow.job.record.id).record.state, JobState::running);
+  queue().remove(slow.job.record.id);
+}
+
+TEST_F(JobQueueTest, ThrowsWhatAComputationWithinTheWaitThrows) {
+  const auto failing = [](const Execution&) -> store::Result { throw Error("karcher.weights", "Bad."); };
+  EXPECT_EQ(code_of([&] { queue().run_within(computation(failing), 30, {}); }), "karcher.weights");
+  EXPECT_EQ(code_of([&] { queue().run_within(endless(), 30, [&] { return started_ > 0; }); }), "job.cancelled");
+}
+
+TEST_F(JobQueueTest, CallsJobsOfAnEarlierProcessInterrupted) {
+  store::JobRecord job;
+  job.id = "lost";
+  store_->add_job(job);
+  const auto status = queue().status("lost");
+  EXPECT_EQ(status.record.state, JobState::failed);
+  EXPECT_NE(status.record.error.find("job.interrupted"), std::string::npos);
+}
+
+TEST_F(JobQueueTest, LetsRunningJobsFinishWithinTheGrace) {
+  const auto id = queue()
+                      .submit(computation([this](const Execution&) {
+                        ++started_;
+                        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                        return store::Result{"text/plain", {}, "late"};
+                      }))
+                      .record.id;
+  wait_until_started();
+  queue().shut_down(30);
+  EXPECT_EQ(store_->job_result(id).body, "late");
+}
+
+TEST_F(JobQueueTest, InterruptsWhatDoesNotFinishWithinTheGrace) {
+  const auto running = queue().submit(endless()).record.id;
+  wait_until_started();
+  const auto waiting = queue().submit(answering("x")).record.id;
+  queue().shut_down(0.02);
+  for (const auto& id : {running, waiting}) {
+    EXPECT_NE(store_->job(id)->error.find("job.interrupted"), std::string::npos);
+  }
+  EXPECT_EQ(code_of([&] { queue().submit(answering("x")); }), "server.shutting_down");
+  EXPECT_EQ(code_of([&] { queue().run_now(answering("x"), {}); }), "server.shutting_down");
+}
+
+}  // namespace
+}  // namespace supple::jobs

@@ -1,0 +1,73 @@
+#include "supple/problem/error_table.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace supple::problem {
+namespace {
+
+std::string content(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// Every string literal in the sources that has the form of a code with one of the table's families.
+std::set<std::string> codes_in_sources() {
+  const std::regex literal(
+      R"re("((?:http|request|mesh|point|geodesic|field|karcher|exponential_map|computation|job|server|store|minimizer)\.[a-z_0-9]+)")re");
+  std::set<std::string> codes;
+  for (const char* folder : {"engine", "server"}) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(SUPPLE_SOURCE_DIR) / folder)) {
+      if (entry.path().extension() != ".cpp") continue;
+      const auto text = content(entry.path());
+      for (std::sregex_iterator match(text.begin(), text.end(), literal), end; match != end; ++match)
+        codes.insert((*match)[1]);
+    }
+  }
+  return codes;
+}
+
+TEST(ErrorTable, HasEveryCodeThatTheSourcesThrow) {
+  const auto codes = codes_in_sources();
+  ASSERT_GT(codes.size(), 40U);
+  for (const auto& code : codes) EXPECT_EQ(error_kind(code).code, code) << "api/errors.yaml lacks it";
+}
+
+TEST(ErrorTable, HasNoCodeTwiceAndOnlyErrorStatuses) {
+  std::set<std::string_view> seen;
+  for (const auto& kind : error_table()) {
+    EXPECT_TRUE(seen.insert(kind.code).second) << kind.code;
+    EXPECT_GE(kind.status, 400) << kind.code;
+    EXPECT_LT(kind.status, 600) << kind.code;
+    EXPECT_FALSE(kind.title.empty()) << kind.code;
+    EXPECT_TRUE(kind.hint.ends_with('.')) << kind.code;
+  }
+}
+
+TEST(ErrorTable, IsTheFileRowByRow) {
+  const auto text = content(std::filesystem::path(SUPPLE_SOURCE_DIR) / "api" / "errors.yaml");
+  std::size_t rows = 0;
+  for (auto at = text.find("\n  - code: "); at != std::string::npos; at = text.find("\n  - code: ", at + 1)) ++rows;
+  EXPECT_EQ(error_table().size(), rows);
+  for (const auto& kind : error_table()) {
+    const auto row = "  - code: " + std::string(kind.code) + "\n    status: " + std::to_string(kind.status) +
+                     "\n    title: " + std::string(kind.title) + "\n    hint: " + std::string(kind.hint) + "\n";
+    EXPECT_NE(text.find(row), std::string::npos) << row;
+  }
+}
+
+TEST(ErrorTable, AnswersAnUnknownCodeAsAnInternalError) {
+  EXPECT_EQ(error_kind("no.such_code").code, "server.internal");
+  EXPECT_EQ(error_kind("no.such_code").status, 500);
+}
+
+}  // namespace
+}  // namespace supple::problem

@@ -1,0 +1,88 @@
+#include "supple/store/mesh_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "supple/base/error.h"
+#include "supple/surface/mesh_io.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+class MeshCacheTest : public testing::Test {
+ protected:
+  MeshCacheTest() : folder_(make_folder()), store_(folder_) {}
+  ~MeshCacheTest() override { fs::remove_all(folder_); }
+
+  static fs::path make_folder() {
+    std::string pattern = (fs::temp_directory_path() / "supple_cache_XXXXXX").string();
+    return mkdtemp(pattern.data());
+  }
+
+  /// A right triangle of side `size`.
+  std::string add_triangle(double size) {
+    const auto mesh = surface::TriangleMesh::build({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}});
+    return store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
+  }
+
+  fs::path folder_;
+  Store store_;
+};
+
+TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {
+  MeshCache cache(store_, 1 << 20);
+  const auto id = add_triangle(1);
+  std::vector<std::shared_ptr<const LoadedMesh>> got(8);
+  std::vector<std::thread> threads;
+  for (auto& mesh : got) threads.emplace_back([&] { mesh = cache.get(id); });
+  for (auto& thread : threads) thread.join();
+  for (const auto& mesh : got) EXPECT_EQ(mesh, got[0]);
+  EXPECT_EQ(got[0]->mesh().face_count(), 1);
+}
+
+TEST_F(MeshCacheTest, LetsGoOfTheMeshThatWasNotUsedForLongest) {
+  MeshCache cache(store_, 2 * 700);
+  const auto a = add_triangle(1);
+  const auto b = add_triangle(2);
+  const auto c = add_triangle(3);
+  const auto first = cache.get(a);
+  const auto second = cache.get(b);
+  cache.get(a);
+  cache.get(c);
+  EXPECT_EQ(cache.size().meshes, 2U);
+  EXPECT_EQ(cache.get(a), first) << "used more recently than b";
+  EXPECT_NE(cache.get(b), second) << "loaded again";
+}
+
+TEST_F(MeshCacheTest, HoldsTheLastMeshHoweverLargeItIs) {
+  MeshCache cache(store_, 1);
+  const auto id = add_triangle(1);
+  EXPECT_EQ(cache.get(id), cache.get(id));
+}
+
+TEST_F(MeshCacheTest, SaysThatThereIsNoSuchMesh) {
+  MeshCache cache(store_, 1 << 20);
+  try {
+    cache.get(std::string(64, '0'));
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "mesh.not_found");
+  }
+  EXPECT_EQ(cache.size().meshes, 0U);
+}
+
+TEST_F(MeshCacheTest, ForgetsADeletedMesh) {
+  MeshCache cache(store_, 1 << 20);
+  const auto id = add_triangle(1);
+  cache.get(id);
+  store_.remove_mesh(id);
+  cache.forget(id);
+  EXPECT_THROW(cache.get(id), Error);
+  EXPECT_EQ(cache.size().bytes, 0);
+}
+
+}  // namespace
+}  // namespace supple::store

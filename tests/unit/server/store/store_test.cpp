@@ -1,0 +1,185 @@
+#include "supple/store/store.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "supple/base/error.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own for each test.
+class StoreTest : public testing::Test {
+ protected:
+  StoreTest() {
+    std::string pattern = (fs::temp_directory_path() / "supple_store_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~StoreTest() override { fs::remove_all(folder_); }
+
+  static std::string describe(const std::string& id, std::int64_t) { return "{\"id\":\"" + id + "\"}"; }
+
+  static JobRecord new_job(const std::string& id) {
+    JobRecord job;
+    job.id = id;
+    job.kind = "geodesics";
+    job.mesh = "m";
+    job.created = now_milliseconds();
+    job.deadline = 1.5;
+    return job;
+  }
+
+  static std::string code_of(const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return "nothing was thrown";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(StoreTest, NamesAMeshByTheHashOfItsContent) {
+  Store store(folder_);
+  const auto [record, is_new] = store.add_mesh("abc", describe);
+  EXPECT_TRUE(is_new);
+  EXPECT_EQ(record.id, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(store.mesh_content(record.id), "abc");
+}
+
+TEST_F(StoreTest, KeepsAMeshThatIsAddedTwiceOnce) {
+  Store store(folder_);
+  const auto first = store.add_mesh("abc", describe).first;
+  const auto [second, is_new] = store.add_mesh("abc", describe);
+  EXPECT_FALSE(is_new);
+  EXPECT_EQ(second.created, first.created);
+  EXPECT_EQ(store.meshes(10, "").size(), 1U);
+}
+
+TEST_F(StoreTest, ListsInPagesTheNewestFirst) {
+  Store store(folder_);
+  std::vector<std::string> ids;
+  for (const char* content : {"a", "b", "c"}) ids.push_back(store.add_mesh(content, describe).first.id);
+  const auto page = store.meshes(2, "");
+  ASSERT_EQ(page.size(), 2U);
+  EXPECT_EQ(page[0].id, ids[2]);
+  EXPECT_EQ(page[1].id, ids[1]);
+  const auto rest = store.meshes(2, page[1].id);
+  ASSERT_EQ(rest.size(), 1U);
+  EXPECT_EQ(rest[0].id, ids[0]);
+}
+
+TEST_F(StoreTest, FindsAChangedFileByItsHash) {
+  Store store(folder_);
+  const auto id = store.add_mesh("abc", describe).first.id;
+  std::ofstream(folder_ / "meshes" / (id + ".ply")) << "abd";
+  EXPECT_EQ(code_of([&] { store.mesh_content(id); }), "store.corrupted");
+  store.add_mesh("abc", describe);
+  EXPECT_EQ(store.mesh_content(id), "abc") << "uploading again repairs it";
+  fs::remove(folder_ / "meshes" / (id + ".ply"));
+  EXPECT_EQ(code_of([&] { store.mesh_content(id); }), "store.corrupted");
+}
+
+TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
+  std::string mesh;
+  {
+    Store store(folder_);
+    mesh = store.add_mesh("abc", describe).first.id;
+    auto job = new_job("j1");
+    store.add_job(job);
+    job.state = JobState::successful;
+    job.finished = job.created + 5;
+    const Result result{"application/octet-stream", {{"A", "1"}, {"B", "x: y"}}, std::string("\0\n\xFF", 3)};
+    store.finish_job(job, &result);
+  }
+  Store store(folder_);
+  EXPECT_EQ(store.mesh_content(mesh), "abc");
+  const auto job = store.job("j1");
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->state, JobState::successful);
+  EXPECT_EQ(job->deadline, 1.5);
+  const auto result = store.job_result("j1");
+  EXPECT_EQ(result.body, std::string("\0\n\xFF", 3));
+  EXPECT_EQ(result.headers, (std::vector<std::pair<std::string, std::string>>{{"A", "1"}, {"B", "x: y"}}));
+}
+
+TEST_F(StoreTest, LosesNothingThatWasFinishedWhenTheProcessIsKilled) {
+  const pid_t child = fork();
+  if (child == 0) {
+    Store store(folder_);
+    store.add_mesh("abc", describe);
+    auto job = new_job("done");
+    store.add_job(job);
+    store.add_job(new_job("open"));
+    job.state = JobState::successful;
+    const Result result{"text/plain", {}, "result"};
+    store.finish_job(job, &result);
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  Store store(folder_);
+  EXPECT_EQ(store.meshes(10, "").size(), 1U);
+  EXPECT_EQ(store.job_result("done").body, "result");
+  ASSERT_EQ(store.unfinished_jobs().size(), 1U);
+  EXPECT_EQ(store.unfinished_jobs()[0].id, "open");
+}
+
+TEST_F(StoreTest, RemovesFilesWithoutARowAtTheNextStart) {
+  { Store store(folder_); }
+  for (const char* name : {"meshes/0123.ply", "meshes/ab.ply.0.part", "results/x.result"})
+    std::ofstream(folder_ / name) << "x";
+  Store store(folder_);
+  EXPECT_TRUE(fs::is_empty(folder_ / "meshes"));
+  EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+}
+
+TEST_F(StoreTest, RefusesAFolderThatIsInUse) {
+  Store store(folder_);
+  EXPECT_EQ(code_of([&] { Store second(folder_); }), "store.unavailable");
+}
+
+TEST_F(StoreTest, SaysThatAFolderCannotBeMade) {
+  std::ofstream(folder_ / "file") << "x";
+  EXPECT_EQ(code_of([&] { Store store(folder_ / "file" / "data"); }), "store.unavailable");
+}
+
+TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {
+  Store store(folder_);
+  for (int i = 0; i < 5; ++i) {
+    auto job = new_job("j" + std::to_string(i));
+    store.add_job(job);
+    if (i == 4) continue;
+    job.state = JobState::failed;
+    job.finished = 1000;
+    job.expires = i == 3 ? 1500 : 5000;
+    store.finish_job(job, nullptr);
+  }
+  EXPECT_EQ(store.remove_expired_jobs(2000, 3), 2U) << "j3 has expired; j0 is the oldest of four";
+  EXPECT_FALSE(store.job("j0"));
+  EXPECT_TRUE(store.job("j1"));
+  EXPECT_FALSE(store.job("j3"));
+  EXPECT_TRUE(store.job("j4")) << "an unfinished job is never removed";
+}
+
+TEST_F(StoreTest, KeepsNoResultOfAJobThatWasRemovedMeanwhile) {
+  Store store(folder_);
+  auto job = new_job("j");
+  store.add_job(job);
+  EXPECT_TRUE(store.remove_job("j"));
+  EXPECT_FALSE(store.remove_job("j"));
+  const Result result{"text/plain", {}, "late"};
+  store.finish_job(job, &result);
+  EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+}
+
+}  // namespace
+}  // namespace supple::store
