@@ -1,0 +1,105 @@
+// Feeds arbitrary bytes to the request parsers. The first byte chooses the parser, the rest is the body. Whatever it
+// is, the answer is a request within the limits or an Error, and the problem that a client would get is valid JSON in
+// UTF-8.
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "supple/json/answers.h"
+#include "supple/json/requests.h"
+
+namespace {
+
+using namespace supple;
+
+constexpr surface::MeshLimits mesh_limits{.vertices = 50, .faces = 50};
+
+json::Limits limits() {
+  json::Limits result;
+  result.max_values = 2000;
+  result.max_pairs = 20;
+  result.max_points = 20;
+  result.max_path_points = 40;
+  result.max_deadline = 100;
+  return result;
+}
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+void check_point(const json::PointSpec& point) {
+  require(point.index >= 0);
+  require(point.barycentric.allFinite());
+}
+
+void check_deadline(double deadline) { require(deadline > 0 && deadline <= limits().max_deadline); }
+
+void parse(unsigned which, std::string_view body) {
+  switch (which % 5) {
+    case 0: {
+      const auto request = json::parse_geodesics(body, limits());
+      require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
+      require(request.derivatives >= 0 && request.derivatives <= 2);
+      require(request.mollifier_length > 0 && request.mollifier_length <= 0.5);
+      for (const auto& pair : request.pairs) {
+        check_point(pair.from);
+        check_point(pair.to);
+        for (const auto& point : pair.known_path) check_point(point);
+      }
+      return check_deadline(request.deadline);
+    }
+    case 1: {
+      const auto request = json::parse_geodesic_field(body, limits());
+      require(!request.sources.empty() && request.sources.size() <= limits().max_points);
+      require(request.relative_error >= 0 && request.relative_error <= 1 && request.max_distance > 0);
+      for (const auto& point : request.sources) check_point(point);
+      return check_deadline(request.deadline);
+    }
+    case 2: {
+      const auto request = json::parse_karcher_mean(body, limits());
+      require(!request.points.empty() && request.points.size() <= limits().max_points);
+      require(request.tolerance > 0 && request.tolerance <= 1 && request.max_iterations >= 1);
+      for (const double weight : request.weights) require(std::isfinite(weight));
+      for (const auto& point : request.points) check_point(point);
+      return check_deadline(request.deadline);
+    }
+    case 3: {
+      const auto request = json::parse_exponential_map(body, limits());
+      require(request.tangent.size() == 2 || request.tangent.size() == 3);
+      for (const double coordinate : request.tangent) require(std::isfinite(coordinate));
+      check_point(request.start);
+      return check_deadline(request.deadline);
+    }
+    default: {
+      const auto soup = json::parse_mesh_arrays(body, limits(), mesh_limits);
+      require(soup.positions.size() <= 50 && soup.faces.size() <= 50);
+      for (const auto& position : soup.positions) require(position.allFinite());
+      for (const auto& face : soup.faces) {
+        for (const auto vertex : face) require(vertex >= 0);
+      }
+    }
+  }
+}
+
+void check_problem(const problem::Problem& problem) {
+  // Strict parsing: the library refuses bytes that are not UTF-8 and numbers that are not finite.
+  const auto document = nlohmann::json::parse(json::write_problem(problem));
+  require(document.at("status").get<int>() >= 400 && document.at("status").get<int>() < 500);
+  require(!document.at("detail").get<std::string>().empty());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  try {
+    parse(data[0], {reinterpret_cast<const char*>(data) + 1, size - 1});
+  } catch (const Error&) {
+    check_problem(problem::problem_of(std::current_exception()));
+  }
+  return 0;
+}
