@@ -18,10 +18,11 @@ constexpr std::int64_t least_faces_for_threads = 5000;
 /// cheaper than a twentieth of that.
 constexpr std::size_t most_anchors_for_pairs = 16;
 
-/// Windows that a whole field takes per face, and what keeping them adds to the time: from the meshes of the benchmark
-/// (docs/bench/karcher.md), which range from 5 to 54 with most between 8 and 12.
+/// What a kept field is taken to cost, in windows of a pair search per face: on the benchmark's meshes
+/// (docs/bench/karcher.md) it propagates 5 to 54 windows per face, 8 to 12 on most, and a window that is kept takes
+/// about three times as long: its memory is touched for the first time.
 constexpr double windows_per_face = 10;
-constexpr double keeping_costs = 1.1;
+constexpr double keeping_costs = 3;
 
 /// Two paths whose lengths differ by less than this share of the mesh diagonal count as equally short.
 constexpr double cut_locus_excess = 1e-9;

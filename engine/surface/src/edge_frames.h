@@ -29,7 +29,7 @@ struct FanCorner {
   double polar_angle;     ///< sum of the corner angles that come before, from TriangleMesh::outgoing
   double angle;           ///< of this corner
   std::int32_t halfedge;  ///< outgoing
-  std::int32_t across;    ///< twin of the side opposite the vertex: where windows from the vertex go; -1 on the boundary
+  std::int32_t across;  ///< twin of the side opposite the vertex: where windows from the vertex go; -1 on the boundary
 };
 
 /// The mesh as the searches see it.

@@ -9,8 +9,8 @@
 
 namespace supple::surface {
 
-/// Upper bounds of the distances to every vertex: Dijkstra's algorithm over the mesh's edges and, across each edge whose
-/// two faces unfold to a convex quadrilateral, the straight line between the opposite vertices. O(n log n).
+/// Upper bounds of the distances to every vertex: Dijkstra's algorithm over the mesh's edges and, across each edge
+/// whose two faces unfold to a convex quadrilateral, the straight line between the opposite vertices. O(n log n).
 std::vector<double> edge_graph_distances(const SearchMesh& mesh, std::span<const SurfacePoint> sources, double limit,
                                          const Execution& execution);
 

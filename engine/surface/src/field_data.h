@@ -15,9 +15,9 @@ struct GeodesicField::Data {
   double relative_error_bound = std::numeric_limits<double>::quiet_NaN();
   std::int64_t window_count = 0;
   bool kept = false;
-  std::vector<VertexRecord> records;     ///< per vertex; empty unless kept
-  std::vector<Window> windows;           ///< empty unless kept
-  std::vector<std::int32_t> first;       ///< per halfedge, the first window that enters its face, -1 if none
+  std::vector<VertexRecord> records;  ///< per vertex; empty unless kept
+  std::vector<Window> windows;        ///< empty unless kept
+  std::vector<std::int32_t> first;    ///< per halfedge, the first window that enters its face, -1 if none
 
   SearchState state() const { return {mesh.get(), windows, records.data(), sources}; }
   /// The target with its best arrival.

@@ -151,8 +151,7 @@ MollifiedLength mollified_length(const TriangleMesh& mesh, const std::vector<Pat
   Eigen::Matrix<double, 3, 4> ends;  // how the two ends move with their tangent coordinates
   const std::int32_t first_face = common_face(mesh, from, path[1].point);
   const std::int32_t last_face = common_face(mesh, to, path[path.size() - 2].point);
-  ends.leftCols<2>() =
-      first_face >= 0 ? unfolded_frame(mesh, from, first_face) : tangent_frame(mesh, from.face);
+  ends.leftCols<2>() = first_face >= 0 ? unfolded_frame(mesh, from, first_face) : tangent_frame(mesh, from.face);
   ends.rightCols<2>() = last_face >= 0 ? unfolded_frame(mesh, to, last_face) : tangent_frame(mesh, to.face);
 
   GeodesicDerivatives& d = result.derivatives;
@@ -196,8 +195,10 @@ MollifiedLength mollified_length(const TriangleMesh& mesh, const std::vector<Pat
   }
   for (std::size_t k = m; k-- > 0;) {
     if (k + 1 < m) solution[k] -= above[k] * solution[k + 1];
-    if (pivot[k] != 0) solution[k] /= pivot[k];
-    else solution[k].setZero();
+    if (pivot[k] != 0)
+      solution[k] /= pivot[k];
+    else
+      solution[k].setZero();
   }
   for (std::size_t k = 0; k < m; ++k) d.tangent_hessian -= mixed[k].transpose() * solution[k];
   express_in_barycentrics(mesh, from, to, d);

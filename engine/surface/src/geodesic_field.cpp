@@ -10,7 +10,7 @@ SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
   SearchTarget target = make_target(*mesh, point);
   const std::int32_t face = index(point.face);
   const auto offer_windows = [&](std::int32_t h) {
-    for (std::int32_t i = first[h]; i >= 0; i = windows[i].next) offer_window(*mesh, target, h, windows[i], i);
+    for (std::int32_t i = first[h]; i >= 0; i = windows[i].next) offer_window(*mesh, sources, target, h, windows[i], i);
   };
   const TriangleMesh& m = *mesh->mesh;
   if (target.vertex >= 0) {
@@ -48,10 +48,9 @@ double GeodesicField::relative_error_bound() const { return data_->relative_erro
 std::int64_t GeodesicField::window_count() const { return data_->window_count; }
 
 std::int64_t GeodesicField::memory_bytes() const {
-  return static_cast<std::int64_t>(sizeof(Data) + data_->distances.capacity() * sizeof(double) +
-                                   data_->records.capacity() * sizeof(VertexRecord) +
-                                   data_->windows.capacity() * sizeof(Window) +
-                                   data_->first.capacity() * sizeof(std::int32_t));
+  return static_cast<std::int64_t>(
+      sizeof(Data) + data_->distances.capacity() * sizeof(double) + data_->records.capacity() * sizeof(VertexRecord) +
+      data_->windows.capacity() * sizeof(Window) + data_->first.capacity() * sizeof(std::int32_t));
 }
 
 }  // namespace supple::surface

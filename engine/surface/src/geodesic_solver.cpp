@@ -156,7 +156,8 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   data->window_count = search->windows_created();
   data->distances.resize(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
-    const double distance = search->distance(static_cast<std::int32_t>(v));
+    const auto vertex = static_cast<std::int32_t>(v);
+    const double distance = search->distance(vertex) < kInfinity ? search->length_of_path(vertex) : kInfinity;
     data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
   }
   if (options.keep_windows) search->move_into(data->records, data->windows, data->first);

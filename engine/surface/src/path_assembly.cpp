@@ -37,8 +37,8 @@ Vector2d to_face(const SearchMesh& mesh, std::int32_t h, const Vector2d& v) {
   return {v.x() * d.x() - v.y() * d.y(), v.x() * d.y() + v.y() * d.x()};
 }
 
-/// Direction at a vertex of polar angle `angle`, in the tangent frame of the face of corner c; faces between are unfolded
-/// the shorter way round.
+/// Direction at a vertex of polar angle `angle`, in the tangent frame of the face of corner c; faces between are
+/// unfolded the shorter way round.
 Vector2d direction_at_vertex(const SearchMesh& mesh, std::int32_t c, double angle) {
   const TriangleMesh& m = *mesh.mesh;
   double turn = angle - mesh.polar_angle(c);
@@ -106,8 +106,7 @@ class Backtrace {
     const Vector2d unit = departure_->vector.normalized();
     if (const int corner = corner_of(source); corner >= 0) {
       // At a vertex the departure is in the frame of an outgoing halfedge of that vertex.
-      const double angle =
-          mesh_.polar_angle(h) + std::atan2(departure_->vector.y(), departure_->vector.x());
+      const double angle = mesh_.polar_angle(h) + std::atan2(departure_->vector.y(), departure_->vector.x());
       return direction_at_vertex(mesh_, corner_halfedge(source, corner), angle);
     }
     if (TriangleMesh::face_of(h) == index(source.face)) return to_face(mesh_, h, unit);
@@ -173,16 +172,19 @@ class Backtrace {
     const Window* window = &state_.windows[i];
     double x = 0;
     length_to(*window, end.x(), end.y(), x);
+    // An end on the edge that the window crosses is the crossing.
+    bool on_edge_already = end.y() <= kVertexSnap * mesh_.frames[window->halfedge].length;
     while (true) {
-      add_crossing(window->halfedge, x);
+      if (!on_edge_already) add_crossing(window->halfedge, x);
+      on_edge_already = false;
       if (window->parent < 0) break;
       const Window& parent = state_.windows[window->parent];
       const EdgeFrame& frame = mesh_.frames[parent.halfedge];
       const bool left = window->halfedge == frame.left;
       const Vector2d apex(frame.apex_x, frame.apex_y);
       const Vector2d origin = left ? Vector2d(0, 0) : apex;
-      const Vector2d direction = left ? Vector2d(apex / frame.left_length)
-                                      : Vector2d((Vector2d(frame.length, 0) - apex) / frame.right_length);
+      const Vector2d direction =
+          left ? Vector2d(apex / frame.left_length) : Vector2d((Vector2d(frame.length, 0) - apex) / frame.right_length);
       const Vector2d normal(-direction.y(), direction.x());
       const Vector2d on_edge = origin + x * direction;
       end = origin + end.x() * direction + end.y() * normal;
@@ -202,8 +204,7 @@ class Backtrace {
       const std::int32_t outgoing = TriangleMesh::previous(behind);
       const Vector2d in_face = to_face(mesh_, behind, -vector);
       const Vector2d along = side_direction(mesh_, outgoing);
-      departure_ = Departure{outgoing,
-                             {in_face.dot(along), -in_face.x() * along.y() + in_face.y() * along.x()}};
+      departure_ = Departure{outgoing, {in_face.dot(along), -in_face.x() * along.y() + in_face.y() * along.x()}};
       arrive_at_vertex(window->origin, vector.norm());
     }
   }

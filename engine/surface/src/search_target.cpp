@@ -5,10 +5,24 @@
 namespace supple::surface {
 namespace {
 
-/// Two arrivals come from the same direction if their unfolded sources are closer than this, relative to the length.
-constexpr double kSameImage = 1e-6;
+/// Arrivals whose directions differ by less (radians) are one path, or as good as one.
+constexpr double kSameDirection = 1e-6;
+/// An arrival bent at a window's end stands for a straight one that another window has displaced before it came here,
+/// if it comes from well elsewhere (radians); from nearby it only hugs the best path.
+constexpr double kElsewhere = 0.1;
 
-Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target, int side, const Eigen::Vector2d& relative) {
+/// How far outside its window, relative to the coordinates, a straight line may cross and still count as straight.
+constexpr double kStraightTolerance = 1e-13;
+
+bool same_direction(const Arrival& a, const Arrival& b) {
+  const double scale = a.image.norm() * b.image.norm();
+  const double tolerance = std::max(a.rank, b.rank) > 1 ? kElsewhere : kSameDirection;
+  return scale == 0 || (a.image.dot(b.image) > 0 &&
+                        std::abs(a.image.x() * b.image.y() - a.image.y() * b.image.x()) < tolerance * scale);
+}
+
+Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target, int side,
+                             const Eigen::Vector2d& relative) {
   if (side == 0) return relative;
   // The frame of side s is turned against that of side 0 by the direction of halfedge s in the frame of side 0.
   const EdgeFrame& frame = mesh.frames[3 * index(target.point.face)];
@@ -18,6 +32,43 @@ Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target,
                 : Eigen::Vector2d(-apex / frame.left_length);
   return {relative.x() * direction.x() - relative.y() * direction.y(),
           relative.x() * direction.y() + relative.y() * direction.x()};
+}
+
+/// Offset along h, which leads from the source's face into the target's, from the target to the source. From
+/// differences of barycentrics: points a millionth of the edge apart keep their relative accuracy.
+double across_edge(const SearchMesh& mesh, const SurfacePoint& source, const SurfacePoint& target, std::int32_t h) {
+  const EdgeFrame& frame = mesh.frames[h];
+  const std::int32_t twin = mesh.mesh->twin(h);
+  const EdgeFrame& behind = mesh.frames[twin];
+  Eigen::Vector3d seen = source.barycentric;  // in the face behind the edge
+  if (TriangleMesh::face_of(twin) != index(source.face)) {
+    // The source lies on another side of that face and is written in the face beyond.
+    const std::int32_t side = 3 * index(source.face) + side_of(source);
+    const std::int32_t other = mesh.mesh->twin(side);
+    seen.setZero();
+    seen[other % 3] = source.barycentric[(side + 1) % 3];
+    seen[(other + 1) % 3] = source.barycentric[side % 3];
+  }
+  const double source_head = seen[twin % 3];
+  const double source_apex = seen[(twin + 2) % 3];
+  const double target_head = target.barycentric[(h + 1) % 3];
+  const double target_apex = target.barycentric[(h + 2) % 3];
+  return frame.length * (source_head - target_head) + source_apex * (frame.length - behind.apex_x) -
+         target_apex * frame.apex_x;
+}
+
+/// Arrivals longer than this change nothing.
+double worst_of_use(const SearchTarget& target) {
+  return std::max(target.best.length * (1 + kDropTolerance), target.competing_length);
+}
+
+/// 0 where the straight line from the window's source to (x, y) passes its interval, up to rounding, else 2.
+int rank_of(const Window& window, double x, double y) {
+  const double total = window.depth + y;
+  if (!(total > 0)) return 0;
+  const double crossing = window.source_x + (x - window.source_x) * (window.depth / total);
+  const double tolerance = kStraightTolerance * (std::abs(x) + std::abs(window.source_x));
+  return crossing >= window.b0 - tolerance && crossing <= window.b1 + tolerance ? 0 : 2;
 }
 
 Eigen::Vector2d polar_image(const SearchMesh& mesh, std::int32_t vertex, double angle, double length) {
@@ -61,37 +112,28 @@ double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::in
 }
 
 void offer(SearchTarget& target, const Arrival& arrival) {
-  // Bent ways only fill gaps that rounding may leave: they yield to straight ones of the same length.
-  double limit = target.best.length;
-  if (arrival.bent && !target.best.bent) limit *= 1 - kDropTolerance;
-  if (!arrival.bent && target.best.bent) limit *= 1 + kDropTolerance;
-  if (arrival.length < limit) {
-    const Arrival previous = target.best;
-    target.best = arrival;
-    if (previous.kind != Arrival::Kind::none && !previous.bent &&
-        (previous.image - arrival.image).norm() > kSameImage * previous.length) {
-      target.competing_length = previous.length;
-    }
-  } else if (!arrival.bent && arrival.length < target.competing_length &&
-             (target.best.image - arrival.image).norm() > kSameImage * arrival.length) {
-    target.competing_length = arrival.length;
+  const Arrival previous = target.best;
+  const double tie = kDropTolerance * arrival.length;
+  bool wins = arrival.length < previous.length;
+  if (std::abs(arrival.length - previous.length) <= tie) {
+    // Of ways of equal length and rank, the one whose last piece is longest passes vertices that pin nothing.
+    wins = arrival.rank != previous.rank
+               ? arrival.rank < previous.rank
+               : arrival.image.squaredNorm() > previous.image.squaredNorm() * (1 + kDropTolerance);
+    wins = wins || previous.kind == Arrival::Kind::none;
+  }
+  if (wins) target.best = arrival;
+  if (previous.kind == Arrival::Kind::none) return;
+  if (wins) target.best.length = std::min(arrival.length, previous.length);
+  const Arrival& other = wins ? previous : arrival;
+  if (!same_direction(target.best, other)) {
+    // A displaced best may come from where the new one comes from, and then says nothing of competitors.
+    target.competing_length = wins ? other.length : std::min(target.competing_length, other.length);
   }
 }
 
-namespace {
-
-/// Whether the straight way from the window's source to (x, y) misses the interval by more than rounding.
-bool misses_interval(const Window& window, double x, double y) {
-  const double total = window.depth + y;
-  const double crossing = total > 0 ? window.source_x + (x - window.source_x) * (window.depth / total) : x;
-  const double rounding = kDropTolerance * (std::abs(window.b0) + std::abs(window.b1));
-  return crossing < window.b0 - rounding || crossing > window.b1 + rounding;
-}
-
-}  // namespace
-
-void offer_window(const SearchMesh& mesh, SearchTarget& target, std::int32_t h, const Window& window,
-                  std::int32_t window_index) {
+void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target, std::int32_t h,
+                  const Window& window, std::int32_t window_index) {
   Arrival arrival;
   arrival.kind = Arrival::Kind::window;
   arrival.window = window_index;
@@ -99,17 +141,22 @@ void offer_window(const SearchMesh& mesh, SearchTarget& target, std::int32_t h, 
     const int side = h % 3;
     const Eigen::Vector2d& p = target.planar[side];
     arrival.length = length_to(window, p.x(), p.y(), arrival.crossing);
-    if (arrival.length >= target.best.length * (1 + kDropTolerance) && arrival.length >= target.competing_length) return;
-    arrival.bent = misses_interval(window, p.x(), p.y());
-    arrival.image = to_side_zero(mesh, target, side, {window.source_x - p.x(), -window.depth - p.y()});
+    if (arrival.length > worst_of_use(target)) return;
+    arrival.rank = rank_of(window, p.x(), p.y());
+    Eigen::Vector2d relative(window.source_x - p.x(), -window.depth - p.y());
+    if (window.parent < 0 && window.origin < 0) {
+      relative.x() = across_edge(mesh, sources[-1 - window.origin], target.point, h);
+      if (arrival.rank == 0) arrival.length = window.sigma + relative.norm();
+    }
+    arrival.image = to_side_zero(mesh, target, side, relative);
   } else {
     const EdgeFrame& frame = mesh.frames[h];
     if (frame.apex != target.vertex) return;
     arrival.length = length_to(window, frame.apex_x, frame.apex_y, arrival.crossing);
-    if (arrival.length >= target.best.length * (1 + kDropTolerance) && arrival.length >= target.competing_length) return;
-    arrival.bent = misses_interval(window, frame.apex_x, frame.apex_y);
-    const double angle = mesh.polar_angle(TriangleMesh::previous(h)) +
-                         angle_at_apex(frame, window.source_x, window.depth);
+    if (arrival.length > worst_of_use(target)) return;
+    arrival.rank = rank_of(window, frame.apex_x, frame.apex_y);
+    const double angle =
+        mesh.polar_angle(TriangleMesh::previous(h)) + angle_at_apex(frame, window.source_x, window.depth);
     arrival.image = polar_image(mesh, target.vertex, angle,
                                 hypotenuse(window.source_x - frame.apex_x, window.depth + frame.apex_y));
   }
@@ -150,11 +197,11 @@ void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, doub
     if (target.vertex != v) return;
     arrival.length = distance;
     if (!(arrival.length < kInfinity)) return;
+    arrival.rank = 0;  // whatever its last piece is, the record has it
     if (record.along >= 0 || record.halfedge >= 0) {
-      const double reach = record.along >= 0
-                               ? mesh.mesh->edge_length(record.along)
-                               : hypotenuse(record.source_x - mesh.frames[record.halfedge].apex_x,
-                                            record.depth + mesh.frames[record.halfedge].apex_y);
+      const double reach = record.along >= 0 ? mesh.mesh->edge_length(record.along)
+                                             : hypotenuse(record.source_x - mesh.frames[record.halfedge].apex_x,
+                                                          record.depth + mesh.frames[record.halfedge].apex_y);
       arrival.image = polar_image(mesh, v, arrival_angle(mesh, record, v), reach);
     }
   } else {
@@ -163,10 +210,9 @@ void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, doub
     arrival.length = distance + relative.norm();
     if (!(arrival.length < kInfinity)) return;
     const bool bends = mesh.pins(v) || distance == 0;
-    if (!bends) {
-      // Paths by other vertices are longer than the window beside them, up to rounding: they count only to fill a gap.
-      if (arrival.length >= target.best.length * (1 - kDropTolerance)) return;
-    }
+    // Paths by other vertices are longer than the window beside them, up to rounding: they count only to fill a gap.
+    arrival.rank = bends ? 1 : 3;
+    if (!bends && arrival.length >= target.best.length * (1 - kDropTolerance)) return;
     arrival.image = to_side_zero(mesh, target, corner, relative);
   }
   offer(target, arrival);

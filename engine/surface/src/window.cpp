@@ -5,9 +5,12 @@ namespace {
 
 /// Takes [a, b], the overlap, from a window that loses all of it; leaves it where that would cut the window in two.
 void give_up(Window& loser, double a, double b) {
-  if (loser.b0 >= a && loser.b1 <= b) loser.b1 = loser.b0;
-  else if (loser.b0 >= a) loser.b0 = b;
-  else if (loser.b1 <= b) loser.b1 = a;
+  if (loser.b0 >= a && loser.b1 <= b)
+    loser.b1 = loser.b0;
+  else if (loser.b0 >= a)
+    loser.b0 = b;
+  else if (loser.b1 <= b)
+    loser.b1 = a;
 }
 
 /// Gives each window its side of the crossing; parts beyond the overlap stay.
@@ -42,11 +45,17 @@ double bisect(const Window& p, const Window& w, double a, double b) {
 /// crossings are two or none, or rounding decides which.
 constexpr double kOneCrossing = 1e-6;
 
+constexpr double kTieBias = 1e-13;
+
 /// Where |P - x| - |W - x| = c: with u = x - a, squaring once gives alpha u + beta = 2 c |W - x|, and twice a quadratic
 /// qa u^2 + 2 (alpha beta + 4 c^2 wx) u + ... = 0, whose discriminant factors into (2 c root)^2 and does not cancel.
 struct Crossing {
   Crossing(const Window& p, const Window& w, double a) {
+    // Where a path and its continuation by a vertex that it passes are equally long, the path keeps the vertex's ray:
+    // the window of larger sigma must win by more than rounding.
+    const double older = kTieBias * std::max(w.sigma, p.sigma);
     c = w.sigma - p.sigma;
+    c += c > 0 ? older : c < 0 ? -older : 0;
     const double px = p.source_x - a;
     wx = w.source_x - a;
     alpha = 2 * (wx - px);
@@ -56,9 +65,7 @@ struct Crossing {
     square = middle * middle + qa * w.depth * w.depth;
   }
   /// Either solution of the quadratic. One that solves the equation before squaring has c (alpha u + beta) >= 0.
-  double solution(double sign) const {
-    return (sign * 2 * c * std::sqrt(square) - alpha * beta - 4 * c * c * wx) / qa;
-  }
+  double solution(double sign) const { return (sign * 2 * c * std::sqrt(square) - alpha * beta - 4 * c * c * wx) / qa; }
 
   double c, wx, alpha, beta, qa, square;
 };
@@ -103,9 +110,12 @@ void trim_to_envelope(Window& p, Window& w) {
   const double crossing = a + u;
   Window& left = equal.alpha > 0 ? p : w;
   Window& right = equal.alpha > 0 ? w : p;
-  if (crossing <= a) give_up(left, a, b);
-  else if (crossing >= b) give_up(right, a, b);
-  else share(left, right, crossing, a, b);
+  if (crossing <= a)
+    give_up(left, a, b);
+  else if (crossing >= b)
+    give_up(right, a, b);
+  else
+    share(left, right, crossing, a, b);
 }
 
 }  // namespace supple::surface

@@ -87,8 +87,9 @@ struct Cut {
   return result;
 }
 
-/// Trims p and w to their lower envelope (b0 and b1 only) where they overlap; where that would split one of them in two, leaves the
-/// overlap. A trimmed-away window gets b1 <= b0. Never drops a part that the other does not cover with a shorter length.
+/// Trims p and w to their lower envelope (b0 and b1 only) where they overlap; where that would split one of them in
+/// two, leaves the overlap. A trimmed-away window gets b1 <= b0. Never drops a part that the other does not cover with
+/// a shorter length.
 void trim_to_envelope(Window& p, Window& w);
 
 }  // namespace supple::surface

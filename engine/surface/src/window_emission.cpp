@@ -7,8 +7,9 @@ namespace supple::surface {
 namespace {
 
 /// A path may turn at a saddle vertex if both sides measure pi; rays within this angle (radians) of the limit are sent
-/// too, so that nothing is lost between them and the windows that pass by.
-constexpr double kSectorTolerance = 1e-9;
+/// too, so that nothing is lost between them and the windows that pass by. A sector of no more than that on both sides
+/// is none: the path goes straight on, in a window of its own.
+constexpr double kSectorTolerance = 1e-13;
 
 }  // namespace
 
@@ -18,7 +19,7 @@ void WindowSearch::emit_from_source(std::int32_t source) {
   const std::int32_t face = index(point.face);
   const std::int32_t origin = -1 - source;
   if (const int corner = corner_of(point); corner >= 0) {
-    improve_vertex(mesh.faces()[face][corner], 0, 0, 0, -1, -1, origin, -1);
+    improve_vertex(mesh.faces()[face][corner], 0, 0, 0, 0, -1, -1, origin, -1);
     VertexRecord& record = vertex_record(mesh.faces()[face][corner]);
     record.emits = true;
     queue_vertex(mesh.faces()[face][corner], record);
@@ -51,7 +52,8 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
     const std::int32_t h = 3 * face + side;
     const EdgeFrame& frame = mesh_->frames[h];
     const Eigen::Vector2d& p = planar[side];
-    improve_vertex(frame.apex, hypotenuse(p.x() - frame.apex_x, p.y() - frame.apex_y), p.x(), -p.y(), h, -1, origin, -1);
+    improve_vertex(frame.apex, hypotenuse(p.x() - frame.apex_x, p.y() - frame.apex_y), 0, p.x(), -p.y(), h, -1, origin,
+                   -1);
     const std::int32_t across = mesh_->mesh->twin(h);
     if (side == entered_through || across < 0) continue;
     Window window{0, frame.length, frame.length - p.x(), std::max(0.0, p.y()), 0, -1, -1, origin, across};
@@ -62,10 +64,13 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
 void WindowSearch::emit_from_vertex(std::int32_t v) {
   const TriangleMesh& mesh = *mesh_->mesh;
   const VertexRecord record = vertices_[v];
-  const double distance = distances_[v].value;
+  // With an allowed error the vertex is a source of its own whose sigma is its true distance over 1 + e: a path that
+  // restarts here has not been charged for the error that it may still make.
+  const bool exact = settings_.relative_error == 0;
+  const double sigma = exact ? distances_[v].value : length_of_path(v) / (1 + settings_.relative_error);
   const double total = mesh.vertex_angle(v);
   const bool is_source = record.halfedge < 0 && record.along < 0;
-  const bool everywhere = is_source || !mesh_->pins(v);
+  const bool everywhere = is_source || !exact;
   const bool boundary = mesh.is_boundary(v);
   const double arrival = everywhere ? 0 : arrival_angle(*mesh_, record, v);
   constexpr double pi = std::numbers::pi;
@@ -77,13 +82,15 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
     const EdgeFrame& frame = mesh_->frames[TriangleMesh::next(corner.halfedge)];  // v is its apex
     const double angle = corner.angle;
     if (low <= 0) {
-      improve_vertex(frame.tail, distance + frame.left_length, 0, 0, -1, -1, v, corner.halfedge);
+      improve_vertex(frame.tail, sigma + frame.left_length, sigma, 0, 0, -1, -1, v, corner.halfedge);
     }
     if (high >= angle) {
-      improve_vertex(frame.head, distance + frame.right_length, 0, 0, -1, -1, v,
+      improve_vertex(frame.head, sigma + frame.right_length, sigma, 0, 0, -1, -1, v,
                      TriangleMesh::previous(corner.halfedge));
     }
-    if (corner.across < 0) return;
+    low = std::max(low, 0.0);
+    high = std::min(high, angle);
+    if (corner.across < 0 || high - low <= 3 * kSectorTolerance) return;
     // Rays in the frame of the opposite edge: angles turn from the direction apex -> tail.
     const auto meets = [&](double turn) {
       const double c = std::cos(turn);
@@ -94,8 +101,8 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
     };
     const double from = low <= 0 ? 0 : meets(low);
     const double to = high >= angle ? frame.length : meets(high);
-    Window window{frame.length - to, frame.length - from, frame.length - frame.apex_x, frame.apex_y, distance,
-                  -1, -1, v, corner.across};
+    Window window{frame.length - to, frame.length - from, frame.length - frame.apex_x, frame.apex_y, sigma, -1, -1, v,
+                  corner.across};
     admit_first(window);
   };
 

@@ -18,6 +18,8 @@ constexpr double kTouching = 1e-9;
 /// How many queue entries ahead memory is asked for.
 constexpr std::size_t kPrefetchFar = 6;
 constexpr std::size_t kPrefetchNear = 2;
+/// A ray to the apex that leaves its window by less, relative to the edge, is straight up to rounding.
+constexpr double kStraight = 1e-13;
 /// Smallest relative improvement of a vertex: less is rounding.
 constexpr double kImprovement = 4e-16;
 /// Batches between looks at the cancellation flag (well under a millisecond).
@@ -43,7 +45,7 @@ VertexRecord& WindowSearch::vertex_record(std::int32_t v) {
   VertexRecord& record = vertices_[v];
   if (distances_[v].epoch != epoch_) {
     distances_[v] = {kInfinity, epoch_};
-    record = {0, 0, -1, -1, -1, -1, BucketQueue::kNotQueued, mesh_->pins(v)};
+    record = {0, 0, 0, -1, -1, -1, -1, BucketQueue::kNotQueued, mesh_->pins(v), false};
   }
   return record;
 }
@@ -195,9 +197,7 @@ void WindowSearch::prefetch() const {
 void WindowSearch::move_into(std::vector<VertexRecord>& records, std::vector<Window>& windows,
                              std::vector<std::int32_t>& first) {
   records.resize(vertices_.size());
-  for (std::size_t v = 0; v < vertices_.size(); ++v) {
-    records[v] = vertex_record(static_cast<std::int32_t>(v));
-  }
+  for (std::size_t v = 0; v < vertices_.size(); ++v) records[v] = vertex_record(static_cast<std::int32_t>(v));
   first.resize(halfedges_.size());
   for (std::size_t h = 0; h < halfedges_.size(); ++h) {
     first[h] = halfedges_[h].epoch == epoch_ ? halfedges_[h].kept : -1;
@@ -205,6 +205,9 @@ void WindowSearch::move_into(std::vector<VertexRecord>& records, std::vector<Win
   pool_.shrink_to_fit();
   windows = std::move(pool_);
   pool_ = {};
+  if (settings_.relative_error > 0) {
+    for (Window& window : windows) window.sigma *= 1 + settings_.relative_error;  // true lengths from here on
+  }
 }
 
 void WindowSearch::queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key) {
@@ -224,33 +227,46 @@ void WindowSearch::queue_vertex(std::int32_t v, VertexRecord& record) {
   queue_.push(~v, bucket);
 }
 
-bool WindowSearch::improve_vertex(std::int32_t v, double distance, double source_x, double depth,
-                                  std::int32_t halfedge, std::int32_t window, std::int32_t origin,
-                                  std::int32_t along) {
+bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma, double source_x, double depth,
+                                  std::int32_t halfedge, std::int32_t window, std::int32_t origin, std::int32_t along,
+                                  bool straight) {
   VertexRecord& record = vertex_record(v);
   double& known = distances_[v].value;
-  if (!(distance < known * (1 - kImprovement))) return false;
-  known = distance;
+  const bool improves = distance < known * (1 - kImprovement);
+  const bool ties = distance < known * (1 + kDropTolerance) && distance > known * (1 - kDropTolerance);
+  if (ties && known > 0) {
+    // Of ways of equal length the one that has been straight for longest is kept: a vertex on it then does not seem to
+    // pin the path.
+    const bool straighter = along < 0 && straight && (record.along >= 0 || sigma < record.sigma * (1 - kDropTolerance));
+    if (!straighter && !(improves && along >= 0 && record.along >= 0)) {
+      if (improves) known = distance;
+      return false;
+    }
+  } else if (!improves) {
+    return false;
+  }
+  known = std::min(known, distance);
+  record.sigma = sigma;
   record.source_x = source_x;
   record.depth = depth;
   record.halfedge = halfedge;
   record.window = window;
   record.origin = origin;
   record.along = along;
-  if (record.emits) queue_vertex(v, record);
-  return true;
+  if (improves && record.emits) queue_vertex(v, record);
+  return improves;
 }
 
 bool WindowSearch::cut_within_error(Window& window) {
   const EdgeFrame& frame = mesh_->frames[window.halfedge];
-  const double shrink = 1 / (1 + settings_.relative_error);
-  const VertexBounds bounds{(allowed(frame.tail) - window.sigma) * shrink, (allowed(frame.head) - window.sigma) * shrink};
-  const Cut result = cut(window, bounds, frame.length);
+  const double shrink = (1 + kDropTolerance) / (1 + settings_.relative_error);
+  const auto weight = [&](std::int32_t v) { return distance(v) < kInfinity ? length_of_path(v) * shrink : kInfinity; };
+  const Cut result = cut(window, {weight(frame.tail) - window.sigma, weight(frame.head) - window.sigma}, frame.length);
   for (const auto& [by, v] : {std::pair{result.by_tail, frame.tail}, std::pair{result.by_head, frame.head}}) {
     if (!by) continue;
     VertexRecord& record = vertex_record(v);
-    if (record.emits) continue;
-    record.emits = true;
+    if (record.everywhere) continue;
+    record.emits = record.everywhere = true;
     queue_vertex(v, record);
   }
   return !result.dead;
@@ -270,7 +286,8 @@ inline void WindowSearch::admit(Window& window, Exit& exit) {
     const double nearest = squared_radius(window, std::clamp(window.source_x, window.b0, window.b1));
     const double to_beat = exit.key - window.sigma;
     if (to_beat > 0 && nearest < to_beat * to_beat) exit.key = window.sigma + std::sqrt(nearest);
-    if (bound_ < kInfinity && farther(window, std::clamp(window.source_x, window.b0, window.b1), bound_ - window.sigma)) {
+    if (bound_ < kInfinity &&
+        farther(window, std::clamp(window.source_x, window.b0, window.b1), bound_ - window.sigma)) {
       return;
     }
   }
@@ -363,7 +380,7 @@ void WindowSearch::process(std::int32_t h) {
       continue;
     }
     visit_targets(TriangleMesh::face_of(h),
-                  [&](SearchTarget& target) { offer_window(*mesh_, target, h, window, i); });
+                  [&](SearchTarget& target) { offer_window(*mesh_, sources_, target, h, window, i); });
     propagate(window, i, frame, h, left, right);
     if (settings_.keep_windows) {
       pool_[i].next = halfedges_[h].kept;
@@ -388,7 +405,9 @@ void WindowSearch::propagate(const Window& w, std::int32_t i, const EdgeFrame& f
   const double tolerance = kApexTolerance * frame.length * reach;
   if (first <= tolerance && last >= -tolerance) {
     double crossing = 0;
-    if (improve_vertex(frame.apex, length_to(w, ax, ay, crossing), w.source_x, w.depth, h, i, w.origin, -1)) {
+    const double rounding = kStraight * frame.length * reach;
+    if (improve_vertex(frame.apex, length_to(w, ax, ay, crossing), w.sigma, w.source_x, w.depth, h, i, w.origin, -1,
+                       first <= rounding && last >= -rounding)) {
       left.head = right.tail = allowed(frame.apex);
     }
   }

@@ -18,13 +18,15 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// How the best known path reaches a vertex.
 struct VertexRecord {
+  double sigma;            ///< of the pseudo-source, as in a Window
   double source_x, depth;  ///< the pseudo-source in the frame of `halfedge`, as in a Window
   std::int32_t halfedge;   ///< whose apex the vertex is; -1 for a path along an edge
   std::int32_t window;     ///< pool index of the window that covers the vertex, -1 if none
   std::int32_t origin;     ///< pseudo-source: a vertex, or -1 - i for the i-th source
   std::int32_t along;      ///< halfedge with the vertex at one end when the path runs along an edge, else -1
   BucketQueue::Bucket queued;
-  bool emits;  ///< sends out windows: pins paths, or stands in for windows that an allowed error has dropped
+  bool emits;       ///< sends out windows: pins paths, or stands in for windows that an allowed error has dropped
+  bool everywhere;  ///< does so in all directions
 };
 
 /// How a path reaches a target.
@@ -35,9 +37,9 @@ struct Arrival {
   std::int32_t vertex = -1;
   std::int32_t source = -1;  ///< for direct arrivals
   double crossing = 0;       ///< of the window's edge, in the window's frame
-  /// Beside the window's cone: the way bends at the end of its interval. Where that is shortest, it bends at a vertex
-  /// whose own windows hold the same way with the directions that it has.
-  bool bent = false;
+  /// Prefers, of ways of equal length, straight ones (0), then those by a vertex (1), then those bent at a window's
+  /// end, which only approach one of the others (2).
+  int rank = 0;
   /// The unfolded pseudo-source relative to the target: in the planar frame of side 0 of the target's face, or, for a
   /// target at a vertex, in polar coordinates whose full turn is the vertex's total angle.
   Eigen::Vector2d image = Eigen::Vector2d::Zero();
@@ -46,7 +48,7 @@ struct Arrival {
 /// A point whose distance is wanted, and what the search finds of it.
 struct SearchTarget {
   SurfacePoint point;
-  std::int32_t vertex = -1;  ///< the vertex that the point lies on exactly
+  std::int32_t vertex = -1;               ///< the vertex that the point lies on exactly
   std::array<Eigen::Vector2d, 3> planar;  ///< the point in the frames of the three sides of its face
   Eigen::Vector3d position;
   Arrival best;
@@ -60,8 +62,8 @@ double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::in
 void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, double distance,
                   const VertexRecord& record);
 /// Offers a window of halfedge `h` as a way to the target.
-void offer_window(const SearchMesh& mesh, SearchTarget& target, std::int32_t h, const Window& window,
-                  std::int32_t window_index);
+void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target, std::int32_t h,
+                  const Window& window, std::int32_t window_index);
 /// Offers the straight way from a source in the same face, or in a face that shares the edge on which the source lies.
 void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoint& source, int source_index);
 /// Offers an arrival whose image is set.
@@ -78,9 +80,9 @@ struct SearchSettings {
 /// starting one clears nothing.
 ///
 /// The queue holds halfedges and vertices, never single windows. A popped halfedge takes all windows that wait at it,
-/// trims them to their lower envelope and sends what is left through its face at once; a popped saddle or boundary vertex
-/// sends windows into the angles that a shortest path may turn to. The order only decides how much work is wasted: windows
-/// that improve on earlier ones may come at any time.
+/// trims them to their lower envelope and sends what is left through its face at once; a popped saddle or boundary
+/// vertex sends windows into the angles that a shortest path may turn to. The order only decides how much work is
+/// wasted: windows that improve on earlier ones may come at any time.
 class WindowSearch {
  public:
   explicit WindowSearch(const SearchMesh& mesh);
@@ -89,9 +91,15 @@ class WindowSearch {
            const Execution& execution);
 
   const SearchMesh& mesh() const { return *mesh_; }
+  /// What the search orders by: the distance, or with an allowed error e the least sigma + |S - v|, where the sigma of
+  /// a vertex that sends windows is its true distance over 1 + e.
   double distance(std::int32_t vertex) const {
     const Distance& d = distances_[vertex];
     return d.epoch == epoch_ ? d.value : kInfinity;
+  }
+  /// Length of the path that the record of a reached vertex describes: the distance, or at most 1 + e times it.
+  double length_of_path(std::int32_t vertex) const {
+    return distances_[vertex].value + settings_.relative_error * vertices_[vertex].sigma;
   }
   /// Per vertex; those that the search did not reach are out of date.
   const VertexRecord* records() const { return vertices_.data(); }
@@ -141,20 +149,21 @@ class WindowSearch {
   /// `planar` (per side). `entered_through` is skipped: the side that the source lies on.
   void emit_into_face(std::int32_t face, const std::array<Eigen::Vector2d, 3>& planar, std::int32_t origin,
                       int entered_through);
-  bool improve_vertex(std::int32_t v, double distance, double source_x, double depth, std::int32_t halfedge,
-                      std::int32_t window, std::int32_t origin, std::int32_t along);
+  bool improve_vertex(std::int32_t v, double distance, double sigma, double source_x, double depth,
+                      std::int32_t halfedge, std::int32_t window, std::int32_t origin, std::int32_t along,
+                      bool straight = true);
   void queue_vertex(std::int32_t v, VertexRecord& record);
   void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
 
   void process(std::int32_t h);
   /// One of the two edges that windows leave a face by, as a batch of windows sees it.
   struct Exit {
-    std::int32_t halfedge;   ///< that they arrive at in the next face, -1 on the boundary
+    std::int32_t halfedge;  ///< that they arrive at in the next face, -1 on the boundary
     double length;
-    double ux, uy;           ///< unit direction of that halfedge in the frame of the edge entered by
-    double tail, head;       ///< distances of its ends, allowances included
-    double key;              ///< least key of the windows that have left this way
-    Eigen::Vector2d goal;    ///< where the goal-directed search's target lies at best, in the halfedge's frame
+    double ux, uy;         ///< unit direction of that halfedge in the frame of the edge entered by
+    double tail, head;     ///< distances of its ends, allowances included
+    double key;            ///< least key of the windows that have left this way
+    Eigen::Vector2d goal;  ///< where the goal-directed search's target lies at best, in the halfedge's frame
   };
   Exit exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head, double length, double ux, double uy);
   void propagate(const Window& window, std::int32_t index, const EdgeFrame& frame, std::int32_t h, Exit& left,
@@ -187,7 +196,7 @@ class WindowSearch {
   std::span<SearchTarget> targets_;
   std::vector<Hook> hooks_;
   SearchSettings settings_;
-  double bound_ = kInfinity;  ///< keys beyond this are of no use
+  double bound_ = kInfinity;   ///< keys beyond this are of no use
   std::size_t uncertain_ = 0;  ///< the targets before this one are certain
   Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
   std::vector<std::int32_t> batch_;

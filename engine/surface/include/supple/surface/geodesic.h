@@ -18,10 +18,11 @@ struct PathPoint {
 
 /// First and second derivatives of a distance with respect to its two ends.
 ///
-/// Barycentric: the variables are the three barycentric coordinates w of the first end, then those of the second, each in
-/// its own face, with dc/dw_i = v_i - c (thesis eq. 3.7 up to the part along which the sum of w changes); only variations
-/// that sum to zero at either end stay on the surface, and for them these are the derivatives. Tangent: two coordinates at each end, in tangent_frame of
-/// the end's face. Units: mesh units per coordinate; 1 for the tangent gradient; 1 / mesh unit for the tangent Hessian.
+/// Barycentric: the variables are the three barycentric coordinates w of the first end, then those of the second, each
+/// in its own face, with dc/dw_i = v_i - c (thesis eq. 3.7 up to the part along which the sum of w changes); only
+/// variations that sum to zero at either end stay on the surface, and for them these are the derivatives. Tangent: two
+/// coordinates at each end, in tangent_frame of the end's face. Units: mesh units per coordinate; 1 for the tangent
+/// gradient; 1 / mesh unit for the tangent Hessian.
 struct GeodesicDerivatives {
   Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();

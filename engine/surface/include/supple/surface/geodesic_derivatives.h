@@ -6,8 +6,8 @@
 
 namespace supple::surface {
 
-/// The mollifier of thesis eq. 3.12: t at least `epsilon` from 0 and 1, a cubic blend nearer, with zero slope at 0 and 1.
-/// C1 on [0, 1]. Needs 0 < epsilon <= 0.5.
+/// The mollifier of thesis eq. 3.12: t at least `epsilon` from 0 and 1, a cubic blend nearer, with zero slope at 0
+/// and 1. C1 on [0, 1]. Needs 0 < epsilon <= 0.5.
 struct Mollified {
   double value;
   double slope;

@@ -18,7 +18,7 @@ struct MeshReport {
   std::int64_t boundary_loops = 0;
   /// Sum over the components of their genus, from V - E + F = sum (2 - 2 g) - boundary loops; unused vertices excluded.
   std::int64_t genus = 0;
-  std::int64_t saddle_vertices = 0;  ///< interior vertices of total angle above 2 pi (1 + 1e-12)
+  std::int64_t saddle_vertices = 0;                 ///< interior vertices of total angle above 2 pi (1 + 1e-12)
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();  ///< corner of the bounding box
   Eigen::Vector3d upper = Eigen::Vector3d::Zero();
   double area = 0;
