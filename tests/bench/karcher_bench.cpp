@@ -131,7 +131,7 @@ void write_convergence(std::ostream& csv, const GeodesicSolver& solver, const Sh
       KarcherMean mean;
       const Time time = measure_time(solver, problem, 3, mean);
       csv << shape.name << "," << shape.mesh.face_count() << "," << seed << "," << method_names[m] << "," << i << ","
-          << ms << "," << mean.objective << "," << mean.gradient_norm / shape.mesh.diagonal() << "\n";
+          << time.processor_ms << "," << mean.objective << "," << mean.gradient_norm / shape.mesh.diagonal() << "\n";
     }
   }
 }
