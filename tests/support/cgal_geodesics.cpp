@@ -23,6 +23,8 @@ Mesh converted(const surface::TriangleMesh& mesh) {
   return result;
 }
 
+constexpr double kEdgeOffset = 1e-12;
+
 double reached(double distance) { return distance < 0 ? std::numeric_limits<double>::infinity() : distance; }
 
 }  // namespace
@@ -31,16 +33,22 @@ struct CgalGeodesics::Implementation {
   explicit Implementation(const surface::TriangleMesh& source_mesh)
       : faces(source_mesh.faces()), mesh(converted(source_mesh)) {}
 
-  /// CGAL counts a face's corners from the source of its halfedge, we from the first vertex given.
+  /// CGAL counts a face's corners from the source of its halfedge, we from the first vertex given. Points on edges move
+  /// into the face.
   ShortestPath::Face_location location(const surface::SurfacePoint& point) const {
     const Mesh::Face_index face(index(point.face));
     const auto first = mesh.halfedge(face);
     const std::array<Mesh::Vertex_index, 3> corners{mesh.source(first), mesh.target(first),
                                                     mesh.target(mesh.next(first))};
+    Eigen::Vector3d inside = point.barycentric;
+    if (const int side = side_of(point); side >= 0) {
+      inside *= 1 - kEdgeOffset;
+      inside[(side + 2) % 3] = kEdgeOffset;
+    }
     std::array<double, 3> barycentric{};
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) {
-        if (Mesh::Vertex_index(faces[index(point.face)][k]) == corners[i]) barycentric[i] = point.barycentric[k];
+        if (Mesh::Vertex_index(faces[index(point.face)][k]) == corners[i]) barycentric[i] = inside[k];
       }
     }
     return {face, {barycentric[0], barycentric[1], barycentric[2]}};

@@ -10,8 +10,9 @@ namespace supple::testing {
 /// Geodesic distances by CGAL's Surface_mesh_shortest_path (exact predicates, inexact constructions): the oracle of the
 /// tests and the peer of the benchmarks. CGAL's headers stay in the source file.
 ///
-/// CGAL 5.5 mirrors a source that lies exactly on an edge along that edge; ask for such distances from the other end.
-/// Not for use by several threads.
+/// CGAL 5.5 mirrors a point that lies exactly on an edge along that edge, as a source and as a target, so that its
+/// distances are off by up to the edge's length: such a point is moved into its face by 1e-12 of its coordinates. Not
+/// for use by several threads.
 class CgalGeodesics {
  public:
   explicit CgalGeodesics(const surface::TriangleMesh& mesh);

@@ -1,0 +1,78 @@
+// A mesh of more than a million faces: time and memory of each stage.
+#include "geodesic_bench.h"
+#include "measurement.h"
+#include "support/sampling.h"
+#include "support/shapes.h"
+
+namespace supple::bench {
+namespace {
+
+/// Measures one stage after the other: CPU time, memory that stays, and memory that was needed on the way.
+class Stages {
+ public:
+  explicit Stages(Table& table) : table_(table) {}
+
+  template <typename Action>
+  double stage(const std::string& name, std::int32_t faces, Action&& action) {
+    reset_peak_memory();
+    const std::int64_t before = resident_bytes();
+    const double seconds = cpu_time(action);
+    const auto per_face = [&](std::int64_t bytes) { return count(static_cast<double>(bytes - before) / faces); };
+    const std::string peak = per_face(peak_resident_bytes());
+    table_.row({name, number(seconds), per_face(resident_bytes()), peak});
+    return seconds;
+  }
+
+ private:
+  Table& table_;
+};
+
+}  // namespace
+
+void measure_large_mesh(Report& report, const Settings& settings) {
+  const int subdivisions = settings.brief ? 5 : 8;
+  const std::int32_t faces = 20 << (2 * subdivisions);
+  Table table("geodesics-large-mesh", {{"stage", "Stage"},
+                                       {"s", "Seconds"},
+                                       {"bytes_per_face", "Bytes per face that stay"},
+                                       {"peak_bytes_per_face", "Bytes per face at the peak"}});
+  Stages stages(table);
+  std::shared_ptr<const surface::TriangleMesh> mesh;
+  std::unique_ptr<surface::GeodesicSolver> solver;
+  {
+    surface::TriangleMesh made = testing::icosphere(subdivisions);
+    std::vector<Eigen::Vector3d> positions = made.positions();
+    std::vector<surface::Triangle> triangles = made.faces();
+    made = {};
+    stages.stage("mesh from vertices and faces", faces, [&] {
+      mesh = std::make_shared<const surface::TriangleMesh>(
+          surface::TriangleMesh::build(std::move(positions), std::move(triangles)));
+    });
+  }
+  stages.stage("solver", faces, [&] { solver = std::make_unique<surface::GeodesicSolver>(mesh); });
+  RandomStream stream("large mesh", 37);
+  const std::vector<surface::SurfacePoint> source{testing::random_point(*mesh, stream)};
+  double windows = 0;
+  stages.stage("first search, one to all", faces,
+               [&] { windows = static_cast<double>(solver->field(source).window_count()); });
+  const double again =
+      stages.stage("later search, one to all", faces, [&] { keep(solver->field(source).vertex_distances()[0]); });
+  std::unique_ptr<surface::GeodesicField> kept;
+  surface::FieldOptions options;
+  options.keep_windows = true;
+  stages.stage("kept field", faces,
+               [&] { kept = std::make_unique<surface::GeodesicField>(solver->field(source, options)); });
+
+  if (!settings.brief) {
+    report.target("More than a million faces, one to all in one run", "runs",
+                  count(faces) + " faces in " + number(again) + " s", true);
+  }
+  report.heading("A mesh of " + count(faces) + " faces");
+  report.text("An icosphere. The search made " + count(windows) + " windows, " + number(windows / faces) +
+              " per face, in " + number(1e9 * again / windows) + " ns each: " + count(faces / again) +
+              " faces per second. Memory is the growth of the process's resident memory over a stage; the first search "
+              "makes the state that later ones reuse, and a kept field takes its windows along.");
+  report.table(table);
+}
+
+}  // namespace supple::bench

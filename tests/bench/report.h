@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace supple::bench {
+
+/// `value` with so many significant digits, without an exponent where it reads well without.
+std::string number(double value, int digits = 3);
+/// With separators between thousands: 81,920.
+std::string count(double value);
+
+/// A table that goes into a page and, without the separators between thousands, into a CSV file beside it.
+class Table {
+ public:
+  struct Column {
+    std::string key;      ///< heading in the CSV file
+    std::string heading;  ///< heading on the page
+  };
+  /// `file` names the CSV file, without folder and ending.
+  Table(std::string file, std::vector<Column> columns);
+  /// Adds a row of one cell per column and prints it, so that a run can be watched. Throws std::logic_error otherwise.
+  void row(std::vector<std::string> cells);
+
+  const std::string& file() const { return file_; }
+  std::string markdown() const;
+  std::string csv() const;
+
+ private:
+  bool holds_numbers(std::size_t column) const;
+
+  std::string file_;
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// A page of measurements in Markdown with its CSV files. Targets come first on the page, whichever was met or not.
+class Report {
+ public:
+  Report(std::filesystem::path folder, std::string name, std::string title);
+
+  void heading(const std::string& text);
+  void text(const std::string& paragraph);
+  void table(const Table& table);
+  /// An image that a script makes from the CSV files.
+  void image(const std::string& file, const std::string& caption);
+  /// What the numbers were to reach, and whether they do.
+  void target(const std::string& what, const std::string& limit, const std::string& measured, bool holds);
+  /// Writes NAME.md under the folder; `introduction` stands before the targets.
+  void write(const std::string& introduction) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::string name_;
+  std::string title_;
+  std::string body_;
+  Table targets_;
+};
+
+}  // namespace supple::bench
