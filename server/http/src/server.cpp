@@ -291,6 +291,11 @@ class Server::Implementation final : public httplib::Server {
                   "Forms (multipart/form-data) are not read; send the content itself as the body.");
     }
     if (limit.bytes == 0) throw Error("http.bad_request", "This request takes no body.");
+    const auto encoding = source.get_header_value("Content-Encoding");
+    if (!encoding.empty() && encoding != "identity") {
+      throw Error("http.unsupported_media_type",
+                  "Compressed bodies are not read; send the body without Content-Encoding.");
+    }
     const auto announced = source.get_header_value<std::uint64_t>("Content-Length");
     const auto too_large = [&limit](double bytes) {
       problem::throw_limit("request.body_too_large", "The body's length in bytes", static_cast<double>(limit.bytes),
@@ -299,7 +304,7 @@ class Server::Implementation final : public httplib::Server {
     if (announced > limit.bytes) too_large(static_cast<double>(announced));
     std::string body;
     bool exceeded = false;
-    if (!source.has_header("Content-Encoding")) body.reserve(std::min<std::uint64_t>(announced, 1 << 20));
+    body.reserve(std::min<std::uint64_t>(announced, 1 << 20));
     const bool complete = reader([&](const char* data, std::size_t size) {
       if (body.size() + size > limit.bytes) {
         exceeded = true;
