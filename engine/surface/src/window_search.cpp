@@ -282,14 +282,12 @@ inline void WindowSearch::admit(Window& window, Exit& exit) {
     if (key > bound_) return;
     exit.key = std::min(exit.key, key);
   } else {
+    const double at = std::clamp(window.source_x, window.b0, window.b1);
+    if (bound_ < kInfinity && farther(window, at, bound_ - window.sigma)) return;
     // The root is taken only where it lowers the batch's key.
-    const double nearest = squared_radius(window, std::clamp(window.source_x, window.b0, window.b1));
+    const double nearest = squared_radius(window, at);
     const double to_beat = exit.key - window.sigma;
     if (to_beat > 0 && nearest < to_beat * to_beat) exit.key = window.sigma + std::sqrt(nearest);
-    if (bound_ < kInfinity &&
-        farther(window, std::clamp(window.source_x, window.b0, window.b1), bound_ - window.sigma)) {
-      return;
-    }
   }
   const std::int32_t i = allocate();
   HalfedgeRecord& record = halfedge_record(exit.halfedge);
