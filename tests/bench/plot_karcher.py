@@ -35,7 +35,7 @@ def draw(runs: dict, target: Path) -> None:
             iterations, times, gradients = zip(*points)
             for panel, x in ((row[0], iterations), (row[1], times)):
                 panel.semilogy(x, gradients, color=COLOURS[method], alpha=0.7, linewidth=1, marker=".", markersize=3)
-        for panel, label in ((row[0], "iterations"), (row[1], "milliseconds")):
+        for panel, label in ((row[0], "iterations"), (row[1], "milliseconds of processor time")):
             panel.axhline(1e-9, color="0.7", linewidth=0.8, linestyle=":")
             panel.set_xlabel(label)
             panel.set_xlim(left=0)
