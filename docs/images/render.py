@@ -23,6 +23,7 @@ from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 import supple  # noqa: E402
 
 PIXELS = 900
+MARGIN = 20
 LEVELS = 24
 LIGHT = np.array([0.35, 0.45, 0.82])
 BACKGROUND = np.array([1.0, 1.0, 1.0])
@@ -144,11 +145,13 @@ def main() -> int:
         mean = mesh.karcher_mean(chosen)
         paths = [g.path.positions for g in mesh.geodesics([(p, mean.mean) for p in chosen], paths=True) if g.path]
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(12, 6), dpi=100)
+    rows = np.flatnonzero((shown >= 0).any(axis=1))
+    bottom, top = rows[0] - MARGIN, rows[-1] + MARGIN
+    figure, (left, right) = plt.subplots(1, 2, figsize=(12, 0.45 + 6 * (top - bottom) / PIXELS), dpi=100)
     left.imshow(shade(view, shown, weights, field_colours(view, shown, weights, field.distances)), origin="lower")
     source_position = np.array([third @ vertices[faces[source[0]]]])
     draw_points(left, view, nearest, source_position, s=70, color="white", edgecolors="black", zorder=3)
-    left.set_title(f"Exact distance to {mesh.info.vertices:,} vertices: {1e3 * field.seconds:.0f} ms", fontsize=13)
+    left.set_title(f"Exact distance to {mesh.info.vertices:,} vertices: {1e3 * field.seconds:.0f} ms", fontsize=12)
 
     right.imshow(shade(view, shown, weights, np.broadcast_to(PLAIN, (*shown.shape, 3))), origin="lower")
     for path in paths:
@@ -156,10 +159,11 @@ def main() -> int:
     ends = np.array([third @ vertices[faces[face]] for face, _ in chosen])
     draw_points(right, view, nearest, ends, s=55, color="#2c3e88", edgecolors="white", zorder=3)
     draw_points(right, view, nearest, np.array([mean.position]), s=190, color="#f5c518", edgecolors="black", marker="*", zorder=4)
-    right.set_title(f"Karcher mean of five points: {mean.iterations} Newton steps, |gradient| = {mean.gradient_norm:.0e}", fontsize=13)
+    right.set_title(f"Karcher mean of five points: {mean.iterations} Newton steps, |gradient| = {mean.gradient_norm:.0e}", fontsize=12)
     for axes in (left, right):
         axes.set_axis_off()
-    figure.subplots_adjust(left=0, right=1, top=0.93, bottom=0, wspace=0)
+        axes.set_ylim(bottom, top)
+    figure.subplots_adjust(left=0, right=1, top=1 - 0.45 / figure.get_figheight(), bottom=0, wspace=0)
     figure.savefig(target_file)
     return 0
 
