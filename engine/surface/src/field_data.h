@@ -16,8 +16,8 @@ struct GeodesicField::Data {
   std::int64_t window_count = 0;
   bool kept = false;
   std::vector<VertexRecord> records;  ///< per vertex; empty unless kept
-  std::vector<Window> windows;        ///< empty unless kept
-  std::vector<std::int32_t> first;    ///< per halfedge, the first window that enters its face, -1 if none
+  LargeVector<Window> windows;        ///< empty unless kept
+  std::vector<std::int32_t> first;    ///< per halfedge, where the windows that enter its face begin, and the end
 
   SearchState state() const { return {mesh.get(), windows, records.data(), sources}; }
   /// The target with its best arrival.

@@ -10,7 +10,7 @@ SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
   SearchTarget target = make_target(*mesh, point);
   const std::int32_t face = index(point.face);
   const auto offer_windows = [&](std::int32_t h) {
-    for (std::int32_t i = first[h]; i >= 0; i = windows[i].next) offer_window(*mesh, sources, target, h, windows[i], i);
+    for (std::int32_t i = first[h]; i < first[h + 1]; ++i) offer_window(*mesh, sources, target, h, windows[i], i);
   };
   const TriangleMesh& m = *mesh->mesh;
   if (target.vertex >= 0) {

@@ -160,7 +160,7 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
     const double distance = search->distance(vertex) < kInfinity ? search->length_of_path(vertex) : kInfinity;
     data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
   }
-  if (options.keep_windows) search->move_into(data->records, data->windows, data->first);
+  if (options.keep_windows) search->copy_kept(data->records, data->windows, data->first);
   data->kept = options.keep_windows;
   return GeodesicField(std::move(data));
 }

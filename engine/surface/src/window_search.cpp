@@ -194,19 +194,32 @@ void WindowSearch::prefetch() const {
   }
 }
 
-void WindowSearch::move_into(std::vector<VertexRecord>& records, std::vector<Window>& windows,
+void WindowSearch::copy_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows,
                              std::vector<std::int32_t>& first) {
-  records.resize(vertices_.size());
-  for (std::size_t v = 0; v < vertices_.size(); ++v) records[v] = vertex_record(static_cast<std::int32_t>(v));
-  first.resize(halfedges_.size());
+  // A copy, grouped by halfedge: the pool stays with the search, whose next run then needs no new memory.
+  places_.resize(pool_.size());
+  first.resize(halfedges_.size() + 1);
+  std::int32_t count = 0;
   for (std::size_t h = 0; h < halfedges_.size(); ++h) {
-    first[h] = halfedges_[h].epoch == epoch_ ? halfedges_[h].kept : -1;
+    first[h] = count;
+    if (halfedges_[h].epoch != epoch_) continue;
+    for (std::int32_t i = halfedges_[h].kept; i >= 0; i = pool_[i].next) places_[i] = count++;
   }
-  pool_.shrink_to_fit();
-  windows = std::move(pool_);
-  pool_ = {};
-  if (settings_.relative_error > 0) {
-    for (Window& window : windows) window.sigma *= 1 + settings_.relative_error;  // true lengths from here on
+  first[halfedges_.size()] = count;
+  const double to_length = 1 + settings_.relative_error;
+  windows.reserve(static_cast<std::size_t>(count));
+  for (std::size_t h = 0; h < halfedges_.size(); ++h) {
+    if (halfedges_[h].epoch != epoch_) continue;
+    for (std::int32_t i = halfedges_[h].kept; i >= 0; i = pool_[i].next) {
+      Window& copy = windows.emplace_back(pool_[i]);
+      copy.sigma *= to_length;
+      if (copy.parent >= 0) copy.parent = places_[copy.parent];
+    }
+  }
+  records.resize(vertices_.size());
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    records[v] = vertex_record(static_cast<std::int32_t>(v));
+    if (records[v].window >= 0) records[v].window = places_[records[v].window];
   }
 }
 
@@ -331,24 +344,21 @@ void WindowSearch::process(std::int32_t h) {
   HalfedgeRecord& record = halfedges_[h];
   const EdgeFrame& frame = mesh_->frames[h];
   batch_.clear();
-  const double tail = allowed(frame.tail);
-  const double head = allowed(frame.head);
-  for (std::int32_t i = record.pending; i >= 0;) {
-    Window& window = pool_[i];
-    const std::int32_t next = window.next;
-    // The vertices may have come closer since the window was cut.
-    if (cut(window, {tail - window.sigma, head - window.sigma}, frame.length).dead) {
-      release(i);
-    } else {
-      std::size_t place = batch_.size();
-      batch_.push_back(i);
-      while (place > 0 && pool_[batch_[place - 1]].b0 > window.b0) {
-        batch_[place] = batch_[place - 1];
-        --place;
-      }
-      batch_[place] = i;
+  // The vertices may have come closer since these windows were cut; cutting them again hardly ever drops one.
+  double last = -kInfinity;
+  for (std::int32_t i = record.pending; i >= 0; i = pool_[i].next) {
+    const double b0 = pool_[i].b0;
+    batch_.push_back(i);
+    if (b0 >= last) {
+      last = b0;
+      continue;
     }
-    i = next;
+    std::size_t place = batch_.size() - 1;
+    while (place > 0 && pool_[batch_[place - 1]].b0 > b0) {
+      batch_[place] = batch_[place - 1];
+      --place;
+    }
+    batch_[place] = i;
   }
   record.pending = -1;
   const double least_width = kLeastWidth * frame.length;
@@ -369,6 +379,7 @@ void WindowSearch::process(std::int32_t h) {
                            frame.apex_y * per_left);
   Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length,
                             (frame.length - frame.apex_x) * per_right, frame.apex_y * per_right);
+  const bool has_targets = !targets_.empty() && faces_[TriangleMesh::face_of(h)].epoch == epoch_;
   // From the last to the first, so that the children's lists, which grow at the front, come out in order.
   for (std::size_t place = batch_.size(); place-- > 0;) {
     const std::int32_t i = batch_[place];
@@ -377,8 +388,10 @@ void WindowSearch::process(std::int32_t h) {
       release(i);
       continue;
     }
-    visit_targets(TriangleMesh::face_of(h),
-                  [&](SearchTarget& target) { offer_window(*mesh_, sources_, target, h, window, i); });
+    if (has_targets) {
+      visit_targets(TriangleMesh::face_of(h),
+                    [&](SearchTarget& target) { offer_window(*mesh_, sources_, target, h, window, i); });
+    }
     propagate(window, i, frame, h, left, right);
     if (settings_.keep_windows) {
       pool_[i].next = halfedges_[h].kept;

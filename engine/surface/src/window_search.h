@@ -9,6 +9,7 @@
 #include "bucket_queue.h"
 #include "edge_frames.h"
 #include "supple/base/execution.h"
+#include "supple/base/large_page_allocator.h"
 #include "supple/surface/surface_point.h"
 #include "window.h"
 
@@ -103,9 +104,10 @@ class WindowSearch {
   }
   /// Per vertex; those that the search did not reach are out of date.
   const VertexRecord* records() const { return vertices_.data(); }
-  const std::vector<Window>& pool() const { return pool_; }
-  /// Hands out what point queries need: records of all vertices, the windows, and per halfedge the first of its list.
-  void move_into(std::vector<VertexRecord>& records, std::vector<Window>& windows, std::vector<std::int32_t>& first);
+  const LargeVector<Window>& pool() const { return pool_; }
+  /// What point queries need: records of all vertices, the kept windows with true lengths, and per halfedge where its
+  /// windows begin (they end where the next one's begin).
+  void copy_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows, std::vector<std::int32_t>& first);
   std::int64_t windows_created() const { return windows_created_; }
   std::int64_t batches() const { return batches_; }
   std::span<const SurfacePoint> sources() const { return sources_; }
@@ -186,7 +188,7 @@ class WindowSearch {
   std::vector<HalfedgeRecord> halfedges_;
   std::vector<Distance> distances_;  ///< apart from the records, because every window looks them up
   std::vector<VertexRecord> vertices_;
-  std::vector<Window> pool_;
+  LargeVector<Window> pool_;
   std::int32_t free_ = -1;
   BucketQueue queue_;
   std::vector<FaceRecord> faces_;  ///< which faces have targets in this search
@@ -200,6 +202,7 @@ class WindowSearch {
   std::size_t uncertain_ = 0;  ///< the targets before this one are certain
   Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
   std::vector<std::int32_t> batch_;
+  std::vector<std::int32_t> places_;  ///< of the pool's windows in what copy_kept hands out
   std::int64_t windows_created_ = 0;
   std::int64_t batches_ = 0;
 };
