@@ -53,25 +53,26 @@ void measure_large_mesh(Report& report, const Settings& settings) {
   RandomStream stream("large mesh", 37);
   const std::vector<surface::SurfacePoint> source{testing::random_point(*mesh, stream)};
   double windows = 0;
-  stages.stage("first search, one to all", faces,
-               [&] { windows = static_cast<double>(solver->field(source).window_count()); });
-  const double again =
-      stages.stage("later search, one to all", faces, [&] { keep(solver->field(source).vertex_distances()[0]); });
-  std::unique_ptr<surface::GeodesicField> kept;
+  const double seconds = stages.stage("one to all, exact", faces,
+                                      [&] { windows = static_cast<double>(solver->field(source).window_count()); });
+  // An exact field of this size keeps gigabytes; within one per cent it does not.
   surface::FieldOptions options;
+  options.relative_error = 0.01;
+  stages.stage("one to all within 1 %", faces, [&] { keep(solver->field(source, options).vertex_distances()[0]); });
   options.keep_windows = true;
-  stages.stage("kept field", faces,
+  std::unique_ptr<surface::GeodesicField> kept;
+  stages.stage("the same, kept for queries", faces,
                [&] { kept = std::make_unique<surface::GeodesicField>(solver->field(source, options)); });
 
   if (!settings.brief) {
     report.target("More than a million faces, one to all in one run", "runs",
-                  count(faces) + " faces in " + number(again) + " s", true);
+                  count(faces) + " faces in " + number(seconds) + " s", true);
   }
   report.heading("A mesh of " + count(faces) + " faces");
   report.text("An icosphere. The search made " + count(windows) + " windows, " + number(windows / faces) +
-              " per face, in " + number(1e9 * again / windows) + " ns each: " + count(faces / again) +
-              " faces per second. Memory is the growth of the process's resident memory over a stage; the first search "
-              "makes the state that later ones reuse, and a kept field takes its windows along.");
+              " per face, in " + number(1e9 * seconds / windows) + " ns each: " + count(faces / seconds) +
+              " faces per second. Memory is the growth of the process's resident memory over a stage. The first search "
+              "makes the state that later ones reuse.");
   report.table(table);
 }
 

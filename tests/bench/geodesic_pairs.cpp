@@ -11,6 +11,7 @@ namespace {
 
 using surface::GeodesicOptions;
 using surface::GeodesicSolver;
+using surface::SurfacePoint;
 
 std::vector<BenchMesh> far_meshes(const Settings& settings) {
   using namespace supple::testing;
@@ -99,7 +100,8 @@ void measure_far_pairs(Report& report, const Settings& settings) {
     std::vector<double> ours, peer;
     keep(solver.distance(pairs[0].first, pairs[0].second));
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const auto& [from, to] = pairs[i];
+      const SurfacePoint& from = pairs[i].first;
+      const SurfacePoint& to = pairs[i].second;
       double best = 1e9;
       for (int pass = 0; pass < 3; ++pass) best = std::min(best, cpu_time([&] { keep(solver.distance(from, to)); }));
       ours.push_back(best);

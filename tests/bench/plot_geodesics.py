@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""Draws the geodesic benchmark's CSV files as SVG files beside them.
+
+Usage: plot_geodesics.py [FOLDER]      default: docs/bench
+
+geodesics-ratio.svg        CGAL's time over ours for one source to all vertices, against the number of faces
+geodesics-accuracy.svg     error against time of distance fields, one panel per mesh
+geodesics-throughput.svg   queries per second against threads
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt
+
+Row = dict[str, str]
+COLOURS = ["#1b6ca8", "#d1495b", "#8a8d62", "#6b4e9b", "#d98e32", "#2a9d8f", "#444444", "#b07aa1"]
+SMALLEST_ERROR = 1e-6  # the exact field is drawn here
+ERROR_TICKS = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1]
+
+
+def read(path: Path) -> list[Row]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def grouped(rows: list[Row], key: str) -> dict[str, list[Row]]:
+    """Value of the column `key` -> its rows, in the order of the file."""
+    groups: dict[str, list[Row]] = defaultdict(list)
+    for row in rows:
+        groups[row[key]].append(row)
+    return groups
+
+
+def numbers(rows: list[Row], key: str) -> list[float]:
+    return [float(row[key]) for row in rows]
+
+
+def save(figure: plt.Figure, target: Path) -> None:
+    figure.tight_layout()
+    figure.savefig(target, metadata={"Date": None})
+    plt.close(figure)
+    print(target)
+
+
+def draw_ratio(rows: list[Row], target: Path) -> None:
+    figure, axes = plt.subplots(figsize=(6.4, 3.8))
+    for colour, (mesh, points) in zip(COLOURS, grouped(rows, "mesh").items()):
+        axes.plot(numbers(points, "faces"), numbers(points, "ratio"), marker="o", color=colour, label=mesh)
+    axes.axhline(20, color="0.6", linewidth=0.9, linestyle=":")
+    axes.axhline(35, color="0.6", linewidth=0.9, linestyle=":")
+    axes.set_xscale("log")
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel("faces")
+    axes.set_ylabel("CGAL's time / ours")
+    axes.set_title("One source to every vertex", fontsize=10)
+    axes.legend(fontsize=8, ncol=2, loc="lower center", frameon=False)
+    save(figure, target)
+
+
+def draw_accuracy(rows: list[Row], target: Path) -> None:
+    meshes = grouped(rows, "mesh")
+    figure, panels = plt.subplots(1, len(meshes), figsize=(3.4 * len(meshes), 3.6), sharey=True, squeeze=False)
+    for panel, (mesh, points) in zip(panels[0], meshes.items()):
+        bounded = [row for row in points if row["method"] != "edge_graph"]
+        graph = [row for row in points if row["method"] == "edge_graph"]
+        for colour, key, label in ((COLOURS[1], "max_error", "largest"), (COLOURS[0], "mean_error", "mean")):
+            errors = [max(error, SMALLEST_ERROR) for error in numbers(bounded, key)]
+            panel.plot(numbers(bounded, "ms"), errors, marker="o", markersize=4, color=colour, label=f"windows, {label}")
+            panel.plot(numbers(graph, "ms"), numbers(graph, key), marker="s", markersize=6, linestyle="none",
+                       markerfacecolor="none", color=colour, label=f"edge graph, {label}")
+        guaranteed = [row for row in bounded if float(row["bound"]) > 0]
+        panel.plot(numbers(guaranteed, "ms"), numbers(guaranteed, "bound"), color="0.5", linewidth=1, linestyle="--",
+                   label="guaranteed")
+        panel.set_yscale("log")
+        panel.set_yticks(ERROR_TICKS, ["exact" if e == SMALLEST_ERROR else f"{e:g}" for e in ERROR_TICKS])
+        panel.minorticks_off()
+        panel.set_xlim(left=0)
+        panel.set_xlabel("milliseconds")
+        panel.set_title(f"{mesh}, {int(points[0]['faces']):,} faces", fontsize=10)
+    panels[0][0].set_ylabel("relative error at the vertices")
+    figure.tight_layout(rect=(0, 0.1, 1, 1))
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=5, fontsize=8, frameon=False)
+    figure.savefig(target, metadata={"Date": None})
+    plt.close(figure)
+    print(target)
+
+
+def draw_throughput(rows: list[Row], target: Path) -> None:
+    figure, axes = plt.subplots(figsize=(5.2, 3.6))
+    for colour, (what, points) in zip(COLOURS, grouped(rows, "what").items()):
+        threads = numbers(points, "threads")
+        rates = numbers(points, "per_second")
+        axes.plot(threads, rates, marker="o", color=colour, label=what)
+        axes.plot(threads, [rates[0] * t for t in threads], color=colour, linewidth=0.8, linestyle=":")
+    axes.set_yscale("log")
+    axes.set_xticks(sorted({int(row["threads"]) for row in rows}))
+    axes.set_xlabel("threads (dotted: proportional)")
+    axes.set_ylabel("queries per second")
+    axes.legend(fontsize=8, frameon=False)
+    save(figure, target)
+
+
+def main() -> None:
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
+    matplotlib.rcParams["svg.hashsalt"] = "supple"  # the same file for the same numbers
+    draw_ratio(read(folder / "geodesics-one-to-all.csv"), folder / "geodesics-ratio.svg")
+    draw_accuracy(read(folder / "geodesics-accuracy.csv"), folder / "geodesics-accuracy.svg")
+    draw_throughput(read(folder / "geodesics-throughput.csv"), folder / "geodesics-throughput.svg")
+
+
+if __name__ == "__main__":
+    main()
