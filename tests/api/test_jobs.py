@@ -90,8 +90,11 @@ def test_an_unfinished_job_has_no_result_yet_and_says_when_to_ask_again(api: Api
     api.delete(f"/v1/jobs/{job}")
 
 
-def test_events_show_rising_progress_and_end_with_the_finished_job(api: Api, large_mesh: str) -> None:
-    job = start_job(api, FIELDS, long_request(large_mesh))
+def test_events_show_rising_progress_and_end_with_the_finished_job(api: Api, sphere_mesh: str) -> None:
+    # 600 starts, one search each: a second or so together.
+    pairs = [{"from": {"vertex": start}, "to": {"vertex": (start + 64 * hop) % 642}}
+             for start in range(600) for hop in range(1, 10)]
+    job = start_job(api, "/v1/geodesics", {"mesh": sphere_mesh, "pairs": pairs, "derivatives": 2, "paths": True})
     seen: List[Tuple[str, Dict[str, Any]]] = list(events(api, job))
     assert len(seen) >= 3
     assert [name for name, _ in seen] == ["progress"] * (len(seen) - 1) + ["finished"]

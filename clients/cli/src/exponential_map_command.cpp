@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <vector>
 
 #include "commands.h"
 #include "path_output.h"
@@ -13,7 +12,7 @@ namespace {
 struct Arguments {
   std::string mesh;
   std::string start;
-  std::vector<double> tangent;
+  std::string tangent;
   std::string path_file;
 };
 
@@ -29,7 +28,7 @@ void print_answer(const nlohmann::json& answer) {
 
 void run(const GlobalOptions& options, const Arguments& arguments) {
   nlohmann::json request = {{"start", parse_surface_point(arguments.start)},
-                            {"tangent", arguments.tangent},
+                            {"tangent", parse_numbers(arguments.tangent, "tangent vector")},
                             {"trace", !arguments.path_file.empty()}};
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
@@ -55,8 +54,6 @@ void add_exponential_map_command(CLI::App& program, const GlobalOptions& options
   command
       ->add_option("-t,--tangent", arguments->tangent,
                    "x,y,z in space (its part within the start's face counts), or two coordinates in that face's frame")
-      ->delimiter(',')
-      ->expected(1)
       ->required();
   command->add_option(
       "-p,--path", arguments->path_file,

@@ -12,7 +12,7 @@ namespace {
 struct Arguments {
   std::string mesh;
   std::vector<std::string> points;
-  std::vector<double> weights;
+  std::string weights;
   double tolerance = 0;
   int max_iterations = 0;
   std::string method;
@@ -46,7 +46,7 @@ void print_answer(const nlohmann::json& answer, bool history) {
 void run(const GlobalOptions& options, const Arguments& arguments) {
   nlohmann::json request = {{"points", nlohmann::json::array()}};
   for (const auto& point : arguments.points) request["points"].push_back(parse_surface_point(point));
-  if (!arguments.weights.empty()) request["weights"] = arguments.weights;
+  if (!arguments.weights.empty()) request["weights"] = parse_numbers(arguments.weights, "list of weights");
   if (arguments.tolerance > 0) request["tolerance"] = arguments.tolerance;
   if (arguments.max_iterations > 0) request["max_iterations"] = arguments.max_iterations;
   if (!arguments.method.empty()) request["method"] = arguments.method;
@@ -64,9 +64,7 @@ void add_karcher_command(CLI::App& program, const GlobalOptions& options) {
   CLI::App* command = program.add_subcommand("karcher", "The point of least weighted mean squared geodesic distance");
   command->add_option("mesh", arguments->mesh, "Mesh")->required();
   command->add_option("points", arguments->points, "The points to average")->required();
-  command->add_option("-w,--weights", arguments->weights, "One weight for each point, separated by commas")
-      ->delimiter(',')
-      ->expected(1);
+  command->add_option("-w,--weights", arguments->weights, "One weight for each point, separated by commas");
   command
       ->add_option("-t,--tolerance", arguments->tolerance,
                    "Stop once |gradient| <= tolerance * diagonal of the bounding box (1e-9)")

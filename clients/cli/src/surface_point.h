@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace supple::cli {
 
@@ -10,7 +11,10 @@ namespace supple::cli {
 /// Throws Failure(usage) that quotes the text and says what was expected.
 nlohmann::json parse_surface_point(const std::string& text);
 
-/// The inverse, for people: "vertex 17" or "face 12 (0.2, 0.3, 0.5)".
+/// Reads numbers separated by commas, e.g. "0.1,-2,3e-4". Throws Failure(usage) that quotes the text and names `what`.
+std::vector<double> parse_numbers(const std::string& text, const char* what);
+
+/// The inverse of parse_surface_point, for people: "vertex 17" or "face 12 (0.2, 0.3, 0.5)".
 std::string describe_surface_point(const nlohmann::json& point);
 
 }  // namespace supple::cli
