@@ -80,6 +80,8 @@ struct JobQueue::Job final : ProgressSink {
   std::string stage;
   std::uint64_t version = 1;
   bool visible = false;          // in the store, and clients may ask for it
+  bool dismissed = false;        // by a client: however its computation ends, that is its state
+  bool finishing = false;        // one thread writes how it ended
   bool finished = false;         // also once it was dismissed
   std::optional<Result> result;  // of one that is not visible
   std::exception_ptr failure;
@@ -236,6 +238,7 @@ std::optional<JobStatus> JobQueue::remove(const std::string& id) {
   {
     const std::lock_guard lock(mutex_);
     job = find(id);
+    if (job) job->dismissed = true;
   }
   if (!job) {
     if (!store_.remove_job(id)) throw_not_found(id);
@@ -313,9 +316,19 @@ void JobQueue::run_job(const JobPointer& job) {
 }
 
 void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Result> result,
-                      const std::exception_ptr& failure) {
+                      std::exception_ptr failure) {
   std::unique_lock lock(mutex_);
-  if (job->finished) return;
+  if (job->finishing) {
+    changed_.wait(lock, [&] { return job->finished; });
+    return;
+  }
+  job->finishing = true;
+  if (job->dismissed) {
+    // Also where the computation ended before the client's thread got here.
+    state = JobState::dismissed;
+    failure = nullptr;
+    result.reset();
+  }
   auto record = job->record;
   record.state = state;
   record.finished = store::now_milliseconds();
@@ -340,7 +353,6 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
       record.error_status = problem::status_of({error.code(), {}, {}, {}, {}});
     }
     lock.lock();
-    if (job->finished) return;
   }
   job->record = record;
   job->finished = true;

@@ -107,7 +107,7 @@ class JobQueue {
   void work();
   void run_job(const JobPointer& job);
   void finish(const JobPointer& job, store::JobState state, std::optional<store::Result> result,
-              const std::exception_ptr& failure);
+              std::exception_ptr failure);
   JobPointer find(const std::string& id) const;
   static JobStatus status_of(const Job& job);
   void clean_up();
