@@ -315,8 +315,7 @@ void JobQueue::run_job(const JobPointer& job) {
   finish(job, failure ? JobState::failed : JobState::successful, std::move(result), failure);
 }
 
-void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Result> result,
-                      std::exception_ptr failure) {
+void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Result> result, std::exception_ptr failure) {
   std::unique_lock lock(mutex_);
   if (job->finishing) {
     changed_.wait(lock, [&] { return job->finished; });
