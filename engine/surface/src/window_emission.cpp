@@ -64,13 +64,10 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
 void WindowSearch::emit_from_vertex(std::int32_t v) {
   const TriangleMesh& mesh = *mesh_->mesh;
   const VertexRecord record = vertices_[v];
-  // With an allowed error the vertex is a source of its own whose sigma is its true distance over 1 + e: a path that
-  // restarts here has not been charged for the error that it may still make.
-  const bool exact = settings_.relative_error == 0;
-  const double sigma = exact ? distances_[v].value : length_of_path(v) / (1 + settings_.relative_error);
+  const double sigma = distances_[v].value;
   const double total = mesh.vertex_angle(v);
   const bool is_source = record.halfedge < 0 && record.along < 0;
-  const bool everywhere = is_source || !exact;
+  const bool everywhere = is_source || record.everywhere;
   const bool boundary = mesh.is_boundary(v);
   const double arrival = everywhere ? 0 : arrival_angle(*mesh_, record, v);
   constexpr double pi = std::numbers::pi;

@@ -45,7 +45,16 @@ VertexRecord& WindowSearch::vertex_record(std::int32_t v) {
   VertexRecord& record = vertices_[v];
   if (distances_[v].epoch != epoch_) {
     distances_[v] = {kInfinity, epoch_};
-    record = {0, 0, 0, -1, -1, -1, -1, BucketQueue::kNotQueued, mesh_->pins(v), false};
+    record = {0,
+              0,
+              0,
+              -1,
+              -1,
+              -1,
+              -1,
+              BucketQueue::kNotQueued,
+              mesh_->pins(v),
+              mesh_->pins(v) && settings_.relative_error > 0};
   }
   return record;
 }
@@ -266,8 +275,16 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma,
   record.window = window;
   record.origin = origin;
   record.along = along;
+  if (improves && record.everywhere) become_source(v);
   if (improves && record.emits) queue_vertex(v, record);
   return improves;
+}
+
+void WindowSearch::become_source(std::int32_t v) {
+  VertexRecord& record = vertices_[v];
+  const double weight = length_of_path(v) / (1 + settings_.relative_error);
+  record.everywhere = record.emits = true;
+  record.sigma = distances_[v].value = weight;
 }
 
 bool WindowSearch::cut_within_error(Window& window) {
@@ -279,7 +296,7 @@ bool WindowSearch::cut_within_error(Window& window) {
     if (!by) continue;
     VertexRecord& record = vertex_record(v);
     if (record.everywhere) continue;
-    record.emits = record.everywhere = true;
+    become_source(v);
     queue_vertex(v, record);
   }
   return !result.dead;

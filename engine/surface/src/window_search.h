@@ -154,6 +154,10 @@ class WindowSearch {
   bool improve_vertex(std::int32_t v, double distance, double sigma, double source_x, double depth,
                       std::int32_t halfedge, std::int32_t window, std::int32_t origin, std::int32_t along,
                       bool straight = true);
+  /// With an allowed error e: makes the vertex a source of its own, whose sigma is its true distance over 1 + e. A path
+  /// that restarts there has not been charged for the error that it may still make, so errors do not add up:
+  /// D(x) = (1 + e) sigma + |S - x| <= (1 + e) (sigma + |S - x|), which the search makes least.
+  void become_source(std::int32_t v);
   void queue_vertex(std::int32_t v, VertexRecord& record);
   void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
 
