@@ -40,7 +40,7 @@ std::vector<NearMesh> near_meshes(const Settings& settings) {
           {{"torus", [] { return torus(400, 200); }}, false, true},
           {{"icosphere", [] { return icosphere(3); }}},
           {{"icosphere", [] { return icosphere(6); }}},
-          {{"genus 3", [] { return genus3(34); }}},
+          {{"genus 3", [] { return genus3(20); }}},
           {{"spiral cup", [] { return spiral_cup(); }}},
           {{"bumpy cube, shallow", [] { return bumpy_cube(); }}},
           {{"bumpy cube, steep", [] { return bumpy_cube(58, 12, 0.03); }}}};
@@ -96,7 +96,7 @@ void measure_far_pairs(Report& report, const Settings& settings) {
     const GeodesicSolver solver(mesh);
     testing::CgalGeodesics cgal(*mesh);
     const std::vector<PointPair> pairs = far_pairs(*mesh, settings.brief ? 20 : 100, 17);
-    const int shared = settings.brief ? 2 : mesh->face_count() < 10'000 ? 20 : 6;
+    const int shared = settings.brief ? 2 : mesh->face_count() < 10'000 ? 20 : mesh->face_count() < 50'000 ? 4 : 2;
     std::vector<double> ours, peer;
     keep(solver.distance(pairs[0].first, pairs[0].second));
     for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -33,9 +33,7 @@ std::int64_t peak_resident_bytes();
 void reset_peak_memory();
 
 /// Keeps the compiler from dropping a computation whose result nobody reads.
-inline void keep(const double& value) {
-  asm volatile("" : : "m"(value) : "memory");
-}
+inline void keep(const double& value) { asm volatile("" : : "m"(value) : "memory"); }
 
 /// "CPU model, n threads, compiler, build flags, date": what a table of times must say about where it was measured.
 std::string machine_line();

@@ -69,16 +69,18 @@ def draw_accuracy(rows: list[Row], target: Path) -> None:
     meshes = grouped(rows, "mesh")
     figure, panels = plt.subplots(1, len(meshes), figsize=(3.4 * len(meshes), 3.6), sharey=True, squeeze=False)
     for panel, (mesh, points) in zip(panels[0], meshes.items()):
-        bounded = [row for row in points if row["method"] != "edge_graph"]
+        exact = [row for row in points if row["method"] == "exact"]
         graph = [row for row in points if row["method"] == "edge_graph"]
+        bounded = [row for row in points if row not in exact and row not in graph]
         for colour, key, label in ((COLOURS[1], "max_error", "largest"), (COLOURS[0], "mean_error", "mean")):
-            errors = [max(error, SMALLEST_ERROR) for error in numbers(bounded, key)]
-            panel.plot(numbers(bounded, "ms"), errors, marker="o", markersize=4, color=colour, label=f"windows, {label}")
+            panel.plot(numbers(bounded, "ms"), numbers(bounded, key), marker="o", markersize=4, color=colour,
+                       label=f"error-bounded, {label}")
             panel.plot(numbers(graph, "ms"), numbers(graph, key), marker="s", markersize=6, linestyle="none",
                        markerfacecolor="none", color=colour, label=f"edge graph, {label}")
-        guaranteed = [row for row in bounded if float(row["bound"]) > 0]
-        panel.plot(numbers(guaranteed, "ms"), numbers(guaranteed, "bound"), color="0.5", linewidth=1, linestyle="--",
-                   label="guaranteed")
+        panel.plot(numbers(bounded, "ms"), numbers(bounded, "bound"), color="0.5", linewidth=1, linestyle="--",
+                   label="error-bounded, guaranteed")
+        panel.plot(numbers(exact, "ms"), [SMALLEST_ERROR] * len(exact), marker="D", linestyle="none", color="0.2",
+                   label="exact")
         panel.set_yscale("log")
         panel.set_yticks(ERROR_TICKS, ["exact" if e == SMALLEST_ERROR else f"{e:g}" for e in ERROR_TICKS])
         panel.minorticks_off()
@@ -86,9 +88,9 @@ def draw_accuracy(rows: list[Row], target: Path) -> None:
         panel.set_xlabel("milliseconds")
         panel.set_title(f"{mesh}, {int(points[0]['faces']):,} faces", fontsize=10)
     panels[0][0].set_ylabel("relative error at the vertices")
-    figure.tight_layout(rect=(0, 0.1, 1, 1))
+    figure.tight_layout(rect=(0, 0.13, 1, 1))
     handles, labels = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncol=5, fontsize=8, frameon=False)
+    figure.legend(handles, labels, loc="lower center", ncol=3, fontsize=8, frameon=False)
     figure.savefig(target, metadata={"Date": None})
     plt.close(figure)
     print(target)
