@@ -11,6 +11,11 @@
 namespace supple::surface {
 namespace {
 
+/// Points closer than this, relative to the mean edge, differ by rounding alone.
+constexpr double kSamePoint = 1e-13;
+/// And so do objectives that differ by less than this, relative.
+constexpr double kSameValue = 1e-12;
+
 /// A vertex whose angle is within this of 2 pi (radians) is treated as a point of a flat face.
 constexpr double flat_angle = 1e-12;
 
@@ -181,7 +186,9 @@ std::optional<double> KarcherObjective::snap() {
       if (!VertexCone(mesh_, vertex).bends_paths()) continue;
       State state = state_at(vertex_point(mesh_, VertexId{vertex}));
       evaluate_state(state);
-      if (!(state.evaluation.value < best)) continue;
+      // A point that rounding alone keeps from the vertex has the vertex's value, or one below it by rounding.
+      const bool same_point = away <= kSamePoint * mesh_.mean_edge_length();
+      if (same_point ? state.evaluation.value > best * (1 + kSameValue) : !(state.evaluation.value < best)) continue;
       best = state.evaluation.value;
       distance = away;
       trial_ = std::move(state);
