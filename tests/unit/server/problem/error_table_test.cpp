@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <set>
 #include <sstream>
+#include <string>
+#include <string_view>
 
 namespace supple::problem {
 namespace {
@@ -18,18 +21,32 @@ std::string content(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// Every string literal in the sources that has the form of a code with one of the table's families.
+constexpr std::array<std::string_view, 13> families{
+    "minimizer",       "http",        "request", "mesh",   "point", "geodesic", "field", "karcher",
+    "exponential_map", "computation", "job",     "server", "store"};
+
+/// Whether a string literal has the form of a code: a family, a dot, and lower-case letters or underscores.
+bool is_code(std::string_view literal) {
+  const auto dot = literal.find('.');
+  if (dot == std::string_view::npos || dot + 1 == literal.size()) return false;
+  if (std::find(families.begin(), families.end(), literal.substr(0, dot)) == families.end()) return false;
+  return literal.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", dot + 1) == std::string_view::npos;
+}
+
+/// Every code in the sources of the engine and the server: what stands between two quotation marks of one line.
 std::set<std::string> codes_in_sources() {
-  const std::regex literal(
-      R"re("((?:http|request|mesh|point|geodesic|field|karcher|exponential_map|computation|job|server|store|minimizer)\.[a-z_0-9]+)")re");
   std::set<std::string> codes;
   for (const char* folder : {"engine", "server"}) {
     for (const auto& entry :
          std::filesystem::recursive_directory_iterator(std::filesystem::path(SUPPLE_SOURCE_DIR) / folder)) {
       if (entry.path().extension() != ".cpp") continue;
       const auto text = content(entry.path());
-      for (std::sregex_iterator match(text.begin(), text.end(), literal), end; match != end; ++match)
-        codes.insert((*match)[1]);
+      for (auto quote = text.find('"'); quote != std::string::npos; quote = text.find('"', quote + 1)) {
+        const auto end = text.find_first_of("\"\n", quote + 1);
+        if (end == std::string::npos) break;
+        const auto literal = std::string_view(text).substr(quote + 1, end - quote - 1);
+        if (is_code(literal)) codes.emplace(literal);
+      }
     }
   }
   return codes;
