@@ -51,7 +51,7 @@ def save(figure: plt.Figure, target: Path) -> None:
 
 
 def draw_ratio(rows: list[Row], target: Path) -> None:
-    figure, axes = plt.subplots(figsize=(6.4, 3.8))
+    figure, axes = plt.subplots(figsize=(7.6, 3.8))
     for colour, (mesh, points) in zip(COLOURS, grouped(rows, "mesh").items()):
         axes.plot(numbers(points, "faces"), numbers(points, "ratio"), marker="o", color=colour, label=mesh)
     axes.axhline(20, color="0.6", linewidth=0.9, linestyle=":")
@@ -61,7 +61,7 @@ def draw_ratio(rows: list[Row], target: Path) -> None:
     axes.set_xlabel("faces")
     axes.set_ylabel("CGAL's time / ours")
     axes.set_title("One source to every vertex", fontsize=10)
-    axes.legend(fontsize=8, ncol=2, loc="lower center", frameon=False)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     save(figure, target)
 
 
