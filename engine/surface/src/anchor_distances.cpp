@@ -18,11 +18,19 @@ constexpr std::int64_t least_faces_for_threads = 5000;
 /// cheaper than a twentieth of that.
 constexpr std::size_t most_anchors_for_pairs = 16;
 
-/// What a kept field is taken to cost, in windows of a pair search per face: on the benchmark's meshes
-/// (docs/bench/karcher.md) it propagates 5 to 54 windows per face, 8 to 12 on most, and a window that is kept takes
-/// about three times as long: its memory is touched for the first time.
-constexpr double windows_per_face = 10;
-constexpr double keeping_costs = 3;
+/// What a field is taken to cost: windows per face grow like the square root of the faces, as fronts get longer
+/// (docs/bench/geodesics.md: 8 on 1,280 faces, 26 on 20,480). A window that is kept takes about twice as long, its
+/// memory being written out.
+constexpr double windows_per_root_face = 0.2;
+constexpr double keeping_costs = 2;
+
+/// A pair search that propagates more windows per face than this looks at a large part of the surface: straight
+/// distances mislead it.
+constexpr double dear_pair = 5;
+/// Fields that guided searches need while the moving point comes to rest.
+constexpr double landmarks_needed = 2;
+/// Beyond this share of the mean distance of the anchors a landmark leads too badly, and a new field is computed.
+constexpr double landmark_reach = 0.1;
 
 /// Two paths whose lengths differ by less than this share of the mesh diagonal count as equally short.
 constexpr double cut_locus_excess = 1e-9;
@@ -53,7 +61,9 @@ std::string rounded(double value) { return std::to_string(std::llround(value)); 
 }  // namespace
 
 AnchorSearchChoice cheapest_search(const AnchorSearchFacts& facts) {
-  const double field = windows_per_face * static_cast<double>(facts.faces);
+  const double faces = static_cast<double>(facts.faces);
+  const double windows_per_face = windows_per_root_face * std::sqrt(faces);
+  const double field = windows_per_face * faces;
   const double evaluations = static_cast<double>(facts.evaluations);
   const double anchors = static_cast<double>(facts.anchors);
   const double by_fields = anchors * field * keeping_costs;
@@ -61,11 +71,19 @@ AnchorSearchChoice cheapest_search(const AnchorSearchFacts& facts) {
   const double by_pairs = facts.windows_per_pair > 0 ? evaluations * anchors * facts.windows_per_pair
                                                      : std::numeric_limits<double>::infinity();
 
+  // A guided search propagates a strip of windows round the path, whose length grows like the square root of the faces.
+  const double by_guidance = landmarks_needed * field + evaluations * anchors * windows_per_face * std::sqrt(faces);
+
   const auto why = [&](const std::string& chosen, double cost, const std::string& other, double other_cost) {
-    return "for " + rounded(anchors) + " points, about " + rounded(evaluations) + " evaluations and " +
-           rounded(static_cast<double>(facts.faces)) + " faces " + chosen + " take an estimated " + rounded(cost) +
-           " windows, " + other + " " + rounded(other_cost);
+    return "for " + rounded(anchors) + " points, about " + rounded(evaluations) + " evaluations and " + rounded(faces) +
+           " faces " + chosen + " take an estimated " + rounded(cost) + " windows, " + other + " " +
+           rounded(other_cost);
   };
+  // Guidance is for searches that are known to need it; elsewhere its estimate is too rough.
+  const bool dear = facts.windows_per_pair > dear_pair * faces;
+  if (dear && by_guidance < std::min({by_fields, by_one, by_pairs}))
+    return {AnchorSearch::guided,
+            why("pair searches guided by a field from near the mean", by_guidance, "kept fields", by_fields)};
   if (by_fields < std::min(by_one, by_pairs))
     return {AnchorSearch::fields,
             why("kept fields", by_fields, "searches for each evaluation", std::min(by_one, by_pairs))};
@@ -124,14 +142,51 @@ std::vector<std::vector<double>> AnchorDistances::between(const std::vector<std:
     }
   }
   const StageTimer timer(execution.cost, "search");
-  pair_windows_ += for_each(entries.size(), execution, [&](int k, const Execution& own) {
-    const Entry& entry = entries[k];
+  const auto search = [&](const Entry& entry, const Execution& own) {
     rows[entry.row][entry.anchor] = solver_.distance(anchors_[chosen[entry.row]], anchors_[entry.anchor], own);
+  };
+  if (entries.empty()) return rows;
+  pair_windows_ += for_each(1, execution, [&](int, const Execution& own) { search(entries.front(), own); });
+  if (pair_windows_ > dear_pair * solver_.mesh().face_count()) {
+    pairs_searched_ += 1;
+    return edge_path_rows(chosen, execution);
+  }
+  pair_windows_ += for_each(entries.size() - 1, execution, [&](int k, const Execution& own) {
+    search(entries[static_cast<std::size_t>(k) + 1], own);
   });
   pairs_searched_ += static_cast<std::int64_t>(entries.size());
   for (std::size_t r = 0; r < chosen.size(); ++r)
     for (std::size_t other = 0; other < r; ++other) rows[r][chosen[other]] = rows[other][chosen[r]];
   return rows;
+}
+
+std::vector<std::vector<double>> AnchorDistances::edge_path_rows(const std::vector<std::size_t>& chosen,
+                                                                 const Execution& execution) {
+  std::vector<std::vector<double>> rows(chosen.size(), std::vector<double>(anchors_.size(), 0.0));
+  const TriangleMesh& mesh = solver_.mesh();
+  FieldOptions options;
+  options.method = FieldMethod::edge_graph;
+  for_each(chosen.size(), execution, [&](int r, const Execution& own) {
+    const GeodesicField field = solver_.field(std::span(&anchors_[chosen[r]], 1), options, own);
+    for (std::size_t i = 0; i < anchors_.size(); ++i) {
+      if (i == chosen[r]) continue;
+      const Eigen::Vector3d place = position(mesh, anchors_[i]);
+      double& least = rows[r][i] = std::numeric_limits<double>::infinity();
+      for (const std::int32_t v : mesh.faces()[index(anchors_[i].face)]) {
+        least = std::min(least, field.vertex_distances()[v] + (mesh.positions()[v] - place).norm());
+      }
+    }
+  });
+  return rows;
+}
+
+double AnchorDistances::landmark_near(const SurfacePoint& p, const Execution& execution) {
+  double away = landmark_ ? solver_.distance(landmark_->at, p, execution) : 0;
+  if (!landmark_ || away > landmark_reach * mean_distance_) {
+    landmark_ = Landmark{p, solver_.field(std::span(&p, 1), {}, execution)};
+    away = 0;
+  }
+  return away;
 }
 
 AnchorSearchFacts AnchorDistances::facts(std::int64_t evaluations) const {
@@ -175,6 +230,18 @@ std::vector<AnchorGeodesic> AnchorDistances::at(const SurfacePoint& p, Need need
       });
       pairs_searched_ += static_cast<std::int64_t>(anchors_.size());
       break;
+    case AnchorSearch::guided: {
+      const Execution quiet{execution.cancellation, nullptr, nullptr};
+      const double away = landmark_near(p, quiet);
+      for_each(anchors_.size(), execution, [&](int i, const Execution& own) {
+        const PairHints hints{nullptr, &landmark_->field, away};
+        seen[i] = seen_from(1, solver_.geodesic(anchors_[i], p, options, own, hints), diagonal);
+      });
+      mean_distance_ = 0;
+      for (const AnchorGeodesic& geodesic : seen)
+        mean_distance_ += geodesic.distance / static_cast<double>(seen.size());
+      break;
+    }
     case AnchorSearch::fields:
       for (std::size_t i = 0; i < fields_.size(); ++i)
         seen[i] = seen_from(1, fields_[i].geodesic(p, options), diagonal);

@@ -14,6 +14,7 @@ namespace supple::surface {
 /// How the distances between fixed anchors and a moving point are found.
 enum class AnchorSearch {
   pairs,        ///< one goal-directed search per anchor
+  guided,       ///< the same, led by a distance field from a point near the moving one
   one_to_many,  ///< one search from the moving point, stopped once every anchor is reached
   fields        ///< a distance field per anchor, computed once and kept
 };
@@ -53,8 +54,9 @@ class AnchorDistances {
   /// Begins with pair searches, or, for many anchors, with one search for all. The solver outlives the object.
   AnchorDistances(const GeodesicSolver& solver, std::vector<SurfacePoint> anchors);
 
-  /// Distances from each of the chosen anchors (indices, ascending) to all, one row each; pairs of chosen anchors are
-  /// searched once.
+  /// Distances from each of the chosen anchors (indices, ascending) to all, one row each, for the choice of a start:
+  /// exact, pairs searched once, or, where the first search shows that a pair is dear, upper bounds by paths along
+  /// edges.
   std::vector<std::vector<double>> between(const std::vector<std::size_t>& chosen, const Execution& execution);
 
   /// What is known of the cost of the searches, for `evaluations` more positions.
@@ -73,7 +75,17 @@ class AnchorDistances {
 
   const GeodesicSolver& solver_;
   std::vector<SurfacePoint> anchors_;
+  /// Makes sure that a field from a point near p is at hand; returns the distance between the two.
+  double landmark_near(const SurfacePoint& p, const Execution& execution);
+  std::vector<std::vector<double>> edge_path_rows(const std::vector<std::size_t>& chosen, const Execution& execution);
+
   AnchorSearch search_;
+  struct Landmark {
+    SurfacePoint at;
+    GeodesicField field;
+  };
+  std::optional<Landmark> landmark_;
+  double mean_distance_ = 0;  ///< of the anchors at the last evaluation
   std::vector<GeodesicField> fields_;
   double pair_windows_ = 0;
   std::int64_t pairs_searched_ = 0;

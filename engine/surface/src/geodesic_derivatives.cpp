@@ -57,7 +57,7 @@ std::int32_t common_face(const TriangleMesh& mesh, const SurfacePoint& a, const 
 
 /// The tangent frame of the point's face, unfolded into the face of `h`, one of faces_around(point).
 Frame unfolded_frame(const TriangleMesh& mesh, const SurfacePoint& point, std::int32_t h) {
-  const Frame own = tangent_frame(mesh, point.face);
+  Frame own = tangent_frame(mesh, point.face);
   const std::int32_t face = index(point.face);
   if (TriangleMesh::face_of(h) == face) return own;
   const int corner = corner_of(point);

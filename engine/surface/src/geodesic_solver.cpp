@@ -80,7 +80,7 @@ double GeodesicSolver::distance(const SurfacePoint& from, const SurfacePoint& to
 }
 
 Geodesic GeodesicSolver::geodesic(const SurfacePoint& from, const SurfacePoint& to, const GeodesicOptions& options,
-                                  const Execution& execution, const std::vector<PathPoint>* known_path) const {
+                                  const Execution& execution, const PairHints& hints) const {
   const SearchMesh& search_mesh = *implementation_->search_mesh;
   if (mesh().component(index(from.face)) != mesh().component(index(to.face))) return {};
   SearchTarget target = make_target(search_mesh, to);
@@ -88,11 +88,14 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from, const SurfacePoint& 
   SearchSettings settings;
   settings.goal_directed = true;
   settings.keep_windows = true;
-  if (known_path && known_path->size() > 1) {
-    // The triangle inequality turns a path between nearby points into a bound for these.
-    const double detour = (known_path->front().position - position(mesh(), from)).norm() +
-                          (known_path->back().position - target.position).norm();
-    if (detour == 0) settings.limit = length_of(*known_path) * (1 + 1e-9);
+  if (hints.known_path && hints.known_path->size() > 1 &&
+      hints.known_path->front().position == position(mesh(), from) &&
+      hints.known_path->back().position == target.position) {
+    settings.limit = length_of(*hints.known_path) * (1 + 1e-9);
+  }
+  if (hints.landmark) {
+    settings.landmark = hints.landmark->vertex_distances();
+    settings.landmark_distance = hints.landmark_distance;
   }
   {
     const StageTimer timer(execution.cost, "search");

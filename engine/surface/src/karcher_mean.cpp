@@ -173,7 +173,12 @@ void choose_search(AnchorDistances& distances, const KarcherProblem& problem, co
     choice = {few ? AnchorSearch::pairs : AnchorSearch::one_to_many, "asked not to"};
   }
   const bool kept = choice.search == AnchorSearch::fields;
+  const bool guided = choice.search == AnchorSearch::guided;
   if (execution.cost) execution.cost->add_effect("kept_fields", kept, choice.why, kept ? facts.anchors : 0);
+  if (execution.cost)
+    execution.cost->add_effect(
+        "guided_searches", guided,
+        guided ? choice.why : "straight distances lead the searches well enough, or fields are kept");
   distances.use(choice.search, execution);
 }
 
@@ -292,7 +297,8 @@ KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& pro
   AnchorDistances distances(solver, own.anchors);
   const SurfacePoint start = own.start ? *own.start : best_start(distances, mesh, own, execution);
   KarcherObjective objective(mesh, distances, own.weights, start, execution);
-  objective.prepare();
+  // Without a count of what a pair search costs here, the start's own searches give one.
+  if (distances.facts(0).windows_per_pair == 0) objective.prepare();
   choose_search(distances, problem, execution);
   KarcherMean mean = Search(solver, problem, execution).run(objective);
   execution.checkpoint(1, "step");

@@ -45,6 +45,7 @@ VertexRecord& WindowSearch::vertex_record(std::int32_t v) {
   VertexRecord& record = vertices_[v];
   if (distances_[v].epoch != epoch_) {
     distances_[v] = {kInfinity, epoch_};
+    ++vertices_reached_;
     record = {0,
               0,
               0,
@@ -97,6 +98,7 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   hooks_.clear();
   windows_created_ = 0;
   batches_ = 0;
+  vertices_reached_ = 0;
   sources_.assign(sources.begin(), sources.end());
   targets_ = targets;
   settings_ = settings;
@@ -119,6 +121,12 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   if (settings.goal_directed) {
     goal_ = targets[0].position;
     first_key = (position(*mesh_->mesh, sources_[0]) - goal_).norm();
+    if (!settings.landmark.empty()) {
+      for (const std::int32_t v : mesh_->mesh->faces()[index(sources_[0].face)]) {
+        const double away = (mesh_->mesh->positions()[v] - position(*mesh_->mesh, sources_[0])).norm();
+        first_key = std::max(first_key, to_goal(v) - away);
+      }
+    }
   }
   queue_.start(first_key, mesh_->mesh->mean_edge_length() * (settings.goal_directed ? kGoalBucket : kFieldBucket));
 }
@@ -164,7 +172,10 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
       if (record.queued != bucket) continue;
       record.queued = BucketQueue::kNotQueued;
       process(item);
-      if (++batches_ % kBatchesPerCheckpoint == 0) execution.cancellation.throw_if_requested();
+      if (++batches_ % kBatchesPerCheckpoint == 0) {
+        execution.cancellation.throw_if_requested();
+        report_progress(execution);
+      }
     } else {
       VertexRecord& record = vertices_[~item];
       if (record.queued != bucket) continue;
@@ -175,6 +186,12 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
   for (SearchTarget& target : targets_) {
     offer_corners(target);
   }
+}
+
+void WindowSearch::report_progress(const Execution& execution) const {
+  // Of a search that may stop early nobody knows the end.
+  if (!execution.progress || !targets_.empty()) return;
+  execution.progress->report(static_cast<double>(vertices_reached_) / static_cast<double>(vertices_.size()), "search");
 }
 
 void WindowSearch::prefetch() const {
@@ -241,7 +258,7 @@ void WindowSearch::queue_halfedge(std::int32_t h, HalfedgeRecord& record, double
 
 void WindowSearch::queue_vertex(std::int32_t v, VertexRecord& record) {
   double key = distances_[v].value;
-  if (settings_.goal_directed) key += (mesh_->mesh->positions()[v] - goal_).norm();
+  if (settings_.goal_directed) key += std::max(to_goal(v), (mesh_->mesh->positions()[v] - goal_).norm());
   if (key > bound_) return;
   const BucketQueue::Bucket bucket = queue_.bucket_of(key);
   if (record.queued <= bucket) return;
@@ -302,13 +319,23 @@ bool WindowSearch::cut_within_error(Window& window) {
   return !result.dead;
 }
 
+double WindowSearch::goal_key(const Window& window, const Exit& exit) const {
+  double crossing = 0;
+  const double straight = length_to(window, exit.goal.x(), exit.goal.y(), crossing);
+  if (settings_.landmark.empty()) return straight;
+  // From x on the edge the goal is no nearer than from an end less the way to the end. |S - x| - x decreases and
+  // |S - x| + x increases along the edge, so each bound is least at one end of the window.
+  const double by_tail = length_at(window, window.b1) - window.b1 + exit.tail_to_goal;
+  const double by_head = length_at(window, window.b0) + window.b0 + exit.head_to_goal - exit.length;
+  return std::max({straight, by_tail, by_head});
+}
+
 inline void WindowSearch::admit(Window& window, Exit& exit) {
   if (!(window.b1 - window.b0 > kLeastWidth * exit.length)) return;
   if (cut(window, {exit.tail - window.sigma, exit.head - window.sigma}, exit.length).dead) return;
   if (settings_.relative_error > 0 && !cut_within_error(window)) return;
   if (settings_.goal_directed) {
-    double crossing = 0;
-    const double key = length_to(window, exit.goal.x(), exit.goal.y(), crossing);
+    const double key = goal_key(window, exit);
     if (key > bound_) return;
     exit.key = std::min(exit.key, key);
   } else {
@@ -345,7 +372,7 @@ Eigen::Vector2d WindowSearch::goal_in_frame(std::int32_t tail, std::int32_t head
 
 WindowSearch::Exit WindowSearch::exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head,
                                               double length, double ux, double uy) {
-  Exit exit{halfedge, length, ux, uy, allowed(tail), allowed(head), kInfinity, {0, 0}};
+  Exit exit{halfedge, length, ux, uy, allowed(tail), allowed(head), kInfinity, to_goal(tail), to_goal(head), {0, 0}};
   if (halfedge >= 0 && settings_.goal_directed) exit.goal = goal_in_frame(tail, head, length);
   return exit;
 }

@@ -75,6 +75,9 @@ struct SearchSettings {
   bool keep_windows = false;   ///< every processed window stays in the pool
   double relative_error = 0;
   double limit = kInfinity;  ///< distances beyond need not be found
+  /// With goal_directed: exact distance of each vertex from a point near the target, and that point's from the target.
+  std::span<const double> landmark = {};
+  double landmark_distance = 0;
 };
 
 /// One continuous-Dijkstra search with all its state, reusable: a search marks what it touches with its number, so that
@@ -166,9 +169,10 @@ class WindowSearch {
   struct Exit {
     std::int32_t halfedge;  ///< that they arrive at in the next face, -1 on the boundary
     double length;
-    double ux, uy;         ///< unit direction of that halfedge in the frame of the edge entered by
-    double tail, head;     ///< distances of its ends, allowances included
-    double key;            ///< least key of the windows that have left this way
+    double ux, uy;                      ///< unit direction of that halfedge in the frame of the edge entered by
+    double tail, head;                  ///< distances of its ends, allowances included
+    double key;                         ///< least key of the windows that have left this way
+    double tail_to_goal, head_to_goal;  ///< by the landmark, at least
     Eigen::Vector2d goal;  ///< where the goal-directed search's target lies at best, in the halfedge's frame
   };
   Exit exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head, double length, double ux, double uy);
@@ -184,6 +188,13 @@ class WindowSearch {
   /// The goal turned about the edge into the plane of the next face: no path to it is shorter than to there.
   Eigen::Vector2d goal_in_frame(std::int32_t tail, std::int32_t head, double length) const;
   [[gnu::always_inline]] std::int32_t allocate();
+  /// Lower bound, by the landmark, of a vertex's distance to the goal; -infinity without one.
+  double to_goal(std::int32_t vertex) const {
+    return settings_.landmark.empty() ? -kInfinity : settings_.landmark[vertex] - settings_.landmark_distance;
+  }
+  /// Lower bound of the length of a path through the window to the goal.
+  double goal_key(const Window& window, const Exit& exit) const;
+  void report_progress(const Execution& execution) const;
   /// Asks memory for what the next batches need.
   void prefetch() const;
   void release(std::int32_t window);
@@ -209,6 +220,7 @@ class WindowSearch {
   std::vector<std::int32_t> places_;  ///< of the pool's windows in what copy_kept hands out
   std::int64_t windows_created_ = 0;
   std::int64_t batches_ = 0;
+  std::int64_t vertices_reached_ = 0;
 };
 
 }  // namespace supple::surface

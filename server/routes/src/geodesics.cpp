@@ -79,7 +79,8 @@ void compute_group(const Work& work, const std::vector<std::size_t>& members, co
   const auto first = members.front();
   if (members.size() == 1) {
     const auto* known = work.known_paths[first].empty() ? nullptr : &work.known_paths[first];
-    results[first] = solver.geodesic(work.ends[first].first, work.ends[first].second, options, execution, known);
+    results[first] =
+        solver.geodesic(work.ends[first].first, work.ends[first].second, options, execution, {.known_path = known});
     return;
   }
   std::vector<SurfacePoint> targets;

@@ -242,7 +242,28 @@ TEST(GeodesicDistance, IsTheSameToTheLastBitOnEveryRunAndFromAKnownPath) {
     const Geodesic first = solver.geodesic(a, b, {.path = true});
     EXPECT_EQ(first.distance, solver.geodesic(a, b).distance);
     EXPECT_EQ(first.distance, GeodesicSolver(mesh).distance(a, b));
-    EXPECT_NEAR(first.distance, solver.geodesic(a, b, {}, {}, &first.path).distance, 1e-14 * first.distance);
+    EXPECT_NEAR(first.distance, solver.geodesic(a, b, {}, {}, {.known_path = &first.path}).distance,
+                1e-14 * first.distance);
+  }
+}
+
+TEST(GeodesicDistance, IsTheSameWithALandmarkAndNeedsFewerWindowsOnAShapeThatWinds) {
+  for (const auto& mesh : {share(testing::trefoil_knot(80, 10)), share(testing::spiral_cup(120, 8)),
+                           share(testing::genus3(2)), share(testing::l_shape(6))}) {
+    const GeodesicSolver solver(mesh);
+    RandomStream stream("landmark", 10);
+    CostLedger plain;
+    CostLedger guided;
+    for (int i = 0; i < 30; ++i) {
+      const SurfacePoint a = testing::random_point(*mesh, stream);
+      const SurfacePoint b = i % 3 ? testing::random_point(*mesh, stream) : testing::random_vertex_point(*mesh, stream);
+      const SurfacePoint near = exponential_map(*mesh, b, {0.1, 0.05, 0.02}).end;
+      const GeodesicField field = solver.field({&near, 1});
+      const PairHints hints{nullptr, &field, solver.distance(near, b)};
+      const double d = solver.geodesic(a, b, {}, {.cost = &plain}).distance;
+      EXPECT_NEAR(solver.geodesic(a, b, {}, {.cost = &guided}, hints).distance, d, 1e-13 * d);
+    }
+    EXPECT_LT(guided.quantities()[0].value, plain.quantities()[0].value);
   }
 }
 

@@ -185,8 +185,10 @@ TEST(KarcherMean, KeptFieldsGiveTheSameMeanAndTheBillSaysWhetherTheyWereUsed) {
       execution.cost = &cost;
       const KarcherMean mean = karcher_mean(scene.solver, problem, execution);
       EXPECT_LE(mean.gradient_norm, 1e-9 * scene.mesh->diagonal());
-      ASSERT_EQ(cost.effects().size(), 1u);
+      ASSERT_EQ(cost.effects().size(), 2u);
       EXPECT_EQ(cost.effects()[0].name, "kept_fields");
+      EXPECT_EQ(cost.effects()[1].name, "guided_searches");
+      EXPECT_FALSE(cost.effects()[1].ran) << "the shape does not wind";
       EXPECT_FALSE(cost.effects()[0].why.empty());
       if (choice == KeptFields::off) first = mean.position;
       EXPECT_LT((mean.position - first).norm(), 1e-7);
@@ -198,6 +200,22 @@ TEST(KarcherMean, KeptFieldsGiveTheSameMeanAndTheBillSaysWhetherTheyWereUsed) {
         EXPECT_EQ(cost.effects()[0].count, 5);
       }
     }
+  }
+}
+
+TEST(KarcherMean, OnAShapeThatWindsIsFoundByGuidedSearches) {
+  Scene scene(testing::spiral_cup(400, 12));
+  for (int trial = 0; trial < 3; ++trial) {
+    KarcherProblem problem = random_problem(*scene.mesh, 5, 40 + trial);
+    CostLedger cost;
+    const KarcherMean mean = karcher_mean(scene.solver, problem, {.cost = &cost});
+    EXPECT_LE(mean.gradient_norm, 1e-9 * scene.mesh->diagonal());
+    ASSERT_EQ(cost.effects().size(), 2u);
+    EXPECT_TRUE(cost.effects()[1].ran);
+    // The same minimum as from the same place by kept fields.
+    problem.kept_fields = KarcherProblem::KeptFields::on;
+    problem.start = mean.mean;
+    EXPECT_LT((karcher_mean(scene.solver, problem).position - mean.position).norm(), 1e-7);
   }
 }
 

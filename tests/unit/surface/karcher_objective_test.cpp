@@ -53,6 +53,9 @@ TEST(KarcherObjective, DerivativesMatchFiniteDifferencesWithOneSearchForAllAncho
 TEST(KarcherObjective, DerivativesMatchFiniteDifferencesWithKeptFields) {
   expect_derivatives(testing::torus(16, 8), AnchorSearch::fields, false);
 }
+TEST(KarcherObjective, DerivativesMatchFiniteDifferencesOnGuidedSearches) {
+  expect_derivatives(testing::trefoil_knot(60, 8), AnchorSearch::guided, false);
+}
 
 }  // namespace
 }  // namespace supple::surface

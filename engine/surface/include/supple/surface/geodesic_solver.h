@@ -10,6 +10,17 @@
 
 namespace supple::surface {
 
+/// What is already known of a pair and spares the search work. Never changes the answer.
+struct PairHints {
+  /// A path between the same ends: its length bounds the search.
+  const std::vector<PathPoint>* known_path = nullptr;
+  /// An exact field from a point near the second end, and the distance between that point and the second end (or more).
+  /// By the triangle inequality it tells how far the second end is from every vertex; on shapes that wind, where
+  /// straight distances tell little, a search then looks at a strip round the path instead of half the surface.
+  const GeodesicField* landmark = nullptr;
+  double landmark_distance = 0;
+};
+
 /// Exact geodesics of one mesh. Keeps what depends on the mesh alone and a pool of search states, so that a local query
 /// costs nothing that grows with the mesh. All members may be called from several threads at once.
 ///
@@ -28,10 +39,9 @@ class GeodesicSolver {
   /// path. The points must be valid (checked_point).
   double distance(const SurfacePoint& from, const SurfacePoint& to, const Execution& execution = {}) const;
 
-  /// The shortest path with what `options` asks for. `known_path`, a path between (nearly) the same ends, gives the
-  /// search an upper bound to prune with.
+  /// The shortest path with what `options` asks for.
   Geodesic geodesic(const SurfacePoint& from, const SurfacePoint& to, const GeodesicOptions& options = {},
-                    const Execution& execution = {}, const std::vector<PathPoint>* known_path = nullptr) const;
+                    const Execution& execution = {}, const PairHints& hints = {}) const;
 
   /// One search for many targets, stopped once all are certain.
   std::vector<Geodesic> geodesics(const SurfacePoint& from, std::span<const SurfacePoint> to,
