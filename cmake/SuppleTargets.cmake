@@ -12,7 +12,7 @@ endif()
 
 add_library(supple_options INTERFACE)
 # Nothing reads errno after a square root; without this each one carries a branch and a call.
-target_compile_options(supple_options INTERFACE -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize)
+target_compile_options(supple_options INTERFACE -fno-math-errno -fno-trapping-math)
 target_compile_options(supple_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
   -Woverloaded-virtual -Werror)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

@@ -79,8 +79,10 @@ double GeodesicSolver::distance(const SurfacePoint& from, const SurfacePoint& to
   return geodesic(from, to, {}, execution).distance;
 }
 
-Geodesic GeodesicSolver::geodesic(const SurfacePoint& from, const SurfacePoint& to, const GeodesicOptions& options,
-                                  const Execution& execution, const PairHints& hints) const {
+Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfacePoint& to,
+                                  const GeodesicOptions& options, const Execution& execution,
+                                  const PairHints& hints) const {
+  const SurfacePoint from = snapped(from_point);
   const SearchMesh& search_mesh = *implementation_->search_mesh;
   if (mesh().component(index(from.face)) != mesh().component(index(to.face))) return {};
   SearchTarget target = make_target(search_mesh, to);
@@ -106,8 +108,9 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from, const SurfacePoint& 
   return assemble(state_of(*search), target, options);
 }
 
-std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from, std::span<const SurfacePoint> to,
+std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, std::span<const SurfacePoint> to,
                                                 const GeodesicOptions& options, const Execution& execution) const {
+  const SurfacePoint from = snapped(from_point);
   std::vector<SearchTarget> targets;
   std::vector<std::size_t> places;
   const std::int32_t component = mesh().component(index(from.face));
@@ -137,11 +140,11 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   if (sources.empty()) throw Error("field.no_sources", "A distance field needs at least one source.");
   auto data = std::make_shared<GeodesicField::Data>();
   data->mesh = implementation_->search_mesh;
-  data->sources.assign(sources.begin(), sources.end());
+  for (const SurfacePoint& source : sources) data->sources.push_back(snapped(source));
   const auto vertices = static_cast<std::size_t>(mesh().vertex_count());
   if (options.method == FieldMethod::edge_graph) {
     const StageTimer timer(execution.cost, "search");
-    data->distances = edge_graph_distances(*data->mesh, sources, options.max_distance, execution);
+    data->distances = edge_graph_distances(*data->mesh, data->sources, options.max_distance, execution);
     return GeodesicField(std::move(data));
   }
   Implementation::Lease search(*implementation_);
@@ -151,7 +154,7 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   settings.limit = options.max_distance;
   {
     const StageTimer timer(execution.cost, "search");
-    search->run(sources, {}, settings, execution);
+    search->run(data->sources, {}, settings, execution);
   }
   bill(*search, execution);
   const StageTimer timer(execution.cost, "assembly");

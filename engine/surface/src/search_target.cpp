@@ -5,6 +5,9 @@
 namespace supple::surface {
 namespace {
 
+/// Closer to a vertex than this, relative to the face, a point cannot be told from it: its coordinates in the frames of
+/// other faces are the vertex's own, up to rounding.
+constexpr double kAtVertex = 1e-14;
 /// Arrivals whose directions differ by less (radians) are one path, or as good as one.
 constexpr double kSameDirection = 1e-6;
 /// An arrival bent at a window's end stands for a straight one that another window has displaced before it came here,
@@ -87,7 +90,17 @@ double angle_at_apex(const EdgeFrame& frame, double source_x, double depth) {
 
 }  // namespace
 
-SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& point) {
+SurfacePoint snapped(const SurfacePoint& point) {
+  for (int i = 0; i < 3; ++i) {
+    if (point.barycentric[(i + 1) % 3] < kAtVertex && point.barycentric[(i + 2) % 3] < kAtVertex) {
+      return {point.face, Eigen::Vector3d::Unit(i)};
+    }
+  }
+  return point;
+}
+
+SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& given) {
+  const SurfacePoint point = snapped(given);
   SearchTarget target;
   target.point = point;
   const std::int32_t face = index(point.face);

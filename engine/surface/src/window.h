@@ -22,6 +22,9 @@ struct Window {
   std::int32_t halfedge;  ///< -1 while free
 };
 
+/// x moved into [low, high], without branches.
+inline double clamped(double x, double low, double high) { return std::max(low, std::min(x, high)); }
+
 inline double hypotenuse(double x, double y) { return std::sqrt(x * x + y * y); }
 
 inline double squared_radius(const Window& w, double x) {
@@ -41,6 +44,8 @@ inline double length_to(const Window& w, double x, double y, double& crossing) {
 /// A window or part of one is dropped only where it is longer than what replaces it by this much, relative: overlaps
 /// cost a little time, gaps would cost correctness.
 inline constexpr double kDropTolerance = 1e-12;
+/// And by this much of the edge that it crosses.
+inline constexpr double kEdgeRounding = 1e-14;
 /// Windows narrower than this fraction of their edge are dropped: a few units in the last place of a coordinate.
 inline constexpr double kLeastWidth = 2e-15;
 
@@ -99,14 +104,15 @@ inline void give_up(Window& loser, double a, double b) {
 
 /// Gives each window its side of the crossing; parts beyond the overlap stay.
 inline void share(Window& left, Window& right, double crossing, double a, double b) {
-  if (left.b1 <= b) left.b1 = crossing;
-  if (right.b0 >= a) right.b0 = crossing;
+  left.b1 = left.b1 <= b ? crossing : left.b1;
+  right.b0 = right.b0 >= a ? crossing : right.b0;
 }
 
 /// Where the sigmas differ by more than the sources' offsets along the edge (by less than this times more), the
 /// crossings are two or none, or rounding decides which.
 inline constexpr double kOneCrossing = 1e-6;
 
+/// Of two lengths that differ by less, relative, the one of smaller sigma counts as the shorter.
 inline constexpr double kTieBias = 1e-13;
 
 /// Where |P - x| - |W - x| = c: with u = x - a, squaring once gives alpha u + beta = 2 c |W - x|, and twice a quadratic

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <bit>
 #include <limits>
 #include <span>
 #include <vector>
@@ -19,15 +20,16 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// How the best known path reaches a vertex.
 struct VertexRecord {
-  double sigma;            ///< of the pseudo-source, as in a Window
-  double source_x, depth;  ///< the pseudo-source in the frame of `halfedge`, as in a Window
-  std::int32_t halfedge;   ///< whose apex the vertex is; -1 for a path along an edge
-  std::int32_t window;     ///< pool index of the window that covers the vertex, -1 if none
-  std::int32_t origin;     ///< pseudo-source: a vertex, or -1 - i for the i-th source
-  std::int32_t along;      ///< halfedge with the vertex at one end when the path runs along an edge, else -1
-  BucketQueue::Bucket queued;
-  bool emits;       ///< sends out windows: pins paths, or stands in for windows that an allowed error has dropped
-  bool everywhere;  ///< does so in all directions
+  double sigma = 0;  ///< of the pseudo-source, as in a Window
+  double source_x = 0;
+  double depth = 0;            ///< the pseudo-source in the frame of `halfedge`, as in a Window
+  std::int32_t halfedge = -1;  ///< whose apex the vertex is; -1 for a path along an edge
+  std::int32_t window = -1;    ///< pool index of the window that covers the vertex, -1 if none
+  std::int32_t origin = -1;    ///< pseudo-source: a vertex, or -1 - i for the i-th source
+  std::int32_t along = -1;     ///< halfedge with the vertex at one end when the path runs along an edge, else -1
+  BucketQueue::Bucket queued = BucketQueue::kNotQueued;
+  bool emits = false;  ///< sends out windows: pins paths, or stands in for windows that an allowed error has dropped
+  bool everywhere = false;  ///< does so in all directions
 };
 
 /// How a path reaches a target.
@@ -56,6 +58,8 @@ struct SearchTarget {
   double competing_length = kInfinity;  ///< shortest length met of a path with another image
 };
 
+/// The point, or the vertex that it cannot be told from.
+SurfacePoint snapped(const SurfacePoint& point);
 SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& point);
 /// Angle around its vertex at which the recorded path arrives, counted as SearchMesh::polar_angle.
 double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::int32_t vertex);
@@ -98,8 +102,10 @@ class WindowSearch {
   /// What the search orders by: the distance, or with an allowed error e the least sigma + |S - v|, where the sigma of
   /// a vertex that sends windows is its true distance over 1 + e.
   double distance(std::int32_t vertex) const {
+    // Selected as integers, because whether a vertex has been reached is hard to predict.
     const Distance& d = distances_[vertex];
-    return d.epoch == epoch_ ? d.value : kInfinity;
+    const auto bits = std::bit_cast<std::uint64_t>(d.value);
+    return std::bit_cast<double>(d.epoch == epoch_ ? bits : std::bit_cast<std::uint64_t>(kInfinity));
   }
   /// Length of the path that the record of a reached vertex describes: the distance, or at most 1 + e times it.
   double length_of_path(std::int32_t vertex) const {
@@ -184,7 +190,11 @@ class WindowSearch {
   bool cut_within_error(Window& window);
   /// admit for windows that start at a (pseudo-)source, and the halfedge's place in the queue.
   void admit_first(Window& window);
-  double allowed(std::int32_t vertex) const { return distance(vertex) * (1 + kDropTolerance); }
+  /// Distance of an end of an edge of the given length, with what a window may be longer before it is dropped for it:
+  /// near a source the distance is tiny, and the rounding that counts is that of the edge.
+  double allowed(std::int32_t vertex, double length) const {
+    return distance(vertex) * (1 + kDropTolerance) + kEdgeRounding * length;
+  }
   /// The goal turned about the edge into the plane of the next face: no path to it is shorter than to there.
   Eigen::Vector2d goal_in_frame(std::int32_t tail, std::int32_t head, double length) const;
   [[gnu::always_inline]] std::int32_t allocate();
@@ -222,5 +232,22 @@ class WindowSearch {
   std::int64_t batches_ = 0;
   std::int64_t vertices_reached_ = 0;
 };
+
+inline WindowSearch::HalfedgeRecord& WindowSearch::halfedge_record(std::int32_t h) {
+  HalfedgeRecord& record = halfedges_[h];
+  if (record.epoch != epoch_) record = {-1, -1, epoch_, BucketQueue::kNotQueued};
+  return record;
+}
+
+inline std::int32_t WindowSearch::allocate() {
+  ++windows_created_;
+  if (free_ >= 0) {
+    const std::int32_t i = free_;
+    free_ = pool_[i].next;
+    return i;
+  }
+  pool_.emplace_back();
+  return static_cast<std::int32_t>(pool_.size()) - 1;
+}
 
 }  // namespace supple::surface
