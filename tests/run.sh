@@ -22,12 +22,13 @@ declare -A about=(
   [stability]="the named hard cases"
   [python]="the Python package: mypy --strict and its own tests"
   [api]="black box over HTTP: contract, examples, jobs, faults, restart, kill -9, clients"
+  [bench]="the benchmarks' short runs: that they work, not what they measure"
   [tidy]="clang-tidy"
   [asan]="unit tests under the address and undefined-behaviour sanitizers"
   [tsan]="unit tests under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
-order=(arrows format build unit stability python api tidy asan tsan fuzz)
+order=(arrows format build unit stability python api bench tidy asan tsan fuzz)
 
 build_preset() { cmake --preset "$1" >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }
   cmake --build "build/$1" -j "$jobs" "${@:2}"; }
@@ -43,6 +44,7 @@ part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" 
 part_stability() { build_preset release && ctest --test-dir build/release -j "$jobs" -L stability --output-on-failure --no-tests=error; }
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
 part_api() { build_preset release --target supple supple-server && "$python" -m pytest -q -p no:cacheprovider tests/api; }
+part_bench() { build_preset bench --target bench_geodesics karcher_bench && ctest --test-dir build/bench -L bench --output-on-failure --no-tests=error; }
 part_tidy() { build_preset release --target supple-server && tests/tidy.sh "$jobs"; }
 part_asan() { build_preset asan-ubsan && UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
