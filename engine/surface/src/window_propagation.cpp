@@ -40,24 +40,24 @@ double WindowSearch::goal_key(const Window& window, const Exit& exit) const {
   return std::max({straight, by_tail, by_head});
 }
 
+template <bool plain>
 inline void WindowSearch::admit(Window& window, Exit& exit) {
   if (!(window.b1 - window.b0 > kLeastWidth * exit.length)) return;
   if (cut(window, {exit.tail - window.sigma, exit.head - window.sigma}, exit.length).dead) return;
-  if (settings_.relative_error > 0 && !cut_within_error(window)) return;
-  if (settings_.goal_directed) {
+  if (!plain && settings_.relative_error > 0 && !cut_within_error(window)) return;
+  if (!plain && settings_.goal_directed) {
     const double key = goal_key(window, exit);
     if (key > bound_) return;
     exit.key = std::min(exit.key, key);
   } else {
     const double at = clamped(window.source_x, window.b0, window.b1);
-    if (bound_ < kInfinity && farther(window, at, bound_ - window.sigma)) return;
+    if (!plain && bound_ < kInfinity && farther(window, at, bound_ - window.sigma)) return;
     // The root is taken only where it lowers the batch's key.
     const double nearest = squared_radius(window, at);
     const double to_beat = exit.key - window.sigma;
     if (to_beat > 0 && nearest < to_beat * to_beat) exit.key = window.sigma + std::sqrt(nearest);
   }
   const std::int32_t i = allocate();
-  HalfedgeRecord& record = halfedge_record(exit.halfedge);
   // Field by field: a copy of the whole struct would read back in wide loads what narrow stores have just written.
   Window& slot = pool_[i];
   slot.b0 = window.b0;
@@ -66,10 +66,10 @@ inline void WindowSearch::admit(Window& window, Exit& exit) {
   slot.depth = window.depth;
   slot.sigma = window.sigma;
   slot.parent = window.parent;
-  slot.next = record.pending;
+  slot.next = exit.pending;
   slot.origin = window.origin;
   slot.halfedge = exit.halfedge;
-  record.pending = i;
+  exit.pending = i;
 }
 
 Eigen::Vector2d WindowSearch::goal_in_frame(std::int32_t tail, std::int32_t head, double length) const {
@@ -82,17 +82,80 @@ Eigen::Vector2d WindowSearch::goal_in_frame(std::int32_t tail, std::int32_t head
 
 WindowSearch::Exit WindowSearch::exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head,
                                               double length, double ux, double uy) {
-  Exit exit{halfedge,      length,        ux,    uy, allowed(tail, length), allowed(head, length), kInfinity,
-            to_goal(tail), to_goal(head), {0, 0}};
-  if (halfedge >= 0 && settings_.goal_directed) exit.goal = goal_in_frame(tail, head, length);
+  Exit exit{halfedge,      length,        ux,     uy, allowed(tail, length), allowed(head, length), kInfinity,
+            to_goal(tail), to_goal(head), {0, 0}, -1};
+  if (halfedge < 0) return exit;
+  exit.pending = halfedge_record(halfedge).pending;
+  if (settings_.goal_directed) exit.goal = goal_in_frame(tail, head, length);
   return exit;
 }
 
 void WindowSearch::admit_first(Window& window) {
   const EdgeFrame& frame = mesh_->frames[window.halfedge];
   Exit exit = exit_towards(window.halfedge, frame.tail, frame.head, frame.length, 1, 0);
-  admit(window, exit);
-  if (exit.key < kInfinity) queue_halfedge(window.halfedge, halfedges_[window.halfedge], exit.key);
+  admit<false>(window, exit);
+  leave_by(exit);
+}
+
+void WindowSearch::leave_by(const Exit& exit) {
+  if (!(exit.key < kInfinity)) return;
+  HalfedgeRecord& record = halfedges_[exit.halfedge];
+  record.pending = exit.pending;
+  queue_halfedge(exit.halfedge, record, exit.key);
+}
+
+template <bool plain>
+void WindowSearch::propagate(const Window& w, std::int32_t i, const EdgeFrame& frame, std::int32_t h, Exit& left,
+                             Exit& right) {
+  const double ax = frame.apex_x;
+  const double ay = frame.apex_y;
+  const double reach = w.depth + ay;
+  // Negative where a ray through b passes left of the apex; no division.
+  const auto side_of_apex = [&](double b) { return (b - w.source_x) * reach - (ax - w.source_x) * w.depth; };
+  const double first = side_of_apex(w.b0);
+  const double last = side_of_apex(w.b1);
+  const double tolerance = kApexTolerance * frame.length * reach;
+  if (first <= tolerance && last >= -tolerance) {
+    double crossing = 0;
+    const double rounding = kStraight * frame.length * reach;
+    if (improve_vertex(frame.apex, length_to(w, ax, ay, crossing), w.sigma, w.source_x, w.depth, h, i, w.origin, -1,
+                       first <= rounding && last >= -rounding)) {
+      left.head = allowed(frame.apex, left.length);
+      right.tail = allowed(frame.apex, right.length);
+    }
+  }
+  if (left.halfedge >= 0 && first < 0) {
+    // Along tail -> apex; a ray through b meets it at this distance from the tail.
+    const auto meets = [&](double b) { return w.depth * b / (w.depth * left.ux + (w.source_x - b) * left.uy); };
+    Window child;
+    child.b0 = meets(w.b0);
+    const double end = meets(w.b1);
+    child.b1 = last < 0 ? std::min(end, left.length) : left.length;
+    child.source_x = w.source_x * left.ux - w.depth * left.uy;
+    child.depth = std::max(0.0, w.source_x * left.uy + w.depth * left.ux);
+    child.sigma = w.sigma;
+    child.parent = i;
+    child.origin = w.origin;
+    child.halfedge = left.halfedge;
+    admit<plain>(child, left);
+  }
+  if (right.halfedge >= 0 && last > 0) {
+    // Along apex -> head; a ray through b meets it at this distance from the head.
+    const auto meets = [&](double b) {
+      return w.depth * (frame.length - b) / (w.depth * right.ux + (b - w.source_x) * right.uy);
+    };
+    Window child;
+    const double begin = right.length - meets(w.b0);
+    child.b0 = first > 0 ? std::max(0.0, begin) : 0;
+    child.b1 = right.length - meets(w.b1);
+    child.source_x = (w.source_x - ax) * right.ux + reach * right.uy;
+    child.depth = std::max(0.0, (ax - w.source_x) * right.uy + reach * right.ux);
+    child.sigma = w.sigma;
+    child.parent = i;
+    child.origin = w.origin;
+    child.halfedge = right.halfedge;
+    admit<plain>(child, right);
+  }
 }
 
 void WindowSearch::process(std::int32_t h) {
@@ -134,11 +197,13 @@ void WindowSearch::process(std::int32_t h) {
                            frame.apex_y * per_left);
   Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length,
                             (frame.length - frame.apex_x) * per_right, frame.apex_y * per_right);
+  // Every window has at most two children: with room for them the pool does not move under the loop.
+  if (pool_.capacity() < pool_.size() + 2 * batch_.size()) pool_.reserve(2 * pool_.capacity() + 2 * batch_.size());
   const bool has_targets = !targets_.empty() && faces_[TriangleMesh::face_of(h)].epoch == epoch_;
   // From the last to the first, so that the children's lists, which grow at the front, come out in order.
   for (std::size_t place = batch_.size(); place-- > 0;) {
     const std::int32_t i = batch_[place];
-    const Window window = pool_[i];
+    const Window& window = pool_[i];
     if (!(window.b1 - window.b0 > least_width)) {
       release(i);
       continue;
@@ -147,7 +212,11 @@ void WindowSearch::process(std::int32_t h) {
       visit_targets(TriangleMesh::face_of(h),
                     [&](SearchTarget& target) { offer_window(*mesh_, sources_, target, h, window, i); });
     }
-    propagate(window, i, frame, h, left, right);
+    if (plain_) {
+      propagate<true>(window, i, frame, h, left, right);
+    } else {
+      propagate<false>(window, i, frame, h, left, right);
+    }
     if (settings_.keep_windows) {
       pool_[i].next = halfedges_[h].kept;
       halfedges_[h].kept = i;
@@ -155,61 +224,8 @@ void WindowSearch::process(std::int32_t h) {
       release(i);
     }
   }
-  if (left.key < kInfinity) queue_halfedge(frame.left, halfedges_[frame.left], left.key);
-  if (right.key < kInfinity) queue_halfedge(frame.right, halfedges_[frame.right], right.key);
-}
-
-void WindowSearch::propagate(const Window& w, std::int32_t i, const EdgeFrame& frame, std::int32_t h, Exit& left,
-                             Exit& right) {
-  const double ax = frame.apex_x;
-  const double ay = frame.apex_y;
-  const double reach = w.depth + ay;
-  // Negative where a ray through b passes left of the apex; no division.
-  const auto side_of_apex = [&](double b) { return (b - w.source_x) * reach - (ax - w.source_x) * w.depth; };
-  const double first = side_of_apex(w.b0);
-  const double last = side_of_apex(w.b1);
-  const double tolerance = kApexTolerance * frame.length * reach;
-  if (first <= tolerance && last >= -tolerance) {
-    double crossing = 0;
-    const double rounding = kStraight * frame.length * reach;
-    if (improve_vertex(frame.apex, length_to(w, ax, ay, crossing), w.sigma, w.source_x, w.depth, h, i, w.origin, -1,
-                       first <= rounding && last >= -rounding)) {
-      left.head = allowed(frame.apex, left.length);
-      right.tail = allowed(frame.apex, right.length);
-    }
-  }
-  if (left.halfedge >= 0 && first < 0) {
-    // Along tail -> apex; a ray through b meets it at this distance from the tail.
-    const auto meets = [&](double b) { return w.depth * b / (w.depth * left.ux + (w.source_x - b) * left.uy); };
-    Window child;
-    child.b0 = meets(w.b0);
-    const double end = meets(w.b1);
-    child.b1 = last < 0 ? std::min(end, left.length) : left.length;
-    child.source_x = w.source_x * left.ux - w.depth * left.uy;
-    child.depth = std::max(0.0, w.source_x * left.uy + w.depth * left.ux);
-    child.sigma = w.sigma;
-    child.parent = i;
-    child.origin = w.origin;
-    child.halfedge = left.halfedge;
-    admit(child, left);
-  }
-  if (right.halfedge >= 0 && last > 0) {
-    // Along apex -> head; a ray through b meets it at this distance from the head.
-    const auto meets = [&](double b) {
-      return w.depth * (frame.length - b) / (w.depth * right.ux + (b - w.source_x) * right.uy);
-    };
-    Window child;
-    const double begin = right.length - meets(w.b0);
-    child.b0 = first > 0 ? std::max(0.0, begin) : 0;
-    child.b1 = right.length - meets(w.b1);
-    child.source_x = (w.source_x - ax) * right.ux + reach * right.uy;
-    child.depth = std::max(0.0, (ax - w.source_x) * right.uy + reach * right.ux);
-    child.sigma = w.sigma;
-    child.parent = i;
-    child.origin = w.origin;
-    child.halfedge = right.halfedge;
-    admit(child, right);
-  }
+  leave_by(left);
+  leave_by(right);
 }
 
 }  // namespace supple::surface

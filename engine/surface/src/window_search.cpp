@@ -72,6 +72,7 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   targets_ = targets;
   settings_ = settings;
   bound_ = settings.limit;
+  plain_ = !settings.goal_directed && settings.relative_error == 0 && settings.limit == kInfinity;
   uncertain_ = 0;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const SearchTarget& target = targets[i];

@@ -180,12 +180,18 @@ class WindowSearch {
     double key;                         ///< least key of the windows that have left this way
     double tail_to_goal, head_to_goal;  ///< by the landmark, at least
     Eigen::Vector2d goal;  ///< where the goal-directed search's target lies at best, in the halfedge's frame
+    std::int32_t pending;  ///< the halfedge's list, on which new windows are put
   };
   Exit exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head, double length, double ux, double uy);
+  /// `plain` searches have no goal, no allowed error and no limit: their inner loop asks for none.
+  template <bool plain>
   void propagate(const Window& window, std::int32_t index, const EdgeFrame& frame, std::int32_t h, Exit& left,
                  Exit& right);
   /// Cuts a new window against its edge's vertices, and keeps it if anything is left and no bound excludes it.
+  template <bool plain>
   [[gnu::always_inline]] void admit(Window& window, Exit& exit);
+  /// Hands the windows that left by an exit over to its halfedge, and queues that.
+  void leave_by(const Exit& exit);
   /// Cuts with an allowed error: vertices that take over from a window send out windows of their own.
   bool cut_within_error(Window& window);
   /// admit for windows that start at a (pseudo-)source, and the halfedge's place in the queue.
@@ -223,6 +229,7 @@ class WindowSearch {
   std::span<SearchTarget> targets_;
   std::vector<Hook> hooks_;
   SearchSettings settings_;
+  bool plain_ = true;
   double bound_ = kInfinity;   ///< keys beyond this are of no use
   std::size_t uncertain_ = 0;  ///< the targets before this one are certain
   Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
