@@ -84,6 +84,7 @@ void compute_group(const Work& work, const std::vector<std::size_t>& members, co
     return;
   }
   std::vector<SurfacePoint> targets;
+  targets.reserve(members.size());
   for (const auto i : members) targets.push_back(work.ends[i].second);
   auto found = solver.geodesics(work.ends[first].first, targets, options, execution);
   for (std::size_t k = 0; k < members.size(); ++k) results[members[k]] = std::move(found[k]);

@@ -73,7 +73,7 @@ JobRecord read_job(const Statement& row) {
 /// Headers as "name: value" lines.
 std::string join_headers(const Result& result) {
   std::string text;
-  for (const auto& [name, value] : result.headers) text += name + ": " + value + "\n";
+  for (const auto& [name, value] : result.headers) text.append(name).append(": ").append(value).append("\n");
   return text;
 }
 
@@ -157,7 +157,7 @@ struct Store::Implementation {
   mutable Database database;
 };
 
-Store::Store(fs::path folder) {
+Store::Store(const fs::path& folder) {
   try {
     implementation_ = std::make_unique<Implementation>(folder);
   } catch (const fs::filesystem_error& error) {

@@ -25,7 +25,7 @@ std::string sha256(std::string_view bytes);
 class Store {
  public:
   /// Opens or makes the folder. Throws also where another process has it open.
-  explicit Store(std::filesystem::path folder);
+  explicit Store(const std::filesystem::path& folder);
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
