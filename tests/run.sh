@@ -49,7 +49,7 @@ part_tidy() { build_preset release --target supple-server && tests/tidy.sh "$job
 part_asan() { build_preset asan-ubsan && UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 # One OpenMP thread: CHOLMOD's OpenMP runtime is not instrumented, so that its own ordering looks like races.
-part_tsan() { build_preset tsan && OMP_NUM_THREADS=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
+part_tsan() { build_preset tsan && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
   ctest --test-dir build/tsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 part_fuzz() {
   build_preset fuzz || return 1
