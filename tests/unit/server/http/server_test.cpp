@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <thread>
 
 namespace supple::http {
@@ -97,7 +98,10 @@ class HttpServerTest : public testing::Test {
           return response;
         },
         [this](const std::string&, const std::string&, int, double) { ++observed_; },
-        [this](const std::string& text) { reported_ = text; });
+        [this](const std::string& text) {
+          const std::lock_guard lock(report_mutex_);
+          reported_ = text;
+        });
     port_ = server_->bind();
     thread_ = std::thread([this] { server_->run(); });
   }
@@ -138,6 +142,7 @@ class HttpServerTest : public testing::Test {
   std::atomic<int> hung_up_{0};
   std::atomic<int> observed_{0};
   std::atomic<bool> release_{false};
+  std::mutex report_mutex_;  ///< the server reports from a thread of its own
   std::string reported_;
 };
 
@@ -173,6 +178,7 @@ TEST_F(HttpServerTest, TurnsEveryErrorIntoAProblem) {
 TEST_F(HttpServerTest, KeepsTheTextOfAnUnexpectedExceptionFromTheClient) {
   start();
   EXPECT_TRUE(answer(get("/broken")).ends_with("problem server.internal!"));
+  const std::lock_guard lock(report_mutex_);
   EXPECT_EQ(reported_, "GET /broken: secret");
 }
 
