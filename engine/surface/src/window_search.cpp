@@ -1,7 +1,5 @@
 #include "window_search.h"
 
-#include <numbers>
-
 namespace supple::surface {
 namespace {
 
