@@ -137,11 +137,7 @@ DerivativeCheck check_derivatives(const Energy& energy, const Eigen::VectorXd& x
     sum.gradient = Eigen::VectorXd::Zero(x.size());
     energy.add(x + step, order, sum);
     Evaluation evaluation{sum.value, sum.gradient, {}};
-    if (order >= 2) {
-      SparseMatrix hessian(x.size(), x.size());
-      hessian.setFromTriplets(sum.hessian.begin(), sum.hessian.end());
-      evaluation.hessian = std::move(hessian);
-    }
+    if (order >= 2) evaluation.hessian = sum.hessian.matrix(x.size());
     return evaluation;
   };
   return check_derivatives(function, x.size(), options);

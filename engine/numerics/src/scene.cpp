@@ -25,11 +25,7 @@ Evaluation Scene::evaluate(int order) {
   Evaluation evaluation;
   evaluation.value = sum.value;
   evaluation.gradient = std::move(sum.gradient);
-  if (order >= 2) {
-    SparseMatrix hessian(x.size(), x.size());
-    hessian.setFromTriplets(sum.hessian.begin(), sum.hessian.end());
-    evaluation.hessian = std::move(hessian);
-  }
+  if (order >= 2) evaluation.hessian = sum.hessian.matrix(x.size());
   return evaluation;
 }
 

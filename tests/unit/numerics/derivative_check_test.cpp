@@ -28,7 +28,7 @@ TEST(DerivativeCheck, ChoosesAStepThatSuitsAFunctionOfSmallScale) {
     void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
       sum.value += std::sin(1000 * x[0]);
       if (order >= 1) sum.gradient[0] += 1000 * std::cos(1000 * x[0]);
-      if (order >= 2) sum.hessian.emplace_back(0, 0, -1e6 * std::sin(1000 * x[0]));
+      if (order >= 2) sum.hessian.add(0, 0, -1e6 * std::sin(1000 * x[0]));
     }
   };
   DerivativeCheckOptions options;
@@ -58,7 +58,7 @@ TEST(DerivativeCheck, FindsTheOneWrongEntryOfAHessian) {
    public:
     void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
       SpringChain::add(x, order, sum);
-      if (order >= 2) sum.hessian.emplace_back(1, 4, 1e-5);
+      if (order >= 2) sum.hessian.add(1, 4, 1e-5);
     }
   };
   const DerivativeCheck check = check_derivatives(Wrong(), Eigen::VectorXd::LinSpaced(6, -1, 1));

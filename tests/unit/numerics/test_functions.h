@@ -20,10 +20,9 @@ class Rosenbrock : public Energy {
     sum.value += a * a + 100 * b * b;
     if (order >= 1) sum.gradient += Eigen::Vector2d(-2 * a - 400 * x[0] * b, 200 * b);
     if (order < 2) return;
-    sum.hessian.emplace_back(0, 0, 2 - 400 * b + 800 * x[0] * x[0]);
-    sum.hessian.emplace_back(0, 1, -400 * x[0]);
-    sum.hessian.emplace_back(1, 0, -400 * x[0]);
-    sum.hessian.emplace_back(1, 1, 200);
+    sum.hessian.add(0, 0, 2 - 400 * b + 800 * x[0] * x[0]);
+    sum.hessian.add(0, 1, -400 * x[0]);
+    sum.hessian.add(1, 1, 200);
   }
 };
 
@@ -36,8 +35,8 @@ class DoubleWell : public Energy {
     sum.value += a * a + x[1] * x[1];
     if (order >= 1) sum.gradient += Eigen::Vector2d(4 * x[0] * a, 2 * x[1]);
     if (order < 2) return;
-    sum.hessian.emplace_back(0, 0, 12 * x[0] * x[0] - 4);
-    sum.hessian.emplace_back(1, 1, 2);
+    sum.hessian.add(0, 0, 12 * x[0] * x[0] - 4);
+    sum.hessian.add(1, 1, 2);
   }
 };
 
@@ -48,7 +47,7 @@ class LogBarrier : public Energy {
   void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
     sum.value += x[0] > 0 ? x[0] - std::log(x[0]) : std::numeric_limits<double>::infinity();
     if (order >= 1) sum.gradient[0] += 1 - 1 / x[0];
-    if (order >= 2) sum.hessian.emplace_back(0, 0, 1 / (x[0] * x[0]));
+    if (order >= 2) sum.hessian.add(0, 0, 1 / (x[0] * x[0]));
   }
   double largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const override {
     return step[0] < 0 ? -0.9 * x[0] / step[0] : std::numeric_limits<double>::infinity();
@@ -66,7 +65,7 @@ class SpringChain : public Energy {
       const double d = x[i] - std::sin(i);
       sum.value += 0.5 * d * d;
       if (order >= 1) sum.gradient[i] += d;
-      if (order >= 2) sum.hessian.emplace_back(i, i, 1);
+      if (order >= 2) sum.hessian.add(i, i, 1);
     }
     for (int i = 0; i + 1 < n; ++i) {
       const double k = 1 + i % 7;
@@ -77,10 +76,9 @@ class SpringChain : public Energy {
         sum.gradient[i + 1] += k * d;
       }
       if (order < 2) continue;
-      sum.hessian.emplace_back(i, i, k);
-      sum.hessian.emplace_back(i + 1, i + 1, k);
-      sum.hessian.emplace_back(i, i + 1, -k);
-      sum.hessian.emplace_back(i + 1, i, -k);
+      sum.hessian.add(i, i, k);
+      sum.hessian.add(i + 1, i + 1, k);
+      sum.hessian.add(i, i + 1, -k);
     }
   }
 };

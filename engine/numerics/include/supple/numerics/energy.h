@@ -8,13 +8,25 @@
 
 namespace supple::numerics {
 
+/// Second derivatives as they are added. The matrix is symmetric: an unordered pair of degrees of freedom is one place,
+/// each entry is given once, and entries of the same place add up.
+class HessianEntries {
+ public:
+  void add(Eigen::Index i, Eigen::Index j, double value) {
+    entries_.emplace_back(static_cast<int>(i > j ? i : j), static_cast<int>(i > j ? j : i), value);
+  }
+  /// The n x n matrix, both triangles filled.
+  Eigen::SparseMatrix<double> matrix(Eigen::Index n) const;
+
+ private:
+  std::vector<Eigen::Triplet<double>> entries_;  ///< of the lower triangle
+};
+
 /// The running sum that energies add themselves to.
 struct EnergySum {
   double value = 0;
   Eigen::VectorXd gradient;  ///< one entry per degree of freedom; empty for order 0
-  /// Entries (row, column, second derivative) of both triangles; entries of the same place add up. Unused below
-  /// order 2.
-  std::vector<Eigen::Triplet<double>> hessian;
+  HessianEntries hessian;    ///< unused below order 2
 };
 
 /// One term of a scene's energy: an elastic element group, a contact, a spring, a pressure.

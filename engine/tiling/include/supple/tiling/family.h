@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace supple::tiling {
+
+/// Vertices of a closed polygon in order; the last is joined to the first.
+using Polygon = std::vector<Eigen::Vector2d>;
+
+/// Where a copy of a tile lies: x -> linear * x + offset. `linear` is orthogonal (a rotation or a reflection).
+struct Placement {
+  int tile = 0;  ///< index into Tiling::tiles
+  Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();
+};
+
+/// A periodic tiling of the plane, in tiling units: the placed tiles make one cell, and the cell's translates by the
+/// columns of `lattice` fill the plane without gaps or overlaps. Tiles meet edge to edge.
+struct Tiling {
+  std::vector<Polygon> tiles;         ///< counterclockwise; one, unless the family is not isohedral
+  std::vector<Placement> placements;  ///< the tiles of one cell
+  Eigen::Matrix2d lattice;            ///< columns: the two translations
+};
+
+struct Parameter {
+  double lower = 0;
+  double upper = 0;
+  double preset = 0;  ///< the family's default, within the bounds
+};
+
+/// A family of tilings: data and, through `shape`, the tiling at given parameters. Another of the 81 isohedral types is
+/// one more entry of the table in family_table.cpp.
+struct Family {
+  std::string id;  ///< e.g. "IH21"
+  std::string description;
+  std::vector<Parameter> parameters;
+  double beam_width = 0;  ///< in tiling units; printed_beam_width millimetres at scale
+  /// Whether tiles whose hole closes are part of the family (the family with a topological singularity).
+  bool holes_may_close = false;
+  std::function<Tiling(std::span<const double>)> shape;  ///< unchecked: use `tiling_of`
+};
+
+/// Width of a printed beam at scale, in millimetres.
+inline constexpr double printed_beam_width = 0.3;
+
+/// All families: IH01, IH21, IH22, IH28, IH29, IH50, IH67 and "square", whose topology changes at p = 0 (thesis 4.4.3).
+const std::vector<Family>& families();
+
+/// Throws "tiling.family_not_found" (which lists the known ones).
+const Family& family(std::string_view id);
+
+/// The checked tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (each parameter named, with
+/// its bounds and value), "tiling.self_intersecting" (the edges that cross named), "tiling.cell_too_small" (a tile of
+/// less than 15 % of the area of the default's). `box_margin` widens the bounds by that share of their width on either
+/// side: training data surround the box.
+Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin = 0);
+
+}  // namespace supple::tiling

@@ -1,0 +1,1 @@
+#include "supple/tiling/family.h"
