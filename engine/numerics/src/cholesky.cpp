@@ -34,6 +34,10 @@ struct ShiftedCholesky::Implementation {
   Pattern pattern;
   bool last_was_sparse = false;
   int analyses = 0;
+  // Of a bordered matrix: H = [core border; border^T corner].
+  Eigen::MatrixXd border;
+  Eigen::MatrixXd core_inverse_border;
+  Eigen::LLT<Eigen::MatrixXd> schur;
 
   bool factorize_dense(Eigen::MatrixXd matrix, double shift) {
     matrix.diagonal().array() += shift;
@@ -43,8 +47,8 @@ struct ShiftedCholesky::Implementation {
     return dense.info() == Eigen::Success;
   }
 
-  bool factorize_sparse(SparseMatrix matrix, double shift) {
-    matrix.makeCompressed();
+  bool factorize_sparse(const SparseMatrix& matrix, double shift) {
+    if (!matrix.isCompressed()) return factorize_sparse(SparseMatrix(matrix), shift);
     last_was_sparse = true;
     if (!std::all_of(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros(),
                      [](double v) { return std::isfinite(v); }))
@@ -60,12 +64,36 @@ struct ShiftedCholesky::Implementation {
     sparse.factorize(matrix);
     return sparse.info() == Eigen::Success;
   }
+
+  bool factorize_core(const SparseMatrix& core, double shift) {
+    if (core.rows() >= dense_cholesky_limit) return factorize_sparse(core, shift);
+    return factorize_dense(Eigen::MatrixXd(core).selfadjointView<Eigen::Lower>(), shift);
+  }
+
+  bool factorize_bordered(const BorderedMatrix& matrix, double shift) {
+    if (!matrix.border.allFinite() || !matrix.corner.allFinite() || !factorize_core(matrix.core, shift)) return false;
+    border = matrix.border;
+    if (border.cols() == 0) return true;
+    core_inverse_border = solve_core(border);
+    Eigen::MatrixXd complement = matrix.corner - border.transpose() * core_inverse_border;
+    complement.diagonal().array() += shift;
+    schur.compute(complement);
+    return schur.info() == Eigen::Success;
+  }
+
+  Eigen::MatrixXd solve_core(const Eigen::MatrixXd& b) const {
+    if (last_was_sparse) return sparse.solve(b);
+    return dense.solve(b);
+  }
 };
 
 ShiftedCholesky::ShiftedCholesky() : implementation_(std::make_unique<Implementation>()) {}
 ShiftedCholesky::~ShiftedCholesky() = default;
 
 bool ShiftedCholesky::factorize(const Hessian& hessian, double shift) {
+  implementation_->border.resize(0, 0);
+  if (const auto* bordered = std::get_if<std::shared_ptr<const BorderedMatrix>>(&hessian))
+    return implementation_->factorize_bordered(**bordered, shift);
   if (const auto* dense = std::get_if<Eigen::MatrixXd>(&hessian))
     return implementation_->factorize_dense(*dense, shift);
   const auto& sparse = std::get<SparseMatrix>(hessian);
@@ -74,9 +102,17 @@ bool ShiftedCholesky::factorize(const Hessian& hessian, double shift) {
 }
 
 Eigen::VectorXd ShiftedCholesky::solve(const Eigen::VectorXd& b) const {
-  if (implementation_->last_was_sparse) return implementation_->sparse.solve(b);
-  return implementation_->dense.solve(b);
+  const Eigen::MatrixXd& border = implementation_->border;
+  if (border.cols() == 0) return implementation_->solve_core(b);
+  Eigen::VectorXd x(b.size());
+  x.head(border.rows()) = implementation_->solve_core(b.head(border.rows()));
+  x.tail(border.cols()) =
+      implementation_->schur.solve(b.tail(border.cols()) - border.transpose() * x.head(border.rows()));
+  x.head(border.rows()) -= implementation_->core_inverse_border * x.tail(border.cols());
+  return x;
 }
+
+Eigen::MatrixXd ShiftedCholesky::solve_core(const Eigen::MatrixXd& b) const { return implementation_->solve_core(b); }
 
 int ShiftedCholesky::analyses() const { return implementation_->analyses; }
 
@@ -89,6 +125,9 @@ double diagonal_scale(const Hessian& hessian) {
   } else if (const auto* sparse = std::get_if<SparseMatrix>(&hessian)) {
     n = sparse->rows();
     sum = Eigen::VectorXd(sparse->diagonal()).cwiseAbs().sum();
+  } else if (const auto* bordered = std::get_if<std::shared_ptr<const BorderedMatrix>>(&hessian)) {
+    n = (*bordered)->core.rows();
+    sum = Eigen::VectorXd((*bordered)->core.diagonal()).cwiseAbs().sum();
   }
   return n > 0 && sum > 0 ? sum / static_cast<double>(n) : 1.0;
 }

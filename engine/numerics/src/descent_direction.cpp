@@ -18,11 +18,22 @@ bool shows_curvature(const Eigen::VectorXd& s, const Eigen::VectorXd& y) {
 
 class NewtonDirection : public DescentDirection {
  public:
-  explicit NewtonDirection(const MinimizerOptions& options) : options_(options) {}
+  NewtonDirection(const MinimizerOptions& options, ShiftedCholesky* kept)
+      : options_(options),
+        own_(kept ? nullptr : std::make_unique<ShiftedCholesky>()),
+        cholesky_(kept ? *kept : *own_) {}
 
   int order() const override { return 2; }
 
+  // A regularized factorization is of another matrix: its steps converge too slowly to be used twice.
+  bool keeps(double contraction) const override { return relative_ == 0 && contraction <= options_.reuse_contraction; }
+
   Eigen::VectorXd direction(const Evaluation& at) override {
+    if (std::holds_alternative<std::monostate>(at.hessian)) {
+      Eigen::VectorXd d = -cholesky_.solve(at.gradient);
+      if (d.allFinite() && at.gradient.dot(d) < 0) return d;
+      return {};
+    }
     scale_ = diagonal_scale(at.hessian);
     for (; relative_ <= options_.max_regularization; raise()) {
       if (!cholesky_.factorize(at.hessian, regularization())) continue;
@@ -53,7 +64,8 @@ class NewtonDirection : public DescentDirection {
   void raise() { relative_ = relative_ > 0 ? relative_ * options_.raise : options_.first_regularization; }
 
   const MinimizerOptions& options_;
-  ShiftedCholesky cholesky_;
+  std::unique_ptr<ShiftedCholesky> own_;
+  ShiftedCholesky& cholesky_;
   double relative_ = 0;
   double scale_ = 1;
 };
@@ -148,10 +160,11 @@ class GradientDirection : public DescentDirection {
 
 }  // namespace
 
-std::unique_ptr<DescentDirection> make_descent_direction(const MinimizerOptions& options) {
+std::unique_ptr<DescentDirection> make_descent_direction(const MinimizerOptions& options,
+                                                         ShiftedCholesky* factorization) {
   switch (options.method) {
     case MinimizerMethod::newton:
-      return std::make_unique<NewtonDirection>(options);
+      return std::make_unique<NewtonDirection>(options, factorization);
     case MinimizerMethod::lbfgs:
       return std::make_unique<LbfgsDirection>(options);
     case MinimizerMethod::gradient_descent:

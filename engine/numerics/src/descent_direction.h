@@ -12,8 +12,10 @@ namespace supple::numerics {
 class DescentDirection {
  public:
   virtual ~DescentDirection() = default;
-  /// The order of derivatives that `direction` reads.
+  /// The order of derivatives that `direction` reads where `keeps` does not say otherwise.
   virtual int order() const = 0;
+  /// Whether the next direction needs no Hessian after a step that multiplied |g| by `contraction`.
+  virtual bool keeps(double /*contraction*/) const { return false; }
   /// A direction d with g . d < 0, or an empty vector when there is none left to try.
   virtual Eigen::VectorXd direction(const Evaluation& at) = 0;
   /// The line search found no step along the last direction: whether another one is worth a try.
@@ -30,6 +32,8 @@ class DescentDirection {
   virtual double regularization() const { return 0; }
 };
 
-std::unique_ptr<DescentDirection> make_descent_direction(const MinimizerOptions& options);
+/// `factorization` may be null; see `minimize`.
+std::unique_ptr<DescentDirection> make_descent_direction(const MinimizerOptions& options,
+                                                         ShiftedCholesky* factorization);
 
 }  // namespace supple::numerics

@@ -1,11 +1,100 @@
 #include "supple/numerics/energy.h"
 
+#include <algorithm>
+
 namespace supple::numerics {
 
-Eigen::SparseMatrix<double> HessianEntries::matrix(Eigen::Index n) const {
-  Eigen::SparseMatrix<double> lower(n, n);
-  lower.setFromTriplets(entries_.begin(), entries_.end());
-  return lower.selfadjointView<Eigen::Lower>();
+HessianEntries::HessianEntries(Eigen::Index border) : border_(border) {}
+
+void HessianEntries::clear() {
+  if (diverged_ || cursor_ < sequence_.size()) learn();
+  std::fill(values_.begin(), values_.end(), 0.0);
+  border_columns_.setZero();
+  cursor_ = 0;
+}
+
+void HessianEntries::add_unexpected(Place place, double value) {
+  diverged_ = true;
+  // Nothing that follows is compared with the old sequence: it would match by accident only.
+  sequence_.resize(cursor_);
+  unexpected_.emplace_back(place, value);
+}
+
+void HessianEntries::add_to_border(Eigen::Index low, Eigen::Index high, double value) {
+  const Eigen::Index column = high - border_;
+  if (border_columns_.rows() <= high || border_columns_.cols() <= column) {
+    const Eigen::Index rows = std::max(border_columns_.rows(), high + 1);
+    const Eigen::Index columns = std::max(border_columns_.cols(), column + 1);
+    const Eigen::MatrixXd old = border_columns_;
+    border_columns_.setZero(rows, columns);
+    border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
+  }
+  border_columns_(low, column) += value;
+}
+
+void HessianEntries::learn() {
+  if (!diverged_) {
+    // The sequence ended early: what it lost may come back, its places stay.
+    sequence_.resize(cursor_);
+    slots_.resize(cursor_);
+    return;
+  }
+  std::vector<Place> pattern = pattern_;
+  for (const auto& [place, value] : unexpected_) pattern.push_back(place);
+  std::sort(pattern.begin(), pattern.end());
+  pattern.erase(std::unique(pattern.begin(), pattern.end()), pattern.end());
+  const auto slot_of = [&pattern](Place place) {
+    return static_cast<std::uint32_t>(std::lower_bound(pattern.begin(), pattern.end(), place) - pattern.begin());
+  };
+  std::vector<double> values(pattern.size(), 0.0);
+  for (std::size_t i = 0; i < pattern_.size(); ++i) values[slot_of(pattern_[i])] = values_[i];
+  for (const auto& [place, value] : unexpected_) {
+    values[slot_of(place)] += value;
+    sequence_.push_back(place);
+  }
+  slots_.resize(sequence_.size());
+  for (std::size_t i = 0; i < sequence_.size(); ++i) slots_[i] = slot_of(sequence_[i]);
+  pattern_ = std::move(pattern);
+  values_ = std::move(values);
+  cursor_ = sequence_.size();
+  unexpected_.clear();
+  diverged_ = false;
+}
+
+SparseMatrix HessianEntries::lower(Eigen::Index n) const {
+  SparseMatrix matrix(n, n);
+  matrix.resizeNonZeros(static_cast<Eigen::Index>(pattern_.size()));
+  int* outer = matrix.outerIndexPtr();
+  std::fill(outer, outer + n + 1, 0);
+  for (std::size_t i = 0; i < pattern_.size(); ++i) {
+    ++outer[(pattern_[i] >> 32) + 1];
+    matrix.innerIndexPtr()[i] = static_cast<int>(pattern_[i] & 0xffffffffU);
+    matrix.valuePtr()[i] = values_[i];
+  }
+  for (Eigen::Index column = 0; column < n; ++column) outer[column + 1] += outer[column];
+  return matrix;
+}
+
+SparseMatrix HessianEntries::matrix(Eigen::Index n) {
+  learn();
+  return lower(n).selfadjointView<Eigen::Lower>();
+}
+
+void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
+  if (diverged_ || into.core.rows() != border_ || into.core.nonZeros() != static_cast<Eigen::Index>(pattern_.size())) {
+    learn();
+    into.core = lower(border_);
+  } else {
+    std::copy(values_.begin(), values_.end(), into.core.valuePtr());
+  }
+  const Eigen::Index border = n - border_;
+  if (border_columns_.rows() != n || border_columns_.cols() != border) {
+    const Eigen::MatrixXd old = border_columns_;
+    border_columns_.setZero(n, border);
+    border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
+  }
+  into.border = border_columns_.topRows(border_);
+  into.corner = border_columns_.bottomRows(border).selfadjointView<Eigen::Upper>();
 }
 
 }  // namespace supple::numerics

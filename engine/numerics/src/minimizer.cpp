@@ -17,8 +17,12 @@ struct LineSearch {
 
 class Minimization {
  public:
-  Minimization(Objective& objective, const MinimizerOptions& options, const Execution& execution)
-      : objective_(objective), options_(options), execution_(execution), direction_(make_descent_direction(options)) {}
+  Minimization(Objective& objective, const MinimizerOptions& options, const Execution& execution,
+               ShiftedCholesky* factorization)
+      : objective_(objective),
+        options_(options),
+        execution_(execution),
+        direction_(make_descent_direction(options, factorization)) {}
 
   MinimizerResult run() {
     at_ = evaluate(direction_->order());
@@ -48,6 +52,7 @@ class Minimization {
         const StageTimer timer(execution_.cost, "step");
         d = direction_->direction(at_);
       }
+      if (has_hessian()) result_.factorized_at = result_.iterations;
       const double slope = d.size() > 0 ? at_.gradient.dot(d) : 0;
       LineSearch search;
       if (slope < 0) search = line_search(d, slope);
@@ -61,8 +66,24 @@ class Minimization {
         take_step(search, search.share * d);
         return true;
       }
+      if (direction_->order() >= 2 && !has_hessian()) {
+        // The kept factorization led nowhere: the next direction comes from one of this state.
+        at_ = evaluate(2);
+        continue;
+      }
       if (d.size() == 0 || !direction_->retry()) return false;
     }
+  }
+
+  bool has_hessian() const { return !std::holds_alternative<std::monostate>(at_.hessian); }
+
+  /// What the next direction needs, at the trial state.
+  Evaluation evaluate_accepted() {
+    if (options_.reuse_contraction > 0 && direction_->order() >= 2) {
+      Evaluation at = evaluate(1);
+      if (direction_->keeps(at.gradient.norm() / result_.gradient_norm)) return at;
+    }
+    return evaluate(direction_->order());
   }
 
   LineSearch line_search(const Eigen::VectorXd& d, double slope) {
@@ -104,7 +125,7 @@ class Minimization {
   void take_step(const LineSearch& search, Eigen::VectorXd step) {
     const double length = step.norm();
     Eigen::VectorXd old_gradient = at_.gradient;
-    at_ = evaluate(direction_->order());
+    at_ = evaluate_accepted();
     if (objective_.transport(step) && objective_.transport(old_gradient)) {
       direction_->transport(objective_);
       direction_->accepted(search.whole, step, old_gradient, at_.gradient);
@@ -166,8 +187,9 @@ std::string_view to_string(MinimizerStop stop) {
   return "iteration_limit";
 }
 
-MinimizerResult minimize(Objective& objective, const MinimizerOptions& options, const Execution& execution) {
-  return Minimization(objective, options, execution).run();
+MinimizerResult minimize(Objective& objective, const MinimizerOptions& options, const Execution& execution,
+                         ShiftedCholesky* factorization) {
+  return Minimization(objective, options, execution, factorization).run();
 }
 
 }  // namespace supple::numerics

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "supple/base/random.h"
 #include "supple/numerics/scene.h"
 #include "test_functions.h"
@@ -62,8 +64,8 @@ TEST(DerivativeCheck, FindsTheOneWrongEntryOfAHessian) {
     }
   };
   const DerivativeCheck check = check_derivatives(Wrong(), Eigen::VectorXd::LinSpaced(6, -1, 1));
-  EXPECT_EQ(check.hessian.row, 1);
-  EXPECT_EQ(check.hessian.column, 4);
+  EXPECT_EQ(std::min(check.hessian.row, check.hessian.column), 1);
+  EXPECT_EQ(std::max(check.hessian.row, check.hessian.column), 4);
   EXPECT_GT(check.hessian.error, 1e-7);
   EXPECT_LT(check.gradient.error, 1e-9);
 }

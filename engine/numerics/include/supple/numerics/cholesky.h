@@ -12,7 +12,8 @@ namespace supple::numerics {
 inline constexpr Eigen::Index dense_cholesky_limit = 64;
 
 /// Cholesky factorization of H + shift I. Dense matrices and small ones by Eigen's LLT, O(n^3); sparse ones by CHOLMOD
-/// (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic analysis is kept for as long as the pattern stays.
+/// (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic analysis is kept for as long as the pattern stays. Of a
+/// bordered matrix the core is factorized so, and the corner's Schur complement as a dense matrix.
 class ShiftedCholesky {
  public:
   ShiftedCholesky();
@@ -25,6 +26,9 @@ class ShiftedCholesky {
 
   /// Solves (H + shift I) x = b for the last matrix that was factorized with success.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+
+  /// The same with the core of a bordered matrix alone, for every column of `b`.
+  Eigen::MatrixXd solve_core(const Eigen::MatrixXd& b) const;
 
   /// How often a sparse pattern was analysed.
   int analyses() const;

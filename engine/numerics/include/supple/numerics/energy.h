@@ -2,31 +2,72 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "supple/numerics/objective.h"
 
 namespace supple::numerics {
 
 /// Second derivatives as they are added. The matrix is symmetric: an unordered pair of degrees of freedom is one place,
 /// each entry is given once, and entries of the same place add up.
+///
+/// Terms add the same places in the same order at every state, or nearly so. The first assembly sorts them; later ones
+/// recognize the sequence and add each value straight to its place. Places once seen stay in the pattern, so that
+/// factorizations keep their symbolic analysis while contacts come and go.
 class HessianEntries {
  public:
+  /// Degrees of freedom from `border` on are few and couple with all others: they are kept as dense columns.
+  explicit HessianEntries(Eigen::Index border = std::numeric_limits<std::int32_t>::max());
+
   void add(Eigen::Index i, Eigen::Index j, double value) {
-    entries_.emplace_back(static_cast<int>(i > j ? i : j), static_cast<int>(i > j ? j : i), value);
+    const auto [low, high] = i < j ? std::pair(i, j) : std::pair(j, i);
+    if (high >= border_) return add_to_border(low, high, value);
+    const Place place = static_cast<Place>(low) << 32 | static_cast<Place>(high);
+    if (cursor_ < sequence_.size() && sequence_[cursor_] == place) {
+      values_[slots_[cursor_++]] += value;
+    } else {
+      add_unexpected(place, value);
+    }
   }
-  /// The n x n matrix, both triangles filled.
-  Eigen::SparseMatrix<double> matrix(Eigen::Index n) const;
+
+  /// Zeroes the values and begins again at the start of the sequence.
+  void clear();
+
+  /// The n x n matrix, both triangles filled; without a border.
+  SparseMatrix matrix(Eigen::Index n);
+
+  /// The same matrix in parts, for n degrees of freedom of which the last n - border are the border's.
+  void assemble(Eigen::Index n, BorderedMatrix& into);
 
  private:
-  std::vector<Eigen::Triplet<double>> entries_;  ///< of the lower triangle
+  using Place = std::uint64_t;  ///< column << 32 | row of the lower triangle: sorting gives compressed columns
+
+  void add_unexpected(Place place, double value);
+  void add_to_border(Eigen::Index low, Eigen::Index high, double value);
+  void learn();
+  SparseMatrix lower(Eigen::Index n) const;
+
+  Eigen::Index border_;
+  std::vector<Place> sequence_;       ///< places in the order in which they were added last
+  std::vector<std::uint32_t> slots_;  ///< for each of them the index into values_
+  std::size_t cursor_ = 0;
+  std::vector<Place> pattern_;  ///< sorted, without repetition
+  std::vector<double> values_;  ///< one for each place of the pattern
+  bool diverged_ = false;       ///< this time the sequence is another from cursor_ on
+  std::vector<std::pair<Place, double>> unexpected_;
+  Eigen::MatrixXd border_columns_;  ///< row: any degree of freedom; column: one of the border's
 };
 
 /// The running sum that energies add themselves to.
 struct EnergySum {
   double value = 0;
-  Eigen::VectorXd gradient;  ///< one entry per degree of freedom; empty for order 0
-  HessianEntries hessian;    ///< unused below order 2
+  Eigen::VectorXd gradient{};  ///< one entry per degree of freedom; empty for order 0
+  HessianEntries hessian{};    ///< unused below order 2
 };
 
 /// One term of a scene's energy: an elastic element group, a contact, a spring, a pressure.

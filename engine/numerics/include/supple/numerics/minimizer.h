@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "supple/base/execution.h"
+#include "supple/numerics/cholesky.h"
 #include "supple/numerics/objective.h"
 
 namespace supple::numerics {
@@ -38,6 +39,9 @@ struct MinimizerOptions {
   double raise = 10;
   double lower = 0.1;
   double max_regularization = 1e10;
+  /// Newton: once a step brought |g| to this share or less, the next direction uses the same factorization again
+  /// (Shamanskii 1967): only gradients are evaluated then. 0 for a factorization in every iteration.
+  double reuse_contraction = 0;
 
   int lbfgs_history = 10;
   /// L-BFGS, gradient descent: the first direction is -first_step * g; later ones take their length from measured
@@ -65,6 +69,8 @@ struct MinimizerResult {
   double value = 0;
   double gradient_norm = 0;
   std::vector<MinimizerStep> history;  ///< the start and every iteration
+  /// Newton: index into `history` of the state whose Hessian was factorized last; -1 if none was.
+  int factorized_at = -1;
 };
 
 /// Minimizes from the objective's current state, which is the best state found when it returns (values never rise by
@@ -77,6 +83,10 @@ struct MinimizerResult {
 /// Bills the stage "step" (factorization and direction), reports progress as the share of the logarithm of the gradient
 /// norm, and looks for a stop request before every evaluation. Throws Error "minimizer.not_finite" where the start has
 /// no finite value and gradient.
-MinimizerResult minimize(Objective& objective, const MinimizerOptions& options = {}, const Execution& execution = {});
+///
+/// `factorization`, if given, is used for Newton's directions: it keeps its symbolic analysis from one call to the
+/// next, and the caller finds the last factorization in it (see MinimizerResult::factorized_at).
+MinimizerResult minimize(Objective& objective, const MinimizerOptions& options = {}, const Execution& execution = {},
+                         ShiftedCholesky* factorization = nullptr);
 
 }  // namespace supple::numerics

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <variant>
 
@@ -10,8 +11,16 @@ namespace supple::numerics {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// A symmetric matrix of second derivatives, both triangles filled: none, dense or sparse.
-using Hessian = std::variant<std::monostate, Eigen::MatrixXd, SparseMatrix>;
+/// The symmetric matrix [core border; border^T corner]: a sparse matrix with a few dense rows and columns at its end.
+struct BorderedMatrix {
+  SparseMatrix core;       ///< n x n, the lower triangle only
+  Eigen::MatrixXd border;  ///< n x m
+  Eigen::MatrixXd corner;  ///< m x m, both triangles; m is small and may be 0
+};
+
+/// A symmetric matrix of second derivatives: none, dense or sparse with both triangles filled, or bordered. A bordered
+/// one is shared with the objective and valid until its next evaluation of order 2.
+using Hessian = std::variant<std::monostate, Eigen::MatrixXd, SparseMatrix, std::shared_ptr<const BorderedMatrix>>;
 
 /// A function's value and derivatives at one state. Entries above the order that was asked for are empty.
 struct Evaluation {

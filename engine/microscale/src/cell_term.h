@@ -1,0 +1,26 @@
+#pragma once
+
+#include "supple/numerics/energy.h"
+
+namespace supple::microscale {
+
+/// A mode that alternates from cell to cell: w(X + lattice (a, b)) = sign w(X), with sign = -1 for odd a where `first`,
+/// times -1 for odd b where `second`. Those of a 2x2 patch of cells are the four combinations; (false, false) is the
+/// cell's own period.
+struct Alternation {
+  bool first = false;
+  bool second = false;
+
+  double sign(int a, int b) const { return ((first && a % 2 != 0) != (second && b % 2 != 0)) ? -1.0 : 1.0; }
+};
+
+/// A term of a periodic cell's energy, in the coordinates of cell_coordinates.h.
+class CellTerm : public numerics::Energy {
+ public:
+  /// Adds the Hessian at x (of the cell's period) with respect to nodal displacements that alternate: the stability of
+  /// the 2x2 patch falls apart into one such problem of one cell for each alternation (Bloch waves). No entries for F.
+  virtual void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
+                                       numerics::HessianEntries& entries) const = 0;
+};
+
+}  // namespace supple::microscale

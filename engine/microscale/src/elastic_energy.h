@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "cell_coordinates.h"
+#include "cell_term.h"
+#include "material_law.h"
+#include "supple/tiling/mesh.h"
+
+namespace supple::microscale {
+
+/// Elastic energy of the solid: quadratic triangles with straight sides at rest, three integration points each (exact
+/// for the stiffness at rest). MPa mm^2 per mm of thickness.
+///
+/// The deformation gradient at a point is F + sum_k w_k (x) grad N_k. One evaluation of order 2 costs about 0.5 us per
+/// triangle.
+class ElasticEnergy : public CellTerm {
+ public:
+  ElasticEnergy(const tiling::PeriodicMesh& mesh, const Material& material);
+
+  std::string_view name() const override;
+  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
+                               numerics::HessianEntries& entries) const override;
+  /// A named share of the way to the first integration point where det F = 0.
+  double largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const override;
+
+  /// (sum over triangles of |nodal forces of the triangle|^2)^(1/2) at x, MPa mm: what the forces that balance in an
+  /// equilibrium amount to.
+  double force_scale(const Eigen::VectorXd& x) const;
+
+  /// The least det F over all triangles and all their points (det F is quadratic over a triangle).
+  double smallest_jacobian(const Eigen::VectorXd& x) const;
+
+ private:
+  /// Triangles that are evaluated together, one in each lane of a vector.
+  static constexpr int lanes = 4;
+  struct Batch {
+    double gradient[3][2][lanes];  ///< of the barycentric coordinates, 1/mm
+    double area[lanes];            ///< mm^2; 0 in lanes that pad the last batch
+    int node[6][lanes];
+    tiling::LatticeShift shift[6][lanes];
+  };
+  struct Kernel;
+
+  CellCoordinates coordinates_;
+  MaterialLaw law_;
+  int triangles_ = 0;
+  std::vector<Batch> batches_;
+};
+
+}  // namespace supple::microscale

@@ -1,0 +1,189 @@
+// Vectors of four doubles never leave this file's functions by value, so that their calling convention does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+#include "elastic_kernel.h"
+
+#include <cmath>
+#include <limits>
+
+#define SUPPLE_INLINE inline __attribute__((always_inline))
+
+namespace supple::microscale {
+namespace {
+
+constexpr int lanes = 4;
+
+/// Integration points in barycentric coordinates, of equal weight: exact for quadratic polynomials.
+constexpr int points = 3;
+constexpr double point[points][3] = {
+    {2.0 / 3, 1.0 / 6, 1.0 / 6}, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 6, 2.0 / 3}};
+
+SUPPLE_INLINE Lanes constant(double value) { return Lanes{value, value, value, value}; }
+
+/// Gradients of the six shape functions at an integration point: L (2 L - 1) at corners, 4 L L' at midpoints.
+SUPPLE_INLINE void shape_gradients(const Lanes (&corner)[3][2], int q, Lanes (&gradient)[6][2]) {
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      gradient[k][i] = (4 * point[q][k] - 1) * corner[k][i];
+      gradient[3 + k][i] = 4 * (point[q][k] * corner[next][i] + point[q][next] * corner[k][i]);
+    }
+  }
+}
+
+/// F - I at an integration point.
+SUPPLE_INLINE void displacement_gradient(const ElasticBatch& batch, const Lanes (&gradient)[6][2], Lanes (&h)[2][2]) {
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      h[i][j] = batch.strain_change[i][j];
+      for (int k = 0; k < 6; ++k) h[i][j] += batch.displacement[k][i] * gradient[k][j];
+    }
+  }
+}
+
+/// Adds what one integration point contributes, given F - I there.
+SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)[2][2], const Lanes (&shape)[6][2],
+                             const Lanes& weight, ElasticBatch& batch) {
+  const Lanes trace = h[0][0] + h[1][1];
+  const Lanes square = h[0][0] * h[0][0] + h[0][1] * h[0][1] + h[1][0] * h[1][0] + h[1][1] * h[1][1];
+  const Lanes j_minus_one = trace + h[0][0] * h[1][1] - h[0][1] * h[1][0];
+  for (int lane = 0; lane < lanes; ++lane)
+    if (!(j_minus_one[lane] > -1)) return false;
+
+  // psi, a = J g' and b = J (J g')'; written in F - I, so that small strains lose no digits.
+  Lanes psi = constant(0);
+  Lanes a = psi;
+  Lanes b = psi;
+  const Lanes j = 1 + j_minus_one;
+  if (law.law == Law::neo_hookean) {
+    Lanes log_j = constant(0);
+    for (int lane = 0; lane < lanes; ++lane) log_j[lane] = std::log1p(j_minus_one[lane]);
+    psi = law.mu * (trace + 0.5 * square - log_j) + 0.5 * law.lambda * log_j * log_j;
+    a = law.lambda * log_j - law.mu;
+    b = constant(law.lambda);
+  } else {
+    const Lanes inverse_square = 1 / (j * j);
+    psi = 0.5 * law.mu * (2 * trace + square - j_minus_one * (2 + j_minus_one) * inverse_square);
+    a = -law.mu * inverse_square;
+    b = 2 * law.mu * inverse_square;
+  }
+  batch.energy += weight * psi;
+  if (order < 1) return true;
+
+  const Lanes f[2][2] = {{1 + h[0][0], h[0][1]}, {h[1][0], 1 + h[1][1]}};
+  const Lanes inverse = 1 / j;
+  const Lanes inverse_transpose[2][2] = {{f[1][1] * inverse, -f[1][0] * inverse},
+                                         {-f[0][1] * inverse, f[0][0] * inverse}};
+  // Gradients at rest and, by F^-T, in the deformed state.
+  Lanes at_rest[local_nodes][2];
+  Lanes deformed[local_nodes][2];
+  for (int k = 0; k < 6; ++k)
+    for (int i = 0; i < 2; ++i) at_rest[k][i] = shape[k][i];
+  for (int column = 0; column < 2; ++column)
+    for (int i = 0; i < 2; ++i) at_rest[6 + column][i] = constant(i == column ? 1 : 0);
+  for (int k = 0; k < local_nodes; ++k)
+    for (int i = 0; i < 2; ++i)
+      deformed[k][i] = inverse_transpose[i][0] * at_rest[k][0] + inverse_transpose[i][1] * at_rest[k][1];
+
+  // mu (F - F^-T) + (a + mu) F^-T: the first Piola-Kirchhoff stress without the difference of large numbers at rest.
+  Lanes stress[2][2];
+  for (int i = 0; i < 2; ++i)
+    for (int k = 0; k < 2; ++k)
+      stress[i][k] = law.mu * (f[i][k] - inverse_transpose[i][k]) + (a + law.mu) * inverse_transpose[i][k];
+  for (int k = 0; k < local_nodes; ++k)
+    for (int i = 0; i < 2; ++i)
+      batch.force[k][i] += weight * (stress[i][0] * at_rest[k][0] + stress[i][1] * at_rest[k][1]);
+  if (order < 2) return true;
+
+  const Lanes weighted_mu = weight * law.mu;
+  const Lanes weighted_a = weight * a;
+  const Lanes weighted_b = weight * b;
+  for (int k = 0, pair = 0; k < local_nodes; ++k) {
+    for (int l = 0; l <= k; ++l, ++pair) {
+      const Lanes product = weighted_mu * (at_rest[k][0] * at_rest[l][0] + at_rest[k][1] * at_rest[l][1]);
+      for (int i = 0; i < 2; ++i)
+        for (int m = 0; m < 2; ++m)
+          batch.stiffness[pair][i][m] +=
+              weighted_b * deformed[k][i] * deformed[l][m] - weighted_a * deformed[l][i] * deformed[k][m];
+      batch.stiffness[pair][0][0] += product;
+      batch.stiffness[pair][1][1] += product;
+    }
+  }
+  return true;
+}
+
+SUPPLE_INLINE bool integrate_batch(const MaterialLaw& law, int order, ElasticBatch& batch) {
+  const Lanes zero = constant(0);
+  batch.energy = zero;
+  if (order >= 1)
+    for (auto& node : batch.force) node[0] = node[1] = zero;
+  if (order >= 2)
+    for (auto& pair : batch.stiffness)
+      for (auto& row : pair) row[0] = row[1] = zero;
+  const Lanes weight = batch.area / points;
+  for (int q = 0; q < points; ++q) {
+    Lanes gradient[6][2];
+    Lanes h[2][2];
+    shape_gradients(batch.barycentric_gradient, q, gradient);
+    displacement_gradient(batch, gradient, h);
+    if (!add_point(law, order, h, gradient, weight, batch)) return false;
+  }
+  return true;
+}
+
+bool integrate_portable(const MaterialLaw& law, int order, ElasticBatch& batch) {
+  return integrate_batch(law, order, batch);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2,fma"))) bool integrate_avx2(const MaterialLaw& law, int order, ElasticBatch& batch) {
+  return integrate_batch(law, order, batch);
+}
+
+const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#endif
+
+/// The least positive root of c + b t + a t^2, c > 0; infinity if there is none.
+double first_root(double a, double b, double c) {
+  const double none = std::numeric_limits<double>::infinity();
+  const double discriminant = b * b - 4 * a * c;
+  if (discriminant < 0) return none;
+  // The form that does not cancel: with q of the sign of b, the roots are q / a and c / q.
+  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+  double first = none;
+  if (q != 0 && c / q > 0) first = c / q;
+  if (a != 0 && q / a > 0) first = std::fmin(first, q / a);
+  return first;
+}
+
+}  // namespace
+
+bool integrate(const MaterialLaw& law, int order, ElasticBatch& batch) {
+#if defined(__x86_64__)
+  if (has_avx2) return integrate_avx2(law, order, batch);
+#endif
+  return integrate_portable(law, order, batch);
+}
+
+double first_inversion(const ElasticBatch& at, const ElasticBatch& along) {
+  double first = std::numeric_limits<double>::infinity();
+  for (int q = 0; q < points; ++q) {
+    Lanes gradient[6][2];
+    Lanes h[2][2];
+    Lanes d[2][2];
+    shape_gradients(at.barycentric_gradient, q, gradient);
+    displacement_gradient(at, gradient, h);
+    displacement_gradient(along, gradient, d);
+    // det (F + t D) = det F + t (F : cof D) + t^2 det D.
+    const Lanes c = (1 + h[0][0]) * (1 + h[1][1]) - h[0][1] * h[1][0];
+    const Lanes b = (1 + h[0][0]) * d[1][1] + (1 + h[1][1]) * d[0][0] - h[0][1] * d[1][0] - h[1][0] * d[0][1];
+    const Lanes a = d[0][0] * d[1][1] - d[0][1] * d[1][0];
+    for (int lane = 0; lane < lanes; ++lane) {
+      // Most triangles are far from it: |b| t and |a| t^2 cannot reach c within a whole step.
+      if (c[lane] > std::abs(b[lane]) + std::abs(a[lane])) continue;
+      first = std::fmin(first, first_root(a[lane], b[lane], c[lane]));
+    }
+  }
+  return first;
+}
+
+}  // namespace supple::microscale
