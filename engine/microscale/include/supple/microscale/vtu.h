@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "supple/microscale/simulation.h"
+#include "supple/microscale/unwrapped_mesh.h"
+
+namespace supple::microscale {
+
+/// A deformed patch as a VTK unstructured grid (VTU, ASCII): quadratic triangles (cell type 22) at their rest positions
+/// in mm, the point data "displacement" (mm, with the macroscopic part) and the cell data "energy_density" (MPa: the
+/// triangle's elastic energy per rest area, from its three integration points).
+///
+/// `unwrapped` is unwrap(*deformed.mesh). Numbers read back as the same doubles. About 250 bytes a point.
+std::string write_vtu(const UnwrappedMesh& unwrapped, const DeformedMesh& deformed, const Material& material);
+
+}  // namespace supple::microscale
