@@ -1,10 +1,11 @@
 #include "supple/numerics/cholesky.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "multifrontal_cholesky.h"
 
 namespace supple::numerics {
 namespace {
@@ -30,7 +31,7 @@ struct Pattern {
 
 struct ShiftedCholesky::Implementation {
   Eigen::LLT<Eigen::MatrixXd> dense;
-  Eigen::CholmodSupernodalLLT<SparseMatrix, Eigen::Lower> sparse;
+  MultifrontalCholesky sparse;
   Pattern pattern;
   bool last_was_sparse = false;
   int analyses = 0;
@@ -54,15 +55,11 @@ struct ShiftedCholesky::Implementation {
                      [](double v) { return std::isfinite(v); }))
       return false;
     if (analyses == 0 || !pattern.matches(matrix)) {
-      // A matrix that is not positive definite is an answer here, not a mistake to print.
-      sparse.cholmod().print = 0;
-      sparse.analyzePattern(matrix);
+      sparse.analyze(matrix);
       pattern.assign(matrix);
       ++analyses;
     }
-    sparse.setShift(shift);
-    sparse.factorize(matrix);
-    return sparse.info() == Eigen::Success;
+    return sparse.factorize(matrix, shift);
   }
 
   bool factorize_core(const SparseMatrix& core, double shift) {
@@ -82,8 +79,10 @@ struct ShiftedCholesky::Implementation {
   }
 
   Eigen::MatrixXd solve_core(const Eigen::MatrixXd& b) const {
-    if (last_was_sparse) return sparse.solve(b);
-    return dense.solve(b);
+    if (!last_was_sparse) return dense.solve(b);
+    Eigen::MatrixXd x = b;
+    sparse.solve(x);
+    return x;
   }
 };
 

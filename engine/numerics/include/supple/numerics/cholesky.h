@@ -11,9 +11,9 @@ namespace supple::numerics {
 /// n^3 / 3 operations it saves.
 inline constexpr Eigen::Index dense_cholesky_limit = 64;
 
-/// Cholesky factorization of H + shift I. Dense matrices and small ones by Eigen's LLT, O(n^3); sparse ones by CHOLMOD
-/// (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic analysis is kept for as long as the pattern stays. Of a
-/// bordered matrix the core is factorized so, and the corner's Schur complement as a dense matrix.
+/// Cholesky factorization of H + shift I. Dense matrices and small ones by Eigen's LLT, O(n^3); sparse ones by a
+/// multifrontal method on CHOLMOD's ordering and supernodes (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic
+/// analysis is kept for as long as the pattern stays. Of a bordered matrix the core is factorized so, and the corner's Schur complement as a dense matrix.
 class ShiftedCholesky {
  public:
   ShiftedCholesky();

@@ -1,0 +1,249 @@
+#include "multifrontal_cholesky.h"
+
+#include <cholmod.h>
+
+#include <algorithm>
+#include <new>
+#include <numeric>
+
+#include "partial_cholesky.h"
+
+namespace supple::numerics {
+namespace {
+
+/// CHOLMOD's workspace and the analysis it makes, released together.
+class Analysis {
+ public:
+  Analysis(const SparseMatrix& matrix) {
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.supernodal = CHOLMOD_SUPERNODAL;
+    common_.nmethods = 2;
+    common_.method[0].ordering = CHOLMOD_AMD;
+    common_.method[1].ordering = CHOLMOD_METIS;
+    cholmod_sparse view{};
+    view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
+    view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
+    view.p = const_cast<int*>(matrix.outerIndexPtr());
+    view.i = const_cast<int*>(matrix.innerIndexPtr());
+    view.stype = -1;
+    view.itype = CHOLMOD_INT;
+    view.xtype = CHOLMOD_PATTERN;
+    view.dtype = CHOLMOD_DOUBLE;
+    view.sorted = 1;
+    view.packed = 1;
+    factor_ = cholmod_analyze(&view, &common_);
+  }
+  ~Analysis() {
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
+  }
+  Analysis(const Analysis&) = delete;
+  Analysis& operator=(const Analysis&) = delete;
+
+  const cholmod_factor& factor() const {
+    if (!factor_) throw std::bad_alloc();
+    return *factor_;
+  }
+
+ private:
+  cholmod_common common_{};
+  cholmod_factor* factor_ = nullptr;
+};
+
+/// A multiple of four rows: every column of a panel then starts at the same alignment.
+int padded(int rows) { return (rows + 3) / 4 * 4; }
+
+}  // namespace
+
+void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
+  const Analysis analysis(matrix);
+  const cholmod_factor& l = analysis.factor();
+  n_ = static_cast<int>(l.n);
+  const auto* permutation = static_cast<const int*>(l.Perm);
+  const auto* first = static_cast<const int*>(l.super);
+  const auto* row_begin = static_cast<const int*>(l.pi);
+  const auto* rows = static_cast<const int*>(l.s);
+  old_index_.assign(permutation, permutation + n_);
+  new_index_.resize(static_cast<std::size_t>(n_));
+  for (int i = 0; i < n_; ++i) new_index_[static_cast<std::size_t>(old_index_[static_cast<std::size_t>(i)])] = i;
+
+  const auto count = static_cast<std::size_t>(l.nsuper);
+  rows_.assign(rows, rows + row_begin[count]);
+  supernodes_.assign(count + 1, {});
+  std::int64_t panel = 0;
+  std::int64_t relative = 0;
+  for (std::size_t s = 0; s < count; ++s) {
+    Supernode& node = supernodes_[s];
+    node.first = first[s];
+    node.pivots = first[s + 1] - first[s];
+    node.rows = row_begin[s + 1] - row_begin[s];
+    node.ld = padded(node.rows);
+    node.row_list = row_begin[s];
+    node.panel = panel;
+    node.relative = relative;
+    panel += static_cast<std::int64_t>(node.ld) * node.pivots;
+    relative += node.rows - node.pivots;
+  }
+  supernodes_[count].first = n_;
+  factor_.resize(static_cast<std::size_t>(panel));
+  find_relative_rows();
+  place_entries(matrix);
+}
+
+void MultifrontalCholesky::find_relative_rows() {
+  const std::size_t count = supernodes_.size() - 1;
+  std::vector<int> supernode_of(static_cast<std::size_t>(n_));
+  for (std::size_t s = 0; s < count; ++s)
+    std::fill_n(supernode_of.begin() + supernodes_[s].first, supernodes_[s].pivots, static_cast<int>(s));
+  relative_.clear();
+  std::size_t largest_front = 0;
+  std::size_t stacked = 0;
+  std::size_t most_stacked = 0;
+  std::vector<std::size_t> waiting(count, 0);  // update entries on the stack that belong to the children of each
+  for (std::size_t s = 0; s < count; ++s) {
+    Supernode& node = supernodes_[s];
+    const int below = node.rows - node.pivots;
+    largest_front = std::max(largest_front, static_cast<std::size_t>(node.ld) * static_cast<std::size_t>(node.rows));
+    stacked -= waiting[s];
+    if (below == 0) continue;
+    const int* list = rows_.data() + node.row_list + node.pivots;
+    node.parent = supernode_of[static_cast<std::size_t>(list[0])];
+    const Supernode& parent = supernodes_[static_cast<std::size_t>(node.parent)];
+    const int* at = rows_.data() + parent.row_list;
+    int place = 0;
+    for (int r = 0; r < below; ++r) {
+      while (at[place] != list[r]) ++place;
+      relative_.push_back(place);
+    }
+    const std::size_t size = static_cast<std::size_t>(below) * static_cast<std::size_t>(below);
+    waiting[static_cast<std::size_t>(node.parent)] += size;
+    stacked += size;
+    most_stacked = std::max(most_stacked, stacked);
+  }
+  front_.resize(largest_front);
+  updates_.resize(most_stacked);
+}
+
+void MultifrontalCholesky::place_entries(const SparseMatrix& matrix) {
+  struct Entry {
+    int supernode;
+    std::int32_t place;
+    std::int64_t slot;
+  };
+  const std::size_t count = supernodes_.size() - 1;
+  std::vector<int> supernode_of(static_cast<std::size_t>(n_));
+  for (std::size_t s = 0; s < count; ++s)
+    std::fill_n(supernode_of.begin() + supernodes_[s].first, supernodes_[s].pivots, static_cast<int>(s));
+  std::vector<Entry> entries;
+  entries.reserve(static_cast<std::size_t>(matrix.nonZeros()));
+  for (int column = 0; column < n_; ++column) {
+    for (int slot = matrix.outerIndexPtr()[column]; slot < matrix.outerIndexPtr()[column + 1]; ++slot) {
+      const int row = matrix.innerIndexPtr()[slot];
+      if (row < column) continue;
+      const int a = new_index_[static_cast<std::size_t>(row)];
+      const int b = new_index_[static_cast<std::size_t>(column)];
+      const int pivot = std::min(a, b);
+      const int s = supernode_of[static_cast<std::size_t>(pivot)];
+      const Supernode& node = supernodes_[static_cast<std::size_t>(s)];
+      const int* list = rows_.data() + node.row_list;
+      const auto place = std::lower_bound(list, list + node.rows, std::max(a, b)) - list;
+      entries.push_back(
+          {s, static_cast<std::int32_t>(place + static_cast<std::int64_t>(pivot - node.first) * node.ld), slot});
+    }
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& x, const Entry& y) { return x.supernode < y.supernode; });
+  entry_slot_.clear();
+  entry_place_.clear();
+  std::size_t next = 0;
+  for (std::size_t s = 0; s <= count; ++s) {
+    supernodes_[s].entries = static_cast<std::int64_t>(next);
+    while (next < entries.size() && entries[next].supernode == static_cast<int>(s)) {
+      entry_slot_.push_back(entries[next].slot);
+      entry_place_.push_back(entries[next].place);
+      ++next;
+    }
+  }
+}
+
+void MultifrontalCholesky::extend_add(const Supernode& child, const double* update, const Supernode& parent,
+                                      double* front) const {
+  const int below = child.rows - child.pivots;
+  const int* relative = relative_.data() + child.relative;
+  for (int c = 0; c < below; ++c, update += below) {
+    double* column = front + static_cast<std::int64_t>(relative[c]) * parent.ld;
+    for (int r = c; r < below; ++r) column[relative[r]] += update[r];
+  }
+}
+
+bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
+  const double* values = matrix.valuePtr();
+  const std::size_t count = supernodes_.size() - 1;
+  double* top = updates_.data();
+  std::vector<int> stack;
+  for (std::size_t s = 0; s < count; ++s) {
+    const Supernode& node = supernodes_[s];
+    double* front = front_.data();
+    std::fill_n(front, static_cast<std::int64_t>(node.ld) * node.rows, 0.0);
+    for (std::int64_t e = node.entries; e < supernodes_[s + 1].entries; ++e)
+      front[entry_place_[static_cast<std::size_t>(e)]] += values[entry_slot_[static_cast<std::size_t>(e)]];
+    for (int k = 0; k < node.pivots; ++k) front[static_cast<std::int64_t>(k) * node.ld + k] += shift;
+    while (!stack.empty() && supernodes_[static_cast<std::size_t>(stack.back())].parent == static_cast<int>(s)) {
+      const Supernode& child = supernodes_[static_cast<std::size_t>(stack.back())];
+      const int below = child.rows - child.pivots;
+      top -= static_cast<std::int64_t>(below) * below;
+      extend_add(child, top, node, front);
+      stack.pop_back();
+    }
+    if (!partial_cholesky(front, node.ld, node.rows, node.pivots)) return false;
+    std::copy_n(front, static_cast<std::int64_t>(node.ld) * node.pivots, factor_.begin() + node.panel);
+    const int below = node.rows - node.pivots;
+    if (below == 0) continue;
+    for (int c = 0; c < below; ++c, top += below) {
+      const double* column = front + static_cast<std::int64_t>(node.pivots + c) * node.ld + node.pivots;
+      std::copy(column + c, column + below, top + c);
+    }
+    stack.push_back(static_cast<int>(s));
+  }
+  return true;
+}
+
+void MultifrontalCholesky::solve(Eigen::Ref<Eigen::MatrixXd> b) const {
+  const std::size_t count = supernodes_.size() - 1;
+  std::vector<double> x(static_cast<std::size_t>(n_) * solve_width);
+  int longest = 0;
+  for (const Supernode& node : supernodes_) longest = std::max(longest, node.rows - node.pivots);
+  std::vector<double> below(static_cast<std::size_t>(longest) * solve_width);
+  for (Eigen::Index begin = 0; begin < b.cols(); begin += solve_width) {
+    const auto width = std::min<Eigen::Index>(solve_width, b.cols() - begin);
+    std::fill(x.begin(), x.end(), 0.0);
+    for (Eigen::Index c = 0; c < width; ++c)
+      for (int i = 0; i < n_; ++i)
+        x[static_cast<std::size_t>(i * solve_width + c)] = b(old_index_[static_cast<std::size_t>(i)], begin + c);
+    for (std::size_t s = 0; s < count; ++s) {
+      const Supernode& node = supernodes_[s];
+      panel_forward(factor_.data() + node.panel, node.ld, node.rows, node.pivots,
+                    &x[static_cast<std::size_t>(node.first) * solve_width], below.data());
+      const int* list = rows_.data() + node.row_list + node.pivots;
+      for (int r = 0; r < node.rows - node.pivots; ++r)
+        for (int c = 0; c < solve_width; ++c)
+          x[static_cast<std::size_t>(list[r] * solve_width + c)] -=
+              below[static_cast<std::size_t>(r * solve_width + c)];
+    }
+    for (std::size_t s = count; s-- > 0;) {
+      const Supernode& node = supernodes_[s];
+      const int* list = rows_.data() + node.row_list + node.pivots;
+      for (int r = 0; r < node.rows - node.pivots; ++r)
+        for (int c = 0; c < solve_width; ++c)
+          below[static_cast<std::size_t>(r * solve_width + c)] = x[static_cast<std::size_t>(list[r] * solve_width + c)];
+      panel_backward(factor_.data() + node.panel, node.ld, node.rows, node.pivots,
+                     &x[static_cast<std::size_t>(node.first) * solve_width], below.data());
+    }
+    for (Eigen::Index c = 0; c < width; ++c)
+      for (int i = 0; i < n_; ++i)
+        b(old_index_[static_cast<std::size_t>(i)], begin + c) = x[static_cast<std::size_t>(i * solve_width + c)];
+  }
+}
+
+}  // namespace supple::numerics

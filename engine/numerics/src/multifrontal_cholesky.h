@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "supple/numerics/objective.h"
+
+namespace supple::numerics {
+
+/// Cholesky factorization of a sparse symmetric matrix, P A P^T = L L^T, by the multifrontal method (Duff and Reid
+/// 1983; Liu 1992).
+///
+/// CHOLMOD finds the ordering (the better of approximate minimum degree and METIS' nested dissection) and the
+/// supernodes. The numerical part is ours: it maps every entry of A to its place in a front once, and works on fronts
+/// of some dozen rows, as thin structures have them, at several times CHOLMOD's rate.
+class MultifrontalCholesky {
+ public:
+  /// Orders and analyses the pattern of the lower triangle of `matrix` (entries above the diagonal are ignored).
+  void analyze(const SparseMatrix& matrix);
+  /// Of matrix + shift I, which has the analysed pattern. False where it is not numerically positive definite.
+  bool factorize(const SparseMatrix& matrix, double shift);
+  /// Overwrites the columns of b by A^-1 b. Four columns cost little more than one.
+  void solve(Eigen::Ref<Eigen::MatrixXd> b) const;
+
+ private:
+  struct Supernode {
+    int first = 0;   ///< first of its columns, in the new order
+    int pivots = 0;  ///< number of its columns
+    int rows = 0;    ///< rows of its front: the pivots and those below
+    int ld = 0;      ///< leading dimension of its panel
+    int parent = -1;
+    std::int64_t row_list = 0;  ///< into rows_
+    std::int64_t panel = 0;     ///< into factor_
+    std::int64_t entries = 0;   ///< into entry_slot_ and entry_place_, up to that of the next
+    std::int64_t relative = 0;  ///< into relative_
+  };
+
+  void place_entries(const SparseMatrix& matrix);
+  void find_relative_rows();
+  void extend_add(const Supernode& child, const double* update, const Supernode& parent, double* front) const;
+
+  int n_ = 0;
+  std::vector<int> new_index_;  ///< of each unknown
+  std::vector<int> old_index_;
+  std::vector<Supernode> supernodes_;      ///< children before parents; the last entry is an end mark
+  std::vector<int> rows_;                  ///< row lists of the fronts, in the new order
+  std::vector<int> relative_;              ///< for each row below the pivots its place in the parent's front
+  std::vector<std::int64_t> entry_slot_;   ///< index into the matrix' values
+  std::vector<std::int32_t> entry_place_;  ///< where it goes in its front
+  std::vector<double> factor_;
+  std::vector<double> front_;    ///< room for the largest front
+  std::vector<double> updates_;  ///< stack of the update matrices that wait for their parents
+};
+
+}  // namespace supple::numerics
