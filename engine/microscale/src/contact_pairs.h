@@ -3,17 +3,17 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "cell_coordinates.h"
 #include "contact_outline.h"
 #include "contact_search.h"
 
 namespace supple::microscale {
 
-/// A point and a segment of the outline (an image of it) that come near each other.
+/// A point of the outline and a segment (an image of one) that come near each other.
 struct ContactPair {
   int point = 0;  ///< nodes of the mesh
   int tail = 0;
   int head = 0;
+  int segment = 0;             ///< index into the outline's segments
   Eigen::Vector2i tail_shift;  ///< cells of the segment's ends, seen from the point's
   Eigen::Vector2i head_shift;
   Eigen::Vector2d rest_tail;  ///< rest positions of the ends minus that of the point, mm
@@ -31,45 +31,59 @@ struct ContactJoint {
   double range = 0;  ///< mm, the lesser of the pairs' ranges
 };
 
-/// Finds the pairs that come within their range on a step, in a Verlet list: all pairs within a margin of their range
-/// at a reference state, which serves until points have moved across the margin.
+/// The ends of a pair's segment in a state, or their changes in a step, relative to the point.
+struct PlacedSegment {
+  /// `gradient`: F, or the change of it for a step.
+  PlacedSegment(const ContactPair& pair, const Eigen::Matrix2d& gradient, const Eigen::VectorXd& x)
+      : tail(gradient * pair.rest_tail + x.segment<2>(2 * pair.tail) - x.segment<2>(2 * pair.point)),
+        head(gradient * pair.rest_head + x.segment<2>(2 * pair.head) - x.segment<2>(2 * pair.point)) {}
+
+  Eigen::Vector2d tail;
+  Eigen::Vector2d head;
+};
+
+/// Finds the pairs that come within their range on a step. They come from a Verlet list of all pairs within a margin of
+/// their range at a reference state, which serves until points have moved across the margin.
 ///
-/// Motion is measured relative to the affine motion of the patch, y -> y + G y: for two points at a distance d the
-/// distance changes by at most |G| d + |v_1| + |v_2|, v = dw - G w. So a large macroscopic strain alone moves little.
+/// That motion is measured against the affine motion of the patch, y -> y + G y: two points at a distance d approach by
+/// at most |G| d + |v_1| + |v_2| with v = dw - G w. So macroscopic strain alone, which moves far images far, costs no
+/// new list.
 class ContactPairs {
  public:
+  /// `range` and `rest_fraction` as in ContactOptions.
   ContactPairs(const tiling::PeriodicMesh& mesh, double range, double rest_fraction);
 
-  /// See ContactBarrier::prepare. About 0.05 ms for 1000 points while the list serves, 0.5 ms to make a new one.
+  /// See ContactBarrier::prepare.
   double prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step);
 
   const ContactOutline& outline() const { return outline_; }
-  /// Pairs that come within their range on the prepared step, sorted by point, segment and image.
+  /// Pairs that come within their range on the step, ordered by point, segment and image.
   const std::vector<ContactPair>& pairs() const { return pairs_; }
   const std::vector<ContactJoint>& joints() const { return joints_; }
 
  private:
-  /// A pair of the Verlet list.
+  /// A segment that a point has near it.
   struct Neighbour {
     int segment = 0;
     Eigen::Vector2i shift;
     double range = 0;
     double distance = 0;  ///< at the reference state
+    bool operator<(const Neighbour& other) const;
   };
+  /// The patch in a state, or its change in a step.
   struct Motion {
-    double affine = 0;  ///< |G|
-    double other = 0;   ///< the largest |v|
+    Eigen::Matrix2d gradient;       ///< F
+    Eigen::Matrix2Xd displacement;  ///< w of the outline's points
   };
 
-  bool list_serves(const Eigen::VectorXd& x, const Eigen::VectorXd& step);
-  void take_reference(const Eigen::VectorXd& x);
-  Motion measure(const Eigen::Matrix2d& strain_change, const Eigen::Matrix2Xd& displacements, bool keep_larger);
-  double renew_list(const Eigen::VectorXd& x, const Eigen::VectorXd& step);
+  void measure_drift();
+  void raise_drift(const Eigen::Matrix2d& affine);
+  bool list_serves() const;
+  void renew_list();
   void find_neighbours(int point, double radius);
   double pair_range(int point, const ContactOutline::Segment& segment, const Eigen::Vector2i& shift) const;
-  void consider(int point, const Neighbour& neighbour);
-  void join(std::size_t first);
-  double largest_share(double share) const;
+  void take_if_near(int point, const Neighbour& neighbour);
+  void join_pairs_from(std::size_t first);
 
   ContactOutline outline_;
   double range_;
@@ -77,24 +91,24 @@ class ContactPairs {
   SegmentGrid grid_;
 
   // The reference state and its list.
-  bool have_reference_ = false;
-  Eigen::Matrix2d reference_gradient_;        ///< F
-  Eigen::Matrix2d reference_inverse_;         ///< F^-1
-  Eigen::Matrix2Xd reference_displacements_;  ///< w of the points
-  std::vector<Neighbour> list_;               ///< point by point
-  std::vector<std::size_t> list_begin_;       ///< for each point, and the end
-  std::vector<Neighbour> found_;              ///< of the point at work
+  bool has_list_ = false;
+  Motion reference_;
+  Eigen::Matrix2d reference_inverse_;     ///< F^-1
+  Eigen::Matrix2d reference_lattice_;     ///< deformed
+  Eigen::Matrix2Xd reference_positions_;  ///< of the outline's points
+  std::vector<Neighbour> list_;           ///< point by point
+  std::vector<std::size_t> list_begin_;   ///< for each point, and the end
 
-  // The step at work: deformation gradient and displacements at its start, their changes.
-  Eigen::Matrix2d gradient_;
-  Eigen::Matrix2d gradient_change_;
-  Eigen::Matrix2Xd displacements_;
-  Eigen::Matrix2Xd displacement_changes_;
-  Eigen::Matrix2Xd positions_;
-  std::vector<double> motion_;  ///< |v| of each point, the larger of the step's two ends
-
+  // The step at work.
+  Motion start_;
+  Motion change_;
+  double share_ = 1;           ///< of the step that is known to be safe
+  double affine_ = 0;          ///< the largest |G| on it
+  std::vector<double> drift_;  ///< for each point the largest |v| on it, mm
+  double largest_drift_ = 0;
+  Eigen::Matrix2Xd relative_;     ///< v
+  std::vector<Neighbour> found_;  ///< of the point at work
   std::vector<ContactPair> pairs_;
-  std::vector<int> pair_segments_;  ///< for each pair its segment
   std::vector<ContactJoint> joints_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
+#include <algorithm>
 #include <vector>
 
 #include "contact_outline.h"
@@ -46,7 +46,8 @@ class SegmentGrid {
 template <class Visitor>
 void SegmentGrid::visit(const Eigen::Vector2d& position, double radius, Visitor&& visitor) const {
   const Eigen::Array2d centre = (inverse_ * position).array();
-  const Eigen::Array2d extent = (radius + longest_half_) / heights_;
+  // A little more, so that rounding loses no midpoint on a bin's border.
+  const Eigen::Array2d extent = (radius + longest_half_) / heights_ + 1e-12;
   const Eigen::Array2i low = ((centre - extent) * bins_.cast<double>()).floor().cast<int>();
   const Eigen::Array2i high = ((centre + extent) * bins_.cast<double>()).floor().cast<int>();
   const auto cell_of = [](int bin, int count) { return bin >= 0 ? bin / count : -((count - 1 - bin) / count); };

@@ -1,0 +1,189 @@
+#include "contact_barrier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "contact_geometry.h"
+#include "supple/base/error.h"
+
+namespace supple::microscale {
+namespace {
+
+/// Range over beam width: less changes the stress of structures in contact little, and costs more iterations.
+constexpr double range_share = 0.05;
+/// Stiffness over Young's modulus: slender beams press on each other with about a hundredth of the modulus.
+constexpr double stiffness_share = 0.02;
+/// Distance over range below which an equilibrium asks for a stiffer barrier.
+constexpr double nearest_ratio = 0.1;
+
+void check(const ContactOptions& options) {
+  std::vector<Error::Detail> details;
+  if (!(options.stiffness > 0)) details.push_back({"contact/stiffness", "must be positive"});
+  if (!(options.range > 0)) details.push_back({"contact/range", "must be positive"});
+  if (!(options.rest_fraction > 0 && options.rest_fraction < 1))
+    details.push_back({"contact/rest_fraction", "must lie between 0 and 1"});
+  if (!details.empty()) throw Error("simulation.invalid_option", "Options of the contact are out of range.", details);
+}
+
+using Vector6 = InsideDistance::Vector6;
+using Matrix6 = InsideDistance::Matrix6;
+
+/// What a barrier between a pair's point and its segment, or one end of that, adds: to the point, the tail and the
+/// head. An end that takes no part has zeros.
+struct LocalBarrier {
+  double value = 0;
+  Vector6 gradient = Vector6::Zero();
+  Matrix6 hessian = Matrix6::Zero();
+};
+
+void add_inside(const PlacedSegment& placed, double range, double weight, int order, bool convex, LocalBarrier& local) {
+  const InsideDistance at(placed.tail, placed.head);
+  const LogBarrier barrier(at.distance, range);
+  local.value = weight * barrier.value;
+  if (order >= 1) local.gradient = weight * barrier.first * at.gradient();
+  if (order >= 2) local.hessian = at.hessian(weight * barrier.first, weight * barrier.second, convex);
+}
+
+/// `end` is 1 for the tail, 2 for the head.
+void add_end(const Eigen::Vector2d& seen, int end, double range, double weight, int order, bool convex,
+             LocalBarrier& local) {
+  const double distance = seen.norm();
+  const LogBarrier barrier(distance, range);
+  const Eigen::Vector2d normal = -seen / distance;
+  local.value = weight * barrier.value;
+  if (order < 1) return;
+  local.gradient.head<2>() = weight * barrier.first * normal;
+  local.gradient.segment<2>(2 * end) = -local.gradient.head<2>();
+  if (order < 2) return;
+  double across = weight * barrier.first / distance;
+  double along = weight * barrier.second;
+  if (convex) {
+    across = std::max(across, 0.0);
+    along = std::max(along, 0.0);
+  }
+  const Eigen::Matrix2d curvature =
+      across * Eigen::Matrix2d::Identity() + (along - across) * normal * normal.transpose();
+  local.hessian.topLeftCorner<2, 2>() = curvature;
+  local.hessian.block<2, 2>(2 * end, 2 * end) = curvature;
+  local.hessian.block<2, 2>(2 * end, 0) = -curvature;
+  local.hessian.block<2, 2>(0, 2 * end) = -curvature;
+}
+
+}  // namespace
+
+ContactOptions contact_options(const tiling::PeriodicMesh& mesh, const Material& material) {
+  return {.stiffness = stiffness_share * material.youngs_modulus, .range = range_share * mesh.beam_width};
+}
+
+ContactBarrier::ContactBarrier(const tiling::PeriodicMesh& mesh, const ContactOptions& options)
+    : coordinates_{mesh.nodes.cols()}, options_(options), pairs_(mesh, options.range, options.rest_fraction) {
+  // Without an outline there is nothing to touch, and no beam width that a range could follow from.
+  if (!mesh.outline.empty()) check(options);
+}
+
+/// Calls sink(pair, local) for every barrier that is not zero at x.
+template <class Sink>
+void ContactBarrier::visit(const Eigen::VectorXd& x, int order, bool convex, Sink&& sink) const {
+  const Eigen::Matrix2d gradient = coordinates_.deformation_gradient(x);
+  const auto emit = [&](const ContactPair& pair, const PlacedSegment& placed, Nearest nearest, double range,
+                        double share) {
+    LocalBarrier local;
+    const double weight = share * options_.stiffness * pair.length;
+    if (nearest == Nearest::inside)
+      add_inside(placed, range, weight, order, convex, local);
+    else if (nearest == Nearest::tail)
+      add_end(placed.tail, 1, range, weight, order, convex, local);
+    else
+      add_end(placed.head, 2, range, weight, order, convex, local);
+    sink(pair, local);
+  };
+  for (const ContactPair& pair : pairs_.pairs()) {
+    const PlacedSegment placed(pair, gradient, x);
+    const SegmentView view = view_segment(placed.tail, placed.head);
+    if (view.squared_distance >= pair.range * pair.range) continue;
+    // What a joint subtracts again, wholly, is left to it.
+    if ((view.nearest == Nearest::tail && pair.tail_joint) || (view.nearest == Nearest::head && pair.head_joint))
+      continue;
+    emit(pair, placed, view.nearest, pair.range, 1);
+  }
+  for (const ContactJoint& joint : pairs_.joints()) {
+    const ContactPair& before = pairs_.pairs()[static_cast<std::size_t>(joint.before)];
+    const PlacedSegment placed(before, gradient, x);
+    if (placed.head.squaredNorm() >= joint.range * joint.range) continue;
+    const ContactPair& after = pairs_.pairs()[static_cast<std::size_t>(joint.after)];
+    const PlacedSegment follower(after, gradient, x);
+    double share = -1;
+    if (before.head_joint && view_segment(placed.tail, placed.head).nearest == Nearest::head) share += 1;
+    if (after.tail_joint && view_segment(follower.tail, follower.head).nearest == Nearest::tail) share += 1;
+    if (share != 0) emit(before, placed, Nearest::head, joint.range, share);
+  }
+}
+
+void ContactBarrier::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  const Eigen::Index strain = coordinates_.strain();
+  visit(x, order, convex_, [&](const ContactPair& pair, const LocalBarrier& local) {
+    sum.value += local.value;
+    if (order < 1) return;
+    // A change of F moves the ends against the point by dF times their relative rest positions: column 2 i + j.
+    Eigen::Matrix<double, 6, 4> strained = Eigen::Matrix<double, 6, 4>::Zero();
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) {
+        strained(2 + i, 2 * i + j) = pair.rest_tail[j];
+        strained(4 + i, 2 * i + j) = pair.rest_head[j];
+      }
+    Eigen::Index place[6];
+    const int nodes[3] = {pair.point, pair.tail, pair.head};
+    for (int k = 0; k < 6; ++k) place[k] = coordinates_.displacement(nodes[k / 2]) + k % 2;
+    for (int k = 0; k < 6; ++k) sum.gradient[place[k]] += local.gradient[k];
+    sum.gradient.segment<4>(strain) += strained.transpose() * local.gradient;
+    if (order < 2) return;
+    const Eigen::Matrix<double, 6, 4> mixed = local.hessian * strained;
+    const Eigen::Matrix4d corner = strained.transpose() * mixed;
+    for (int k = 0; k < 6; ++k) {
+      for (int l = 0; l <= k; ++l) {
+        // A point may meet an image of itself: both orders of the pair then fall on one place of the diagonal.
+        const double both = k != l && place[k] == place[l] ? 2 : 1;
+        sum.hessian.add(place[k], place[l], both * local.hessian(k, l));
+      }
+      for (int c = 0; c < 4; ++c) sum.hessian.add(place[k], strain + c, mixed(k, c));
+    }
+    for (int c = 0; c < 4; ++c)
+      for (int d = 0; d <= c; ++d) sum.hessian.add(strain + c, strain + d, corner(c, d));
+  });
+}
+
+void ContactBarrier::add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
+                                             numerics::HessianEntries& entries) const {
+  visit(x, 2, false, [&](const ContactPair& pair, const LocalBarrier& local) {
+    const int nodes[3] = {pair.point, pair.tail, pair.head};
+    const double sign[3] = {1, alternation.sign(pair.tail_shift[0], pair.tail_shift[1]),
+                            alternation.sign(pair.head_shift[0], pair.head_shift[1])};
+    for (int k = 0; k < 6; ++k)
+      for (int l = 0; l <= k; ++l) {
+        const Eigen::Index row = coordinates_.displacement(nodes[k / 2]) + k % 2;
+        const Eigen::Index column = coordinates_.displacement(nodes[l / 2]) + l % 2;
+        const double both = k != l && row == column ? 2 : 1;
+        entries.add(row, column, both * sign[k / 2] * sign[l / 2] * local.hessian(k, l));
+      }
+  });
+}
+
+ContactStatus ContactBarrier::status(const Eigen::VectorXd& x) const {
+  const Eigen::Matrix2d gradient = coordinates_.deformation_gradient(x);
+  ContactStatus status;
+  for (const ContactPair& pair : pairs_.pairs()) {
+    const PlacedSegment placed(pair, gradient, x);
+    const double distance = std::sqrt(view_segment(placed.tail, placed.head).squared_distance);
+    if (distance < pair.range) ++status.pairs;
+    status.smallest_ratio = std::min(status.smallest_ratio, distance / pair.range);
+    status.smallest_gap = std::min(status.smallest_gap, distance);
+  }
+  return status;
+}
+
+double ContactBarrier::suggested_stiffness(const Eigen::VectorXd& x) const {
+  return status(x).smallest_ratio < nearest_ratio ? 2 * options_.stiffness : options_.stiffness;
+}
+
+}  // namespace supple::microscale

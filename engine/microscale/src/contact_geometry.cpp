@@ -1,0 +1,143 @@
+#include "contact_geometry.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace supple::microscale {
+namespace {
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
+
+/// Conservative advancement stops once this share of the way to the kept distance is left, or after so many rounds:
+/// each of them ends at a safe share, so that stopping early costs only a shorter step.
+constexpr double advancement_tolerance = 0.02;
+constexpr int advancement_rounds = 40;
+
+/// The unit vector from a segment's nearest point to the origin, and the distance.
+struct Separation {
+  Separation(const Eigen::Vector2d& tail, const Eigen::Vector2d& head) {
+    const SegmentView view = view_segment(tail, head);
+    if (view.nearest == Nearest::inside) {
+      const Eigen::Vector2d along = (head - tail).normalized();
+      const double side = cross(tail, along);
+      distance = std::abs(side);
+      // Turned towards the origin; for an origin on the segment either side will do.
+      direction = side > 0 ? Eigen::Vector2d(-along[1], along[0]) : Eigen::Vector2d(along[1], -along[0]);
+    } else {
+      const Eigen::Vector2d& end = view.nearest == Nearest::tail ? tail : head;
+      distance = std::sqrt(view.squared_distance);
+      direction = distance > 0 ? Eigen::Vector2d(-end / distance) : Eigen::Vector2d::UnitX();
+    }
+  }
+  Eigen::Vector2d direction;
+  double distance = 0;
+};
+
+}  // namespace
+
+// Not inlined: pairs and joints must take the same decision, to the last bit, for the same segment.
+[[gnu::noinline]] SegmentView view_segment(const Eigen::Vector2d& tail, const Eigen::Vector2d& head) {
+  const Eigen::Vector2d side = head - tail;
+  const double along = -tail.dot(side);
+  if (along <= 0) return {Nearest::tail, tail.squaredNorm()};
+  const double squared_length = side.squaredNorm();
+  if (along >= squared_length) return {Nearest::head, head.squaredNorm()};
+  const double area = cross(tail, side);
+  return {Nearest::inside, area * area / squared_length};
+}
+
+InsideDistance::InsideDistance(const Eigen::Vector2d& tail, const Eigen::Vector2d& head) {
+  const Eigen::Vector2d side = head - tail;
+  length = side.norm();
+  along = side / length;
+  lambda = -tail.dot(along) / length;
+  const Separation separation(tail, head);
+  distance = separation.distance;
+  normal = separation.direction;
+}
+
+InsideDistance::Vector6 InsideDistance::stack(const Eigen::Vector2d& v, double point, double tail, double head) {
+  Vector6 stacked;
+  stacked << point * v, tail * v, head * v;
+  return stacked;
+}
+
+InsideDistance::Matrix6 InsideDistance::hessian(double first, double second, bool convex) const {
+  // In the orthonormal basis alpha / |alpha|, the part of d' across alpha, beta / |beta| it is a 3 x 3 matrix.
+  const double skew = 1 - 2 * lambda;
+  const double beta_norm = std::sqrt(1 + lambda * lambda + (1 - lambda) * (1 - lambda));
+  const double alpha_norm = std::sqrt(2.0);
+  const double across_norm = std::sqrt(1.5);
+  Eigen::Matrix<double, 6, 3> basis;
+  basis.col(0) = stack(normal, 0, -1, 1) / alpha_norm;
+  basis.col(1) = stack(normal, 1, -0.5, -0.5) / across_norm;
+  basis.col(2) = stack(along, 1, lambda - 1, -lambda) / beta_norm;
+
+  const Eigen::Vector3d slope(skew / alpha_norm, across_norm, 0);
+  Eigen::Matrix3d local = second * slope * slope.transpose();
+  local(0, 0) -= 2 * first * distance / (length * length);
+  local(0, 2) -= first * alpha_norm * beta_norm / length;
+  local(2, 0) = local(0, 2);
+  if (convex) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(local);
+    local = modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
+  }
+  return basis * local * basis.transpose();
+}
+
+LogBarrier::LogBarrier(double distance, double range) {
+  const double share = distance / range;
+  const double log = std::log(share);
+  const double gap = share - 1;
+  value = -range * gap * gap * log / 2;
+  first = -gap * log - gap * gap / (2 * share);
+  second = (-log - 2 * gap / share + gap * gap / (2 * share * share)) / range;
+}
+
+double safe_share(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, const Eigen::Vector2d& tail_change,
+                  const Eigen::Vector2d& head_change, double kept, double limit) {
+  double share = 0;
+  double goal = 0;
+  double enough = 0;
+  for (int round = 0; round < advancement_rounds; ++round) {
+    const Eigen::Vector2d tail_now = tail + share * tail_change;
+    const Eigen::Vector2d head_now = head + share * head_change;
+    const Separation separation(tail_now, head_now);
+    if (round == 0) {
+      goal = kept * separation.distance;
+      enough = goal + advancement_tolerance * (separation.distance - goal);
+    } else if (separation.distance <= enough) {
+      break;
+    }
+    double advance = limit - share;
+    const auto bound = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& change) {
+      const double approach = separation.direction.dot(change);
+      const double room = -separation.direction.dot(end) - goal;
+      if (approach * advance > room) advance = std::max(room, 0.0) / approach;
+    };
+    bound(tail_now, tail_change);
+    bound(head_now, head_change);
+    share += advance;
+    if (share >= limit) return limit;
+  }
+  return share;
+}
+
+bool stays_beyond(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, const Eigen::Vector2d& tail_change,
+                  const Eigen::Vector2d& head_change, double distance) {
+  const Separation separation(tail, head);
+  return separation.distance > distance && -separation.direction.dot(tail + tail_change) > distance &&
+         -separation.direction.dot(head + head_change) > distance;
+}
+
+bool segments_cross(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, const Eigen::Vector2d& other_tail,
+                    const Eigen::Vector2d& other_head) {
+  const auto side_of = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& p) {
+    return cross(b - a, p - a);
+  };
+  return side_of(tail, head, other_tail) * side_of(tail, head, other_head) < 0 &&
+         side_of(other_tail, other_head, tail) * side_of(other_tail, other_head, head) < 0;
+}
+
+}  // namespace supple::microscale

@@ -1,0 +1,211 @@
+#include "contact_pairs.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "cell_coordinates.h"
+#include "contact_geometry.h"
+
+namespace supple::microscale {
+namespace {
+
+/// Share of its distance that a pair keeps on a step.
+constexpr double kept_share = 0.2;
+/// In ranges: how far beyond its range a pair is kept in the list. More means longer but fewer lists.
+constexpr double list_margin = 4;
+/// In ranges: pairs are taken if they come this near to their range, so that states just beside the step are served.
+constexpr double slack_share = 0.02;
+/// In ranges: a step on which two points could approach farther is cut, so that the search stays local.
+constexpr double longest_approach = 100;
+/// |G| of a step beyond which it is cut: the bound on approaches needs |G| < 1.
+constexpr double largest_affine = 0.5;
+/// In ranges: pairs that are this near at rest touch there.
+constexpr double touching_share = 1e-6;
+
+}  // namespace
+
+bool ContactPairs::Neighbour::operator<(const Neighbour& other) const {
+  return std::tuple(segment, shift[0], shift[1]) < std::tuple(other.segment, other.shift[0], other.shift[1]);
+}
+
+ContactPairs::ContactPairs(const tiling::PeriodicMesh& mesh, double range, double rest_fraction)
+    : outline_(mesh), range_(range), rest_fraction_(rest_fraction) {}
+
+double ContactPairs::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step) {
+  pairs_.clear();
+  joints_.clear();
+  if (outline_.segments.empty()) return 1;
+  const CellCoordinates coordinates{(x.size() - CellCoordinates::strain_components) / 2};
+  start_.gradient = coordinates.deformation_gradient(x);
+  gather_displacements(outline_, x, start_.displacement);
+  change_.gradient = coordinates.strain_change(step);
+  gather_displacements(outline_, step, change_.displacement);
+  const bool finite = change_.gradient.allFinite() && change_.displacement.allFinite();
+  if (!finite) {
+    change_.gradient.setZero();
+    change_.displacement.setZero();
+  }
+
+  share_ = 1;
+  if (has_list_) measure_drift();
+  if (has_list_ && list_serves()) {
+    for (int p = 0; p < outline_.points(); ++p) {
+      const std::size_t first = pairs_.size();
+      const auto point = static_cast<std::size_t>(p);
+      for (std::size_t k = list_begin_[point]; k < list_begin_[point + 1]; ++k) take_if_near(p, list_[k]);
+      join_pairs_from(first);
+    }
+  } else {
+    renew_list();
+  }
+  return finite ? share_ : 0;
+}
+
+void ContactPairs::measure_drift() {
+  affine_ = 0;
+  drift_.assign(outline_.nodes.size(), 0.0);
+  // Motion away from the reference is linear along the step: its ends bound it.
+  Eigen::Matrix2d affine = (start_.gradient - reference_.gradient) * reference_inverse_;
+  relative_ = start_.displacement - reference_.displacement;
+  relative_.noalias() -= affine * reference_.displacement;
+  raise_drift(affine);
+  const Eigen::Matrix2d affine_change = change_.gradient * reference_inverse_;
+  affine += affine_change;
+  relative_ += change_.displacement;
+  relative_.noalias() -= affine_change * reference_.displacement;
+  raise_drift(affine);
+  largest_drift_ = *std::max_element(drift_.begin(), drift_.end());
+}
+
+void ContactPairs::raise_drift(const Eigen::Matrix2d& affine) {
+  affine_ = std::max(affine_, affine.norm());
+  const Eigen::Vector2d mean = relative_.rowwise().mean();
+  for (int p = 0; p < outline_.points(); ++p) {
+    double& drift = drift_[static_cast<std::size_t>(p)];
+    drift = std::max(drift, (relative_.col(p) - mean).norm());
+  }
+}
+
+bool ContactPairs::list_serves() const {
+  // A pair that is not listed was farther apart than its range + margin.
+  const double margin = list_margin * range_;
+  return margin - affine_ * (range_ + margin) - 2 * largest_drift_ >= slack_share * range_;
+}
+
+void ContactPairs::renew_list() {
+  reference_ = start_;
+  reference_inverse_ = reference_.gradient.inverse();
+  reference_lattice_ = reference_.gradient * outline_.lattice;
+  reference_positions_ = reference_.displacement;
+  reference_positions_.noalias() += reference_.gradient * outline_.rest;
+  has_list_ = true;
+  measure_drift();
+
+  if (affine_ > largest_affine) share_ = largest_affine / affine_;
+  if (2 * largest_drift_ > longest_approach * range_)
+    share_ = std::min(share_, longest_approach * range_ / (2 * largest_drift_));
+  if (share_ < 1) {
+    change_.gradient *= share_;
+    change_.displacement *= share_;
+    measure_drift();
+  }
+  const double cut = share_;
+  // From here on shares are those of the cut step.
+  share_ = 1;
+
+  const double listed = (1 + list_margin) * range_;
+  const double swept = ((1 + slack_share) * range_ + 2 * largest_drift_) / (1 - affine_);
+  grid_.build(outline_, reference_lattice_, reference_positions_, listed);
+  list_.clear();
+  list_begin_.clear();
+  for (int p = 0; p < outline_.points(); ++p) {
+    list_begin_.push_back(list_.size());
+    const std::size_t first = pairs_.size();
+    find_neighbours(p, std::max(listed, swept));
+    for (const Neighbour& neighbour : found_) {
+      if (neighbour.distance <= neighbour.range + list_margin * range_) list_.push_back(neighbour);
+      take_if_near(p, neighbour);
+    }
+    join_pairs_from(first);
+  }
+  list_begin_.push_back(list_.size());
+  share_ *= cut;
+}
+
+void ContactPairs::find_neighbours(int point, double radius) {
+  found_.clear();
+  const Eigen::Vector2d position = reference_positions_.col(point);
+  grid_.visit(position, radius, [&](int index, const Eigen::Vector2i& shift) {
+    const ContactOutline::Segment& segment = outline_.segments[static_cast<std::size_t>(index)];
+    const Eigen::Vector2i head_shift = shift + segment.head_shift;
+    if ((segment.tail == point && shift.isZero()) || (segment.head == point && head_shift.isZero())) return;
+    const Eigen::Vector2d tail =
+        reference_positions_.col(segment.tail) + reference_lattice_ * shift.cast<double>() - position;
+    const Eigen::Vector2d head =
+        reference_positions_.col(segment.head) + reference_lattice_ * head_shift.cast<double>() - position;
+    const double squared_distance = view_segment(tail, head).squared_distance;
+    if (squared_distance > radius * radius) return;
+    const double range = pair_range(point, segment, shift);
+    if (range > 0) found_.push_back({index, shift, range, std::sqrt(squared_distance)});
+  });
+  std::sort(found_.begin(), found_.end());
+}
+
+double ContactPairs::pair_range(int point, const ContactOutline::Segment& segment, const Eigen::Vector2i& shift) const {
+  const Eigen::Vector2d tail = outline_.rest_tail(segment, shift) - outline_.rest.col(point);
+  const Eigen::Vector2d head = outline_.rest_head(segment, shift) - outline_.rest.col(point);
+  const double distance = std::sqrt(view_segment(tail, head).squared_distance);
+  if (distance < touching_share * range_) return 0;
+  return std::min(range_, rest_fraction_ * distance);
+}
+
+void ContactPairs::take_if_near(int point, const Neighbour& neighbour) {
+  const ContactOutline::Segment& segment = outline_.segments[static_cast<std::size_t>(neighbour.segment)];
+  const auto p = static_cast<std::size_t>(point);
+  const double reach = neighbour.range + slack_share * range_;
+  const double drift = drift_[p] + std::max(drift_[static_cast<std::size_t>(segment.tail)],
+                                            drift_[static_cast<std::size_t>(segment.head)]);
+  if (neighbour.distance * (1 - affine_) - drift > reach) return;
+
+  ContactPair pair;
+  pair.tail_shift = neighbour.shift;
+  pair.head_shift = neighbour.shift + segment.head_shift;
+  pair.rest_tail = outline_.rest_tail(segment, neighbour.shift) - outline_.rest.col(point);
+  pair.rest_head = outline_.rest_head(segment, neighbour.shift) - outline_.rest.col(point);
+  const auto relative = [&](const Motion& motion, int end, const Eigen::Vector2d& rest) {
+    return Eigen::Vector2d(motion.gradient * rest + motion.displacement.col(end) - motion.displacement.col(point));
+  };
+  const Eigen::Vector2d tail = relative(start_, segment.tail, pair.rest_tail);
+  const Eigen::Vector2d head = relative(start_, segment.head, pair.rest_head);
+  const Eigen::Vector2d tail_change = relative(change_, segment.tail, pair.rest_tail);
+  const Eigen::Vector2d head_change = relative(change_, segment.head, pair.rest_head);
+  if (stays_beyond(tail, head, tail_change, head_change, reach)) return;
+  share_ = safe_share(tail, head, tail_change, head_change, kept_share, share_);
+  pair.point = outline_.nodes[p];
+  pair.tail = outline_.nodes[static_cast<std::size_t>(segment.tail)];
+  pair.head = outline_.nodes[static_cast<std::size_t>(segment.head)];
+  pair.segment = neighbour.segment;
+  pair.range = neighbour.range;
+  pair.length = outline_.lengths[p];
+  pairs_.push_back(pair);
+}
+
+void ContactPairs::join_pairs_from(std::size_t first) {
+  for (std::size_t i = first; i < pairs_.size(); ++i) {
+    ContactPair& before = pairs_[i];
+    const int next = outline_.segments[static_cast<std::size_t>(before.segment)].next;
+    if (next < 0) continue;
+    const auto after = std::find_if(
+        pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(),
+        [&](const ContactPair& pair) { return pair.segment == next && pair.tail_shift == before.head_shift; });
+    if (after == pairs_.end()) continue;
+    const double range = std::min(before.range, after->range);
+    before.head_joint = before.range == range;
+    after->tail_joint = after->range == range;
+    joints_.push_back({static_cast<int>(i), static_cast<int>(after - pairs_.begin()), range});
+  }
+}
+
+}  // namespace supple::microscale
