@@ -1,5 +1,6 @@
 #include "elastic_energy.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,6 +1,41 @@
 #include "supple/microscale/simulation.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "cell_model.h"
+#include "equilibrium_path.h"
+#include "homogenization.h"
+#include "load_targets.h"
+#include "patch_stability.h"
+#include "supple/base/error.h"
+
 namespace supple::microscale {
+namespace {
+
+/// Throws "simulation.invalid_option" for every option out of range.
+void check(const SimulationOptions& options) {
+  std::vector<Error::Detail> details;
+  const auto require = [&details](bool good, const char* where, const std::string& message) {
+    if (!good) details.push_back({where, message});
+  };
+  const Material& material = options.material;
+  require(material.youngs_modulus > 0 && std::isfinite(material.youngs_modulus), "material/youngs_modulus",
+          "must be positive and finite, in MPa");
+  require(material.law != Law::neo_hookean || (material.poisson_ratio > -1 && material.poisson_ratio < 0.4999),
+          "material/poisson_ratio", "must lie within (-1, 0.4999); use incompressible_plane_stress for 0.5");
+  require(options.tolerance >= 1e-12 && options.tolerance <= 1e-2, "tolerance", "must lie within [1e-12, 1e-2]");
+  require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
+          "must lie within [1, 10000]");
+  require(options.max_load_step >= 1e-5 && options.max_load_step <= 10, "max_load_step", "must lie within [1e-5, 10]");
+  if (!details.empty())
+    throw Error("simulation.invalid_option", details.front().where + " " + details.front().message, details);
+}
+
+}  // namespace
 
 std::string_view to_string(Law law) { return law == Law::neo_hookean ? "neo_hookean" : "incompressible_plane_stress"; }
 
@@ -15,5 +50,190 @@ std::string_view to_string(Stop stop) {
   }
   return "step_too_small";
 }
+
+namespace {
+
+/// What a simulator keeps between loads.
+struct Models {
+  SimulationOptions options;
+  CellModel cell;
+  std::unique_ptr<CellModel> patch;  ///< 2x2 cells, made when they are called for
+  PatchStability patch_stability;
+
+  Models(tiling::PeriodicMesh mesh, const SimulationOptions& wanted)
+      : options(wanted),
+        cell(std::move(mesh), wanted.material, wanted.contact != Switch::off),
+        patch_stability(cell.coordinates().strain()) {}
+
+  CellModel& two_by_two() {
+    if (!patch)
+      patch = std::make_unique<CellModel>(tiling::repeat(*cell.mesh(), 2, 2), options.material,
+                                          options.contact != Switch::off);
+    return *patch;
+  }
+};
+
+/// One load path of a simulator.
+class Run {
+ public:
+  Run(Models& models, const Load& load, const Execution& execution)
+      : models_(models), options_(models.options), targets_(targets_of(load)), execution_(execution) {}
+
+  SimulationResult run() {
+    result_.nodes = static_cast<int>(models_.cell.mesh()->nodes.cols());
+    model_ = options_.patch == Switch::on ? &models_.two_by_two() : &models_.cell;
+    model_->reset_contact();
+    path_ = make_path(Eigen::VectorXd::Zero(model_->coordinates().size()));
+    path_->settle();
+    const int n = static_cast<int>(targets_.gradients.size());
+    for (int i = 0; i < n; ++i) {
+      execution_.checkpoint(static_cast<double>(i) / n, "states");
+      if (!reach(targets_.gradients[static_cast<std::size_t>(i)])) {
+        record();
+        result_.message = "State " + std::to_string(i) +
+                          " could not be reached: the load step was halved down to its " +
+                          "limit without convergence (" + std::string(to_string(result_.states.back().stopped)) + ").";
+        break;
+      }
+      record();
+    }
+    bill_effects();
+    return std::move(result_);
+  }
+
+ private:
+  std::unique_ptr<EquilibriumPath> make_path(Eigen::VectorXd x) {
+    auto path = std::make_unique<EquilibriumPath>(*model_, std::move(x), targets_.free, options_, execution_);
+    result_.unknowns = std::max(result_.unknowns, static_cast<int>(path->unknowns()));
+    return path;
+  }
+
+  bool reach(const Eigen::Matrix2d& target) {
+    while (true) {
+      const auto progress = path_->step_towards(target);
+      if (progress == EquilibriumPath::Progress::failed) return false;
+      if (!settle_in_patch()) return false;
+      if (progress == EquilibriumPath::Progress::arrived) return true;
+    }
+  }
+
+  /// Where one cell's equilibrium is unstable in the 2x2 patch, goes on with the patch.
+  bool settle_in_patch() {
+    alternating_stable_ = true;
+    if (options_.patch != Switch::automatic || model_ != &models_.cell) return true;
+    const auto instability = models_.patch_stability.find(*model_, path_->x(), execution_);
+    if (!instability) return true;
+    alternating_stable_ = false;
+    if (options_.buckling == Switch::off) return true;
+    const auto counts = path_->take_counts();
+    iterations_ += counts.iterations;
+    load_steps_ += counts.load_steps;
+    branch_ += counts.branches_left;
+    Eigen::VectorXd x = repeat_over_patch(path_->x());
+    model_ = &models_.two_by_two();
+    model_->reset_contact();
+    path_ = make_path(std::move(x));
+    if (!path_->leave_along(repeat_over_patch(*instability)) && !path_->settle()) return false;
+    alternating_stable_ = true;
+    return true;
+  }
+
+  void record() {
+    const Eigen::VectorXd& x = path_->x();
+    const double area = model_->mesh()->cell_area();
+    const auto counts = path_->take_counts();
+    branch_ += counts.branches_left;
+    State state;
+    state.deformation_gradient = model_->coordinates().deformation_gradient(x);
+    state.green_strain = green_strain(state.deformation_gradient);
+    state.stress = second_piola_kirchhoff(state.deformation_gradient, path_->strain_gradient(), area);
+    state.energy_density = path_->energy() / area;
+    if (options_.tangents)
+      state.tangent = tangent_stiffness(state.deformation_gradient, state.stress, path_->condensed(), area);
+    state.stopped = path_->stopped();
+    state.residual = path_->residual();
+    state.iterations = std::exchange(iterations_, 0) + counts.iterations;
+    state.load_steps = std::exchange(load_steps_, 0) + counts.load_steps;
+    if (const ContactBarrier* contact = model_->contact()) {
+      const ContactStatus status = contact->status(x);
+      state.contacts = status.pairs;
+      state.smallest_gap = status.smallest_gap;
+    }
+    state.stable = path_->stable() && alternating_stable_;
+    state.branch = branch_;
+    state.cells = model_ == &models_.cell ? 1 : 2;
+    state.smallest_jacobian = model_->elastic().smallest_jacobian(x);
+    if (options_.deformed_meshes) state.deformed = deformed(x);
+    result_.states.push_back(std::move(state));
+  }
+
+  DeformedMesh deformed(const Eigen::VectorXd& x) const {
+    const tiling::PeriodicMesh& mesh = *model_->mesh();
+    const Eigen::Matrix2d f = model_->coordinates().deformation_gradient(x);
+    DeformedMesh result{model_->mesh(), f * mesh.lattice, f * mesh.nodes};
+    result.nodes += Eigen::Map<const Eigen::Matrix2Xd>(x.data(), 2, mesh.nodes.cols());
+    return result;
+  }
+
+  /// Effects that did not run say so and why.
+  void bill_effects() const {
+    if (!execution_.cost) return;
+    const auto& states = result_.states;
+    if (options_.contact == Switch::off) {
+      execution_.cost->add_effect("contact", false, "switched off by the request");
+    } else if (std::none_of(states.begin(), states.end(), [](const State& s) { return s.contacts > 0; })) {
+      execution_.cost->add_effect("contact", false, "no pair of boundary points came within the barrier's range");
+    }
+    const bool doubled = model_ != &models_.cell;
+    execution_.cost->add_effect("patch", doubled,
+                                options_.patch == Switch::on    ? "switched on by the request"
+                                : options_.patch == Switch::off ? "switched off by the request"
+                                : doubled ? "one cell was unstable against a mode that alternates from cell to cell"
+                                          : "one cell was stable against all modes of the 2x2 patch");
+    if (branch_ == 0)
+      execution_.cost->add_effect("buckling", false,
+                                  options_.buckling == Switch::off ? "switched off by the request"
+                                                                   : "the tangent stiffness stayed positive definite");
+  }
+
+  Models& models_;
+  const SimulationOptions& options_;
+  LoadTargets targets_;
+  const Execution& execution_;
+  CellModel* model_ = nullptr;
+  std::unique_ptr<EquilibriumPath> path_;
+  SimulationResult result_;
+  bool alternating_stable_ = true;
+  int branch_ = 0;
+  int iterations_ = 0;
+  int load_steps_ = 0;
+};
+
+}  // namespace
+
+struct Simulator::Implementation : Models {
+  using Models::Models;
+};
+
+Simulator::Simulator(const tiling::Structure& structure, const SimulationOptions& options, const Execution& execution) {
+  check(options);
+  const StageTimer timer(execution.cost, "meshing");
+  implementation_ = std::make_unique<Implementation>(tiling::mesh_structure(structure, options.mesh), options);
+}
+
+Simulator::Simulator(tiling::PeriodicMesh one_cell, const SimulationOptions& options, const Execution&) {
+  check(options);
+  implementation_ = std::make_unique<Implementation>(std::move(one_cell), options);
+}
+
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+SimulationResult Simulator::run(const Load& load, const Execution& execution) {
+  return Run(*implementation_, load, execution).run();
+}
+
+const tiling::PeriodicMesh& Simulator::mesh() const { return *implementation_->cell.mesh(); }
 
 }  // namespace supple::microscale

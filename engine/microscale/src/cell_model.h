@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "cell_coordinates.h"
+#include "contact_barrier.h"
+#include "elastic_energy.h"
+#include "supple/base/cost_ledger.h"
+#include "supple/tiling/mesh.h"
+
+namespace supple::microscale {
+
+/// The terms of one periodic patch: what is simulated, without a state.
+class CellModel {
+ public:
+  CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact);
+
+  const std::shared_ptr<const tiling::PeriodicMesh>& mesh() const { return mesh_; }
+  const CellCoordinates& coordinates() const { return coordinates_; }
+  const ElasticEnergy& elastic() const { return elastic_; }
+  /// Null where contact is off.
+  ContactBarrier* contact() { return contact_.get(); }
+  const ContactBarrier* contact() const { return contact_.get(); }
+  /// Gives the barrier its first stiffness again, so that a path does not depend on those before it.
+  void reset_contact();
+
+  /// Every term adds to the sum, which must be cleared; each is billed as an effect.
+  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum, CostLedger* cost) const;
+  void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
+                               numerics::HessianEntries& entries) const;
+  /// The largest share of a step for which every term stays valid. Contact looks ahead along it: states on it may be
+  /// evaluated until the next call.
+  double prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost);
+
+ private:
+  std::shared_ptr<const tiling::PeriodicMesh> mesh_;
+  CellCoordinates coordinates_;
+  ElasticEnergy elastic_;
+  ContactOptions contact_options_;
+  std::unique_ptr<ContactBarrier> contact_;
+};
+
+}  // namespace supple::microscale

@@ -1,0 +1,272 @@
+#include "equilibrium_path.h"
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace supple::microscale {
+namespace {
+
+/// A load step below this change of F (largest component) is not divided again.
+constexpr double smallest_load_step = 1e-6;
+/// Fewer Newton iterations than this let the next load step grow, by the factor below.
+constexpr int quick_iterations = 6;
+constexpr double step_growth = 2;
+/// Cubic extrapolation reaches no farther than this many times the step it is made from.
+constexpr double longest_extrapolation = 2.5;
+/// Two load steps go the same way if the cosine between them is above this.
+constexpr double same_direction = 1 - 1e-9;
+
+/// A Newton step that brings the gradient to this share keeps its factorization: a step with the old one costs about a
+/// tenth of a new factorization.
+constexpr double reuse_contraction = 0.25;
+
+/// Iterative refinement of the response to strains: relative residual, and rounds before the factorization is given up.
+constexpr double refined = 1e-11;
+constexpr int refinement_rounds = 5;
+
+/// Steps along an unstable mode: the largest displacement, in beam widths, from the first to the last; each is twice
+/// the one before.
+constexpr double first_mode_step = 1e-3;
+constexpr double last_mode_step = 2;
+/// How often one equilibrium may be left for one of lower energy.
+constexpr int max_branch_changes = 12;
+/// How often one equilibrium may ask for a stiffer contact barrier, which doubles each time.
+constexpr int max_stiffness_raises = 10;
+/// Signs of a mode whose energies differ by less, relative, are symmetric: the positive one is taken.
+constexpr double symmetric_branches = 1e-9;
+
+}  // namespace
+
+EquilibriumPath::EquilibriumPath(CellModel& model, Eigen::VectorXd x, CellObjective::FreeStrains free,
+                                 const SimulationOptions& options, const Execution& execution)
+    : model_(model),
+      options_(options),
+      execution_(execution),
+      objective_(model, std::move(x), std::move(free), execution.cost),
+      step_(options.max_load_step) {
+  model_.prepare(objective_.x(), Eigen::VectorXd::Zero(objective_.x().size()), execution_.cost);
+}
+
+EquilibriumPath::Counts EquilibriumPath::take_counts() { return std::exchange(counts_, {}); }
+
+bool EquilibriumPath::settle() { return minimize_energy(); }
+
+EquilibriumPath::Progress EquilibriumPath::step_towards(const Eigen::Matrix2d& target) {
+  const Eigen::Vector4d wanted(target(0, 0) - 1, target(0, 1), target(1, 0), target(1, 1) - 1);
+  const Eigen::Vector4d change = prescribed_part(wanted - x().tail<4>());
+  const double size = change.cwiseAbs().maxCoeff();
+  if (size == 0) return Progress::arrived;
+  const Eigen::VectorXd start = x();
+  const Eigen::VectorXd along = tangent(change);
+  double share = std::min(1.0, step_ / size);
+  // A remainder of a rounding error's size would be a step of its own.
+  if (share > 1 - 1e-9) share = 1;
+  while (true) {
+    execution_.cancellation.throw_if_requested();
+    const int before = counts_.iterations;
+    const int branches = counts_.branches_left;
+    if (try_increment(share, change, along)) {
+      ++counts_.load_steps;
+      if (counts_.iterations - before <= quick_iterations)
+        step_ = std::min(options_.max_load_step, std::max(step_, share * size * step_growth));
+      if (counts_.branches_left == branches) {
+        previous_ = Previous{start, share * along, share * change};
+      } else {
+        previous_.reset();
+      }
+      return share == 1 ? Progress::arrived : Progress::underway;
+    }
+    objective_.set_x(start);
+    if (share * size / 2 < smallest_load_step) {
+      stopped_ = stopped_ == Stop::converged ? Stop::step_too_small : stopped_;
+      return Progress::failed;
+    }
+    share /= 2;
+    step_ = share * size;
+  }
+}
+
+Eigen::Vector4d EquilibriumPath::prescribed_part(const Eigen::Vector4d& change) const {
+  Eigen::Vector4d part = change;
+  for (const Eigen::Vector4d& direction : objective_.free()) part -= direction.dot(change) * direction;
+  return part;
+}
+
+Eigen::VectorXd EquilibriumPath::tangent(const Eigen::Vector4d& change) const {
+  const auto m = static_cast<Eigen::Index>(objective_.free().size());
+  Eigen::Vector4d strain = change;
+  if (m > 0) {
+    Eigen::MatrixXd free(4, m);
+    for (Eigen::Index k = 0; k < m; ++k) free.col(k) = objective_.free()[static_cast<std::size_t>(k)];
+    const Eigen::MatrixXd stiffness = free.transpose() * condensed_ * free;
+    const Eigen::VectorXd q = stiffness.ldlt().solve(-free.transpose() * condensed_ * change);
+    if (q.allFinite()) strain += free * q;
+  }
+  Eigen::VectorXd along(x().size());
+  along.head(x().size() - 4) = response_ * strain;
+  along.tail<4>() = strain;
+  return along;
+}
+
+std::vector<Eigen::VectorXd> EquilibriumPath::predictions(double share, const Eigen::Vector4d& change,
+                                                          const Eigen::VectorXd& along) const {
+  std::vector<Eigen::VectorXd> states;
+  if (previous_) {
+    const double before = previous_->travelled.norm();
+    const double ahead = share * change.norm();
+    const double cosine = previous_->travelled.dot(change) / (before * change.norm());
+    if (cosine > same_direction && ahead <= longest_extrapolation * before) {
+      // Cubic Hermite polynomial through the last two equilibria and their tangents; u = 0 and 1 there.
+      const double u = 1 + ahead / before;
+      const double h00 = u * u * (2 * u - 3) + 1;
+      const double h10 = u * (u - 1) * (u - 1);
+      const double h11 = u * u * (u - 1);
+      states.emplace_back(h00 * previous_->x + (1 - h00) * x() + h10 * previous_->tangent +
+                          h11 * (before / change.norm()) * along);
+    }
+  }
+  states.emplace_back(x() + share * along);
+  return states;
+}
+
+bool EquilibriumPath::try_increment(double share, const Eigen::Vector4d& change, const Eigen::VectorXd& along) {
+  const Eigen::VectorXd start = x();
+  Eigen::Vector4d strain_after = start.tail<4>() + share * change;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(start.size());
+  std::optional<Eigen::VectorXd> best;
+  double best_norm = std::numeric_limits<double>::infinity();
+  for (Eigen::VectorXd& state : predictions(share, change, along)) {
+    // The prescribed components exactly; the free ones as predicted.
+    const Eigen::Vector4d predicted = state.tail<4>();
+    state.tail<4>() = predicted + prescribed_part(strain_after - predicted);
+    if (model_.prepare(start, state - start, execution_.cost) < 1) continue;
+    objective_.set_x(state);
+    const double norm = objective_.evaluate(1).gradient.norm();
+    objective_.set_x(start);
+    if (norm < best_norm) {
+      best_norm = norm;
+      best = std::move(state);
+    }
+  }
+  if (!best) return false;
+  objective_.set_x(std::move(*best));
+  model_.prepare(objective_.x(), none, execution_.cost);
+  return minimize_energy();
+}
+
+bool EquilibriumPath::minimize_energy() {
+  const Execution inner{execution_.cancellation, nullptr, execution_.cost};
+  for (int raises = 0;; ++raises) {
+    numerics::MinimizerOptions options;
+    options.gradient_tolerance = options_.tolerance * model_.elastic().force_scale(objective_.x());
+    options.max_iterations = options_.max_iterations;
+    options.reuse_contraction = reuse_contraction;
+    const numerics::MinimizerResult result = numerics::minimize(objective_, options, inner, &cholesky_);
+    counts_.iterations += result.iterations;
+    if (result.stop != numerics::MinimizerStop::converged) {
+      stopped_ = result.stop == numerics::MinimizerStop::iteration_limit ? Stop::iteration_limit : Stop::step_too_small;
+      return false;
+    }
+    if (raises < max_stiffness_raises && raise_contact_stiffness()) continue;
+    const double scale = model_.elastic().force_scale(objective_.x());
+    residual_ = result.gradient_norm > 0 ? result.gradient_norm / scale : 0;
+    stopped_ = Stop::converged;
+    return finish_equilibrium(result);
+  }
+}
+
+bool EquilibriumPath::raise_contact_stiffness() {
+  ContactBarrier* contact = model_.contact();
+  if (!contact || !contact->near()) return false;
+  const double suggested = contact->suggested_stiffness(objective_.x());
+  if (suggested == contact->stiffness()) return false;
+  contact->set_stiffness(suggested);
+  previous_.reset();
+  return true;
+}
+
+bool EquilibriumPath::finish_equilibrium(const numerics::MinimizerResult& result) {
+  const numerics::Evaluation evaluation = objective_.evaluate(2);
+  energy_ = objective_.energy();
+  strain_gradient_ = objective_.strain_gradient();
+  const bool fresh = result.factorized_at >= 0 && result.history.back().regularization == 0;
+  stable_ = (fresh && solve_for_strains()) || (cholesky_.factorize(evaluation.hessian, 0) && solve_for_strains());
+  if (stable_) {
+    condense();
+    return true;
+  }
+  if (options_.buckling != Switch::off && counts_.branches_left < max_branch_changes) {
+    const Mode mode = least_stable_mode(evaluation.hessian, objective_.dimension(), cholesky_, execution_.cancellation);
+    if (mode.curvature < 0 && leave_along(objective_.expand(mode.direction))) return true;
+    objective_.evaluate(2);
+    stable_ = mode.curvature >= 0;
+  }
+  // An unstable equilibrium, or one at the very point where it loses stability: its stiffness can be indefinite.
+  Eigen::SimplicialLDLT<numerics::SparseMatrix, Eigen::Lower> indefinite(objective_.core());
+  response_ = indefinite.solve(-objective_.strain_columns());
+  condense();
+  return response_.allFinite();
+}
+
+bool EquilibriumPath::solve_for_strains() {
+  const StageTimer timer(execution_.cost, "solve");
+  const Eigen::MatrixXd& right = objective_.strain_columns();
+  const double size = right.norm();
+  response_ = -cholesky_.solve_core(right);
+  for (int round = 0;; ++round) {
+    const Eigen::MatrixXd residual = -right - objective_.core().selfadjointView<Eigen::Lower>() * response_;
+    if (!(residual.norm() > refined * size)) return true;
+    if (round == refinement_rounds) return residual.norm() < 1e3 * refined * size;
+    response_ += cholesky_.solve_core(residual);
+  }
+}
+
+void EquilibriumPath::condense() {
+  const Eigen::Matrix4d product = objective_.strain_columns().transpose() * response_;
+  condensed_ = objective_.strain_corner() + 0.5 * (product + product.transpose());
+}
+
+bool EquilibriumPath::leave_along(const Eigen::VectorXd& mode) {
+  std::optional<Eigen::VectorXd> lower = lowest_along(mode);
+  if (!lower) return false;
+  ++counts_.branches_left;
+  if (execution_.cost)
+    execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", 1);
+  previous_.reset();
+  objective_.set_x(std::move(*lower));
+  model_.prepare(objective_.x(), Eigen::VectorXd::Zero(objective_.x().size()), execution_.cost);
+  return minimize_energy();
+}
+
+std::optional<Eigen::VectorXd> EquilibriumPath::lowest_along(const Eigen::VectorXd& mode) {
+  const Eigen::VectorXd start = x();
+  const double largest = mode.head(mode.size() - 4).cwiseAbs().maxCoeff();
+  const Eigen::VectorXd unit = mode * (model_.mesh()->beam_width / std::max(largest, 1e-300));
+  const double energy = objective_.evaluate(0).value;
+  std::optional<Eigen::VectorXd> best;
+  double least = energy;
+  for (const double sign : {1.0, -1.0}) {
+    double last = energy;
+    for (double amount = first_mode_step; amount <= last_mode_step; amount *= 2) {
+      const Eigen::VectorXd step = sign * amount * unit;
+      if (model_.prepare(start, step, execution_.cost) < 1) break;
+      objective_.set_x(start + step);
+      const double value = objective_.evaluate(0).value;
+      if (!(value < last)) break;
+      last = value;
+      const bool clearly_less = value < least - symmetric_branches * std::abs(energy - least);
+      if (clearly_less) {
+        least = value;
+        best = objective_.x();
+      }
+    }
+    objective_.set_x(start);
+  }
+  return best;
+}
+
+}  // namespace supple::microscale

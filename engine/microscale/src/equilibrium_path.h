@@ -1,0 +1,100 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cell_objective.h"
+#include "least_stable_mode.h"
+#include "supple/base/execution.h"
+#include "supple/microscale/simulation.h"
+#include "supple/numerics/cholesky.h"
+#include "supple/numerics/minimizer.h"
+
+namespace supple::microscale {
+
+/// Follows stable equilibria of one patch while the macroscopic strain changes.
+///
+/// Every internal load step predicts the next state from the tangents of the last two equilibria (cubic Hermite
+/// extrapolation, or linear), minimizes the energy with Newton's method, and looks at the tangent stiffness: where it
+/// is not positive definite the state is left along its least stable mode, to the equilibrium of lower energy.
+class EquilibriumPath {
+ public:
+  /// Starts from `x`, which must be valid for the model. All references outlive the path.
+  EquilibriumPath(CellModel& model, Eigen::VectorXd x, CellObjective::FreeStrains free,
+                  const SimulationOptions& options, const Execution& execution);
+
+  /// Finds an equilibrium at the present strain.
+  bool settle();
+
+  enum class Progress { arrived, underway, failed };
+  /// One internal load step towards the prescribed components of `target` (a deformation gradient).
+  Progress step_towards(const Eigen::Matrix2d& target);
+
+  /// Adds `mode` (a change of x) to the state, as far as the energy falls, and settles. False where it falls nowhere.
+  bool leave_along(const Eigen::VectorXd& mode);
+
+  // At the last equilibrium:
+  const Eigen::VectorXd& x() const { return objective_.x(); }
+  bool stable() const { return stable_; }
+  double residual() const { return residual_; }
+  Stop stopped() const { return stopped_; }
+  double energy() const { return energy_; }
+  const Eigen::Vector4d& strain_gradient() const { return strain_gradient_; }
+  /// d2 E / dF2 of the minimized energy (a Schur complement), components as in CellCoordinates.
+  const Eigen::Matrix4d& condensed() const { return condensed_; }
+  /// Stiffness with respect to the periodic displacements, lower triangle.
+  const numerics::SparseMatrix& core() const { return objective_.core(); }
+  Eigen::Index unknowns() const { return objective_.dimension(); }
+
+  // Since the last call:
+  struct Counts {
+    int iterations = 0;
+    int load_steps = 0;
+    int branches_left = 0;
+  };
+  Counts take_counts();
+
+ private:
+  bool minimize_energy();
+  bool raise_contact_stiffness();
+  bool finish_equilibrium(const numerics::MinimizerResult& result);
+  /// K^-1 dg/dF by the last factorization and iterative refinement; false if that is too far from K.
+  bool solve_for_strains();
+  void condense();
+  /// The state on x + a mode (either sign of a) of least energy, found by doubling |a|.
+  std::optional<Eigen::VectorXd> lowest_along(const Eigen::VectorXd& mode);
+  /// The change of x for a change of the prescribed components of F, to first order.
+  Eigen::VectorXd tangent(const Eigen::Vector4d& change) const;
+  Eigen::Vector4d prescribed_part(const Eigen::Vector4d& change) const;
+  /// States that may lie near the equilibrium after `share` of `change`.
+  std::vector<Eigen::VectorXd> predictions(double share, const Eigen::Vector4d& change,
+                                           const Eigen::VectorXd& along) const;
+  bool try_increment(double share, const Eigen::Vector4d& change, const Eigen::VectorXd& along);
+
+  CellModel& model_;
+  const SimulationOptions& options_;
+  const Execution& execution_;
+  CellObjective objective_;
+  numerics::ShiftedCholesky cholesky_;
+
+  bool stable_ = true;
+  double residual_ = 0;
+  double energy_ = 0;
+  Stop stopped_ = Stop::converged;
+  Eigen::Vector4d strain_gradient_ = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d condensed_ = Eigen::Matrix4d::Zero();
+  Eigen::MatrixXd response_;  ///< -dw / dF, one column for each component of F
+
+  /// The equilibrium before the last one on the same branch, with the tangent there along `travelled` (the change of F
+  /// since).
+  struct Previous {
+    Eigen::VectorXd x;
+    Eigen::VectorXd tangent;  ///< change of x to first order for all of `travelled`
+    Eigen::Vector4d travelled;
+  };
+  std::optional<Previous> previous_;
+  double step_ = 0;  ///< size of the next internal load step
+  Counts counts_;
+};
+
+}  // namespace supple::microscale

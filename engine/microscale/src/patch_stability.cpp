@@ -1,0 +1,48 @@
+#include "patch_stability.h"
+
+namespace supple::microscale {
+namespace {
+
+constexpr Alternation alternations[] = {{true, false}, {false, true}, {true, true}};
+
+}  // namespace
+
+std::optional<PatchStability::Instability> PatchStability::find(const CellModel& cell, const Eigen::VectorXd& x,
+                                                                const Execution& execution) {
+  const StageTimer timer(execution.cost, "patch stability");
+  const Eigen::Index n = cell.coordinates().strain();
+  std::optional<Instability> worst;
+  for (const Alternation alternation : alternations) {
+    execution.cancellation.throw_if_requested();
+    entries_.clear();
+    cell.add_alternating_hessian(x, alternation, entries_);
+    auto matrix = std::make_shared<numerics::BorderedMatrix>();
+    entries_.assemble(n, *matrix);
+    const numerics::Hessian hessian = std::shared_ptr<const numerics::BorderedMatrix>(matrix);
+    if (cholesky_.factorize(hessian, 0)) continue;
+    const Mode mode = least_stable_mode(hessian, n, cholesky_, execution.cancellation);
+    if (mode.curvature < 0 && (!worst || mode.curvature < worst->curvature))
+      worst = Instability{alternation, mode.direction, mode.curvature};
+  }
+  return worst;
+}
+
+Eigen::VectorXd repeat_over_patch(const Eigen::VectorXd& x) {
+  const Eigen::Index n = x.size() - CellCoordinates::strain_components;
+  Eigen::VectorXd patch(4 * n + CellCoordinates::strain_components);
+  for (int copy = 0; copy < 4; ++copy) patch.segment(copy * n, n) = x.head(n);
+  patch.tail<CellCoordinates::strain_components>() = x.tail<CellCoordinates::strain_components>();
+  return patch;
+}
+
+Eigen::VectorXd repeat_over_patch(const PatchStability::Instability& instability) {
+  const Eigen::Index n = instability.mode.size();
+  Eigen::VectorXd patch(4 * n + CellCoordinates::strain_components);
+  for (int b = 0; b < 2; ++b)
+    for (int a = 0; a < 2; ++a)
+      patch.segment((a + 2 * b) * n, n) = instability.alternation.sign(a, b) * instability.mode;
+  patch.tail<CellCoordinates::strain_components>().setZero();
+  return patch;
+}
+
+}  // namespace supple::microscale

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+
+#include "cell_model.h"
+#include "least_stable_mode.h"
+#include "supple/base/execution.h"
+
+namespace supple::microscale {
+
+/// Whether an equilibrium of one cell is stable in the 2x2 patch.
+///
+/// The patch's stiffness falls apart into four problems of one cell, for displacements that alternate or not along
+/// either translation (Bloch waves; Triantafyllidis and Schnaidt 1993). The cell's own period is looked at where the
+/// equilibrium is found; this checks the three others: three factorizations.
+class PatchStability {
+ public:
+  /// For cells of that many nodal displacements.
+  explicit PatchStability(Eigen::Index displacements) : entries_(displacements) {}
+
+  struct Instability {
+    Alternation alternation;
+    Eigen::VectorXd mode;  ///< displacements of one cell's nodes
+    double curvature = 0;
+  };
+
+  /// The least stable alternating mode at x, if it is unstable.
+  std::optional<Instability> find(const CellModel& cell, const Eigen::VectorXd& x, const Execution& execution);
+
+ private:
+  numerics::HessianEntries entries_;
+  numerics::ShiftedCholesky cholesky_;
+};
+
+/// The state of one cell repeated over the 2x2 patch, in the patch's coordinates.
+Eigen::VectorXd repeat_over_patch(const Eigen::VectorXd& x);
+/// An alternating mode of one cell as a change of the patch's coordinates.
+Eigen::VectorXd repeat_over_patch(const PatchStability::Instability& instability);
+
+}  // namespace supple::microscale
