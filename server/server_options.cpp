@@ -17,6 +17,9 @@ void add_limits(CLI::App& app, ServerOptions& options) {
   group->add_option("--max-faces", limits.mesh.faces, "Faces of a mesh")->check(CLI::PositiveNumber);
   group->add_option("--max-pairs", limits.json.max_pairs, "Pairs of a geodesics request");
   group->add_option("--max-points", limits.json.max_points, "Points of a mean, sources of a field");
+  group->add_option("--max-states", limits.json.max_states, "States of a load path");
+  group->add_option("--max-mesh-nodes", limits.json.max_mesh_nodes, "Nodes of the mesh of one cell of a structure")
+      ->check(CLI::PositiveNumber);
   group->add_option("--max-deadline", limits.json.max_deadline, "Seconds that a computation may ask for")
       ->check(CLI::PositiveNumber);
   group->add_option("--default-deadline", limits.json.default_deadline, "Seconds for a computation that does not say")
@@ -41,7 +44,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   options.jobs.workers = cores;
   options.jobs.immediate = 2 * cores;
 
-  CLI::App app("Answers requests for geodesics, distance fields and Karcher means on triangle meshes.",
+  CLI::App app("Answers requests for geodesics on triangle meshes and for simulations of periodic structures.",
                "supple-server");
   app.option_defaults()->always_capture_default();
   app.set_version_flag("--version", "supple-server " SUPPLE_VERSION);

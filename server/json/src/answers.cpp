@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "supple/json/json_writer.h"
+#include "answer_parts.h"
 
 namespace supple::json {
 namespace {
@@ -30,43 +30,10 @@ void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path) {
   out.end_array();
 }
 
-template <class Matrix>
-void write_rows(JsonWriter& out, const Matrix& matrix) {
-  out.begin_array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) out.numbers(matrix.row(i).transpose().eval());
-  out.end_array();
-}
-
 void write_frame(JsonWriter& out, const TriangleMesh& mesh, FaceId face) {
   const auto frame = surface::tangent_frame(mesh, face);
   out.begin_object().field("face", index(face)).key("axes").begin_array();
   out.numbers(frame.col(0).eval()).numbers(frame.col(1).eval()).end_array().end_object();
-}
-
-/// "effects" and "cost", which end every answer.
-void write_bill(JsonWriter& out, const Bill& bill) {
-  out.key("effects").begin_array();
-  for (const auto& effect : bill.ledger.effects()) {
-    out.begin_object()
-        .field("name", effect.name)
-        .field("ran", effect.ran)
-        .field("why", effect.why)
-        .field("count", effect.count)
-        .field("seconds", effect.seconds)
-        .end_object();
-  }
-  out.end_array();
-  out.key("cost").begin_object().field("seconds", bill.seconds).key("stages").begin_array();
-  for (const auto& stage : bill.ledger.stages()) {
-    out.begin_object()
-        .field("name", stage.name)
-        .field("seconds", stage.seconds)
-        .field("count", stage.count)
-        .end_object();
-  }
-  out.end_array().key("quantities").begin_object();
-  for (const auto& quantity : bill.ledger.quantities()) out.field(quantity.name, quantity.value);
-  out.end_object().end_object();
 }
 
 void write_field_accuracy(JsonWriter& out, surface::FieldMethod method, double allowed, double bound) {

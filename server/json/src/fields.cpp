@@ -111,17 +111,25 @@ const Document* Fields::required(std::string_view name) {
   return value;
 }
 
-void Fields::number(std::string_view name, double& out, double least, double most, bool least_excluded) {
-  const auto* value = optional(name);
-  if (!value) return;
-  if (!value->is_number()) return faults_.add(at(name), "must be a number, not " + std::string(kind_of(*value)));
-  const double number = value->get<double>();
+bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double least,
+                 double most, bool least_excluded) {
+  if (!value.is_number()) {
+    faults.add(pointer, "must be a number, not " + std::string(kind_of(value)));
+    return false;
+  }
+  const double number = value.get<double>();
   if (number > most || number < least || (least_excluded && number == least)) {
     std::string range = least_excluded ? "above " + text_of(least) : "at least " + text_of(least);
     if (most < std::numeric_limits<double>::max()) range += " and at most " + text_of(most);
-    return faults_.add(at(name), "must be " + range + ", not " + text_of(number));
+    faults.add(pointer, "must be " + range + ", not " + text_of(number));
+    return false;
   }
   out = number;
+  return true;
+}
+
+void Fields::number(std::string_view name, double& out, double least, double most, bool least_excluded) {
+  if (const auto* value = optional(name)) read_number(*value, at(name), faults_, out, least, most, least_excluded);
 }
 
 void Fields::integer(std::string_view name, int& out, int least, int most) {

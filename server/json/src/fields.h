@@ -73,6 +73,10 @@ class Fields {
   std::vector<std::string_view> known_;
 };
 
+/// Reads a number in [least, most]; a fault is reported at `pointer`, leaves `out` as it is and returns false.
+bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double least,
+                 double most, bool least_excluded = false);
+
 /// Reads a point; faults are reported at `pointer`.
 PointSpec read_point(const Document& value, const std::string& pointer, Faults& faults);
 

@@ -3,33 +3,11 @@
 #include <algorithm>
 
 #include "document.h"
-#include "fields.h"
+#include "request_parts.h"
 #include "supple/problem/problem.h"
 
 namespace supple::json {
 namespace {
-
-const std::vector<std::string_view> switch_names{"automatic", "on", "off"};
-
-double read_deadline(Fields& fields, const Limits& limits) {
-  double deadline = std::min(limits.default_deadline, limits.max_deadline);
-  fields.number("deadline", deadline, 0, std::numeric_limits<double>::max(), true);
-  if (deadline > limits.max_deadline) {
-    problem::throw_limit("request.limit_exceeded", "The deadline in seconds", limits.max_deadline, deadline,
-                         "--max-deadline", fields.at("deadline"));
-  }
-  return deadline;
-}
-
-/// Calls read(fields) for an optional nested object.
-template <class Read>
-void nested(Fields& fields, std::string_view name, Read read) {
-  const auto* value = fields.optional(name);
-  if (!value) return;
-  Fields inner(*value, fields.at(name), fields.faults());
-  read(inner);
-  inner.finish();
-}
 
 void read_pairs(Fields& fields, std::vector<GeodesicsRequest::Pair>& pairs, const Limits& limits) {
   const auto* entries = fields.array("pairs", true, 1, limits.max_pairs, "--max-pairs");

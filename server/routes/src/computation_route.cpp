@@ -1,5 +1,6 @@
 #include "computation_route.h"
 
+#include <charconv>
 #include <cmath>
 
 #include "handlers.h"
@@ -54,6 +55,11 @@ std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, con
     if (error.code() != "mesh.not_found") throw;
     throw Error(error.code(), error.what(), {{"/mesh", error.what()}});
   }
+}
+
+std::string plain_number(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
 const std::string& json_body(const http::Request& request) {

@@ -33,6 +33,9 @@ json::Bill billed(const Execution& outer, Compute compute) {
   return bill;
 }
 
+/// The shortest text that reads back as the same number, for headers.
+std::string plain_number(double value);
+
 inline store::Result json_result(std::string body) { return {"application/json", {}, std::move(body)}; }
 
 }  // namespace supple::routes

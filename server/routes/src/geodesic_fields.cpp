@@ -1,5 +1,4 @@
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -13,11 +12,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the binary answer is the memory of the doubles");
 
 constexpr double unreached_in_binary = -1;
-
-std::string number_text(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
 
 store::Result binary_result(const json::GeodesicFieldRequest& request, const surface::GeodesicField& field,
                             const json::Bill& bill) {
@@ -35,9 +29,9 @@ store::Result binary_result(const json::GeodesicFieldRequest& request, const sur
   result.headers = {{"Supple-Vertices", std::to_string(distances.size())},
                     {"Supple-Unreached", std::to_string(unreached)},
                     {"Supple-Method", request.method == surface::FieldMethod::windows ? "windows" : "edge_graph"},
-                    {"Supple-Seconds", number_text(bill.seconds)}};
+                    {"Supple-Seconds", plain_number(bill.seconds)}};
   if (const double bound = field.relative_error_bound(); std::isfinite(bound)) {
-    result.headers.emplace_back("Supple-Relative-Error-Bound", number_text(bound));
+    result.headers.emplace_back("Supple-Relative-Error-Bound", plain_number(bound));
   }
   return result;
 }

@@ -143,11 +143,9 @@ http::Response events(Services& services, const http::Request& request) {
 std::string write_job(const jobs::JobStatus& status) {
   const auto& record = status.record;
   json::JsonWriter out;
-  out.begin_object()
-      .field("id", record.id)
-      .field("kind", record.kind)
-      .field("mesh", record.mesh)
-      .field("state", store::state_name(record.state))
+  out.begin_object().field("id", record.id).field("kind", record.kind);
+  if (!record.mesh.empty()) out.field("mesh", record.mesh);
+  out.field("state", store::state_name(record.state))
       .field("progress", status.progress)
       .field("stage", status.stage)
       .field("created", json::time_text(record.created));

@@ -15,6 +15,8 @@ http::Router make_router(Services& services) {
   add_geodesic_field_route(router, services);
   add_karcher_mean_route(router, services);
   add_exponential_map_route(router, services);
+  add_structure_routes(router, services);
+  add_simulation_route(router, services);
   add_job_routes(router, services);
   add_service_routes(router, services);
   return router;

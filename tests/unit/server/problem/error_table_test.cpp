@@ -21,9 +21,9 @@ std::string content(const std::filesystem::path& path) {
   return text.str();
 }
 
-constexpr std::array<std::string_view, 13> families{
-    "minimizer",       "http",        "request", "mesh",   "point", "geodesic", "field", "karcher",
-    "exponential_map", "computation", "job",     "server", "store"};
+constexpr std::array<std::string_view, 15> families{
+    "minimizer",       "http",        "request", "mesh",   "point", "geodesic", "field",     "karcher",
+    "exponential_map", "computation", "job",     "server", "store", "tiling",   "simulation"};
 
 /// Whether a string literal has the form of a code: a family, a dot, and lower-case letters or underscores.
 bool is_code(std::string_view literal) {

@@ -24,8 +24,8 @@ namespace supple::jobs {
 /// What is to be computed. `run` gets the cancellation token and the progress sink; it makes its own cost ledger, for
 /// the bill is part of the result.
 struct Computation {
-  std::string kind;  ///< "karcher-means"
-  std::string mesh;
+  std::string kind;       ///< "karcher-means"
+  std::string mesh;       ///< empty where it works on none
   double deadline = 600;  ///< seconds from now
   std::function<store::Result(const Execution&)> run;
 };

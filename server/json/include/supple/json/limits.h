@@ -10,6 +10,10 @@ struct Limits {
   std::size_t max_values = 8'000'000;  ///< JSON values of one body; about 50 bytes of memory each
   std::size_t max_pairs = 100'000;
   std::size_t max_points = 100'000;         ///< points of a mean, sources of a field
+  std::size_t max_parameters = 32;          ///< of a tiling; fixed
+  std::size_t max_states = 1000;            ///< of a load path
+  int max_mesh_nodes = 100'000;             ///< of one cell of a structure
+  std::size_t max_deformed = 1'000'000;     ///< nodes of an answer's deformed meshes, over all states; fixed
   double max_deadline = 3600;               ///< seconds
   double default_deadline = 600;            ///< seconds
   std::size_t max_path_points = 1'000'000;  ///< points of all known paths of a request; fixed

@@ -24,7 +24,7 @@ std::optional<JobState> state_of(std::string_view name);
 struct JobRecord {
   std::string id;    ///< 128 random bits, hexadecimal
   std::string kind;  ///< "karcher-means"
-  std::string mesh;
+  std::string mesh;  ///< empty where it works on none
   JobState state = JobState::accepted;
   std::int64_t created = 0;
   std::int64_t started = 0;

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "supple/json/limits.h"
+#include "supple/microscale/simulation.h"
+#include "supple/tiling/export.h"
+#include "supple/tiling/mesh.h"
+
+/// The requests about structures as types; they are read like those of requests.h and throw the same. Whether a family
+/// exists and its parameters give a structure is not asked here.
+namespace supple::json {
+
+/// A member of a family; without parameters the family's default.
+struct StructureSpec {
+  std::string family;
+  std::optional<std::vector<double>> parameters;
+};
+
+struct StructureRequest {
+  StructureSpec structure;
+  tiling::ExportOptions files;
+  std::optional<tiling::MeshOptions> mesh;  ///< set where statistics are asked for
+  bool svg = false;
+  double deadline = 0;  ///< seconds; set also where the request leaves it out
+};
+StructureRequest parse_structure(std::string_view body, const Limits& limits);
+
+enum class Deformed { none, json, vtu };
+
+struct SimulationRequest {
+  StructureSpec structure;
+  microscale::Load load;
+  microscale::SimulationOptions options;
+  Deformed deformed = Deformed::none;
+  double deadline = 0;
+};
+SimulationRequest parse_simulation(std::string_view body, const Limits& limits);
+
+}  // namespace supple::json

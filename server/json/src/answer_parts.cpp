@@ -1,0 +1,30 @@
+#include "answer_parts.h"
+
+namespace supple::json {
+
+void write_bill(JsonWriter& out, const Bill& bill) {
+  out.key("effects").begin_array();
+  for (const auto& effect : bill.ledger.effects()) {
+    out.begin_object()
+        .field("name", effect.name)
+        .field("ran", effect.ran)
+        .field("why", effect.why)
+        .field("count", effect.count)
+        .field("seconds", effect.seconds)
+        .end_object();
+  }
+  out.end_array();
+  out.key("cost").begin_object().field("seconds", bill.seconds).key("stages").begin_array();
+  for (const auto& stage : bill.ledger.stages()) {
+    out.begin_object()
+        .field("name", stage.name)
+        .field("seconds", stage.seconds)
+        .field("count", stage.count)
+        .end_object();
+  }
+  out.end_array().key("quantities").begin_object();
+  for (const auto& quantity : bill.ledger.quantities()) out.field(quantity.name, quantity.value);
+  out.end_object().end_object();
+}
+
+}  // namespace supple::json

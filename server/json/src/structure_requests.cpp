@@ -1,0 +1,201 @@
+#include "supple/json/structure_requests.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "document.h"
+#include "request_parts.h"
+
+namespace supple::json {
+namespace {
+
+// The ranges of api/openapi.yaml.
+constexpr double least_mesh_size = 0.01;
+constexpr double largest_mesh_size = 2;
+constexpr double least_corner_size = 0.01;
+constexpr int most_cells = 100;
+constexpr double least_height = 1e-3;
+constexpr double largest_height = 1000;
+constexpr double least_stretch = 0.2;
+constexpr double largest_stretch = 4;
+constexpr double any = std::numeric_limits<double>::max();
+
+bool is_family_character(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+}
+
+void read_family(Fields& fields, std::string& out) {
+  const auto* value = fields.required("family");
+  if (!value) return;
+  const auto* text = value->is_string() ? &value->get_ref<const std::string&>() : nullptr;
+  if (!text || text->empty() || text->size() > 32 || !std::all_of(text->begin(), text->end(), is_family_character)) {
+    return fields.faults().add(fields.at("family"), "must be a family's id, for example \"IH21\"");
+  }
+  out = *text;
+}
+
+StructureSpec read_structure(Fields& fields, const Limits& limits) {
+  StructureSpec structure;
+  read_family(fields, structure.family);
+  if (fields.present("parameters")) {
+    structure.parameters.emplace();
+    fields.numbers("parameters", *structure.parameters, false, 0, limits.max_parameters);
+  } else {
+    fields.optional("parameters");
+  }
+  return structure;
+}
+
+void read_mesh_size(Fields& fields, tiling::MeshOptions& mesh) {
+  fields.number("mesh_size", mesh.mesh_size, least_mesh_size, largest_mesh_size);
+  fields.number("corner_size", mesh.corner_size, least_corner_size, 1);
+}
+
+void read_cells(Fields& fields, tiling::ExportOptions& files) {
+  const auto* cells = fields.optional("cells");
+  if (!cells) return;
+  const auto is_count = [](const Document& entry) {
+    return entry.is_number_integer() && entry.get<double>() >= 1 && entry.get<double>() <= most_cells;
+  };
+  if (!cells->is_array() || cells->size() != 2 || !std::all_of(cells->begin(), cells->end(), is_count)) {
+    return fields.faults().add(fields.at("cells"),
+                               "must be an array of 2 integers from 1 to " + std::to_string(most_cells));
+  }
+  files.first = (*cells)[0].get<int>();
+  files.second = (*cells)[1].get<int>();
+}
+
+/// The states of a load: read(entry, pointer, state) says whether an entry is one.
+template <class State, class Read>
+void read_states(Fields& fields, std::string_view name, const Limits& limits, std::vector<State>& states, Read read) {
+  const auto* entries = fields.array(name, true, 1, limits.max_states, "--max-states");
+  if (!entries) return;
+  states.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    State state{};
+    if (read((*entries)[i], fields.at(name) + "/" + std::to_string(i), state)) states.push_back(state);
+  }
+}
+
+/// Reads as many numbers as `state` has components, each in [least, most].
+template <class Vector>
+bool read_components(const Document& entry, const std::string& pointer, Faults& faults, Vector& state, double least,
+                     double most) {
+  constexpr int count = Vector::RowsAtCompileTime;
+  if (!entry.is_array() || entry.size() != count) {
+    faults.add(pointer, "must be an array of " + std::to_string(count) + " numbers");
+    return false;
+  }
+  bool good = true;
+  for (int k = 0; k < count; ++k) {
+    good &= read_number(entry[static_cast<std::size_t>(k)], pointer + "/" + std::to_string(k), faults, state[k], least,
+                        most);
+  }
+  return good;
+}
+
+microscale::GreenStrainLoad read_green_strain(Fields& load, const Limits& limits) {
+  microscale::GreenStrainLoad strain;
+  read_states(load, "green_strain", limits, strain.strains, [&](const auto& entry, const auto& pointer, auto& state) {
+    return read_components(entry, pointer, load.faults(), state, -any, any);
+  });
+  return strain;
+}
+
+void read_direction(Fields& fields, double& direction) {
+  fields.required("direction");
+  fields.number("direction", direction, -any, any);
+}
+
+microscale::UniaxialLoad read_uniaxial(Fields& fields, const Limits& limits) {
+  microscale::UniaxialLoad load;
+  read_direction(fields, load.direction);
+  read_states(fields, "stretches", limits, load.stretches, [&](const auto& entry, const auto& pointer, auto& state) {
+    return read_number(entry, pointer, fields.faults(), state, least_stretch, largest_stretch);
+  });
+  return load;
+}
+
+microscale::BiaxialLoad read_biaxial(Fields& fields, const Limits& limits) {
+  microscale::BiaxialLoad load;
+  read_direction(fields, load.direction);
+  read_states(fields, "stretches", limits, load.stretches, [&](const auto& entry, const auto& pointer, auto& state) {
+    return read_components(entry, pointer, fields.faults(), state, least_stretch, largest_stretch);
+  });
+  return load;
+}
+
+void read_load(Fields& fields, microscale::Load& out, const Limits& limits) {
+  const auto* value = fields.required("load");
+  if (!value) return;
+  Fields load(*value, fields.at("load"), fields.faults());
+  if (!value->is_object()) return;
+  const int kinds = load.present("green_strain") + load.present("uniaxial") + load.present("biaxial");
+  if (kinds != 1) {
+    fields.faults().add(fields.at("load"), "must have exactly one of \"green_strain\", \"uniaxial\" and \"biaxial\"");
+  }
+  if (load.present("green_strain")) out = read_green_strain(load, limits);
+  nested(load, "uniaxial", [&](Fields& kind) { out = read_uniaxial(kind, limits); });
+  nested(load, "biaxial", [&](Fields& kind) { out = read_biaxial(kind, limits); });
+  load.finish();
+}
+
+void read_options(Fields& fields, microscale::SimulationOptions& options) {
+  nested(fields, "material", [&](Fields& material) {
+    material.choice("law", options.material.law, {"neo_hookean", "incompressible_plane_stress"});
+    material.number("youngs_modulus", options.material.youngs_modulus, 1e-6, 1e6);
+    material.number("poisson_ratio", options.material.poisson_ratio, -0.99, 0.499);
+  });
+  nested(fields, "accuracy", [&](Fields& accuracy) {
+    read_mesh_size(accuracy, options.mesh);
+    accuracy.number("tolerance", options.tolerance, 1e-12, 1e-2);
+    accuracy.integer("max_iterations", options.max_iterations, 1, 10'000);
+    accuracy.number("max_load_step", options.max_load_step, 1e-5, 10);
+  });
+  nested(fields, "effects", [&](Fields& effects) {
+    effects.choice("contact", options.contact, switch_names);
+    effects.choice("patch", options.patch, switch_names);
+    effects.choice("buckling", options.buckling, switch_names);
+  });
+  fields.boolean("tangents", options.tangents);
+}
+
+}  // namespace
+
+StructureRequest parse_structure(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  StructureRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  request.structure = read_structure(fields, limits);
+  read_cells(fields, request.files);
+  fields.number("height", request.files.height, least_height, largest_height);
+  nested(fields, "mesh", [&](Fields& mesh) {
+    request.mesh.emplace().max_nodes = limits.max_mesh_nodes;
+    read_mesh_size(mesh, *request.mesh);
+  });
+  fields.boolean("svg", request.svg);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+SimulationRequest parse_simulation(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  SimulationRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  request.structure = read_structure(fields, limits);
+  read_load(fields, request.load, limits);
+  request.options.mesh.max_nodes = limits.max_mesh_nodes;
+  read_options(fields, request.options);
+  fields.choice("deformed", request.deformed, {"none", "json", "vtu"});
+  request.options.deformed_meshes = request.deformed != Deformed::none;
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+}  // namespace supple::json

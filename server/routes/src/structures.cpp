@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <optional>
+
+#include "computation_route.h"
+#include "handlers.h"
+#include "structure_spec.h"
+#include "supple/json/structure_answers.h"
+#include "supple/tiling/export.h"
+
+namespace supple::routes {
+namespace {
+
+/// The media types of a structure's files, and what writes them.
+struct FileFormat {
+  std::string_view media_type;
+  std::string (*write)(const tiling::Structure&, const tiling::ExportOptions&);
+};
+constexpr FileFormat file_formats[] = {{"image/svg+xml", tiling::write_svg},
+                                       {"image/vnd.dxf", tiling::write_dxf},
+                                       {"application/dxf", tiling::write_dxf},
+                                       {"model/stl", tiling::write_stl}};
+
+/// Null for JSON. Throws "http.not_acceptable".
+const FileFormat* negotiate_format(const http::Request& request) {
+  std::vector<std::string_view> offered{"application/json"};
+  for (const auto& format : file_formats) offered.push_back(format.media_type);
+  const auto type = http::negotiate(request.header("Accept"), offered);
+  if (!type) {
+    throw Error("http.not_acceptable",
+                "A structure is sent as application/json, image/svg+xml, image/vnd.dxf, application/dxf or model/stl.");
+  }
+  const auto* const found = std::find_if(std::begin(file_formats), std::end(file_formats),
+                                         [&](const FileFormat& format) { return format.media_type == *type; });
+  return found == std::end(file_formats) ? nullptr : found;
+}
+
+store::Result write_file(const json::StructureRequest& request, const tiling::Structure& structure,
+                         const FileFormat& format, const Execution& outer) {
+  store::Result result;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    const StageTimer timer(execution.cost, "export");
+    result.body = format.write(structure, request.files);
+  });
+  result.content_type = format.media_type;
+  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
+  return result;
+}
+
+store::Result describe(const json::StructureRequest& request, const tiling::Structure& structure,
+                       const Execution& outer) {
+  std::optional<json::MeshedCell> mesh;
+  std::optional<std::string> svg;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    if (request.mesh) {
+      execution.checkpoint(0, "meshing");
+      const StageTimer timer(execution.cost, "meshing");
+      mesh = {*request.mesh, tiling::statistics(tiling::mesh_structure(structure, *request.mesh))};
+    }
+    if (request.svg) {
+      execution.checkpoint(0.9, "export");
+      const StageTimer timer(execution.cost, "export");
+      svg = tiling::write_svg(structure, request.files);
+    }
+    execution.checkpoint(1, "");
+  });
+  return json_result(json::write_structure(structure, mesh ? &*mesh : nullptr, svg ? &*svg : nullptr, bill));
+}
+
+}  // namespace
+
+void add_structure_routes(http::Router& router, Services& services) {
+  router.add({"GET",
+              "/v1/families",
+              [](const http::Request&) { return json_response(json::write_families(preset_structures())); },
+              {}});
+  router.add({"GET",
+              "/v1/families/{family}",
+              [](const http::Request& request) {
+                const auto& family = tiling::family(request.path_parameters.at("family"));
+                const auto index = static_cast<std::size_t>(&family - tiling::families().data());
+                return json_response(json::write_family(preset_structures()[index]));
+              },
+              {}});
+  const auto handler = [&services](const http::Request& http_request) {
+    require_ready(services);
+    const auto* const format = negotiate_format(http_request);
+    auto request = json::parse_structure(json_body(http_request), services.limits.json);
+    auto structure = make_structure(request.structure);
+    jobs::Computation computation{"structures", {}, request.deadline, {}};
+    computation.run = [request = std::move(request), structure = std::move(structure),
+                       format](const Execution& execution) {
+      return format ? write_file(request, structure, *format, execution) : describe(request, structure, execution);
+    };
+    return answer_computation(services, http_request, std::move(computation));
+  };
+  router.add({"POST", "/v1/structures", handler, {services.limits.max_json, "--max-json"}});
+}
+
+}  // namespace supple::routes
