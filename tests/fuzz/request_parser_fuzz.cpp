@@ -1,6 +1,6 @@
-// Feeds arbitrary bytes to the request parsers. The first byte chooses the parser, the rest is the body. Whatever it
-// is, the answer is a request within the limits or an Error, and the problem that a client would get is valid JSON in
-// UTF-8.
+// Feeds arbitrary bytes to the request parsers. The first byte, a digit in the seeds, chooses the parser, the rest is
+// the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client would
+// get is valid JSON in UTF-8.
 
 #include <cmath>
 #include <cstdint>
@@ -10,6 +10,7 @@
 
 #include "supple/json/answers.h"
 #include "supple/json/requests.h"
+#include "supple/json/structure_requests.h"
 
 namespace {
 
@@ -23,6 +24,7 @@ json::Limits limits() {
   result.max_pairs = 20;
   result.max_points = 20;
   result.max_path_points = 40;
+  result.max_states = 20;
   result.max_deadline = 100;
   return result;
 }
@@ -38,8 +40,35 @@ void check_point(const json::PointSpec& point) {
 
 void check_deadline(double deadline) { require(deadline > 0 && deadline <= limits().max_deadline); }
 
+void check_structure(const json::StructureSpec& structure) {
+  require(!structure.family.empty() && structure.family.size() <= 32);
+  if (!structure.parameters) return;
+  require(structure.parameters->size() <= limits().max_parameters);
+  for (const double parameter : *structure.parameters) require(std::isfinite(parameter));
+}
+
+void check_mesh(const tiling::MeshOptions& mesh) {
+  require(mesh.mesh_size >= 0.01 && mesh.mesh_size <= 2 && mesh.corner_size > 0 && mesh.corner_size <= 1);
+  require(mesh.max_nodes == limits().max_mesh_nodes);
+}
+
+void check_load(const microscale::Load& load) {
+  const int states = microscale::size(load);
+  require(states > 0 && states <= static_cast<int>(limits().max_states));
+  if (const auto* strain = std::get_if<microscale::GreenStrainLoad>(&load)) {
+    for (const auto& state : strain->strains) require(state.allFinite());
+  } else if (const auto* uniaxial = std::get_if<microscale::UniaxialLoad>(&load)) {
+    require(std::isfinite(uniaxial->direction));
+    for (const double stretch : uniaxial->stretches) require(stretch > 0 && std::isfinite(stretch));
+  } else {
+    const auto& biaxial = std::get<microscale::BiaxialLoad>(load);
+    require(std::isfinite(biaxial.direction));
+    for (const auto& stretches : biaxial.stretches) require(stretches.allFinite() && stretches.minCoeff() > 0);
+  }
+}
+
 void parse(unsigned which, std::string_view body) {
-  switch (which % 5) {
+  switch (which % 7) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -74,13 +103,32 @@ void parse(unsigned which, std::string_view body) {
       check_point(request.start);
       return check_deadline(request.deadline);
     }
-    default: {
+    case 4: {
       const auto soup = json::parse_mesh_arrays(body, limits(), mesh_limits);
       require(soup.positions.size() <= 50 && soup.faces.size() <= 50);
       for (const auto& position : soup.positions) require(position.allFinite());
       for (const auto& face : soup.faces) {
         for (const auto vertex : face) require(vertex >= 0);
       }
+      return;
+    }
+    case 5: {
+      const auto request = json::parse_structure(body, limits());
+      check_structure(request.structure);
+      require(request.files.first >= 1 && request.files.first <= 100);
+      require(request.files.second >= 1 && request.files.second <= 100);
+      require(request.files.height > 0 && request.files.height <= 1000);
+      if (request.mesh) check_mesh(*request.mesh);
+      return check_deadline(request.deadline);
+    }
+    default: {
+      const auto request = json::parse_simulation(body, limits());
+      check_structure(request.structure);
+      check_load(request.load);
+      check_mesh(request.options.mesh);
+      require(request.options.material.youngs_modulus > 0 && request.options.material.poisson_ratio < 0.5);
+      require(request.options.tolerance > 0 && request.options.max_iterations > 0);
+      return check_deadline(request.deadline);
     }
   }
 }
@@ -97,7 +145,7 @@ void check_problem(const problem::Problem& problem) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   try {
-    parse(data[0], {reinterpret_cast<const char*>(data) + 1, size - 1});
+    parse(data[0] - static_cast<unsigned>('0'), {reinterpret_cast<const char*>(data) + 1, size - 1});
   } catch (const Error&) {
     check_problem(problem::problem_of(std::current_exception()));
   }
