@@ -25,7 +25,7 @@ constexpr double same_direction = 1 - 1e-9;
 constexpr double reuse_contraction = 0.25;
 
 /// Iterative refinement of the response to strains: relative residual, and rounds before the factorization is given up.
-constexpr double refined = 1e-11;
+constexpr double refined = 1e-9;
 constexpr int refinement_rounds = 5;
 
 /// Steps along an unstable mode: the largest displacement, in beam widths, from the first to the last; each is twice

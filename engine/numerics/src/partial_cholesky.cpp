@@ -110,8 +110,20 @@ SUPPLE_INLINE bool factorize_front(double* front, int ld, int rows, int pivots) 
   return true;
 }
 
+/// below(row..row+height) = B(row..row+height, :) x.
+template <int height>
+SUPPLE_INLINE void multiply_rows(const double* panel, int ld, int row, int pivots, const double* x, double* below) {
+  Lanes sum[height];
+  for (int r = 0; r < height; ++r) sum[r] = constant(0);
+  const double* at = panel + row;
+  for (int k = 0; k < pivots; ++k, at += ld) {
+    const Lanes value = load(x + k * solve_width);
+    for (int r = 0; r < height; ++r) sum[r] += constant(at[r]) * value;
+  }
+  for (int r = 0; r < height; ++r) store(below + (row - pivots + r) * solve_width, sum[r]);
+}
+
 SUPPLE_INLINE void forward(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
-  for (int r = 0; r < rows - pivots; ++r) store(below + r * solve_width, constant(0));
   for (int k = 0; k < pivots; ++k) {
     const double* column = panel + static_cast<std::ptrdiff_t>(k) * ld;
     const Lanes value = load(x + k * solve_width) * constant(1 / column[k]);
@@ -119,27 +131,36 @@ SUPPLE_INLINE void forward(const double* panel, int ld, int rows, int pivots, do
     for (int r = k + 1; r < pivots; ++r)
       store(x + r * solve_width, load(x + r * solve_width) - constant(column[r]) * value);
   }
-  for (int r = pivots; r < rows; ++r) {
-    Lanes sum = constant(0);
-    for (int k = 0; k < pivots; ++k)
-      sum += constant(panel[static_cast<std::ptrdiff_t>(k) * ld + r]) * load(x + k * solve_width);
-    store(below + (r - pivots) * solve_width, sum);
+  int row = pivots;
+  for (; row + 4 <= rows; row += 4) multiply_rows<4>(panel, ld, row, pivots, x, below);
+  for (; row < rows; ++row) multiply_rows<1>(panel, ld, row, pivots, x, below);
+}
+
+/// x(column..column+width) -= B(:, column..column+width)^T y for the rows from `begin` on; y begins with that row.
+template <int width>
+SUPPLE_INLINE void subtract_products(const double* panel, int ld, int begin, int rows, int column, double* x,
+                                     const double* y) {
+  Lanes sum[width];
+  const double* at[width];
+  for (int c = 0; c < width; ++c) {
+    sum[c] = constant(0);
+    at[c] = panel + static_cast<std::ptrdiff_t>(column + c) * ld;
   }
+  for (int r = begin; r < rows; ++r) {
+    const Lanes value = load(y + (r - begin) * solve_width);
+    for (int c = 0; c < width; ++c) sum[c] += constant(at[c][r]) * value;
+  }
+  for (int c = 0; c < width; ++c) store(x + (column + c) * solve_width, load(x + (column + c) * solve_width) - sum[c]);
 }
 
 SUPPLE_INLINE void backward(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
+  int column = 0;
+  for (; column + 4 <= pivots; column += 4) subtract_products<4>(panel, ld, pivots, rows, column, x, below);
+  for (; column < pivots; ++column) subtract_products<1>(panel, ld, pivots, rows, column, x, below);
   for (int k = pivots - 1; k >= 0; --k) {
-    const double* column = panel + static_cast<std::ptrdiff_t>(k) * ld;
-    Lanes first = load(x + k * solve_width);
-    Lanes second = constant(0);
-    int r = pivots;
-    for (; r + 2 <= rows; r += 2) {
-      first -= constant(column[r]) * load(below + (r - pivots) * solve_width);
-      second -= constant(column[r + 1]) * load(below + (r + 1 - pivots) * solve_width);
-    }
-    for (; r < rows; ++r) first -= constant(column[r]) * load(below + (r - pivots) * solve_width);
-    for (r = k + 1; r < pivots; ++r) first -= constant(column[r]) * load(x + r * solve_width);
-    store(x + k * solve_width, (first + second) * constant(1 / column[k]));
+    subtract_products<1>(panel, ld, k + 1, pivots, k, x, x + (k + 1) * solve_width);
+    const double diagonal = panel[static_cast<std::ptrdiff_t>(k) * ld + k];
+    store(x + k * solve_width, load(x + k * solve_width) * constant(1 / diagonal));
   }
 }
 

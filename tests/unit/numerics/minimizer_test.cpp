@@ -254,5 +254,24 @@ TEST(Minimizer, BillsEveryTermOfAScene) {
   EXPECT_EQ(cost.effects()[0].count, cost.effects()[1].count);
 }
 
+TEST(Newton, ReusesAFactorizationThatContractsAndComesToTheSameMinimum) {
+  MinimizerOptions options;
+  options.gradient_tolerance = 1e-12;
+  const Eigen::Vector2d start(1.2, 1.1);
+  Scene fresh = scene_of<Rosenbrock>(start);
+  const MinimizerResult with_all = minimize(fresh, options);
+  options.reuse_contraction = 0.5;
+  CostLedger cost;
+  Scene reused = scene_of<Rosenbrock>(start, &cost);
+  ShiftedCholesky cholesky;
+  const MinimizerResult with_few = minimize(reused, options, {}, &cholesky);
+  EXPECT_EQ(with_few.stop, MinimizerStop::converged);
+  EXPECT_LT((fresh.x() - reused.x()).norm(), 1e-12);
+  EXPECT_GT(with_few.iterations, with_all.iterations) << "no step was made with an old factorization";
+  // The factorization that is left is of the state that the result names.
+  ASSERT_GE(with_few.factorized_at, 0);
+  EXPECT_LT(with_few.factorized_at, with_few.iterations - 1);
+}
+
 }  // namespace
 }  // namespace supple::numerics

@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+
+#include "supple/base/random.h"
+#include "supple/numerics/energy.h"
+
+namespace supple::numerics {
+namespace {
+
+struct Entry {
+  int i;
+  int j;
+  double value;
+};
+
+Eigen::MatrixXd dense(const std::vector<Entry>& entries, int n) {
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
+  for (const Entry& e : entries) {
+    matrix(e.i, e.j) += e.value;
+    if (e.i != e.j) matrix(e.j, e.i) += e.value;
+  }
+  return matrix;
+}
+
+Eigen::MatrixXd dense(const BorderedMatrix& matrix) {
+  const Eigen::Index n = matrix.core.rows();
+  const Eigen::Index m = matrix.corner.rows();
+  Eigen::MatrixXd result(n + m, n + m);
+  result << Eigen::MatrixXd(matrix.core).selfadjointView<Eigen::Lower>().toDenseMatrix(), matrix.border,
+      matrix.border.transpose(), matrix.corner;
+  return result;
+}
+
+std::vector<Entry> random_entries(RandomStream& random, int n, int count) {
+  std::vector<Entry> entries;
+  for (int k = 0; k < count; ++k) entries.push_back({random.below(n), random.below(n), random.uniform(-1, 1)});
+  return entries;
+}
+
+TEST(HessianEntries, AddUpToTheSymmetricMatrixInEitherOrderOfThePair) {
+  RandomStream random("hessian_entries", 1);
+  const std::vector<Entry> entries = random_entries(random, 9, 60);
+  HessianEntries sum;
+  for (const Entry& e : entries) sum.add(e.i, e.j, e.value);
+  EXPECT_LT((Eigen::MatrixXd(sum.matrix(9)) - dense(entries, 9)).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+TEST(HessianEntries, FollowASequenceThatGrowsShrinksAndChangesInItsMiddle) {
+  RandomStream random("hessian_entries", 2);
+  HessianEntries sum(7);
+  BorderedMatrix matrix;
+  const std::vector<Entry> first = random_entries(random, 9, 40);
+  std::vector<std::vector<Entry>> rounds = {first, first};
+  rounds.push_back({first.begin(), first.begin() + 20});
+  rounds.push_back(first);
+  rounds.push_back(first);
+  rounds.back().insert(rounds.back().begin() + 10, {3, 4, 0.5});
+  rounds.push_back(random_entries(random, 9, 50));
+  rounds.emplace_back();
+  rounds.push_back(first);
+  for (std::size_t round = 0; round < rounds.size(); ++round) {
+    sum.clear();
+    for (const Entry& e : rounds[round]) sum.add(e.i, e.j, e.value);
+    sum.assemble(9, matrix);
+    EXPECT_LT((dense(matrix) - dense(rounds[round], 9)).cwiseAbs().maxCoeff(), 1e-14) << "round " << round;
+  }
+}
+
+TEST(HessianEntries, KeepAPlaceOnceSeenSoThatThePatternStays) {
+  HessianEntries sum(3);
+  BorderedMatrix matrix;
+  for (const bool contact : {false, true, false, true}) {
+    sum.clear();
+    for (int i = 0; i < 3; ++i) sum.add(i, i, 2);
+    if (contact) sum.add(2, 0, -1);
+    sum.assemble(3, matrix);
+    EXPECT_EQ(matrix.core.coeff(2, 0), contact ? -1 : 0);
+  }
+  EXPECT_EQ(matrix.core.nonZeros(), 4);
+}
+
+TEST(HessianEntries, ForgetWhatWasNotAssembled) {
+  HessianEntries sum(2);
+  sum.add(0, 0, 5);
+  sum.add(1, 0, 5);
+  sum.clear();
+  sum.add(0, 0, 1);
+  BorderedMatrix matrix;
+  sum.assemble(2, matrix);
+  EXPECT_EQ(dense(matrix), (Eigen::Matrix2d() << 1, 0, 0, 0).finished());
+}
+
+}  // namespace
+}  // namespace supple::numerics

@@ -1,0 +1,135 @@
+#include "multifrontal_cholesky.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "partial_cholesky.h"
+#include "supple/base/random.h"
+#include "supple/numerics/cholesky.h"
+
+namespace supple::numerics {
+namespace {
+
+/// A random diagonally dominant matrix with about `degree` entries in a row.
+SparseMatrix random_matrix(int n, int degree, std::uint64_t seed) {
+  RandomStream random("multifrontal", seed);
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(n, 0.1);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < n * degree / 2; ++k) {
+    const int i = random.below(n);
+    const int j = random.below(n);
+    if (i == j) continue;
+    const double value = random.uniform(-1, 1);
+    entries.emplace_back(i, j, value);
+    entries.emplace_back(j, i, value);
+    diagonal[i] += std::abs(value);
+    diagonal[j] += std::abs(value);
+  }
+  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, diagonal[i]);
+  SparseMatrix matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+Eigen::MatrixXd random_columns(int n, int columns) {
+  RandomStream random("right-hand sides", 0);
+  return Eigen::MatrixXd::NullaryExpr(n, columns, [&random] { return random.uniform(-1, 1); });
+}
+
+TEST(PartialCholesky, LeavesFactorsAndTheSchurComplementForEveryShapeOfFront) {
+  RandomStream random("fronts", 0);
+  for (int rows = 1; rows <= 30; ++rows) {
+    for (int pivots = 1; pivots <= rows; ++pivots) {
+      const int ld = rows + random.below(4);
+      const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(rows, rows, [&random] { return random.uniform(-1, 1); });
+      const Eigen::MatrixXd spd = a * a.transpose() + Eigen::MatrixXd::Identity(rows, rows);
+      Eigen::MatrixXd front = Eigen::MatrixXd::Zero(ld, rows);
+      front.topRows(rows) = spd;
+      ASSERT_TRUE(partial_cholesky(front.data(), ld, rows, pivots));
+      const Eigen::MatrixXd panel = front.topLeftCorner(rows, pivots).triangularView<Eigen::Lower>();
+      Eigen::MatrixXd left = spd - panel * panel.transpose();
+      left.bottomRightCorner(rows - pivots, rows - pivots) -= front.block(pivots, pivots, rows - pivots, rows - pivots);
+      EXPECT_LT(Eigen::MatrixXd(left.triangularView<Eigen::Lower>()).cwiseAbs().maxCoeff(), 1e-11)
+          << rows << " rows, " << pivots << " pivots";
+    }
+  }
+}
+
+TEST(PartialCholesky, RefusesAFrontThatIsNotPositiveDefiniteInItsPivots) {
+  Eigen::MatrixXd front = Eigen::MatrixXd::Identity(12, 12);
+  front(5, 5) = -1;
+  EXPECT_TRUE(partial_cholesky(Eigen::MatrixXd(front).data(), 12, 12, 5));
+  EXPECT_FALSE(partial_cholesky(Eigen::MatrixXd(front).data(), 12, 12, 6));
+  front(5, 5) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(partial_cholesky(front.data(), 12, 12, 8));
+}
+
+class MultifrontalCholeskyOf : public testing::TestWithParam<std::tuple<int, int>> {};
+
+TEST_P(MultifrontalCholeskyOf, SolvesWithEveryNumberOfRightHandSides) {
+  const auto [n, degree] = GetParam();
+  const SparseMatrix matrix = random_matrix(n, degree, 1);
+  MultifrontalCholesky cholesky;
+  cholesky.analyze(matrix);
+  for (const double shift : {0.0, 0.3}) {
+    ASSERT_TRUE(cholesky.factorize(matrix, shift));
+    for (int columns = 1; columns <= 6; ++columns) {
+      const Eigen::MatrixXd b = random_columns(n, columns);
+      Eigen::MatrixXd x = b;
+      cholesky.solve(x);
+      EXPECT_LT((matrix * x + shift * x - b).norm(), 1e-12 * b.norm()) << columns << " columns";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SizesAndDensities, MultifrontalCholeskyOf,
+                         testing::Combine(testing::Values(1, 7, 64, 500), testing::Values(0, 2, 6)));
+
+TEST(MultifrontalCholesky, ReadsTheLowerTriangleOnly) {
+  const SparseMatrix matrix = random_matrix(80, 5, 2);
+  const SparseMatrix lower = matrix.triangularView<Eigen::Lower>();
+  MultifrontalCholesky of_both;
+  MultifrontalCholesky of_lower;
+  of_both.analyze(matrix);
+  of_lower.analyze(lower);
+  ASSERT_TRUE(of_both.factorize(matrix, 0));
+  ASSERT_TRUE(of_lower.factorize(lower, 0));
+  Eigen::MatrixXd x = random_columns(80, 1);
+  Eigen::MatrixXd y = x;
+  of_both.solve(x);
+  of_lower.solve(y);
+  EXPECT_LT((x - y).norm(), 1e-13 * x.norm());
+}
+
+TEST(MultifrontalCholesky, AgreesWithTheSignOfTheLowestEigenvalue) {
+  const SparseMatrix matrix = random_matrix(60, 4, 3);
+  const double lowest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(matrix)).eigenvalues()[0];
+  MultifrontalCholesky cholesky;
+  cholesky.analyze(matrix);
+  EXPECT_TRUE(cholesky.factorize(matrix, -lowest * (1 - 1e-9)));
+  EXPECT_FALSE(cholesky.factorize(matrix, -lowest * (1 + 1e-9)));
+}
+
+TEST(ShiftedCholesky, SolvesABorderedMatrixLikeTheDenseOne) {
+  for (const int n : {20, 200}) {
+    const SparseMatrix whole = random_matrix(n + 3, 5, 4);
+    auto bordered = std::make_shared<BorderedMatrix>();
+    const Eigen::MatrixXd dense(whole);
+    bordered->core = SparseMatrix(whole.topLeftCorner(n, n)).triangularView<Eigen::Lower>();
+    bordered->border = dense.topRightCorner(n, 3);
+    bordered->corner = dense.bottomRightCorner(3, 3);
+    const Hessian hessian = std::shared_ptr<const BorderedMatrix>(bordered);
+    ShiftedCholesky cholesky;
+    ASSERT_TRUE(cholesky.factorize(hessian, 0.2));
+    const Eigen::VectorXd b = random_columns(n + 3, 1);
+    const Eigen::VectorXd x = cholesky.solve(b);
+    EXPECT_LT((dense * x + 0.2 * x - b).norm(), 1e-12 * b.norm());
+    // Positive definite in its core, not as a whole.
+    bordered->corner(1, 1) = -10;
+    EXPECT_FALSE(cholesky.factorize(hessian, 0.2));
+  }
+}
+
+}  // namespace
+}  // namespace supple::numerics
