@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "numbers.h"
 #include "path_output.h"
 #include "surface_point.h"
 

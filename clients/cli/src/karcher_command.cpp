@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "numbers.h"
 #include "surface_point.h"
 
 namespace supple::cli {

@@ -14,7 +14,8 @@
 
 namespace {
 
-constexpr auto description = "Exact geodesics on triangle meshes, answered by a supple-server";
+constexpr auto description =
+    "Geodesics on triangle meshes and simulations of periodic structures, answered by a supple-server";
 
 constexpr auto footer =
     R"(Meshes:   an id, the beginning of one, or a mesh file (OBJ, OFF, PLY, STL), which is uploaded first
@@ -26,6 +27,8 @@ Examples:
   supple field bunny.obj v0 --output distances.ply
   supple karcher bunny.obj v0 v300 12:0.2,0.3,0.5 --weights 1,1,2
   supple exponential-map bunny.obj v0 --tangent 0.1,0,0.2
+  supple structure IH21 --svg tiling.svg
+  supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv
   supple job list
 
 Exit status:
@@ -53,6 +56,9 @@ int run(int argument_count, char** arguments) {
   supple::cli::add_field_command(program, options);
   supple::cli::add_karcher_command(program, options);
   supple::cli::add_exponential_map_command(program, options);
+  supple::cli::add_family_command(program, options);
+  supple::cli::add_structure_command(program, options);
+  supple::cli::add_simulate_command(program, options);
   supple::cli::add_job_commands(program, options);
   try {
     program.parse(argument_count, arguments);

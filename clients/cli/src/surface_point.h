@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 namespace supple::cli {
 
@@ -10,9 +9,6 @@ namespace supple::cli {
 /// "12:0.2,0.3" the same with the third coordinate left to complete the sum of 1. Returns the point as the wire has it.
 /// Throws Failure(usage) that quotes the text and says what was expected.
 nlohmann::json parse_surface_point(const std::string& text);
-
-/// Reads numbers separated by commas, e.g. "0.1,-2,3e-4". Throws Failure(usage) that quotes the text and names `what`.
-std::vector<double> parse_numbers(const std::string& text, const char* what);
 
 /// The inverse of parse_surface_point, for people: "vertex 17" or "face 12 (0.2, 0.3, 0.5)".
 std::string describe_surface_point(const nlohmann::json& point);

@@ -1,0 +1,95 @@
+#include "load_arguments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <vector>
+
+#include "failure.h"
+#include "numbers.h"
+#include "session.h"
+
+namespace supple::cli {
+namespace {
+
+double parse_direction(const std::string& text) {
+  const auto numbers = numbers_in(text);
+  if (!numbers || numbers->size() != 1) {
+    throw Failure(ExitCode::usage, fmt::format("'{}' is no direction: write an angle in radians", text));
+  }
+  return numbers->front();
+}
+
+std::vector<double> stretches_of(const LoadArguments& arguments) {
+  if (arguments.stretches.empty()) throw Failure(ExitCode::usage, "--uniaxial and --biaxial need --stretches");
+  return parse_series(arguments.stretches, "list of stretches");
+}
+
+nlohmann::json biaxial_stretches(const LoadArguments& arguments) {
+  if (arguments.orthogonal.empty()) throw Failure(ExitCode::usage, "--biaxial needs --orthogonal");
+  const auto along = stretches_of(arguments);
+  auto across = parse_series(arguments.orthogonal, "list of stretches");
+  if (across.size() == 1) across.resize(along.size(), across.front());
+  if (across.size() != along.size()) {
+    throw Failure(ExitCode::usage, fmt::format("--stretches has {} numbers, --orthogonal {}: give as many, or one",
+                                               along.size(), across.size()));
+  }
+  auto pairs = nlohmann::json::array();
+  for (std::size_t i = 0; i < along.size(); ++i) pairs.push_back({along[i], across[i]});
+  return pairs;
+}
+
+/// One strain in each line, or between semicolons; empty lines and lines that begin with # are skipped.
+nlohmann::json green_strains(const std::string& argument) {
+  std::error_code ignored;
+  const bool is_file = std::filesystem::is_regular_file(argument, ignored);
+  std::string text = is_file ? read_file(argument) : argument;
+  std::replace(text.begin(), text.end(), ';', '\n');
+  auto strains = nlohmann::json::array();
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c == ' ' || c == '\t' || c == '\r'; }),
+               line.end());
+    if (line.empty() || line.front() == '#') continue;
+    const auto strain = numbers_in(line);
+    if (!strain || strain->size() != 3) {
+      throw Failure(
+          is_file ? ExitCode::local_file : ExitCode::usage,
+          fmt::format("'{}' is no Green strain: write xx,yy,xy for each, one in a line or separated by ;", line));
+    }
+    strains.push_back(*strain);
+  }
+  return strains;
+}
+
+}  // namespace
+
+void add_load_options(CLI::App& command, LoadArguments& arguments) {
+  auto* const uniaxial = command.add_option("--uniaxial", arguments.uniaxial,
+                                            "Stretch along this direction (rad); lateral strain and shear are free");
+  auto* const biaxial =
+      command.add_option("--biaxial", arguments.biaxial, "Stretch along this direction (rad) and orthogonal to it");
+  command.add_option("--stretches", arguments.stretches,
+                     "Stretches along the direction in their order: 1.05,1.1 or first:last:n");
+  command.add_option("--orthogonal", arguments.orthogonal, "Stretches orthogonal to it, as many or one");
+  auto* const strain = command.add_option("--green-strain", arguments.green_strain,
+                                          "Impose Green strains xx,yy,xy;xx,yy,xy or those in the lines of a file");
+  uniaxial->excludes(biaxial)->excludes(strain);
+  biaxial->excludes(strain);
+}
+
+nlohmann::json load_of(const LoadArguments& arguments) {
+  if (!arguments.uniaxial.empty()) {
+    return {{"uniaxial", {{"direction", parse_direction(arguments.uniaxial)}, {"stretches", stretches_of(arguments)}}}};
+  }
+  if (!arguments.biaxial.empty()) {
+    return {
+        {"biaxial", {{"direction", parse_direction(arguments.biaxial)}, {"stretches", biaxial_stretches(arguments)}}}};
+  }
+  if (!arguments.green_strain.empty()) return {{"green_strain", green_strains(arguments.green_strain)}};
+  throw Failure(ExitCode::usage, "no load: give --uniaxial, --biaxial or --green-strain");
+}
+
+}  // namespace supple::cli

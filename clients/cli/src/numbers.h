@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace supple::cli {
+
+/// The numbers between the commas, e.g. "0.1,-2,3e-4"; nothing where one of them is none or not finite.
+std::optional<std::vector<double>> numbers_in(std::string_view text);
+
+/// The same. Throws Failure(usage) that quotes the text and names `what`.
+std::vector<double> parse_numbers(const std::string& text, const char* what);
+
+/// Numbers separated by commas, or "first:last:n" for n of them at equal distances, both ends included. Throws
+/// Failure(usage) that quotes the text and names `what`.
+std::vector<double> parse_series(const std::string& text, const char* what);
+
+/// The integer that all of `text` is, or nothing.
+std::optional<std::int64_t> integer_in(std::string_view text);
+
+}  // namespace supple::cli

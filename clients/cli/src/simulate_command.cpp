@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.h"
+#include "load_arguments.h"
+#include "numbers.h"
+#include "simulation_output.h"
+
+namespace supple::cli {
+namespace {
+
+struct Arguments {
+  std::string family;
+  std::string parameters;
+  LoadArguments load;
+  std::string law;
+  double youngs_modulus = 0;
+  std::string poisson_ratio;
+  double mesh_size = 0;
+  double corner_size = 0;
+  double tolerance = 0;
+  double max_load_step = 0;
+  std::string contact;
+  std::string patch;
+  std::string buckling;
+  bool no_tangents = false;
+  double deadline = 0;
+  std::string csv_file;
+  std::string vtu_file;
+};
+
+nlohmann::json request_of(const Arguments& arguments) {
+  nlohmann::json request = {{"family", arguments.family}, {"load", load_of(arguments.load)}};
+  const auto set_text = [&](const char* group, const char* name, const std::string& value) {
+    if (!value.empty()) request[group][name] = value;
+  };
+  const auto set_number = [&](const char* group, const char* name, double value) {
+    if (value > 0) request[group][name] = value;
+  };
+  if (!arguments.parameters.empty()) request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
+  set_text("material", "law", arguments.law);
+  set_number("material", "youngs_modulus", arguments.youngs_modulus);
+  if (!arguments.poisson_ratio.empty()) {
+    request["material"]["poisson_ratio"] = parse_numbers(arguments.poisson_ratio, "Poisson's ratio").front();
+  }
+  set_number("accuracy", "mesh_size", arguments.mesh_size);
+  set_number("accuracy", "corner_size", arguments.corner_size);
+  set_number("accuracy", "tolerance", arguments.tolerance);
+  set_number("accuracy", "max_load_step", arguments.max_load_step);
+  set_text("effects", "contact", arguments.contact);
+  set_text("effects", "patch", arguments.patch);
+  set_text("effects", "buckling", arguments.buckling);
+  if (arguments.no_tangents) request["tangents"] = false;
+  if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
+  if (!arguments.vtu_file.empty()) request["deformed"] = "vtu";
+  return request;
+}
+
+void run(const GlobalOptions& options, const Arguments& arguments) {
+  const nlohmann::json request = request_of(arguments);
+  Session session(options);
+  const nlohmann::json answer = session.compute("/v1/simulations", request).json();
+  const auto& states = answer.at("states");
+  if (!arguments.csv_file.empty()) write_file(arguments.csv_file, states_as_csv(states));
+  if (!arguments.vtu_file.empty()) {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      write_file(vtu_file(arguments.vtu_file, i, states.size()), states.at(i).at("vtu").get<std::string>());
+    }
+  }
+  if (arguments.csv_file == "-") return;
+  session.json() ? print_json(answer) : print_simulation(answer);
+}
+
+void add_options(CLI::App& command, Arguments& arguments) {
+  command.add_option("family", arguments.family, "Family of the tiling, see supple families")->required();
+  command.add_option("-p,--parameters", arguments.parameters,
+                     "Parameters, separated by commas (the family's defaults)");
+  add_load_options(command, arguments.load);
+  command.add_option("--law", arguments.law, "Material (neo_hookean)")
+      ->check(CLI::IsMember({"neo_hookean", "incompressible_plane_stress"}));
+  command.add_option("--youngs-modulus", arguments.youngs_modulus, "Young's modulus in MPa (26)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--poisson-ratio", arguments.poisson_ratio, "Poisson's ratio (0.48)")->check(CLI::Number);
+  command.add_option("--mesh-size", arguments.mesh_size, "Sides of the triangles as a share of the beam width")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--corner-size", arguments.corner_size, "Sides at re-entrant corners as a share of the others")
+      ->check(CLI::PositiveNumber);
+  command.add_option("-t,--tolerance", arguments.tolerance, "Relative residual of an equilibrium (1e-8)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--max-load-step", arguments.max_load_step, "Largest internal change of F (0.05)")
+      ->check(CLI::PositiveNumber);
+  const auto switch_values = CLI::IsMember({"automatic", "on", "off"});
+  command.add_option("--contact", arguments.contact, "Self-contact (automatic)")->check(switch_values);
+  command.add_option("--patch", arguments.patch, "Patch of 2 x 2 cells (automatic)")->check(switch_values);
+  command.add_option("--buckling", arguments.buckling, "Leave unstable states (automatic)")->check(switch_values);
+  command.add_flag("--no-tangents", arguments.no_tangents, "Leave out the tangent stiffnesses");
+  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--csv", arguments.csv_file, "Write the states to this file, - for the terminal");
+  command.add_option("--vtu", arguments.vtu_file,
+                     "Write the deformed mesh of each state; several states become name-0000.vtu and so on");
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& program, const GlobalOptions& options) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("simulate", "Stress and energy of a structure along a load path");
+  add_options(*command, *arguments);
+  command->footer(
+      "Examples:\n  supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv\n"
+      "  supple simulate IH22 --biaxial 0.785 --stretches 0.98:0.9:5 --orthogonal 1 --vtu state.vtu\n"
+      "  supple simulate IH21 --green-strain \"0.05,0,0;0.1,0,0\" --mesh-size 0.5 --contact off");
+  command->callback([&options, arguments] { run(options, *arguments); });
+}
+
+}  // namespace supple::cli

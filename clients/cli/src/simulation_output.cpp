@@ -1,0 +1,80 @@
+#include "simulation_output.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iterator>
+
+namespace supple::cli {
+namespace {
+
+constexpr auto header =
+    "state,E_xx,E_yy,E_xy,S_xx,S_yy,S_xy,energy_density,F_xx,F_xy,F_yx,F_yy,C_11,C_12,C_13,C_21,C_22,C_23,C_31,C_32,"
+    "C_33,stopped,residual,iterations,load_steps,contacts,smallest_gap,smallest_jacobian,stable,branch,cells\n";
+
+std::string cell_text(const nlohmann::json& value) {
+  if (value.is_null()) return {};
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+void append_matrix(std::string& line, const nlohmann::json& rows, int size) {
+  for (int i = 0; i < size; ++i) {
+    for (int k = 0; k < size; ++k) line += ',' + (rows.is_null() ? "" : cell_text(rows.at(i).at(k)));
+  }
+}
+
+}  // namespace
+
+std::string states_as_csv(const nlohmann::json& states) {
+  std::string text = header;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto& state = states.at(i);
+    std::string line = std::to_string(i);
+    for (const char* name : {"green_strain", "stress"}) {
+      for (const auto& component : state.at(name)) line += ',' + cell_text(component);
+    }
+    line += ',' + cell_text(state.at("energy_density"));
+    append_matrix(line, state.at("deformation_gradient"), 2);
+    append_matrix(line, state.at("tangent"), 3);
+    for (const char* name : {"stopped", "residual", "iterations", "load_steps", "contacts", "smallest_gap",
+                             "smallest_jacobian", "stable", "branch", "cells"}) {
+      line += ',' + cell_text(state.at(name));
+    }
+    text += line + '\n';
+  }
+  return text;
+}
+
+std::string vtu_file(const std::string& file, std::size_t state, std::size_t states) {
+  if (states == 1) return file;
+  const std::filesystem::path path(file);
+  const auto extension = path.has_extension() ? path.extension().string() : ".vtu";
+  return (path.parent_path() / fmt::format("{}-{:04}{}", path.stem().string(), state, extension)).string();
+}
+
+void print_simulation(const nlohmann::json& answer) {
+  fmt::print("{:>5}  {:>9} {:>9} {:>9}  {:>11} {:>11} {:>11}  {:>11}  {:>8}  {}\n", "state", "E_xx", "E_yy", "E_xy",
+             "S_xx/MPa", "S_yy/MPa", "S_xy/MPa", "energy/MPa", "contacts", "stopped");
+  std::size_t number = 0;
+  for (const auto& state : answer.at("states")) {
+    fmt::print("{:>5} ", number++);
+    for (const auto& component : state.at("green_strain")) fmt::print(" {:>9.5f}", component.get<double>());
+    fmt::print(" ");
+    for (const auto& component : state.at("stress")) fmt::print(" {:>11.5g}", component.get<double>());
+    fmt::print("  {:>11.5g}  {:>8}  {}{}\n", state.at("energy_density").get<double>(), state.at("contacts").get<int>(),
+               state.at("stopped").get<std::string>(), state.at("stable").get<bool>() ? "" : ", unstable");
+  }
+  const auto& accuracy = answer.at("accuracy");
+  const auto& residual = accuracy.at("residual");
+  fmt::print("residual    {} (asked for {:.1e})\n",
+             residual.is_null() ? "none" : fmt::format("{:.1e}", residual.get<double>()),
+             accuracy.at("tolerance").get<double>());
+  fmt::print("mesh        {} nodes in a cell, {} unknowns at most\n", accuracy.at("nodes").get<int>(),
+             accuracy.at("unknowns").get<int>());
+  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+  if (const auto message = answer.at("message").get<std::string>(); !message.empty()) {
+    fmt::print(stderr, "supple: the path ended early: {}\n", message);
+  }
+}
+
+}  // namespace supple::cli

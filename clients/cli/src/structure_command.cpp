@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <vector>
+
+#include "commands.h"
+#include "failure.h"
+#include "numbers.h"
+
+namespace supple::cli {
+namespace {
+
+struct Arguments {
+  std::string family;
+  std::string parameters;
+  std::string cells;
+  double height = 0;
+  double mesh_size = 0;
+  double corner_size = 0;
+  std::string svg_file;
+  std::string dxf_file;
+  std::string stl_file;
+};
+
+nlohmann::json parse_cells(const std::string& text) {
+  const std::size_t cross = text.find('x');
+  const auto first = integer_in(std::string_view(text).substr(0, cross));
+  const auto second = cross == std::string::npos ? std::nullopt : integer_in(std::string_view(text).substr(cross + 1));
+  if (!first || !second || *first < 1 || *second < 1) {
+    throw Failure(ExitCode::usage, fmt::format("'{}' is no number of cells: write for example 4x3", text));
+  }
+  return {*first, *second};
+}
+
+void print_answer(const nlohmann::json& answer) {
+  const auto& lattice = answer.at("lattice");
+  std::size_t holes = 0;
+  for (const auto& tile : answer.at("tiles")) holes += tile.at("holes").size();
+  fmt::print("structure   {} ({:g})\n", answer.at("family").get<std::string>(),
+             fmt::join(answer.at("parameters").get<std::vector<double>>(), ","));
+  fmt::print("beam width  {:g} mm\n", answer.at("beam_width").get<double>());
+  fmt::print("cell        {:.6g} mm^2, {} tiles, {} holes\n", answer.at("cell_area").get<double>(),
+             answer.at("tiles").size(), holes);
+  for (const auto& translation : lattice) {
+    fmt::print("translation {:.6g} {:.6g} mm\n", translation.at(0).get<double>(), translation.at(1).get<double>());
+  }
+  fmt::print("solid       {:.6g} of the cell\n", answer.at("relative_density").get<double>());
+  if (const auto mesh = answer.find("mesh"); mesh != answer.end()) {
+    fmt::print("mesh        {} nodes, {} triangles, sides {:.4g} to {:.4g} mm, smallest angle {:.3g} rad\n",
+               mesh->at("nodes").get<int>(), mesh->at("triangles").get<int>(), mesh->at("shortest_side").get<double>(),
+               mesh->at("longest_side").get<double>(), mesh->at("smallest_angle").get<double>());
+  }
+}
+
+void run(const GlobalOptions& options, const Arguments& arguments) {
+  nlohmann::json request = {{"family", arguments.family}};
+  if (!arguments.parameters.empty()) request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
+  if (!arguments.cells.empty()) request["cells"] = parse_cells(arguments.cells);
+  if (arguments.height > 0) request["height"] = arguments.height;
+  Session session(options);
+  const auto save = [&](const std::string& file, const char* media_type) {
+    if (!file.empty()) write_file(file, session.compute("/v1/structures", request, media_type).body);
+  };
+  save(arguments.svg_file, "image/svg+xml");
+  save(arguments.dxf_file, "image/vnd.dxf");
+  save(arguments.stl_file, "model/stl");
+  if (arguments.svg_file == "-" || arguments.dxf_file == "-" || arguments.stl_file == "-") return;
+  if (arguments.mesh_size > 0) request["mesh"]["mesh_size"] = arguments.mesh_size;
+  if (arguments.corner_size > 0) request["mesh"]["corner_size"] = arguments.corner_size;
+  const nlohmann::json answer = session.compute("/v1/structures", request).json();
+  session.json() ? print_json(answer) : print_answer(answer);
+}
+
+}  // namespace
+
+void add_structure_command(CLI::App& program, const GlobalOptions& options) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("structure", "The beam structure of a tiling, and files of it");
+  command->add_option("family", arguments->family, "Family of the tiling, see supple families")->required();
+  command->add_option("-p,--parameters", arguments->parameters,
+                      "Parameters, separated by commas (the family's defaults)");
+  command->add_option("--svg", arguments->svg_file, "Write an SVG file, - for the terminal");
+  command->add_option("--dxf", arguments->dxf_file, "Write a DXF file, - for the terminal");
+  command->add_option("--stl", arguments->stl_file, "Write a binary STL file of the extruded solid");
+  command->add_option("-c,--cells", arguments->cells, "Cells in the files, for example 4x3 (2x2)");
+  command->add_option("--height", arguments->height, "Height of the STL's extrusion in mm (1)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--mesh-size", arguments->mesh_size,
+                   "Mesh one cell with sides of this share of the beam width and show the mesh's statistics")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--corner-size", arguments->corner_size, "Sides at re-entrant corners as a share of the others (1)")
+      ->check(CLI::PositiveNumber);
+  command->footer(
+      "Examples:\n  supple structure IH21 --svg tiling.svg --cells 4x4\n"
+      "  supple structure IH01 --parameters 0.1,0.5,0.1,0.6 --stl tiling.stl --height 5 --mesh-size 0.33");
+  command->callback([&options, arguments] { run(options, *arguments); });
+}
+
+}  // namespace supple::cli
