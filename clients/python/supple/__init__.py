@@ -1,4 +1,4 @@
-"""Exact geodesics on triangle meshes, answered by a supple-server.
+"""Geodesics on triangle meshes and simulations of periodic structures, answered by a supple-server.
 
 ::
 
@@ -10,8 +10,11 @@
         field = mesh.field([0])
         mean = mesh.karcher_mean([0, 300, (12, (0.2, 0.3, 0.5))])
 
-Points are vertex indices, `(face, (a, b, c))`, `Vertex` or `SurfacePoint`. Lengths are in mesh units, angles in radians,
-times in seconds. Failures are the exceptions of `supple.errors`.
+        curve = client.simulate("IH01", None, supple.Uniaxial(0.0, [1.05, 1.1, 1.15]))
+        curve.green_strain, curve.stress
+
+Points are vertex indices, `(face, (a, b, c))`, `Vertex` or `SurfacePoint`. Lengths are in mesh units, those of structures in
+millimetres, stresses in MPa, angles in radians, times in seconds. Failures are the exceptions of `supple.errors`.
 """
 
 from .answers import (
@@ -35,6 +38,7 @@ from .errors import (
     InvalidMesh,
     InvalidPoint,
     InvalidRequest,
+    InvalidStructure,
     JobCancelled,
     NotFound,
     ProblemError,
@@ -44,41 +48,57 @@ from .errors import (
     SuppleError,
 )
 from .jobs import Job, JobStatus
+from .loads import Biaxial, GreenStrain, Load, Uniaxial
 from .mesh import Mesh
 from .points import PointLike, SurfacePoint, Vertex
+from .simulations import DeformedPatch, PatchMesh, Simulation, State
+from .tilings import CellMesh, Family, Structure, Tile
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "Biaxial",
+    "CellMesh",
     "Client",
     "ConnectionFailed",
     "Cost",
     "DeadlineExceeded",
+    "DeformedPatch",
     "Effect",
     "ExponentialMap",
+    "Family",
     "Fault",
     "Field",
     "Geodesic",
     "Gradient",
+    "GreenStrain",
     "Hessian",
     "InvalidMesh",
     "InvalidPoint",
     "InvalidRequest",
+    "InvalidStructure",
     "Job",
     "JobCancelled",
     "JobStatus",
     "KarcherMean",
     "KarcherStep",
+    "Load",
     "Mesh",
     "MeshInfo",
     "NotFound",
+    "PatchMesh",
     "Path",
     "PointLike",
     "ProblemError",
     "RequestTimeout",
     "ServerBusy",
     "ServerError",
+    "Simulation",
+    "State",
+    "Structure",
     "SuppleError",
     "SurfacePoint",
+    "Tile",
+    "Uniaxial",
     "Vertex",
 ]

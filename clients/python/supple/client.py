@@ -5,15 +5,19 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Dict, Iterator, Optional, Type, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from . import simulations, tilings
 from .answers import MeshInfo, mesh_info_from_wire
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
-from .jobs import Job, JobStatus, status_from_wire
+from .jobs import Job, JobStatus, Progress, run, status_from_wire, submit
+from .loads import Load
 from .mesh import Mesh
+from .simulations import Simulation
+from .tilings import Family, Structure
 from .transport import Answer, Transport
 
 DEFAULT_URL = "http://127.0.0.1:8080"
@@ -108,12 +112,129 @@ class Client:
         """The server's meshes, the newest first."""
         return map(mesh_info_from_wire, self._entries("/v1/meshes", "meshes", {}))
 
+    def families(self) -> List[Family]:
+        """The families of tilings that structures are made from."""
+        return tilings.families_from_wire(self._transport.request("GET", "/v1/families").json()["families"])
+
+    def family(self, family_id: str) -> Family:
+        """A family by its id, such as "IH21". Raises `NotFound`."""
+        return tilings.family_from_wire(self._transport.request("GET", f"/v1/families/{family_id}").json())
+
+    def structure(
+        self,
+        family: str,
+        parameters: Optional[Sequence[float]] = None,
+        *,
+        mesh_size: Optional[float] = None,
+        corner_size: Optional[float] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+    ) -> Structure:
+        """The beam structure of a tiling: one periodic cell.
+
+        Args:
+            family: id of the family.
+            parameters: within the family's bounds; None takes its defaults. Raises `InvalidStructure` where they give no
+                valid structure.
+            mesh_size: side length of the triangles over beam width; where it or `corner_size` is given, the cell is
+                meshed and the result has the mesh's statistics.
+            corner_size: side length at re-entrant corners over that elsewhere, in (0, 1].
+        """
+        computation = tilings.structure(family, parameters, mesh_size, corner_size, deadline)
+        return run(self._transport, computation, timeout, None)
+
+    def structure_file(
+        self,
+        family: str,
+        parameters: Optional[Sequence[float]] = None,
+        *,
+        kind: str = "svg",
+        cells: Tuple[int, int] = (2, 2),
+        height: float = 1.0,
+        timeout: Optional[float] = None,
+    ) -> bytes:
+        """A structure as a file: `kind` is "svg", "dxf" or "stl" (binary, extruded by `height` mm). Lengths are in mm."""
+        computation = tilings.structure_file(family, parameters, kind, cells, height)
+        return run(self._transport, computation, timeout, None)
+
+    def simulate(
+        self,
+        family: str,
+        parameters: Optional[Sequence[float]],
+        load: Load,
+        *,
+        material: Optional[Mapping[str, Any]] = None,
+        mesh_size: Optional[float] = None,
+        corner_size: Optional[float] = None,
+        tolerance: Optional[float] = None,
+        max_load_step: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        contact: Optional[str] = None,
+        patch: Optional[str] = None,
+        buckling: Optional[str] = None,
+        tangents: bool = True,
+        deformed: str = "none",
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> Simulation:
+        """The homogenized response of a structure along a load path from rest.
+
+        Args:
+            family, parameters: the structure, as in `structure`.
+            load: `GreenStrain`, `Uniaxial` or `Biaxial`.
+            material: "law", "youngs_modulus" (MPa) and "poisson_ratio"; a neo-Hookean law with 26 MPa and 0.48 on the
+                server's side.
+            mesh_size, corner_size: as in `structure`.
+            tolerance: relative residual of an equilibrium. 1e-8 on the server's side.
+            max_load_step: largest change of a component of F in one internal load step.
+            max_iterations: Newton iterations for one load step before it is halved.
+            contact, patch, buckling: "on", "off" or "automatic".
+            tangents: whether tangent stiffnesses are computed.
+            deformed: "json" for the deformed points and triangles of each state, "vtu" for VTK files, "none".
+
+        A path that cannot be followed to its end is no exception: see `Simulation.message`.
+        """
+        accuracy = _accuracy(mesh_size, corner_size, tolerance, max_load_step, max_iterations)
+        effects = {"contact": contact, "patch": patch, "buckling": buckling}
+        computation = simulations.simulation(
+            family, parameters, load, material, accuracy, effects, tangents, deformed, deadline
+        )
+        return run(self._transport, computation, timeout, progress)
+
+    def start_simulation(
+        self,
+        family: str,
+        parameters: Optional[Sequence[float]],
+        load: Load,
+        *,
+        material: Optional[Mapping[str, Any]] = None,
+        mesh_size: Optional[float] = None,
+        corner_size: Optional[float] = None,
+        tolerance: Optional[float] = None,
+        max_load_step: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        contact: Optional[str] = None,
+        patch: Optional[str] = None,
+        buckling: Optional[str] = None,
+        tangents: bool = True,
+        deformed: str = "none",
+        deadline: Optional[float] = None,
+    ) -> Job[Simulation]:
+        """`simulate` as a job."""
+        accuracy = _accuracy(mesh_size, corner_size, tolerance, max_load_step, max_iterations)
+        effects = {"contact": contact, "patch": patch, "buckling": buckling}
+        computation = simulations.simulation(
+            family, parameters, load, material, accuracy, effects, tangents, deformed, deadline
+        )
+        return submit(self._transport, computation)
+
     def jobs(self, state: Optional[str] = None) -> Iterator[JobStatus]:
         """The server's jobs, the newest first; only those in `state` where one is given."""
         return map(status_from_wire, self._entries("/v1/jobs", "jobs", {} if state is None else {"state": state}))
 
     def job(self, job_id: str) -> Job[Any]:
-        """A job by its id; its `result` is the decoded JSON, or bytes for a binary field. Raises `NotFound`."""
+        """A job by its id; its `result` is the decoded JSON, or bytes for a binary field or a file. Raises `NotFound`."""
         self._transport.request("GET", f"/v1/jobs/{job_id}")
 
         def decode(answer: Answer) -> Any:
@@ -130,3 +251,19 @@ class Client:
             if "next" not in page:
                 return
             query = {**query, "after": page["next"]}
+
+
+def _accuracy(
+    mesh_size: Optional[float],
+    corner_size: Optional[float],
+    tolerance: Optional[float],
+    max_load_step: Optional[float],
+    max_iterations: Optional[int],
+) -> Dict[str, Optional[float]]:
+    return {
+        "mesh_size": mesh_size,
+        "corner_size": corner_size,
+        "tolerance": tolerance,
+        "max_load_step": max_load_step,
+        "max_iterations": max_iterations,
+    }

@@ -9,7 +9,8 @@
         InvalidRequest         what was asked cannot be done (4xx)                     (also a ValueError)
           InvalidMesh          the mesh is faulty; `faults` names the elements
           InvalidPoint         a surface point does not lie on the mesh
-        NotFound               no such mesh or job                                     (also a LookupError)
+          InvalidStructure     a tiling's parameters give no structure
+        NotFound               no such mesh, job or family                                     (also a LookupError)
         JobCancelled           the job was cancelled before it finished
         DeadlineExceeded       the server's deadline for the computation passed
         ServerBusy             too much to do at present; try again later
@@ -78,8 +79,12 @@ class InvalidPoint(InvalidRequest):
     """A surface point does not lie on the mesh."""
 
 
+class InvalidStructure(InvalidRequest):
+    """A tiling's parameters give no structure, or none that can be meshed."""
+
+
 class NotFound(ProblemError, LookupError):
-    """No such mesh or job."""
+    """No such mesh, job or family of tilings."""
 
 
 class JobCancelled(ProblemError):
@@ -118,6 +123,8 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
         return InvalidMesh
     if code.startswith("point."):
         return InvalidPoint
+    if code.startswith("tiling."):
+        return InvalidStructure
     return InvalidRequest
 
 

@@ -28,8 +28,8 @@ class JobStatus:
     Attributes:
         id: names the job in /v1/jobs/{id}.
         state: "accepted", "running", "successful", "failed" or "dismissed".
-        kind: "geodesics", "geodesic-fields", "karcher-means" or "exponential-maps".
-        mesh: id of the mesh that it works on.
+        kind: the computation, such as "karcher-means" or "simulations".
+        mesh: id of the mesh that it works on; None where it works on none.
         progress: share of the work that is done, in [0, 1].
         stage: what runs now; empty where nothing does.
         created: when the job was accepted, RFC 3339 in UTC.
@@ -38,7 +38,7 @@ class JobStatus:
     id: str
     state: str
     kind: str
-    mesh: str
+    mesh: Optional[str]
     progress: float
     stage: str
     created: str
@@ -53,7 +53,7 @@ def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
         id=str(document["id"]),
         state=str(document["state"]),
         kind=str(document["kind"]),
-        mesh=str(document["mesh"]),
+        mesh=document.get("mesh"),
         progress=float(document["progress"]),
         stage=str(document["stage"]),
         created=str(document["created"]),
@@ -62,7 +62,7 @@ def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
 
 @dataclass(frozen=True)
 class Computation(Generic[Result]):
-    """A request that is ready to be sent and what makes its answer a value. Internal: see the methods of `Mesh`."""
+    """A request that is ready to be sent and what makes its answer a value. Internal: see the methods of `Mesh` and `Client`."""
 
     path: str
     document: Dict[str, Any]

@@ -1,0 +1,48 @@
+"""Macroscopic loads of a structure. The states of a load are one path from rest, followed in their order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True)
+class GreenStrain:
+    """Green strains (E_xx, E_yy, E_xy; tensor components), imposed exactly. `strains` has the shape (n, 3)."""
+
+    strains: ArrayLike
+
+    def to_wire(self) -> Dict[str, Any]:
+        strains = np.asarray(self.strains, dtype=np.float64)
+        if strains.ndim != 2 or strains.shape[1] != 3:
+            raise ValueError(f"strains have the shape {strains.shape}; expected (n, 3)")
+        return {"green_strain": strains.tolist()}
+
+
+@dataclass(frozen=True)
+class Uniaxial:
+    """Stretches along a direction (angle from the x axis in radians); lateral strain and shear are free."""
+
+    direction: float
+    stretches: Sequence[float]
+
+    def to_wire(self) -> Dict[str, Any]:
+        return {"uniaxial": {"direction": float(self.direction), "stretches": [float(s) for s in self.stretches]}}
+
+
+@dataclass(frozen=True)
+class Biaxial:
+    """Stretches along a direction (angle from the x axis in radians) and orthogonal to it, in pairs."""
+
+    direction: float
+    stretches: Sequence[Tuple[float, float]]
+
+    def to_wire(self) -> Dict[str, Any]:
+        pairs = [[float(along), float(across)] for along, across in self.stretches]
+        return {"biaxial": {"direction": float(self.direction), "stretches": pairs}}
+
+
+Load = Union[GreenStrain, Uniaxial, Biaxial]

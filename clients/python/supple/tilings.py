@@ -1,0 +1,190 @@
+"""Families of tilings and their beam structures.
+
+A tiling's edges are beams of one width; a structure is what is solid. Lengths are in millimetres, angles in radians.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+
+from .answers import Array, Cost, cost_from_wire
+from .jobs import Computation
+from .transport import Answer
+
+FILE_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "stl": "model/stl"}
+
+
+@dataclass(frozen=True)
+class Family:
+    """A family of tilings.
+
+    Attributes:
+        id: its name, such as "IH21".
+        description: what it is.
+        lower, upper, default: bounds and default of each parameter, shape (n,), dimensionless.
+        beam_width: width of the beams in tiling units; `printed_beam_width` is the same in mm.
+        scale: millimetres in one tiling unit.
+        tiles: tiles in one periodic cell.
+        lattice: the default cell's two translations, rows of shape (2, 2), mm.
+        cell_area: of the default cell, holes included, mm^2.
+        relative_density: share of the default cell that is solid.
+    """
+
+    id: str
+    description: str
+    lower: Array
+    upper: Array
+    default: Array
+    beam_width: float
+    printed_beam_width: float
+    scale: float
+    tiles: int
+    lattice: Array
+    cell_area: float
+    relative_density: float
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A tile where it lies in the cell: corners in order, counterclockwise, shape (n, 2), mm."""
+
+    outline: Array
+    holes: Tuple[Array, ...]
+
+
+@dataclass(frozen=True)
+class CellMesh:
+    """Statistics of the mesh of one cell: quadratic triangles, sides in mm, angles in radians."""
+
+    nodes: int
+    triangles: int
+    smallest_angle: float
+    shortest_side: float
+    longest_side: float
+    relative_density: float
+
+
+@dataclass(frozen=True)
+class Structure:
+    """One periodic cell of a beam structure: its tiles minus their holes.
+
+    Attributes:
+        family, parameters: what it is made from.
+        beam_width: mm.
+        scale: millimetres in one tiling unit.
+        lattice: the cell's two translations, rows of shape (2, 2), mm.
+        tiles: the cell's tiles with their holes.
+        cell_area, solid_area: mm^2; `relative_density` is their ratio.
+        mesh: None where no mesh size was given.
+    """
+
+    family: str
+    parameters: Array
+    beam_width: float
+    scale: float
+    lattice: Array
+    tiles: Tuple[Tile, ...]
+    cell_area: float
+    solid_area: float
+    relative_density: float
+    mesh: Optional[CellMesh]
+    cost: Cost
+
+
+def _array(values: Any) -> Array:
+    return np.asarray(values, dtype=np.float64)
+
+
+def family_from_wire(document: Mapping[str, Any]) -> Family:
+    parameters, cell = document["parameters"], document["cell"]
+    return Family(
+        id=str(document["id"]),
+        description=str(document["description"]),
+        lower=_array(parameters["lower"]),
+        upper=_array(parameters["upper"]),
+        default=_array(parameters["default"]),
+        beam_width=float(document["beam_width"]),
+        printed_beam_width=float(document["printed_beam_width"]),
+        scale=float(document["scale"]),
+        tiles=int(cell["tiles"]),
+        lattice=_array(cell["lattice"]),
+        cell_area=float(cell["area"]),
+        relative_density=float(cell["relative_density"]),
+    )
+
+
+def structure_from_wire(document: Mapping[str, Any]) -> Structure:
+    mesh = document.get("mesh")
+    return Structure(
+        family=str(document["family"]),
+        parameters=_array(document["parameters"]),
+        beam_width=float(document["beam_width"]),
+        scale=float(document["scale"]),
+        lattice=_array(document["lattice"]),
+        tiles=tuple(
+            Tile(_array(tile["outline"]), tuple(_array(hole) for hole in tile["holes"])) for tile in document["tiles"]
+        ),
+        cell_area=float(document["cell_area"]),
+        solid_area=float(document["solid_area"]),
+        relative_density=float(document["relative_density"]),
+        mesh=None
+        if mesh is None
+        else CellMesh(
+            nodes=int(mesh["nodes"]),
+            triangles=int(mesh["triangles"]),
+            smallest_angle=float(mesh["smallest_angle"]),
+            shortest_side=float(mesh["shortest_side"]),
+            longest_side=float(mesh["longest_side"]),
+            relative_density=float(mesh["relative_density"]),
+        ),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def structure_to_wire(family: str, parameters: Optional[Sequence[float]]) -> Dict[str, Any]:
+    """The fields that name a structure in a request."""
+    document: Dict[str, Any] = {"family": family}
+    if parameters is not None:
+        document["parameters"] = [float(parameter) for parameter in parameters]
+    return document
+
+
+def structure(
+    family: str,
+    parameters: Optional[Sequence[float]],
+    mesh_size: Optional[float],
+    corner_size: Optional[float],
+    deadline: Optional[float],
+) -> Computation[Structure]:
+    document = structure_to_wire(family, parameters)
+    mesh = {"mesh_size": mesh_size, "corner_size": corner_size}
+    if mesh_size is not None or corner_size is not None:
+        document["mesh"] = {name: value for name, value in mesh.items() if value is not None}
+    if deadline is not None:
+        document["deadline"] = deadline
+    return Computation("/v1/structures", document, lambda answer: structure_from_wire(answer.json()))
+
+
+def structure_file(
+    family: str,
+    parameters: Optional[Sequence[float]],
+    kind: str,
+    cells: Tuple[int, int],
+    height: float,
+) -> Computation[bytes]:
+    if kind not in FILE_TYPES:
+        raise ValueError(f"{kind!r} is no kind of file; there are {', '.join(FILE_TYPES)}")
+    first, second = cells
+    document = {**structure_to_wire(family, parameters), "cells": [int(first), int(second)], "height": float(height)}
+
+    def decode(answer: Answer) -> bytes:
+        return answer.content
+
+    return Computation("/v1/structures", document, decode, accept=FILE_TYPES[kind])
+
+
+def families_from_wire(documents: List[Mapping[str, Any]]) -> List[Family]:
+    return [family_from_wire(document) for document in documents]
