@@ -12,6 +12,7 @@ import pytest
 from harness import Api, pointers, problem_code
 
 COMPUTATIONS = ["/v1/geodesics", "/v1/geodesic-fields", "/v1/karcher-means", "/v1/exponential-maps"]
+ALL = [*COMPUTATIONS, "/v1/structures", "/v1/simulations"]
 JSON = {"Content-Type": "application/json"}
 CORNER = {"vertex": 0}
 
@@ -23,15 +24,17 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
         "/v1/geodesic-fields": {"mesh": mesh, "sources": [CORNER]},
         "/v1/karcher-means": {"mesh": mesh, "points": [CORNER, {"vertex": 1}]},
         "/v1/exponential-maps": {"mesh": mesh, "start": CORNER, "tangent": [0.1, 0.05, 0.0]},
+        "/v1/structures": {"family": "IH01"},
+        "/v1/simulations": {"family": "IH01", "load": {"green_strain": [[0.01, 0.0, 0.0]]}},
     }[path]
 
 
-@pytest.mark.parametrize("path", COMPUTATIONS)
+@pytest.mark.parametrize("path", ALL)
 def test_a_valid_request_shows_that_the_faults_below_are_what_is_refused(api: Api, grid_mesh: str, path: str) -> None:
     assert api.post(path, minimal(path, grid_mesh)).status_code == 200
 
 
-@pytest.mark.parametrize("path", [*COMPUTATIONS, "/v1/meshes"])
+@pytest.mark.parametrize("path", [*ALL, "/v1/meshes"])
 @pytest.mark.parametrize("body, code", [
     (b"", "request.malformed_json"),
     (b"not json", "request.malformed_json"),
@@ -56,7 +59,7 @@ def test_a_body_that_is_not_json_is_refused(api: Api, path: str, body: bytes, co
     assert problem_code(response) == code
 
 
-@pytest.mark.parametrize("path", COMPUTATIONS)
+@pytest.mark.parametrize("path", ALL)
 @pytest.mark.parametrize("document", [None, True, 17, "text", [], [1, 2], {}], ids=repr)
 def test_json_of_another_shape_is_refused(api: Api, path: str, document: Any) -> None:
     response = api.post(path, body=json.dumps(document).encode(), headers=JSON, faulty=True)
@@ -64,7 +67,7 @@ def test_json_of_another_shape_is_refused(api: Api, path: str, document: Any) ->
     assert problem_code(response) == "request.invalid"
 
 
-@pytest.mark.parametrize("path", COMPUTATIONS)
+@pytest.mark.parametrize("path", ALL)
 def test_each_missing_field_is_pointed_to(api: Api, grid_mesh: str, path: str) -> None:
     document = minimal(path, grid_mesh)
     for name in document:
@@ -74,20 +77,20 @@ def test_each_missing_field_is_pointed_to(api: Api, grid_mesh: str, path: str) -
         assert any(name in entry["detail"] or entry["pointer"].endswith(name) for entry in response.json()["errors"])
 
 
-@pytest.mark.parametrize("path", COMPUTATIONS)
+@pytest.mark.parametrize("path", ALL)
 @pytest.mark.parametrize("wrong", [None, True, 3.5, "text", {}, [[]]], ids=repr)
 def test_a_field_of_the_wrong_type_is_pointed_to(api: Api, grid_mesh: str, path: str, wrong: Any) -> None:
     document = minimal(path, grid_mesh)
     for name in document:
-        if name == "mesh" and isinstance(wrong, str):
-            continue  # a string is the right type; it names no mesh
+        if name in ("mesh", "family") and isinstance(wrong, str):
+            continue  # a string is the right type; it names nothing
         broken = json.dumps({**document, name: wrong}).encode()
         response = api.post(path, body=broken, headers=JSON, faulty=True)
         assert (response.status_code, problem_code(response)) == (400, "request.invalid"), (name, response.text)
         assert any(pointer.startswith(f"/{name}") for pointer in pointers(response)), response.text
 
 
-@pytest.mark.parametrize("path", COMPUTATIONS)
+@pytest.mark.parametrize("path", ALL)
 def test_a_field_that_the_contract_does_not_know_is_refused(api: Api, grid_mesh: str, path: str) -> None:
     document = {**minimal(path, grid_mesh), "tolerence": 1e-9}
     response = api.post(path, body=json.dumps(document).encode(), headers=JSON, faulty=True)

@@ -1,0 +1,170 @@
+"""Structures over the wire: outlines, meshes, files, and what gives none."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ElementTree
+from typing import Any, Dict
+
+import numpy as np
+import pytest
+import requests
+
+from harness import Api, pointers, problem_code
+from plane import dxf_pairs, dxf_polylines, enclosed_volume, polygon_area, stl_triangles, svg_polygons, unmatched_edges
+
+STRUCTURES = "/v1/structures"
+FAMILIES = ["IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67", "square"]
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def file_of(api: Api, request: Dict[str, Any], media_type: str) -> requests.Response:
+    response = api.post(STRUCTURES, request, headers={"Accept": media_type})
+    assert response.status_code == 200, response.text
+    assert response.headers["Content-Type"].startswith(media_type)
+    assert float(response.headers["Supple-Seconds"]) >= 0
+    return response
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_tiles_fill_the_cell_and_the_holes_are_what_is_not_solid(api: Api, family: str) -> None:
+    structure = api.ok(STRUCTURES, {"family": family})
+    (ax, ay), (bx, by) = structure["lattice"]
+    assert structure["cell_area"] == pytest.approx(abs(ax * by - ay * bx), rel=1e-9)
+    tiles = [polygon_area(tile["outline"]) for tile in structure["tiles"]]
+    holes = [polygon_area(hole) for tile in structure["tiles"] for hole in tile["holes"]]
+    assert min(tiles) > 0 and min(holes) > 0, "corners run counterclockwise"
+    assert sum(tiles) == pytest.approx(structure["cell_area"], rel=1e-9)
+    assert structure["solid_area"] == pytest.approx(structure["cell_area"] - sum(holes), rel=1e-5)
+    assert structure["relative_density"] == pytest.approx(structure["solid_area"] / structure["cell_area"])
+    assert 0 < structure["relative_density"] < 1
+    assert structure["beam_width"] == pytest.approx(0.3)
+    assert "mesh" not in structure and "svg" not in structure
+
+
+def test_the_mesh_of_a_cell_covers_its_solid_and_refines_with_its_size(api: Api) -> None:
+    meshes = []
+    for mesh in ({}, {"mesh_size": 0.5}, {"mesh_size": 0.5, "corner_size": 0.25}):
+        structure = api.ok(STRUCTURES, {"family": "IH01", "mesh": mesh})
+        meshes.append(structure["mesh"])
+        assert structure["mesh"]["relative_density"] == pytest.approx(structure["relative_density"], rel=1e-4)
+        assert "meshing" in [stage["name"] for stage in structure["cost"]["stages"]]
+    fine, coarse, graded = meshes
+    assert fine["mesh_size"] == pytest.approx(1 / 3) and fine["corner_size"] == 1
+    assert coarse["nodes"] < graded["nodes"] and coarse["nodes"] < fine["nodes"]
+    assert graded["shortest_side"] < coarse["shortest_side"]
+    assert all(0.1 < mesh["smallest_angle"] < np.pi / 3 for mesh in meshes)
+
+
+def test_equal_requests_have_equal_answers(api: Api) -> None:
+    request = {"family": "IH21", "parameters": [0.12, 0.7], "mesh": {"mesh_size": 0.5}, "svg": True}
+    first, second = (api.ok(STRUCTURES, request) for _ in range(2))
+    del first["cost"], second["cost"]
+    assert first == second
+
+
+@pytest.mark.parametrize("family", ["IH01", "IH21", "square"])
+def test_an_svg_is_true_to_scale_and_has_the_solid_of_all_its_cells(api: Api, family: str) -> None:
+    structure = api.ok(STRUCTURES, {"family": family})
+    response = file_of(api, {"family": family, "cells": [3, 2]}, "image/svg+xml")
+    root = ElementTree.fromstring(response.text)
+    assert root.tag == SVG + "svg"
+    assert root.attrib["width"].endswith("mm") and root.attrib["height"].endswith("mm")
+    _, _, width, height = map(float, re.split(r"[ ,]+", root.attrib["viewBox"]))
+    assert float(root.attrib["width"][:-2]) == pytest.approx(width, rel=1e-3), "one unit is one millimetre"
+    (path,) = root.iter(SVG + "path")
+    areas = [abs(polygon_area(polygon)) for polygon in svg_polygons(path.attrib["d"])]
+    # Even-odd fill: the outer outlines, which hold all of the area, minus the holes.
+    cells = 6 * structure["cell_area"]
+    holes = 6 * (structure["cell_area"] - structure["solid_area"])
+    assert width * height >= 0.99 * cells
+    assert sum(areas) == pytest.approx(cells + holes, rel=1e-3)
+
+
+def test_the_json_answer_holds_the_very_svg_on_request(api: Api) -> None:
+    request = {"family": "IH22", "cells": [1, 2]}
+    inline = api.ok(STRUCTURES, {**request, "svg": True})["svg"]
+    assert inline == file_of(api, request, "image/svg+xml").content.decode()
+
+
+@pytest.mark.parametrize("media_type", ["image/vnd.dxf", "application/dxf"])
+def test_a_dxf_has_closed_polylines_of_the_outlines_and_the_holes(api: Api, media_type: str) -> None:
+    structure = api.ok(STRUCTURES, {"family": "IH01"})
+    text = file_of(api, {"family": "IH01", "cells": [2, 2]}, media_type).content.decode("ascii")
+    pairs = list(dxf_pairs(text))
+    assert pairs[-1] == (0, "EOF")
+    assert (1, "AC1015") in pairs, "AutoCAD R2000"
+    polylines = dxf_polylines(text)
+    areas = []
+    for polyline in polylines:
+        assert polyline["flag"] & 1, "closed"
+        assert len(polyline["x"]) == len(polyline["y"]) == polyline["count"] >= 3
+        areas.append(abs(polygon_area(np.column_stack([polyline["x"], polyline["y"]]))))
+    cells, solid = 4 * structure["cell_area"], 4 * structure["solid_area"]
+    assert sum(areas) == pytest.approx(cells + (cells - solid), rel=1e-3)
+
+
+@pytest.mark.parametrize("family", ["IH01", "IH28", "square"])
+def test_an_stl_is_closed_oriented_and_has_the_volume_of_the_solid(api: Api, family: str) -> None:
+    structure = api.ok(STRUCTURES, {"family": family})
+    content = file_of(api, {"family": family, "cells": [2, 1], "height": 2.5}, "model/stl").content
+    triangles = stl_triangles(content)
+    assert unmatched_edges(triangles) == 0
+    assert triangles[..., 2].min() == 0 and triangles[..., 2].max() == 2.5
+    assert enclosed_volume(triangles) == pytest.approx(2 * 2.5 * structure["solid_area"], rel=1e-3)
+
+
+def test_a_structure_can_be_a_job_in_the_media_type_that_was_asked_for(api: Api) -> None:
+    request = {"family": "IH01"}
+    headers = {"Prefer": "respond-async", "Accept": "model/stl"}
+    job = api.post(STRUCTURES, request, headers=headers).json()
+    document = api.wait_for_job(job["id"])
+    assert (document["state"], document["kind"]) == ("successful", "structures") and "mesh" not in document
+    result = api.get(f"/v1/jobs/{job['id']}/result")
+    assert result.headers["Content-Type"] == "model/stl"
+    assert result.content == file_of(api, request, "model/stl").content
+
+
+def test_a_media_type_that_no_structure_has_is_not_acceptable(api: Api) -> None:
+    response = api.post(STRUCTURES, {"family": "IH01"}, headers={"Accept": "image/png"})
+    assert (response.status_code, problem_code(response)) == (406, "http.not_acceptable")
+
+
+@pytest.mark.parametrize("fields, pointer", [
+    ({"family": ""}, "/family"), ({"family": "../IH01"}, "/family"), ({"parameters": 0.1}, "/parameters"),
+    ({"parameters": [0.1, "0.5"]}, "/parameters/1"), ({"cells": [0, 1]}, "/cells"), ({"cells": [1]}, "/cells"),
+    ({"cells": [101, 1]}, "/cells"), ({"height": 0}, "/height"), ({"mesh": {"mesh_size": 0}}, "/mesh/mesh_size"),
+    ({"mesh": {"mesh_size": 3}}, "/mesh/mesh_size"), ({"mesh": {"corner_size": 1.5}}, "/mesh/corner_size"),
+    ({"mesh": {"size": 1}}, "/mesh/size"), ({"svg": "yes"}, "/svg"), ({"deadline": 0}, "/deadline"),
+], ids=lambda value: str(value))
+def test_a_field_outside_its_range_is_pointed_to(api: Api, fields: Dict[str, Any], pointer: str) -> None:
+    response = api.post(STRUCTURES, {"family": "IH01", **fields}, faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid")
+    assert pointers(response) == [pointer]
+
+
+def test_another_number_of_parameters_is_refused(api: Api) -> None:
+    response = api.post(STRUCTURES, {"family": "IH01", "parameters": [0.1, 0.5]})
+    assert (response.status_code, problem_code(response)) == (422, "tiling.parameter_count")
+    assert pointers(response) == ["/parameters"]
+
+
+def test_parameters_out_of_bounds_are_pointed_to_with_their_bounds(api: Api) -> None:
+    bounds = api.get("/v1/families/IH01").json()["parameters"]
+    parameters = [*bounds["default"]]
+    parameters[1] = bounds["upper"][1] + 0.1
+    parameters[3] = bounds["lower"][3] - 0.1
+    response = api.post(STRUCTURES, {"family": "IH01", "parameters": parameters})
+    assert (response.status_code, problem_code(response)) == (422, "tiling.parameter_out_of_bounds")
+    assert pointers(response) == ["/parameters/1", "/parameters/3"]
+
+
+def test_a_mesh_of_too_many_nodes_is_refused_with_the_limit(api: Api) -> None:
+    response = api.post(STRUCTURES, {"family": "IH50", "mesh": {"mesh_size": 0.01}})
+    assert (response.status_code, problem_code(response)) == (422, "tiling.mesh_too_large")
+    assert "100000" in response.json()["detail"].replace("'", "").replace(",", "")
+
+
+def test_a_deadline_ends_the_meshing(api: Api) -> None:
+    response = api.post(STRUCTURES, {"family": "IH50", "mesh": {"mesh_size": 0.1}, "deadline": 0.001})
+    assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded")
