@@ -133,6 +133,10 @@ bool stays_beyond(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, cons
 
 bool segments_cross(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, const Eigen::Vector2d& other_tail,
                     const Eigen::Vector2d& other_head) {
+  // Segments on one line, whose sides are of any sign by rounding, are told apart by their extents.
+  const Eigen::Vector2d low = tail.cwiseMin(head).cwiseMax(other_tail.cwiseMin(other_head));
+  const Eigen::Vector2d high = tail.cwiseMax(head).cwiseMin(other_tail.cwiseMax(other_head));
+  if ((low.array() > high.array()).any()) return false;
   const auto side_of = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& p) {
     return cross(b - a, p - a);
   };
