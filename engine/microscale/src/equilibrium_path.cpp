@@ -24,6 +24,11 @@ constexpr double same_direction = 1 - 1e-9;
 /// tenth of a new factorization.
 constexpr double reuse_contraction = 0.25;
 
+/// Buckling beams curve the energy some 1e8 times less than their elements do, relative to the mean diagonal entry: the
+/// search for a regularization begins well below, and steps that leave an unstable state may be lengthened this often.
+constexpr double first_regularization = 1e-10;
+constexpr double longest_expansion = 64;
+
 /// Iterative refinement of the response to strains: relative residual, and rounds before the factorization is given up.
 constexpr double refined = 1e-9;
 constexpr int refinement_rounds = 5;
@@ -165,6 +170,8 @@ bool EquilibriumPath::minimize_energy() {
     options.gradient_tolerance = options_.tolerance * model_.elastic().force_scale(objective_.x());
     options.max_iterations = options_.max_iterations;
     options.reuse_contraction = reuse_contraction;
+    options.first_regularization = first_regularization;
+    options.longest_expansion = longest_expansion;
     const numerics::MinimizerResult result = numerics::minimize(objective_, options, inner, &cholesky_);
     counts_.iterations += result.iterations;
     if (result.stop != numerics::MinimizerStop::converged) {

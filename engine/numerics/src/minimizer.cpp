@@ -98,11 +98,32 @@ class Minimization {
         return {};
       }
       const double value = evaluate(0).value;
-      if (acceptable(value, share * slope)) return {.accepted = true, .share = share, .whole = trial == 0};
+      if (acceptable(value, share * slope)) {
+        if (trial == 0 && t == 1 && direction_->regularization() > 0) return expand(d, value);
+        return {.accepted = true, .share = share, .whole = trial == 0};
+      }
       objective_.reject();
       t *= backtrack(value, t * slope);
     }
     return {};
+  }
+
+  /// From the trial state of the whole step, of that value, to longer ones; the trial state is the longest good one.
+  LineSearch expand(const Eigen::VectorXd& d, double value) {
+    double reached = 1;
+    while (2 * reached <= options_.longest_expansion && 2 * reached <= objective_.largest_step(d)) {
+      objective_.reject();
+      objective_.move(2 * reached * d);
+      const double longer = evaluate(0).value;
+      if (!(longer < value)) {
+        objective_.reject();
+        objective_.move(reached * d);
+        break;
+      }
+      reached *= 2;
+      value = longer;
+    }
+    return {.accepted = true, .share = reached, .whole = true};
   }
 
   bool acceptable(double value, double predicted) {

@@ -39,6 +39,9 @@ struct MinimizerOptions {
   double raise = 10;
   double lower = 0.1;
   double max_regularization = 1e10;
+  /// Newton: where the Hessian is not positive definite, a regularized step says the direction well and the length
+  /// badly. One that is accepted whole is doubled while the value falls, up to this multiple; 1 for never.
+  double longest_expansion = 1;
   /// Newton: once a step brought |g| to this share or less, the next direction uses the same factorization again
   /// (Shamanskii 1967): only gradients are evaluated then. 0 for a factorization in every iteration.
   double reuse_contraction = 0;
