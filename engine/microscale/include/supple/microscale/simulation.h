@@ -84,11 +84,12 @@ struct State {
   Eigen::Matrix3d tangent = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::Matrix2d deformation_gradient = Eigen::Matrix2d::Identity();
   Stop stopped = Stop::converged;
-  double residual = 0;      ///< |g| / f as in SimulationOptions::tolerance
-  int iterations = 0;       ///< Newton iterations since the previous state
-  int load_steps = 0;       ///< internal load steps since the previous state
-  int contacts = 0;         ///< pairs of boundary points and sides within the barrier's range
-  double smallest_gap = 0;  ///< mm, between sides that are not neighbours; infinity where none was looked for
+  double residual = 0;  ///< |g| / f as in SimulationOptions::tolerance
+  int iterations = 0;   ///< Newton iterations since the previous state
+  int load_steps = 0;   ///< internal load steps since the previous state
+  int contacts = 0;     ///< pairs of boundary points and sides within the barrier's range
+  /// mm, between sides that are not neighbours; infinity where none was looked for
+  double smallest_gap = std::numeric_limits<double>::infinity();
   bool stable = true;  ///< positive definite against all modes of the patch, two-by-two ones included if looked for
   int branch = 0;      ///< how many times the path has left an unstable branch
   int cells = 1;       ///< cells along each side of the patch: 1 or 2
