@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace supple::dataset {
+
+/// Everything that decides what a data set holds, as named values in a fixed order: two data sets of the same recipe
+/// can be merged, and an interrupted one goes on only with its own. It names no machine, no time and no thread count.
+class Recipe {
+ public:
+  using Value = std::variant<std::int64_t, double, std::string, std::vector<double>>;
+  struct Setting {
+    std::string name;
+    Value value;
+    std::string unit;  ///< empty for names and counts
+    bool operator==(const Setting&) const = default;
+  };
+
+  void set(std::string name, Value value, std::string unit = {});
+  const std::vector<Setting>& settings() const { return settings_; }
+  /// The value of that name. Throws "dataset.unreadable" if there is none, or none of that type.
+  std::int64_t integer(std::string_view name) const;
+  double number(std::string_view name) const;
+  const std::string& text(std::string_view name) const;
+  const std::vector<double>& numbers(std::string_view name) const;
+
+  bool operator==(const Recipe&) const = default;
+
+ private:
+  template <class T>
+  const T& get(std::string_view name) const;
+  std::vector<Setting> settings_;
+};
+
+/// As it is read back as the same value: 17 digits, lists separated by commas.
+std::string to_string(const Recipe::Value& value);
+
+/// A sentence for each setting in which the two differ.
+std::vector<std::string> differences(const Recipe& first, const Recipe& second);
+
+}  // namespace supple::dataset

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace supple::dataset {
+
+/// Throws "dataset.write_failed" with errno's message.
+[[noreturn]] void throw_write_failed(const std::string& action, const std::filesystem::path& path);
+
+/// All of `bytes` at the descriptor's end of file, synchronized. `path` is for the message.
+void append_durably(int descriptor, std::string_view bytes, const std::filesystem::path& path);
+
+/// Makes names in the folder of `path` outlive a power failure.
+void synchronize_folder_of(const std::filesystem::path& path);
+
+/// Synchronizes `finished` and gives it the name `place`, which it replaces.
+void move_into_place(const std::filesystem::path& finished, const std::filesystem::path& place);
+
+}  // namespace supple::dataset

@@ -1,0 +1,183 @@
+#include "supple/lab/dataset_options.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "supple/base/error.h"
+#include "supple/tiling/family.h"
+
+namespace supple::lab {
+namespace {
+
+using microscale::Law;
+using microscale::Switch;
+
+template <class T>
+struct Name {
+  T value;
+  std::string_view name;
+};
+constexpr std::array<Name<Switch>, 3> switch_names{
+    {{Switch::automatic, "automatic"}, {Switch::on, "on"}, {Switch::off, "off"}}};
+constexpr std::array<Name<PlanKind>, 2> plan_names{{{PlanKind::sequence, "sequence"}, {PlanKind::grid, "grid"}}};
+constexpr std::array<Name<Law>, 2> law_names{
+    {{Law::neo_hookean, "neo_hookean"}, {Law::incompressible_plane_stress, "incompressible_plane_stress"}}};
+
+template <class T, std::size_t n>
+std::string name_of(const std::array<Name<T>, n>& names, T value) {
+  for (const auto& each : names)
+    if (each.value == value) return std::string(each.name);
+  return {};
+}
+
+template <class T, std::size_t n>
+void set_from(const dataset::Recipe& recipe, const char* setting, const std::array<Name<T>, n>& names, T& value) {
+  const std::string& text = recipe.text(setting);
+  for (const auto& each : names) {
+    if (each.name == text) {
+      value = each.value;
+      return;
+    }
+  }
+  throw Error("dataset.unreadable", "The setting " + std::string(setting) + " has the unknown value " + text + ".");
+}
+
+/// Writes each setting into a recipe.
+struct RecipeWriter {
+  dataset::Recipe recipe;
+
+  void field(const char* name, int value, const char* unit = "") { recipe.set(name, std::int64_t{value}, unit); }
+  void field(const char* name, std::uint64_t value) { recipe.set(name, static_cast<std::int64_t>(value)); }
+  void field(const char* name, bool value) { recipe.set(name, std::int64_t{value}); }
+  void field(const char* name, double value, const char* unit) { recipe.set(name, value, unit); }
+  void field(const char* name, const std::string& value) { recipe.set(name, value); }
+  void field(const char* name, const std::vector<double>& value) { recipe.set(name, value); }
+  template <class T, std::size_t n>
+  void field(const char* name, T value, const std::array<Name<T>, n>& names) {
+    recipe.set(name, name_of(names, value));
+  }
+};
+
+/// Takes each setting from a recipe.
+struct RecipeTaker {
+  const dataset::Recipe& recipe;
+
+  void field(const char* name, int& value, const char* = "") const { value = static_cast<int>(recipe.integer(name)); }
+  void field(const char* name, std::uint64_t& value) const { value = static_cast<std::uint64_t>(recipe.integer(name)); }
+  void field(const char* name, bool& value) const { value = recipe.integer(name) != 0; }
+  void field(const char* name, double& value, const char*) const { value = recipe.number(name); }
+  void field(const char* name, std::string& value) const { value = recipe.text(name); }
+  void field(const char* name, std::vector<double>& value) const { value = recipe.numbers(name); }
+  template <class T, std::size_t n>
+  void field(const char* name, T& value, const std::array<Name<T>, n>& names) const {
+    set_from(recipe, name, names, value);
+  }
+};
+
+/// One description of the settings for both directions.
+template <class Visitor, class Options>
+void visit_settings(Visitor& visit, Options& options) {
+  visit.field("family", options.family);
+  visit.field("seed", options.seed);
+  visit.field("box_margin", options.box_margin, "widths of the box");
+  visit.field("corners", options.corners);
+  visit.field("parameters", options.parameters);
+  auto& loads = options.loads;
+  visit.field("plan", loads.kind, plan_names);
+  visit.field("tension_paths", loads.tension_paths);
+  visit.field("compression_paths", loads.compression_paths);
+  visit.field("biaxial_paths", loads.biaxial_paths);
+  visit.field("tension_states", loads.tension_states);
+  visit.field("compression_states", loads.compression_states);
+  visit.field("biaxial_states", loads.biaxial_states);
+  visit.field("largest_stretch", loads.largest_stretch, "1");
+  visit.field("smallest_stretch", loads.smallest_stretch, "1");
+  visit.field("largest_biaxial_stretch", loads.largest_biaxial_stretch, "1");
+  visit.field("smallest_biaxial_stretch", loads.smallest_biaxial_stretch, "1");
+  visit.field("first_strain", loads.first_strain, "1");
+  auto& simulation = options.simulation;
+  visit.field("law", simulation.material.law, law_names);
+  visit.field("youngs_modulus", simulation.material.youngs_modulus, "MPa");
+  visit.field("poisson_ratio", simulation.material.poisson_ratio, "1");
+  visit.field("mesh_size", simulation.mesh.mesh_size, "beam widths");
+  visit.field("corner_size", simulation.mesh.corner_size, "mesh sizes");
+  visit.field("max_nodes", simulation.mesh.max_nodes);
+  visit.field("tolerance", simulation.tolerance, "1");
+  visit.field("max_iterations", simulation.max_iterations);
+  visit.field("max_load_step", simulation.max_load_step, "1");
+  visit.field("contact", simulation.contact, switch_names);
+  visit.field("patch", simulation.patch, switch_names);
+  visit.field("buckling", simulation.buckling, switch_names);
+  visit.field("tangents", simulation.tangents);
+}
+
+/// Beyond this a point of the sequence has no index of 32 bits left.
+constexpr std::int64_t most_designs = 1'000'000'000;
+
+}  // namespace
+
+void check(const DatasetOptions& options) {
+  std::vector<Error::Detail> details;
+  const auto require = [&details](bool good, const char* where, std::string message) {
+    if (!good) details.push_back({where, std::move(message)});
+  };
+  const auto& family = tiling::family(options.family);
+  require(options.seed <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()), "seed",
+          "must be below 2^63, got " + std::to_string(options.seed));
+  require(options.first >= 0 && options.first <= most_designs, "first",
+          "must lie within [0, 1000000000], got " + std::to_string(options.first));
+  require(options.designs >= 1 && options.designs <= most_designs, "designs",
+          "must lie within [1, 1000000000], got " + std::to_string(options.designs));
+  require(options.shards >= 1, "shards", "must be at least 1, got " + std::to_string(options.shards));
+  require(options.shard >= 0 && options.shard < options.shards, "shard",
+          "must lie within [0, shards - 1], got " + std::to_string(options.shard) + " of " +
+              std::to_string(options.shards));
+  require(options.box_margin >= 0 && options.box_margin <= 0.5, "box_margin",
+          "must lie within [0, 0.5], got " + std::to_string(options.box_margin));
+  require(options.parameters.empty() || options.parameters.size() == family.parameters.size(), "parameters",
+          "the family " + options.family + " has " + std::to_string(family.parameters.size()) + " parameters, got " +
+              std::to_string(options.parameters.size()));
+  require(options.parameters.empty() || (options.designs == 1 && options.first == 0), "parameters",
+          "given parameters are one design: designs must be 1 and first 0");
+  if (!details.empty())
+    throw Error("dataset.invalid_option", details.front().where + " " + details.front().message + ".", details);
+  check(options.loads);
+}
+
+dataset::Recipe recipe_of(const DatasetOptions& options) {
+  RecipeWriter writer;
+  visit_settings(writer, options);
+  // What follows from the family: should its table change, data made before and after are not of one recipe.
+  const auto& family = tiling::family(options.family);
+  std::vector<double> lower;
+  std::vector<double> upper;
+  for (const auto& parameter : family.parameters) {
+    lower.push_back(parameter.lower);
+    upper.push_back(parameter.upper);
+  }
+  writer.recipe.set("lower_bounds", std::move(lower));
+  writer.recipe.set("upper_bounds", std::move(upper));
+  writer.recipe.set("beam_width", family.beam_width, "tiling units");
+  writer.recipe.set("printed_beam_width", tiling::printed_beam_width, "mm");
+  return std::move(writer.recipe);
+}
+
+DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection) {
+  DatasetOptions options;
+  const RecipeTaker taker{recipe};
+  visit_settings(taker, options);
+  options.first = selection.first;
+  options.designs = selection.count;
+  options.shard = selection.shard;
+  options.shards = selection.shards;
+  return options;
+}
+
+dataset::Selection selection_of(const DatasetOptions& options) {
+  return {options.first, options.designs, options.shard, options.shards};
+}
+
+}  // namespace supple::lab

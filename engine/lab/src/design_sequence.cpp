@@ -1,0 +1,47 @@
+#include "supple/lab/design_sequence.h"
+
+#include <algorithm>
+
+#include "supple/base/random.h"
+#include "supple/lab/sobol.h"
+#include "supple/tiling/family.h"
+
+namespace supple::lab {
+namespace {
+
+constexpr std::size_t load_turns = 4;
+static_assert(load_turns < SobolSequence::max_dimensions);
+
+std::array<double, load_turns> turns_of(const std::array<double, SobolSequence::max_dimensions>& point) {
+  std::array<double, load_turns> turns{};
+  std::copy(point.end() - load_turns, point.end(), turns.begin());
+  return turns;
+}
+
+std::uint64_t design_seed(std::uint64_t seed, std::int64_t index) {
+  return RandomStream("lab.design", seed).next() + static_cast<std::uint64_t>(index);
+}
+
+}  // namespace
+
+PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index) {
+  const auto& bounds = tiling::family(options.family).parameters;
+  PlannedDesign design{index, options.parameters, {}};
+  const std::int64_t corners = options.corners && options.parameters.empty() ? std::int64_t{1} << bounds.size() : 0;
+  const bool corner = index < corners;
+  // Corners have a sequence of their own for their loads, so that the other designs are the whole sequence.
+  const SobolSequence sequence(corner ? "lab.corners" : "lab.designs", options.seed);
+  const auto point = sequence.point(static_cast<std::uint32_t>(corner ? index : index - corners));
+  if (options.parameters.empty()) {
+    for (std::size_t i = 0; i < bounds.size(); ++i) {
+      const auto& [lower, upper, preset] = bounds[i];
+      const double margin = options.box_margin * (upper - lower);
+      design.parameters.push_back(corner ? ((index >> i) & 1) != 0 ? upper : lower
+                                         : lower - margin + point[i] * (upper - lower + 2 * margin));
+    }
+  }
+  design.paths = plan_loads(options.loads, turns_of(point), design_seed(options.seed, index));
+  return design;
+}
+
+}  // namespace supple::lab

@@ -1,0 +1,166 @@
+#include "supple/lab/load_plan.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "supple/base/error.h"
+#include "supple/base/random.h"
+
+namespace supple::lab {
+namespace {
+
+using Stretches = std::vector<std::array<double, 2>>;
+
+double fraction(double x) { return x - std::floor(x); }
+
+/// Shares (0, 1] of the way to the end, ever denser towards rest: ((k + u) / (n - 1 + u))^2 for k = 0 .. n - 1. The
+/// last one is the end itself; the offset u in (0, 1] moves all others.
+std::vector<double> shares(int n, double offset) {
+  std::vector<double> result;
+  for (int k = 0; k < n; ++k) {
+    const double t = (k + offset) / (n - 1 + offset);
+    result.push_back(t * t);
+  }
+  return result;
+}
+
+PlannedPath planned(dataset::LoadKind kind, double direction, Stretches stretches) {
+  PlannedPath result;
+  result.path.kind = kind;
+  result.path.direction = direction;
+  result.path.end_stretch = stretches.back()[0];
+  result.path.end_lateral_stretch = stretches.back()[1];
+  result.path.planned = static_cast<std::int32_t>(stretches.size());
+  result.stretches = std::move(stretches);
+  return result;
+}
+
+/// States from rest to `end`, none nearer to it than `first`.
+PlannedPath uniaxial(double direction, double end, int states, double offset, double first) {
+  const double range = std::abs(end - 1);
+  const double sign = end < 1 ? -1 : 1;
+  Stretches stretches;
+  for (const double share : shares(states, offset))
+    stretches.push_back({1 + sign * (first + (range - first) * share), 0});
+  stretches.back()[0] = end;
+  return planned(dataset::LoadKind::uniaxial, direction, std::move(stretches));
+}
+
+PlannedPath biaxial(double direction, const std::array<double, 2>& end, int states, double offset, double first) {
+  const std::array<double, 2> change{end[0] - 1, end[1] - 1};
+  const double range = std::max(std::abs(change[0]), std::abs(change[1]));
+  Stretches stretches;
+  for (const double share : shares(states, offset)) {
+    const double part = (first + (range - first) * share) / range;
+    stretches.push_back({1 + part * change[0], 1 + part * change[1]});
+  }
+  stretches.back() = end;
+  return planned(dataset::LoadKind::biaxial, direction, std::move(stretches));
+}
+
+/// The point at the share t in [0, 1) of the way around the square [low, high]^2.
+std::array<double, 2> on_border(double low, double high, double t) {
+  const double along = 4 * t;
+  const double part = low + (high - low) * fraction(along);
+  switch (static_cast<int>(along)) {
+    case 0:
+      return {part, low};
+    case 1:
+      return {high, part};
+    case 2:
+      return {high + low - part, high};
+    default:
+      return {low, high + low - part};
+  }
+}
+
+std::vector<PlannedPath> sequence_plan(const LoadPlanOptions& options, const std::array<double, 4>& turns,
+                                       std::uint64_t seed) {
+  RandomStream offsets("lab.load_plan", seed);
+  const auto direction = [](double turn, int i, int n) {
+    return std::numbers::pi * fraction(turn + static_cast<double>(i) / n);
+  };
+  std::vector<PlannedPath> plan;
+  for (int i = 0; i < options.tension_paths; ++i)
+    plan.push_back(uniaxial(direction(turns[0], i, options.tension_paths), options.largest_stretch,
+                            options.tension_states, 1 - offsets.uniform(), options.first_strain));
+  for (int i = 0; i < options.compression_paths; ++i)
+    plan.push_back(uniaxial(direction(turns[1], i, options.compression_paths), options.smallest_stretch,
+                            options.compression_states, 1 - offsets.uniform(), options.first_strain));
+  for (int i = 0; i < options.biaxial_paths; ++i) {
+    // The golden ratio, so that places on the border do not go with directions.
+    const double place = fraction(turns[3] + i * (std::numbers::phi - 1));
+    const auto end = on_border(options.smallest_biaxial_stretch, options.largest_biaxial_stretch, place);
+    plan.push_back(biaxial(direction(turns[2], i, options.biaxial_paths), end, options.biaxial_states,
+                           1 - offsets.uniform(), options.first_strain));
+  }
+  return plan;
+}
+
+std::vector<PlannedPath> grid_plan() {
+  constexpr int directions = 15;
+  std::vector<PlannedPath> plan;
+  for (int d = 0; d < directions; ++d) {
+    const double direction = d * std::numbers::pi / directions;
+    Stretches tension;
+    for (int k = 0; 1.001 + 0.016 * k <= 1.5; ++k) tension.push_back({1.001 + 0.016 * k, 0});
+    plan.push_back(planned(dataset::LoadKind::uniaxial, direction, std::move(tension)));
+    Stretches compression;
+    for (int k = 0; 0.999 - 0.016 * k >= 0.7; ++k) compression.push_back({0.999 - 0.016 * k, 0});
+    plan.push_back(planned(dataset::LoadKind::uniaxial, direction, std::move(compression)));
+    for (int i = 0; i < 10; ++i)
+      for (int j = 0; j < 10; ++j)
+        plan.push_back(planned(dataset::LoadKind::biaxial, direction, {{0.9 + 0.03 * i, 0.9 + 0.03 * j}}));
+  }
+  return plan;
+}
+
+}  // namespace
+
+void check(const LoadPlanOptions& options) {
+  std::vector<Error::Detail> details;
+  const auto count = [&](const char* where, int value, int lowest) {
+    if (value < lowest || value > 1000)
+      details.push_back(
+          {where, "must lie within [" + std::to_string(lowest) + ", 1000], got " + std::to_string(value)});
+  };
+  const auto within = [&](const char* where, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      details.push_back({where, "must lie within [" + std::to_string(low) + ", " + std::to_string(high) + "], got " +
+                                    std::to_string(value)});
+  };
+  count("tension_paths", options.tension_paths, 0);
+  count("compression_paths", options.compression_paths, 0);
+  count("biaxial_paths", options.biaxial_paths, 0);
+  count("tension_states", options.tension_states, 1);
+  count("compression_states", options.compression_states, 1);
+  count("biaxial_states", options.biaxial_states, 1);
+  within("largest_stretch", options.largest_stretch, 1.01, 4);
+  within("smallest_stretch", options.smallest_stretch, 0.2, 0.99);
+  within("largest_biaxial_stretch", options.largest_biaxial_stretch, 1.01, 4);
+  within("smallest_biaxial_stretch", options.smallest_biaxial_stretch, 0.2, 0.99);
+  within("first_strain", options.first_strain, 1e-6, 5e-3);
+  if (options.tension_paths + options.compression_paths + options.biaxial_paths == 0)
+    details.push_back({"tension_paths", "a design needs at least one load path of any kind"});
+  if (!details.empty())
+    throw Error("dataset.invalid_option", details.front().where + " " + details.front().message + ".", details);
+}
+
+microscale::Load PlannedPath::load() const {
+  if (path.kind == dataset::LoadKind::uniaxial) {
+    microscale::UniaxialLoad uniaxial{path.direction, {}};
+    for (const auto& s : stretches) uniaxial.stretches.push_back(s[0]);
+    return uniaxial;
+  }
+  microscale::BiaxialLoad biaxial{path.direction, {}};
+  for (const auto& s : stretches) biaxial.stretches.emplace_back(s[0], s[1]);
+  return biaxial;
+}
+
+std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::array<double, 4>& turns,
+                                    std::uint64_t seed) {
+  return options.kind == PlanKind::grid ? grid_plan() : sequence_plan(options, turns, seed);
+}
+
+}  // namespace supple::lab
