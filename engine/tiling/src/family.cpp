@@ -1,0 +1,123 @@
+#include "supple/tiling/family.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "family_table.h"
+#include "polygon.h"
+#include "supple/base/error.h"
+
+namespace supple::tiling {
+namespace {
+
+/// Tiles of a smaller share of the default tile's area are rejected (the rule of the published data).
+constexpr double smallest_area_ratio = 0.15;
+
+Eigen::Vector2d evaluate(const AffinePoint& point, std::span<const double> parameters) {
+  return {point.x(parameters), point.y(parameters)};
+}
+
+Tiling evaluate(const IsohedralType& type, std::span<const double> parameters) {
+  Tiling tiling;
+  for (const AffinePoint& vertex : type.tile) {
+    if (tiling.tiles.empty()) tiling.tiles.emplace_back();
+    tiling.tiles[0].push_back(evaluate(vertex, parameters));
+  }
+  for (const AffinePlacement& placement : type.placements) {
+    const auto& [a, b, c, d] = placement.linear;
+    tiling.placements.push_back(
+        {.tile = 0, .linear = Eigen::Matrix2d{{a, b}, {c, d}}, .offset = evaluate(placement.offset, parameters)});
+  }
+  for (int k = 0; k < 2; ++k) tiling.lattice.col(k) = evaluate(type.translations[k], parameters);
+  return tiling;
+}
+
+std::vector<Family> make_families() {
+  std::vector<Family> result;
+  for (const IsohedralType& type : isohedral_types()) {
+    result.push_back({.id = type.id,
+                      .description = type.description,
+                      .parameters = type.parameters,
+                      .beam_width = type.beam_width,
+                      .holes_may_close = false,
+                      .shape = [&type](std::span<const double> parameters) { return evaluate(type, parameters); }});
+  }
+  result.push_back({.id = "square",
+                    .description = "A square of half side |p| in a square cell, corners joined; singular at p = 0",
+                    .parameters = {{-1, 1, 0.5}},
+                    .beam_width = 0.0848,
+                    .holes_may_close = true,
+                    .shape = [](std::span<const double> parameters) { return square_in_square(parameters[0]); }});
+  return result;
+}
+
+void check_bounds(const Family& family, std::span<const double> parameters, double box_margin) {
+  if (parameters.size() != family.parameters.size()) {
+    std::ostringstream message;
+    message << "Family " << family.id << " has " << family.parameters.size()
+            << (family.parameters.size() == 1 ? " parameter" : " parameters") << ", but " << parameters.size()
+            << (parameters.size() == 1 ? " was given." : " were given.");
+    throw Error("tiling.parameter_count", message.str(), {{"parameters", message.str()}});
+  }
+  std::vector<Error::Detail> details;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const auto [lower, upper, preset] = family.parameters[k];
+    const double margin = box_margin * (upper - lower);
+    // Negated, so that NaN is out of bounds.
+    if (!(parameters[k] >= lower - margin && parameters[k] <= upper + margin)) {
+      std::ostringstream message;
+      message << "must lie between " << lower - margin << " and " << upper + margin << ", but is " << parameters[k];
+      details.push_back({"parameters/" + std::to_string(k), message.str()});
+    }
+  }
+  if (details.empty()) return;
+  throw Error("tiling.parameter_out_of_bounds",
+              "Family " + family.id + ": parameter " + details[0].where.substr(11) + " " + details[0].message + ".",
+              details);
+}
+
+void check_tile(const Family& family, const Polygon& tile, const Polygon& default_tile) {
+  if (const auto crossing = self_intersection(tile)) {
+    const std::string message = "The tile's sides " + std::to_string(crossing->first) + " and " +
+                                std::to_string(crossing->second) + " cross or touch.";
+    throw Error("tiling.self_intersecting", "Family " + family.id + ": " + message, {{"parameters", message}});
+  }
+  const double ratio = area(tile) / area(default_tile);
+  if (!family.holes_may_close && ratio < smallest_area_ratio) {
+    std::ostringstream message;
+    message << "The tile has " << 100 * ratio << " % of the default tile's area; the least allowed is "
+            << 100 * smallest_area_ratio << " %.";
+    throw Error("tiling.cell_too_small", "Family " + family.id + ": " + message.str(), {{"parameters", message.str()}});
+  }
+}
+
+}  // namespace
+
+const std::vector<Family>& families() {
+  static const std::vector<Family> all = make_families();
+  return all;
+}
+
+const Family& family(std::string_view id) {
+  const auto& all = families();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Family& candidate) { return candidate.id == id; });
+  if (found != all.end()) return *found;
+  std::string known;
+  for (const Family& candidate : all) known += (known.empty() ? "" : ", ") + candidate.id;
+  throw Error("tiling.family_not_found", "There is no family \"" + std::string(id) + "\"; known are " + known + ".",
+              {{"family", "must be one of " + known}});
+}
+
+Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin) {
+  check_bounds(family, parameters, box_margin);
+  Tiling tiling = family.shape(parameters);
+  std::vector<double> presets;
+  for (const Parameter& parameter : family.parameters) presets.push_back(parameter.preset);
+  const Tiling standard = family.shape(presets);
+  for (std::size_t k = 0; k < tiling.tiles.size(); ++k)
+    check_tile(family, tiling.tiles[k], standard.tiles[std::min(k, standard.tiles.size() - 1)]);
+  return tiling;
+}
+
+}  // namespace supple::tiling

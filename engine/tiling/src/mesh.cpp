@@ -1,0 +1,151 @@
+#include "supple/tiling/mesh.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "cell_meshes.h"
+#include "polygon.h"
+#include "supple/base/error.h"
+
+namespace supple::tiling {
+namespace {
+
+/// Finer grading than this only chases rounding errors.
+constexpr double smallest_corner_size = 1e-3;
+
+/// The triangles have the solid's area to this relative error.
+constexpr double area_tolerance = 1e-7;
+
+void check(const MeshOptions& options) {
+  std::vector<Error::Detail> details;
+  const auto require = [&](bool holds, const char* where, const std::string& message) {
+    if (!holds) details.push_back({where, message});
+  };
+  require(options.mesh_size > 0 && std::isfinite(options.mesh_size), "mesh_size",
+          "must be a positive number, but is " + std::to_string(options.mesh_size));
+  require(options.corner_size >= smallest_corner_size && options.corner_size <= 1, "corner_size",
+          "must lie between 0.001 and 1, but is " + std::to_string(options.corner_size));
+  require(options.max_nodes > 0, "max_nodes", "must be positive, but is " + std::to_string(options.max_nodes));
+  if (details.empty()) return;
+  throw Error("tiling.mesh_option", "Mesh option " + details[0].where + " " + details[0].message + ".", details);
+}
+
+void check_number_of_nodes(double nodes, const MeshOptions& options, const char* kind) {
+  if (nodes <= options.max_nodes) return;
+  std::ostringstream message;
+  message.precision(3);
+  message << "The mesh " << kind << " " << nodes << " nodes; the limit is " << options.max_nodes << ".";
+  throw Error("tiling.mesh_too_large", message.str(), {{"mesh_size", message.str()}});
+}
+
+double twice_area(const PeriodicMesh& mesh, int t) {
+  const Eigen::Vector2d a = mesh.corner(t, 0);
+  return cross(mesh.corner(t, 1) - a, mesh.corner(t, 2) - a);
+}
+
+}  // namespace
+
+PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options) {
+  check(options);
+  SizeField size(options, structure.beam_width);
+  double outline_length = 0;
+  for (const auto& holes : structure.holes) {
+    for (const Polygon& hole : holes) size.add_corners(hole);
+  }
+  for (const Placement& placement : structure.tiling.placements) {
+    for (const Polygon& hole : structure.holes[placement.tile]) outline_length += perimeter(hole);
+  }
+  const int copies = static_cast<int>(structure.tiling.placements.size() / structure.tiling.tiles.size());
+  check_number_of_nodes(size.expected_nodes(structure.solid_area, copies), options, "would have about");
+
+  PeriodicMesh mesh = wrap(mesh_by_tiles(structure, size), structure.tiling.lattice, outline_length);
+  mesh.mesh_size = size.largest();
+  mesh.beam_width = structure.beam_width;
+  check_number_of_nodes(static_cast<double>(mesh.nodes.cols()), options, "has");
+  const double solid_area = mesh.solid_area();
+  if (std::abs(solid_area - structure.solid_area) > area_tolerance * structure.cell_area) {
+    std::ostringstream message;
+    message << "The triangles cover " << solid_area << " mm^2 of a solid of " << structure.solid_area << " mm^2.";
+    throw Error("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});
+  }
+  return mesh;
+}
+
+PeriodicMesh repeat(const PeriodicMesh& mesh, int first, int second) {
+  // Shifts are 8-bit, and so are the cells that they can reach.
+  constexpr int most_cells = 100;
+  if (first < 1 || second < 1 || first > most_cells || second > most_cells) {
+    throw Error(
+        "tiling.mesh_option", "A patch has 1 to 100 cells along each translation.",
+        {{"cells", "must be from 1 to 100, but are " + std::to_string(first) + " x " + std::to_string(second)}});
+  }
+  PeriodicMesh result = mesh;
+  result.lattice.col(0) *= first;
+  result.lattice.col(1) *= second;
+  result.cells_first *= first;
+  result.cells_second *= second;
+  const Eigen::Index n = mesh.nodes.cols();
+  const int triangles = static_cast<int>(mesh.triangles.size());
+  result.nodes.resize(2, n * first * second);
+  result.triangles.clear();
+  result.shifts.clear();
+  result.outline.clear();
+  const auto floor_divide = [](int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); };
+  for (int b = 0; b < second; ++b) {
+    for (int a = 0; a < first; ++a) {
+      const int copy = a + first * b;
+      result.nodes.middleCols(n * copy, n) = mesh.nodes.colwise() + mesh.lattice * Eigen::Vector2d(a, b);
+      for (int t = 0; t < triangles; ++t) {
+        auto nodes = mesh.triangles[t];
+        auto shifts = mesh.shifts[t];
+        for (int k = 0; k < 6; ++k) {
+          const int i = a + shifts[k].first, j = b + shifts[k].second;
+          const int over_i = floor_divide(i, first), over_j = floor_divide(j, second);
+          nodes[k] += static_cast<int>(n) * (i - first * over_i + first * (j - second * over_j));
+          shifts[k] = {static_cast<std::int8_t>(over_i), static_cast<std::int8_t>(over_j)};
+        }
+        result.triangles.push_back(nodes);
+        result.shifts.push_back(shifts);
+      }
+      for (const auto& [triangle, side] : mesh.outline) result.outline.push_back({triangle + triangles * copy, side});
+    }
+  }
+  return result;
+}
+
+Eigen::Vector2d PeriodicMesh::corner(int t, int k) const {
+  const LatticeShift& shift = shifts[t][k];
+  return nodes.col(triangles[t][k]) + lattice * Eigen::Vector2d(shift.first, shift.second);
+}
+
+double PeriodicMesh::cell_area() const { return std::abs(lattice.determinant()); }
+
+double PeriodicMesh::solid_area() const {
+  double twice = 0;
+  for (int t = 0; t < static_cast<int>(triangles.size()); ++t) twice += twice_area(*this, t);
+  return twice / 2;
+}
+
+MeshStatistics statistics(const PeriodicMesh& mesh) {
+  MeshStatistics result;
+  result.nodes = static_cast<int>(mesh.nodes.cols());
+  result.triangles = static_cast<int>(mesh.triangles.size());
+  result.smallest_angle = std::numeric_limits<double>::infinity();
+  result.shortest_side = std::numeric_limits<double>::infinity();
+  for (int t = 0; t < result.triangles; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector2d at = mesh.corner(t, k);
+      const Eigen::Vector2d to = mesh.corner(t, (k + 1) % 3) - at, from = mesh.corner(t, (k + 2) % 3) - at;
+      result.smallest_angle = std::min(result.smallest_angle, std::atan2(cross(to, from), to.dot(from)));
+      result.shortest_side = std::min(result.shortest_side, to.norm());
+      result.longest_side = std::max(result.longest_side, to.norm());
+    }
+  }
+  result.relative_density = mesh.solid_area() / mesh.cell_area();
+  return result;
+}
+
+}  // namespace supple::tiling

@@ -1,0 +1,116 @@
+#include "offset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <polyclipping/clipper.hpp>
+
+#include "polygon.h"
+
+namespace supple::tiling {
+namespace {
+
+/// Clipper computes in integers, whose unit is 1e-9 mm: below every tolerance used on its results, and patches of a
+/// metre stay a million times below the 4.6e18 that Clipper can hold.
+constexpr double units_per_millimetre = 1e9;
+
+/// Mitres longer than this many offset distances are cut off: only tips below 5.8 degrees, which tiles get when they
+/// are about to fold back onto themselves.
+constexpr double mitre_limit = 20;
+
+/// Vertices closer than this (mm) to the line through their neighbours are no corners.
+constexpr double straightness = 1e-7;
+
+ClipperLib::Path to_path(const Polygon& polygon) {
+  ClipperLib::Path path;
+  path.reserve(polygon.size());
+  for (const Eigen::Vector2d& p : polygon) {
+    path.emplace_back(std::llround(p.x() * units_per_millimetre), std::llround(p.y() * units_per_millimetre));
+  }
+  return path;
+}
+
+Polygon to_polygon(const ClipperLib::Path& path) {
+  Polygon polygon;
+  polygon.reserve(path.size());
+  for (const ClipperLib::IntPoint& p : path) {
+    polygon.emplace_back(static_cast<double>(p.X) / units_per_millimetre,
+                         static_cast<double>(p.Y) / units_per_millimetre);
+  }
+  return polygon;
+}
+
+Region to_region(const ClipperLib::Paths& paths) {
+  Region region;
+  for (const ClipperLib::Path& path : paths) region.push_back(to_polygon(path));
+  return region;
+}
+
+ClipperLib::Paths offset(const ClipperLib::Paths& paths, double distance) {
+  ClipperLib::ClipperOffset clipper(mitre_limit);
+  clipper.AddPaths(paths, ClipperLib::jtMiter, ClipperLib::etClosedPolygon);
+  ClipperLib::Paths result;
+  clipper.Execute(result, distance * units_per_millimetre);
+  return result;
+}
+
+/// Merges the ends of the shortest side until none is shorter than `smallest_side`; then drops straight vertices.
+void simplify(Polygon& polygon, double smallest_side) {
+  while (polygon.size() > 2) {
+    std::size_t shortest = 0;
+    double length = INFINITY;
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const double candidate = (polygon[(k + 1) % polygon.size()] - polygon[k]).norm();
+      if (candidate < length) {
+        length = candidate;
+        shortest = k;
+      }
+    }
+    if (length >= smallest_side) break;
+    const std::size_t next = (shortest + 1) % polygon.size();
+    polygon[shortest] = (polygon[shortest] + polygon[next]) / 2;
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(next));
+  }
+  for (std::size_t k = 0; k < polygon.size() && polygon.size() > 2;) {
+    const Eigen::Vector2d& before = polygon[(k + polygon.size() - 1) % polygon.size()];
+    const Eigen::Vector2d& after = polygon[(k + 1) % polygon.size()];
+    if (std::abs(cross(after - before, polygon[k] - before)) < straightness * (after - before).norm()) {
+      polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(k));
+    } else {
+      ++k;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Polygon> inset(const Polygon& polygon, double distance, double smallest_width) {
+  std::vector<Polygon> result;
+  for (const ClipperLib::Path& path : offset({to_path(polygon)}, -distance)) {
+    Polygon hole = to_polygon(path);
+    simplify(hole, smallest_width);
+    // Twice the area over the perimeter is the width of a long strip and half that of a square.
+    if (hole.size() > 2 && 2 * area(hole) > smallest_width * perimeter(hole)) result.push_back(std::move(hole));
+  }
+  return result;
+}
+
+Region expanded_union(const std::vector<Polygon>& polygons, double distance, const std::vector<Polygon>& holes) {
+  ClipperLib::Clipper clipper;
+  for (const Polygon& polygon : polygons)
+    clipper.AddPaths(offset({to_path(polygon)}, distance), ClipperLib::ptSubject, true);
+  for (const Polygon& hole : holes) clipper.AddPath(to_path(hole), ClipperLib::ptClip, true);
+  ClipperLib::Paths result;
+  clipper.Execute(ClipperLib::ctDifference, result, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  return to_region(result);
+}
+
+Region difference(const Polygon& polygon, const std::vector<Polygon>& holes) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPath(to_path(polygon), ClipperLib::ptSubject, true);
+  for (const Polygon& hole : holes) clipper.AddPath(to_path(hole), ClipperLib::ptClip, true);
+  ClipperLib::Paths result;
+  clipper.Execute(ClipperLib::ctDifference, result, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  return to_region(result);
+}
+
+}  // namespace supple::tiling

@@ -1,0 +1,75 @@
+#include "polygon.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace supple::tiling {
+namespace {
+
+/// Sides closer than this share of the perimeter touch: far above rounding, far below any beam's width.
+constexpr double touching = 1e-9;
+
+double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d u = b - a;
+  const double squared = u.squaredNorm();
+  const double t = squared > 0 ? std::clamp((p - a).dot(u) / squared, 0.0, 1.0) : 0.0;
+  return (p - a - t * u).norm();
+}
+
+bool properly_cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+                    const Eigen::Vector2d& d) {
+  return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
+}
+
+double segment_distance(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+                        const Eigen::Vector2d& d) {
+  if (properly_cross(a, b, c, d)) return 0;
+  return std::min({distance_to_segment(a, c, d), distance_to_segment(b, c, d), distance_to_segment(c, a, b),
+                   distance_to_segment(d, a, b)});
+}
+
+}  // namespace
+
+double area(const Polygon& polygon) {
+  double twice = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    // Relative to the first vertex, so that a far-off polygon loses no digits.
+    twice += cross(polygon[k] - polygon[0], polygon[(k + 1) % polygon.size()] - polygon[0]);
+  }
+  return twice / 2;
+}
+
+double perimeter(const Polygon& polygon) {
+  double length = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) length += (polygon[(k + 1) % polygon.size()] - polygon[k]).norm();
+  return length;
+}
+
+std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon) {
+  const int n = static_cast<int>(polygon.size());
+  const double tolerance = touching * perimeter(polygon);
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % n], &after = polygon[(i + 2) % n];
+    // Neighbours share b; they fold back where one's far end lies on the other.
+    if ((b - a).norm() <= tolerance || distance_to_segment(a, b, after) <= tolerance ||
+        distance_to_segment(after, a, b) <= tolerance) {
+      return std::pair(i, (i + 1) % n);
+    }
+    for (int j = i + 2; j < n; ++j) {
+      if ((j + 1) % n == i) continue;
+      if (segment_distance(a, b, polygon[j], polygon[(j + 1) % n]) <= tolerance) return std::pair(i, j);
+    }
+  }
+  return std::nullopt;
+}
+
+Polygon placed(const Polygon& polygon, const Placement& placement) {
+  Polygon result;
+  result.reserve(polygon.size());
+  for (const Eigen::Vector2d& vertex : polygon) result.emplace_back(placement.linear * vertex + placement.offset);
+  if (placement.linear.determinant() < 0) std::reverse(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace supple::tiling

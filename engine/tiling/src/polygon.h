@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <utility>
+
+#include "supple/tiling/family.h"
+
+namespace supple::tiling {
+
+inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Signed: positive for counterclockwise polygons.
+double area(const Polygon& polygon);
+double perimeter(const Polygon& polygon);
+
+/// Two sides that meet other than as neighbours do in their common vertex: a polygon whose outline crosses or touches
+/// itself, folds back or has a side of no length. "Touch" means within 1e-9 perimeters. Side k joins vertices k and
+/// k + 1. Quadratic in the number of sides.
+std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon);
+
+/// Where the placement puts the polygon; counterclockwise again if the placement reflects.
+Polygon placed(const Polygon& polygon, const Placement& placement);
+
+}  // namespace supple::tiling

@@ -1,0 +1,110 @@
+#include "size_field.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "polygon.h"
+
+namespace supple::tiling {
+namespace {
+
+/// Where a hole's angle is wider (rad), the corner of the solid concentrates next to no stress.
+constexpr double flat_angle = 11.0 / 12 * std::numbers::pi;
+
+/// A side may be longer than wanted by this share of itself before it is divided once more, so that rounding decides
+/// nothing where a length is a multiple of the size.
+constexpr double count_tolerance = 1e-6;
+
+/// Steps in which the density of nodes along a segment is integrated, for each wanted length near its finest.
+constexpr double steps_per_side = 8;
+
+int count_of(double sides) { return std::max(1, static_cast<int>(std::ceil(sides - count_tolerance))); }
+
+/// Area of a triangle of good shape over the square of its wanted side: gmsh's are close to equilateral.
+constexpr double area_per_square = std::numbers::sqrt3 / 4;
+constexpr double nodes_per_triangle = 2;  // of quadratic triangles, in the limit of many
+
+}  // namespace
+
+SizeField::SizeField(const MeshOptions& options, double beam_width)
+    : size_(options.mesh_size * beam_width), corner_size_(options.corner_size), radius_(beam_width / 2) {}
+
+void SizeField::add_corners(const Polygon& hole) {
+  const std::size_t n = hole.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Eigen::Vector2d in = hole[k] - hole[(k + n - 1) % n], out = hole[(k + 1) % n] - hole[k];
+    const double turn = std::atan2(cross(in, out), in.dot(out));
+    if (std::numbers::pi - turn < flat_angle) corners_.push_back(hole[k]);
+  }
+}
+
+void SizeField::repeat_corners(const Eigen::Matrix2d& lattice, const Eigen::Vector2d& origin) {
+  const Eigen::Matrix2d inverse = lattice.inverse();
+  // A distance of `radius_` in lattice coordinates.
+  const Eigen::Vector2d reach = radius_ * inverse.rowwise().norm();
+  std::vector<Eigen::Vector2d> all;
+  for (const Eigen::Vector2d& corner : corners_) {
+    const Eigen::Vector2d at = inverse * (corner - origin);
+    for (double i = std::ceil(-reach[0] - at[0]); at[0] + i <= 1 + reach[0]; ++i) {
+      for (double j = std::ceil(-reach[1] - at[1]); at[1] + j <= 1 + reach[1]; ++j) {
+        all.emplace_back(corner + lattice * Eigen::Vector2d(i, j));
+      }
+    }
+  }
+  corners_ = std::move(all);
+}
+
+double SizeField::operator()(const Eigen::Vector2d& p) const {
+  if (corner_size_ == 1) return size_;
+  double squared = radius_ * radius_;
+  for (const Eigen::Vector2d& corner : corners_) squared = std::min(squared, (p - corner).squaredNorm());
+  return size_ * (corner_size_ + (1 - corner_size_) * std::sqrt(squared) / radius_);
+}
+
+double SizeField::expected_nodes(double solid_area, int copies) const {
+  double triangles = solid_area / (area_per_square * size_ * size_);
+  if (corner_size_ < 1) {
+    // The integral of 2 pi r dr / size(r)^2 over the discs around corners; a quarter of a disc is taken off for the
+    // hole.
+    const double c = corner_size_;
+    const double integral = (std::log(1 / c) + c - 1) / ((1 - c) * (1 - c));
+    triangles += copies * static_cast<double>(corners_.size()) * 1.5 * std::numbers::pi * radius_ * radius_ * integral /
+                 (area_per_square * size_ * size_);
+  }
+  return nodes_per_triangle * triangles;
+}
+
+std::vector<Eigen::Vector2d> SizeField::divide(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
+  if (corner_size_ == 1 || corners_.empty()) return divide_equally(a, b, size_);
+  const double length = (b - a).norm();
+  const int steps = count_of(steps_per_side * length / (size_ * corner_size_));
+  // sides[k]: how many sides fit between a and the k-th step, by the trapezoidal rule.
+  std::vector<double> sides = {0};
+  double before = 1 / (*this)(a);
+  for (int k = 1; k <= steps; ++k) {
+    const double here = 1 / (*this)(a + (b - a) * k / steps);
+    sides.push_back(sides.back() + (before + here) / 2 * length / steps);
+    before = here;
+  }
+  const int count = count_of(sides.back());
+  std::vector<Eigen::Vector2d> points;
+  int step = 0;
+  for (int k = 1; k < count; ++k) {
+    const double wanted = sides.back() * k / count;
+    while (sides[step + 1] < wanted) ++step;
+    const double t = (step + (wanted - sides[step]) / (sides[step + 1] - sides[step])) / steps;
+    points.emplace_back(a + t * (b - a));
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector2d> divide_equally(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double size) {
+  const int count = count_of((b - a).norm() / size);
+  std::vector<Eigen::Vector2d> points;
+  for (int k = 1; k < count; ++k) points.emplace_back(((count - k) * a + k * b) / count);
+  return points;
+}
+
+}  // namespace supple::tiling

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "supple/tiling/mesh.h"
+#include "supple/tiling/structure.h"
+
+namespace supple::tiling {
+
+/// The wanted length of triangle sides: h (c + (1 - c) min(1, d / r)) at the distance d from the nearest re-entrant
+/// corner of the solid, with h = mesh_size * beam_width, c = corner_size and r half a beam width.
+class SizeField {
+ public:
+  SizeField(const MeshOptions& options, double beam_width);
+
+  /// Adds the corners of a hole (counterclockwise) at which the solid is re-entrant.
+  void add_corners(const Polygon& hole);
+  /// Adds the images of all corners under the eight neighbouring lattice translations and more, as far as they matter
+  /// to the parallelogram `origin` + [0, 1]^2.
+  void repeat_corners(const Eigen::Matrix2d& lattice, const Eigen::Vector2d& origin);
+
+  double operator()(const Eigen::Vector2d& p) const;
+  double largest() const { return size_; }
+  /// Expected number of nodes of quadratic triangles on `solid_area` (mm^2) with the corners added so far.
+  double expected_nodes(double solid_area, int copies) const;
+
+  /// Inner points that divide the segment from a to b into parts of the wanted length, in order.
+  std::vector<Eigen::Vector2d> divide(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const;
+
+ private:
+  double size_;         // mm
+  double corner_size_;  // relative to size_
+  double radius_;       // mm
+  std::vector<Eigen::Vector2d> corners_;
+};
+
+/// Inner points that divide the segment into equal parts no longer than `size`: the same points from either end.
+std::vector<Eigen::Vector2d> divide_equally(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double size);
+
+}  // namespace supple::tiling
