@@ -1,5 +1,6 @@
 #include "supple/json/structure_answers.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 
 #include "answer_parts.h"
