@@ -8,22 +8,20 @@
 namespace supple::routes {
 namespace {
 
-/// Calls simulate() and makes the engine's places, "uniaxial/stretches/3" and "tolerance", places of the request.
-template <class Simulate>
-void with_pointers(Simulate simulate) {
+microscale::SimulationResult run(microscale::Simulator& simulator, const microscale::Load& load,
+                                 const Execution& execution) {
   try {
-    simulate();
+    return simulator.run(load, execution);
   } catch (const Error& error) {
-    std::string folder;
-    if (error.code() == "simulation.invalid_load") folder = "/load/";
-    if (error.code() == "simulation.invalid_option" || error.code() == "tiling.mesh_option") folder = "/accuracy/";
-    if (folder.empty()) throw;
-    auto details = error.details();
-    for (auto& detail : details) {
-      detail.where = (detail.where.starts_with("material/") ? "/" : folder) + detail.where;
-    }
-    throw Error(error.code(), error.what(), std::move(details));
+    if (error.code() != "simulation.invalid_load") throw;
+    throw moved(error, "/load/");
   }
+}
+
+/// Meshes the structure. The ranges of the request's options are those of the engine, so that none is refused here.
+microscale::Simulator make_simulator(const json::SimulationRequest& request, const tiling::Structure& structure,
+                                     const Execution& execution) {
+  return with_mesh_pointers("/accuracy/", [&] { return microscale::Simulator(structure, request.options, execution); });
 }
 
 /// Throws "request.limit_exceeded" where the deformed meshes would be too large an answer.
@@ -43,11 +41,9 @@ store::Result compute(const json::SimulationRequest& request, const tiling::Stru
   std::optional<microscale::Simulator> simulator;
   microscale::SimulationResult result;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    with_pointers([&] {
-      simulator.emplace(structure, request.options, execution);
-      check_deformed(request, simulator->mesh(), limits);
-      result = simulator->run(request.load, execution);
-    });
+    simulator = make_simulator(request, structure, execution);
+    check_deformed(request, simulator->mesh(), limits);
+    result = run(*simulator, request.load, execution);
   });
   return json_result(json::write_simulation(request, structure, simulator->mesh(), result, bill));
 }

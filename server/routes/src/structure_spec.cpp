@@ -1,7 +1,5 @@
 #include "structure_spec.h"
 
-#include "supple/base/error.h"
-
 namespace supple::routes {
 namespace {
 
@@ -29,6 +27,12 @@ tiling::Structure make_structure(const json::StructureSpec& spec) {
     if (!error.details().empty()) throw;
     throw Error(error.code(), error.what(), {{"/parameters", error.what()}});
   }
+}
+
+Error moved(const Error& error, const std::string& folder) {
+  auto details = error.details();
+  for (auto& detail : details) detail.where = folder + detail.where;
+  return {error.code(), error.what(), std::move(details)};
 }
 
 const std::vector<tiling::Structure>& preset_structures() {

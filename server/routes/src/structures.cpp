@@ -54,7 +54,9 @@ store::Result describe(const json::StructureRequest& request, const tiling::Stru
     if (request.mesh) {
       execution.checkpoint(0, "meshing");
       const StageTimer timer(execution.cost, "meshing");
-      mesh = {*request.mesh, tiling::statistics(tiling::mesh_structure(structure, *request.mesh))};
+      mesh = {*request.mesh, with_mesh_pointers("/mesh/", [&] {
+                return tiling::statistics(tiling::mesh_structure(structure, *request.mesh));
+              })};
     }
     if (request.svg) {
       execution.checkpoint(0.9, "export");
