@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "partial_cholesky.h"
+#include "supple/base/process_random.h"
 
 namespace supple::numerics {
 namespace {
@@ -32,6 +33,7 @@ class Analysis {
     view.dtype = CHOLMOD_DOUBLE;
     view.sorted = 1;
     view.packed = 1;
+    const auto random = own_process_random();  // METIS draws from it
     factor_ = cholmod_analyze(&view, &common_);
   }
   ~Analysis() {

@@ -9,6 +9,7 @@
 
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/base/process_random.h"
 
 namespace supple::tiling {
 namespace {
@@ -30,6 +31,7 @@ class GmshOwner {
   GmshOwner& operator=(const GmshOwner&) = delete;
 
   PlanarMesh triangulate(const std::vector<Face>& faces, const std::function<double(const Eigen::Vector2d&)>& size) {
+    const auto random = own_process_random();
     const std::lock_guard lock(mutex_);
     std::string messages;
     for (const int algorithm : algorithms) {
