@@ -1,0 +1,163 @@
+#include "supple/lab/dataset_maker.h"
+
+#include <gtest/gtest.h>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sample_data.h"
+#include "supple/base/error.h"
+#include "supple/base/threads.h"
+#include "supple/dataset/dataset_file.h"
+#include "supple/dataset/journal.h"
+#include "supple/dataset/merge.h"
+
+namespace supple::lab {
+namespace {
+
+using dataset::Dataset;
+using dataset::TemporaryFolder;
+
+/// Small loads on the coarsest mesh: a design takes about a tenth of a second.
+DatasetOptions quick(std::int64_t designs) {
+  DatasetOptions options;
+  options.family = "IH01";
+  options.designs = designs;
+  options.corners = false;
+  options.simulation.mesh.mesh_size = 1;
+  options.loads.tension_paths = options.loads.compression_paths = options.loads.biaxial_paths = 1;
+  options.loads.tension_states = options.loads.compression_states = options.loads.biaxial_states = 2;
+  options.loads.largest_stretch = 1.02;
+  options.loads.smallest_stretch = 0.98;
+  options.loads.largest_biaxial_stretch = 1.02;
+  options.loads.smallest_biaxial_stretch = 0.98;
+  return options;
+}
+
+/// Compares everything but times, which no two runs share.
+void expect_same(const Dataset& a, const Dataset& b) {
+  const auto timeless = [](dataset::Design design) {
+    design.seconds = 0;
+    design.costs.clear();
+    for (auto& row : design.rows) row.seconds = 0;
+    return design;
+  };
+  ASSERT_EQ(a.designs.size(), b.designs.size());
+  for (std::size_t d = 0; d < a.designs.size(); ++d)
+    EXPECT_TRUE(dataset::values(timeless(a.designs[d])) == dataset::values(timeless(b.designs[d]))) << "design " << d;
+}
+
+class StopAfter : public MakeListener {
+ public:
+  StopAfter(CancellationToken token, int designs) : token_(std::move(token)), left_(designs) {}
+  void started(std::int64_t, std::int64_t, std::int64_t) override {}
+  void state_reached() override {}
+  void design_done(const dataset::Design&) override {
+    if (--left_ == 0) token_.request(StopReason::cancelled);
+  }
+
+ private:
+  CancellationToken token_;
+  int left_;
+};
+
+class DatasetMaker : public testing::Test {
+ protected:
+  void SetUp() override { set_thread_count(2); }
+  void TearDown() override { set_thread_count(0); }
+  TemporaryFolder folder;
+};
+
+TEST_F(DatasetMaker, WritesEveryPlannedStateOfEveryDesign) {
+  const auto result = make_dataset(quick(4), folder / "data.h5");
+  EXPECT_TRUE(result.finished);
+  EXPECT_EQ(result.computed, 4);
+  const Dataset data = dataset::read_dataset(folder / "data.h5");
+  ASSERT_EQ(data.designs.size(), 4U);
+  int simulated = 0;
+  for (const auto& design : data.designs) {
+    if (design.rejected()) continue;
+    ++simulated;
+    EXPECT_EQ(design.rows.size(), 6U);
+    for (const auto& row : design.rows) {
+      EXPECT_GT(row.energy_density, 0);
+      EXPECT_LE(row.residual, 1e-6);
+      EXPECT_GT(row.tangent[0], 0);
+    }
+    EXPECT_EQ(design.engine, engine_version());
+    EXPECT_FALSE(design.costs.empty());
+  }
+  EXPECT_GE(simulated, 3);
+  EXPECT_FALSE(std::filesystem::exists(dataset::journal_path(folder / "data.h5")));
+}
+
+TEST_F(DatasetMaker, DoesNotDependOnThreadsOrShards) {
+  make_dataset(quick(5), folder / "two.h5");
+  set_thread_count(1);
+  make_dataset(quick(5), folder / "one.h5");
+  std::vector<Dataset> shards;
+  for (const int k : {0, 1}) {
+    auto options = quick(5);
+    options.shards = 2;
+    options.shard = k;
+    make_dataset(options, folder / std::to_string(k));
+    shards.push_back(dataset::read_dataset(folder / std::to_string(k)));
+  }
+  const Dataset whole = dataset::read_dataset(folder / "two.h5");
+  expect_same(dataset::read_dataset(folder / "one.h5"), whole);
+  expect_same(dataset::merge(shards), whole);
+}
+
+TEST_F(DatasetMaker, GoesOnWhereItWasStopped) {
+  const CancellationToken token;
+  StopAfter listener(token, 2);
+  const auto first = make_dataset(quick(6), folder / "data.h5", token, &listener);
+  EXPECT_FALSE(first.finished);
+  EXPECT_GE(first.computed, 2);
+  EXPECT_LT(first.computed, 6);
+  EXPECT_FALSE(std::filesystem::exists(folder / "data.h5"));
+  const auto second = make_dataset(quick(6), folder / "data.h5");
+  EXPECT_TRUE(second.finished);
+  EXPECT_EQ(second.computed, 6 - first.computed);
+  make_dataset(quick(6), folder / "at_once.h5");
+  expect_same(dataset::read_dataset(folder / "data.h5"), dataset::read_dataset(folder / "at_once.h5"));
+}
+
+TEST_F(DatasetMaker, LeavesAFinishedFileAsItIs) {
+  make_dataset(quick(1), folder / "data.h5");
+  const auto written = std::filesystem::last_write_time(folder / "data.h5");
+  // A run that was killed between the file's appearance and the end of its journal.
+  { const dataset::Journal journal(dataset::journal_path(folder / "data.h5"), recipe_of(quick(1)), {0, 1, 0, 1}); }
+  const auto again = make_dataset(quick(1), folder / "data.h5");
+  EXPECT_TRUE(again.finished);
+  EXPECT_EQ(again.computed, 0);
+  EXPECT_EQ(std::filesystem::last_write_time(folder / "data.h5"), written);
+  EXPECT_FALSE(std::filesystem::exists(dataset::journal_path(folder / "data.h5")));
+}
+
+TEST_F(DatasetMaker, DoesNotMixSettings) {
+  make_dataset(quick(1), folder / "data.h5");
+  auto other = quick(1);
+  other.simulation.tolerance = 1e-6;
+  try {
+    make_dataset(other, folder / "data.h5");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "dataset.different_recipe");
+    EXPECT_NE(std::string(error.what()).find("tolerance"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(DatasetMaker, RecordsADesignThatTheEngineRefuses) {
+  auto options = quick(1);
+  options.parameters = {0.9, 0.5, 0.1, 0.6};
+  make_dataset(options, folder / "data.h5");
+  const auto data = dataset::read_dataset(folder / "data.h5");
+  ASSERT_EQ(data.designs.size(), 1U);
+  EXPECT_EQ(data.designs[0].error_code, "tiling.parameter_out_of_bounds");
+  EXPECT_FALSE(data.designs[0].error_message.empty());
+  EXPECT_TRUE(data.designs[0].rows.empty());
+}
+
+}  // namespace
+}  // namespace supple::lab

@@ -1,0 +1,96 @@
+#include "supple/lab/dataset_options.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "supple/base/error.h"
+
+namespace supple::lab {
+namespace {
+
+DatasetOptions usual() {
+  DatasetOptions options;
+  options.family = "IH21";
+  return options;
+}
+
+TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
+  DatasetOptions options = usual();
+  options.seed = 12345;
+  options.first = 10;
+  options.designs = 20;
+  options.shard = 1;
+  options.shards = 3;
+  options.corners = false;
+  options.loads.kind = PlanKind::grid;
+  options.loads.largest_stretch = 1.3;
+  options.simulation.mesh.mesh_size = 0.5;
+  options.simulation.contact = microscale::Switch::off;
+  options.simulation.material.law = microscale::Law::incompressible_plane_stress;
+  options.simulation.tangents = false;
+  const auto recipe = recipe_of(options);
+  const DatasetOptions back = options_of(recipe, selection_of(options));
+  EXPECT_EQ(recipe_of(back), recipe);
+  EXPECT_EQ(selection_of(back), selection_of(options));
+  EXPECT_EQ(back.loads.largest_stretch, 1.3);
+  EXPECT_EQ(back.simulation.contact, microscale::Switch::off);
+  EXPECT_EQ(back.simulation.material.law, microscale::Law::incompressible_plane_stress);
+  EXPECT_FALSE(back.simulation.tangents);
+}
+
+TEST(DatasetOptions, MakeTheRecipeNameBoundsAndBeamWidthOfTheFamily) {
+  const auto recipe = recipe_of(usual());
+  EXPECT_EQ(recipe.numbers("lower_bounds"), (std::vector<double>{0.105, 0.505}));
+  EXPECT_EQ(recipe.numbers("upper_bounds"), (std::vector<double>{0.195, 0.795}));
+  EXPECT_EQ(recipe.number("beam_width"), 0.0641);
+}
+
+TEST(DatasetOptions, OfAnotherShardOrLengthHaveTheSameRecipe) {
+  DatasetOptions other = usual();
+  other.designs = 7;
+  other.first = 3;
+  other.shards = 2;
+  other.shard = 1;
+  EXPECT_EQ(recipe_of(other), recipe_of(usual()));
+}
+
+TEST(DatasetOptions, OutOfRangeAreRefusedByName) {
+  const std::vector<std::pair<std::string, std::function<void(DatasetOptions&)>>> faults{
+      {"designs", [](auto& o) { o.designs = 0; }},
+      {"first", [](auto& o) { o.first = -1; }},
+      {"seed", [](auto& o) { o.seed = ~std::uint64_t{0}; }},
+      {"shards", [](auto& o) { o.shards = 0; }},
+      {"shard", [](auto& o) { o.shard = 1; }},
+      {"box_margin", [](auto& o) { o.box_margin = 0.6; }},
+      {"parameters", [](auto& o) { o.parameters = {0.1}; }},
+      {"first_strain", [](auto& o) { o.loads.first_strain = 0.1; }}};
+  for (const auto& [name, spoil] : faults) {
+    DatasetOptions options = usual();
+    spoil(options);
+    try {
+      check(options);
+      ADD_FAILURE() << name << " was accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), "dataset.invalid_option");
+      ASSERT_FALSE(error.details().empty());
+      EXPECT_EQ(error.details().front().where, name);
+    }
+  }
+}
+
+TEST(DatasetOptions, OfAnUnknownFamilyAreRefused) {
+  DatasetOptions options;
+  options.family = "IH99";
+  try {
+    check(options);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "tiling.family_not_found");
+  }
+}
+
+}  // namespace
+}  // namespace supple::lab

@@ -1,0 +1,73 @@
+#include "supple/lab/design_sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "supple/tiling/family.h"
+
+namespace supple::lab {
+namespace {
+
+DatasetOptions options_for(const char* family) {
+  DatasetOptions options;
+  options.family = family;
+  return options;
+}
+
+TEST(DesignSequence, BeginsWithTheCornersOfTheFamilysOwnBox) {
+  const auto options = options_for("IH22");
+  const auto& bounds = tiling::family("IH22").parameters;
+  std::set<std::vector<double>> corners;
+  for (int i = 0; i < 8; ++i) {
+    const auto parameters = planned_design(options, i).parameters;
+    for (std::size_t k = 0; k < bounds.size(); ++k)
+      EXPECT_TRUE(parameters[k] == bounds[k].lower || parameters[k] == bounds[k].upper);
+    corners.insert(parameters);
+  }
+  EXPECT_EQ(corners.size(), 8U);
+}
+
+TEST(DesignSequence, FillsTheWidenedBoxEvenly) {
+  auto options = options_for("IH21");
+  options.box_margin = 0.1;
+  const auto& bounds = tiling::family("IH21").parameters;
+  for (std::size_t k = 0; k < bounds.size(); ++k) {
+    const double width = bounds[k].upper - bounds[k].lower;
+    std::set<int> strata;
+    for (int i = 4; i < 4 + 64; ++i) {
+      const double share = (planned_design(options, i).parameters[k] - (bounds[k].lower - 0.1 * width)) / (1.2 * width);
+      strata.insert(static_cast<int>(share * 64));
+    }
+    EXPECT_EQ(strata.size(), 64U);
+    EXPECT_EQ(*strata.begin(), 0);
+    EXPECT_EQ(*strata.rbegin(), 63);
+  }
+}
+
+TEST(DesignSequence, DoesNotDependOnHowManyDesignsAreAskedForNorOnTheShard) {
+  auto some = options_for("IH01");
+  some.designs = 20;
+  auto shard = options_for("IH01");
+  shard.designs = 1000;
+  shard.shards = 4;
+  shard.shard = 3;
+  const auto a = planned_design(some, 19);
+  const auto b = planned_design(shard, 19);
+  EXPECT_EQ(a.parameters, b.parameters);
+  ASSERT_EQ(a.paths.size(), b.paths.size());
+  for (std::size_t p = 0; p < a.paths.size(); ++p) EXPECT_EQ(a.paths[p].stretches, b.paths[p].stretches);
+}
+
+TEST(DesignSequence, TakesParametersThatAreGiven) {
+  auto options = options_for("IH21");
+  options.designs = 1;
+  options.parameters = {0.12, 0.6};
+  EXPECT_EQ(planned_design(options, 0).parameters, options.parameters);
+  EXPECT_FALSE(planned_design(options, 0).paths.empty());
+}
+
+}  // namespace
+}  // namespace supple::lab
