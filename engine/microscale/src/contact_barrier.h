@@ -17,7 +17,7 @@ struct ContactOptions {
   /// Distance at which contact begins, mm, > 0.
   double range = 0;
   /// Contact of a pair begins at this share of its distance at rest, if that is less than `range`; in (0, 1).
-  double rest_fraction = 0.6;
+  double rest_fraction = 0.5;
 };
 
 /// The options that suit a mesh: the range is a named share of the beam width, the stiffness one of Young's modulus.
@@ -59,6 +59,9 @@ class ContactBarrier : public CellTerm {
   /// comes within its range loses more than a named share of its present distance: conservative advancement along
   /// separating axes, so that nothing ever passes through. x must be free of intersections. Very far steps (hundred
   /// times the range) may be cut before anything comes near; a step that is not finite gives 0.
+  ///
+  /// About 25 us for 1000 points of the outline that stay near where they were when neighbours were last looked for,
+  /// 0.3 ms where they are looked for anew.
   ///
   /// From then on the barrier may be evaluated for states between x and x + t step, and for those whose points lie
   /// within a hundredth of the range of them.

@@ -115,15 +115,13 @@ void ContactPairs::renew_list() {
   // From here on shares are those of the cut step.
   share_ = 1;
 
-  const double listed = (1 + list_margin) * range_;
-  const double swept = ((1 + slack_share) * range_ + 2 * largest_drift_) / (1 - affine_);
-  grid_.build(outline_, reference_lattice_, reference_positions_, listed);
+  grid_.build(outline_, reference_lattice_, reference_positions_, (1 + list_margin) * range_);
   list_.clear();
   list_begin_.clear();
   for (int p = 0; p < outline_.points(); ++p) {
     list_begin_.push_back(list_.size());
     const std::size_t first = pairs_.size();
-    find_neighbours(p, std::max(listed, swept));
+    find_neighbours(p);
     for (const Neighbour& neighbour : found_) {
       if (neighbour.distance <= neighbour.range + list_margin * range_) list_.push_back(neighbour);
       take_if_near(p, neighbour);
@@ -134,10 +132,16 @@ void ContactPairs::renew_list() {
   share_ *= cut;
 }
 
-void ContactPairs::find_neighbours(int point, double radius) {
+void ContactPairs::find_neighbours(int point) {
   found_.clear();
   const Eigen::Vector2d position = reference_positions_.col(point);
-  grid_.visit(position, radius, [&](int index, const Eigen::Vector2i& shift) {
+  // Whatever the list needs, and what may come near on this step.
+  const double listed = (1 + list_margin) * range_;
+  const auto reach = [&](double other_drift) {
+    const double drift = drift_[static_cast<std::size_t>(point)] + other_drift;
+    return std::max(listed, ((1 + slack_share) * range_ + drift) / (1 - affine_));
+  };
+  grid_.visit(position, reach(largest_drift_), [&](int index, const Eigen::Vector2i& shift) {
     const ContactOutline::Segment& segment = outline_.segments[static_cast<std::size_t>(index)];
     const Eigen::Vector2i head_shift = shift + segment.head_shift;
     if ((segment.tail == point && shift.isZero()) || (segment.head == point && head_shift.isZero())) return;
@@ -146,11 +150,16 @@ void ContactPairs::find_neighbours(int point, double radius) {
     const Eigen::Vector2d head =
         reference_positions_.col(segment.head) + reference_lattice_ * head_shift.cast<double>() - position;
     const double squared_distance = view_segment(tail, head).squared_distance;
-    if (squared_distance > radius * radius) return;
+    const double own_reach = reach(segment_drift(segment));
+    if (squared_distance > own_reach * own_reach) return;
     const double range = pair_range(point, segment, shift);
     if (range > 0) found_.push_back({index, shift, range, std::sqrt(squared_distance)});
   });
   std::sort(found_.begin(), found_.end());
+}
+
+double ContactPairs::segment_drift(const ContactOutline::Segment& segment) const {
+  return std::max(drift_[static_cast<std::size_t>(segment.tail)], drift_[static_cast<std::size_t>(segment.head)]);
 }
 
 double ContactPairs::pair_range(int point, const ContactOutline::Segment& segment, const Eigen::Vector2i& shift) const {
@@ -165,9 +174,7 @@ void ContactPairs::take_if_near(int point, const Neighbour& neighbour) {
   const ContactOutline::Segment& segment = outline_.segments[static_cast<std::size_t>(neighbour.segment)];
   const auto p = static_cast<std::size_t>(point);
   const double reach = neighbour.range + slack_share * range_;
-  const double drift = drift_[p] + std::max(drift_[static_cast<std::size_t>(segment.tail)],
-                                            drift_[static_cast<std::size_t>(segment.head)]);
-  if (neighbour.distance * (1 - affine_) - drift > reach) return;
+  if (neighbour.distance * (1 - affine_) - drift_[p] - segment_drift(segment) > reach) return;
 
   ContactPair pair;
   pair.tail_shift = neighbour.shift;

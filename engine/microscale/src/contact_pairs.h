@@ -80,7 +80,8 @@ class ContactPairs {
   void raise_drift(const Eigen::Matrix2d& affine);
   bool list_serves() const;
   void renew_list();
-  void find_neighbours(int point, double radius);
+  void find_neighbours(int point);
+  double segment_drift(const ContactOutline::Segment& segment) const;
   double pair_range(int point, const ContactOutline::Segment& segment, const Eigen::Vector2i& shift) const;
   void take_if_near(int point, const Neighbour& neighbour);
   void join_pairs_from(std::size_t first);

@@ -81,7 +81,7 @@ TEST(ContactBarrier, HasTheDerivativesOfItsEnergyAtTangledStates) {
       ContactBarrier barrier(mesh, options);
       const Eigen::VectorXd x = tangle(mesh, barrier, random);
       for (const auto& [point, segment, i, j] :
-           testing::brute_contacts(barrier.outline(), x, options.range, options.rest_fraction, 2))
+           testing::brute_contacts(barrier.outline(), x, options.range, options.rest_fraction, 2, 2))
         across += i != 0 || j != 0 ? 1 : 0;
       ASSERT_GT(energy(barrier, x), 0);
       numerics::DerivativeCheckOptions check_options;
@@ -218,6 +218,21 @@ TEST(ContactBarrier, TurnsWithThePatch) {
   const Eigen::VectorXd turned_forces = gradient(barrier, turned);
   for (Eigen::Index k = 0; k < mesh.nodes.cols(); ++k)
     EXPECT_LT((turned_forces.segment<2>(2 * k) - turn * forces.segment<2>(2 * k)).norm(), 1e-9 * forces.norm());
+}
+
+TEST(ContactBarrier, IsTheSameForEveryChoiceOfTheTranslations) {
+  RandomStream random("contact_barrier", 8);
+  const tiling::PeriodicMesh mesh = testing::comb();
+  ContactBarrier barrier(mesh, options);
+  const Eigen::VectorXd x = tangle(mesh, barrier, random);
+  const Eigen::VectorXd forces = gradient(barrier, x);
+  for (const int times : {-3, 1, 7}) {
+    ContactBarrier other(testing::redescribe(mesh, times), options);
+    hold(other, x);
+    EXPECT_NEAR(energy(other, x), energy(barrier, x), 1e-10 * energy(barrier, x));
+    EXPECT_LT((gradient(other, x) - forces).norm(), 1e-9 * forces.norm());
+    EXPECT_FALSE(other.intersects(x));
+  }
 }
 
 TEST(ContactBarrier, IsTheSameForEveryChoiceOfThePointsCells) {

@@ -115,6 +115,16 @@ inline tiling::PeriodicMesh open_ring() {
               {0.1, 0.3, 0.4, 0.4, 0.3, 0.1}, {0.3, 0.3, 0.05, 0.3, 0.3, 0.1});
 }
 
+/// The same plane of the same pieces, with `times` first translations added to the second: what were neighbouring
+/// images are then many cells apart.
+inline tiling::PeriodicMesh redescribe(tiling::PeriodicMesh mesh, int times) {
+  mesh.lattice.col(1) += times * mesh.lattice.col(0);
+  for (auto& shifts : mesh.shifts)
+    for (tiling::LatticeShift& shift : shifts)
+      shift.first = static_cast<std::int8_t>(shift.first - times * shift.second);
+  return mesh;
+}
+
 /// A change of x whose points wave about by about `amplitude`, and F by about `strain`.
 inline Eigen::VectorXd random_motion(const tiling::PeriodicMesh& mesh, double amplitude, double strain,
                                      RandomStream& random) {
@@ -134,38 +144,6 @@ inline Eigen::VectorXd random_motion(const tiling::PeriodicMesh& mesh, double am
   return step;
 }
 
-/// Every point with every image of a segment around, written down independently of the search.
-struct BrutePair {
-  int point = 0;
-  int segment = 0;
-  Eigen::Vector2i shift;
-  Eigen::Vector2d tail, head;            ///< seen from the point at x
-  Eigen::Vector2d rest_tail, rest_head;  ///< and at rest
-};
-template <class Visitor>
-void for_all_pairs(const ContactOutline& outline, const Eigen::VectorXd& x, int images, Visitor&& visitor) {
-  const Eigen::Matrix2d f = CellCoordinates{(x.size() - 4) / 2}.deformation_gradient(x);
-  const auto displacement = [&](int point) { return x.segment<2>(2 * outline.nodes[static_cast<std::size_t>(point)]); };
-  BrutePair pair;
-  for (pair.point = 0; pair.point < outline.points(); ++pair.point)
-    for (pair.segment = 0; pair.segment < static_cast<int>(outline.segments.size()); ++pair.segment)
-      for (pair.shift[0] = -images; pair.shift[0] <= images; ++pair.shift[0])
-        for (pair.shift[1] = -images; pair.shift[1] <= images; ++pair.shift[1]) {
-          const auto& segment = outline.segments[static_cast<std::size_t>(pair.segment)];
-          const Eigen::Vector2i head_shift = pair.shift + segment.head_shift;
-          if ((segment.tail == pair.point && pair.shift.isZero()) ||
-              (segment.head == pair.point && head_shift.isZero()))
-            continue;
-          pair.rest_tail = outline.rest.col(segment.tail) + outline.lattice * pair.shift.cast<double>() -
-                           outline.rest.col(pair.point);
-          pair.rest_head = outline.rest.col(segment.head) + outline.lattice * head_shift.cast<double>() -
-                           outline.rest.col(pair.point);
-          pair.tail = f * pair.rest_tail + displacement(segment.tail) - displacement(pair.point);
-          pair.head = f * pair.rest_head + displacement(segment.head) - displacement(pair.point);
-          visitor(pair);
-        }
-}
-
 /// Distance of the origin from a segment, by clamping the foot of the perpendicular.
 inline double distance_to(const Eigen::Vector2d& tail, const Eigen::Vector2d& head) {
   const Eigen::Vector2d side = head - tail;
@@ -174,45 +152,90 @@ inline double distance_to(const Eigen::Vector2d& tail, const Eigen::Vector2d& he
   return (tail + share * side).norm();
 }
 
+/// All images of points in a state that segments at most `first` and `second` cells away end in, as plain numbers:
+/// tests look at millions.
+class Images {
+ public:
+  Images(const ContactOutline& outline, const Eigen::VectorXd& x, int first, int second)
+      : first_(first), second_(second), positions_(static_cast<std::size_t>(outline.points())) {
+    for (const auto& segment : outline.segments) {
+      first_ = std::max(first_, first + std::abs(segment.head_shift[0]));
+      second_ = std::max(second_, second + std::abs(segment.head_shift[1]));
+    }
+    const Eigen::Matrix2d f = CellCoordinates{(x.size() - 4) / 2}.deformation_gradient(x);
+    for (int p = 0; p < outline.points(); ++p)
+      for (int i = -first_; i <= first_; ++i)
+        for (int j = -second_; j <= second_; ++j) {
+          const Eigen::Vector2d rest = outline.rest.col(p) + outline.lattice * Eigen::Vector2d(i, j);
+          const Eigen::Vector2d at = f * rest + x.segment<2>(2 * outline.nodes[static_cast<std::size_t>(p)]);
+          positions_[static_cast<std::size_t>(p)].push_back({at[0], at[1]});
+        }
+  }
+  const std::array<double, 2>& at(int point, int i, int j) const {
+    return positions_[static_cast<std::size_t>(point)].at(
+        static_cast<std::size_t>((i + first_) * (2 * second_ + 1) + j + second_));
+  }
+
+ private:
+  int first_;
+  int second_;
+  std::vector<std::vector<std::array<double, 2>>> positions_;
+};
+
 using PairKey = std::tuple<int, int, int, int>;
 
-/// Node of the point, segment and image of all pairs within their range at x.
+/// Node of the point, segment and image of all pairs within their range at x: by testing all of them, for images up to
+/// `first` and `second` cells away.
 inline std::set<PairKey> brute_contacts(const ContactOutline& outline, const Eigen::VectorXd& x, double range,
-                                        double rest_fraction, int images) {
+                                        double rest_fraction, int first, int second) {
+  const Images now(outline, x, first, second);
+  const Images before(outline, Eigen::VectorXd::Zero(x.size()), first, second);
   std::set<PairKey> contacts;
-  for_all_pairs(outline, x, images, [&](const BrutePair& pair) {
-    const double own = std::min(range, rest_fraction * distance_to(pair.rest_tail, pair.rest_head));
-    if (distance_to(pair.tail, pair.head) < own)
-      contacts.emplace(outline.nodes[static_cast<std::size_t>(pair.point)], pair.segment, pair.shift[0], pair.shift[1]);
-  });
+  for (int p = 0; p < outline.points(); ++p)
+    for (int s = 0; s < static_cast<int>(outline.segments.size()); ++s)
+      for (int i = -first; i <= first; ++i)
+        for (int j = -second; j <= second; ++j) {
+          const auto& segment = outline.segments[static_cast<std::size_t>(s)];
+          const int head_i = i + segment.head_shift[0];
+          const int head_j = j + segment.head_shift[1];
+          if (segment.tail == p && i == 0 && j == 0) continue;
+          if (segment.head == p && head_i == 0 && head_j == 0) continue;
+          const auto distance = [&](const Images& images) {
+            const auto& o = images.at(p, 0, 0);
+            const auto& a = images.at(segment.tail, i, j);
+            const auto& b = images.at(segment.head, head_i, head_j);
+            return distance_to({a[0] - o[0], a[1] - o[1]}, {b[0] - o[0], b[1] - o[1]});
+          };
+          const double d = distance(now);
+          if (d >= range || d >= rest_fraction * distance(before)) continue;
+          contacts.emplace(outline.nodes[static_cast<std::size_t>(p)], s, i, j);
+        }
   return contacts;
 }
 
 /// Whether two segments cross, images included, by testing all of them.
 inline bool brute_intersects(const ContactOutline& outline, const Eigen::VectorXd& x, int images) {
-  const auto turn = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+  using Point = std::array<double, 2>;
+  const auto turn = [](const Point& a, const Point& b, const Point& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
   };
-  const Eigen::Matrix2d f = CellCoordinates{(x.size() - 4) / 2}.deformation_gradient(x);
-  const auto position = [&](int point, const Eigen::Vector2i& shift) -> Eigen::Vector2d {
-    return f * (outline.rest.col(point) + outline.lattice * shift.cast<double>()) +
-           x.segment<2>(2 * outline.nodes[static_cast<std::size_t>(point)]);
+  const auto distance = [](const Point& a, const Point& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); };
+  // Segments on one line lie behind each other; what rounding makes of their turns means nothing.
+  const auto apart = [](const Point& a, const Point& b, const Point& c, const Point& d, std::size_t k) {
+    return std::max(a[k], b[k]) < std::min(c[k], d[k]) || std::max(c[k], d[k]) < std::min(a[k], b[k]);
   };
-  const Eigen::Vector2i here = Eigen::Vector2i::Zero();
+  const Images now(outline, x, images, images);
   for (const auto& first : outline.segments) {
-    const Eigen::Vector2d a = position(first.tail, here);
-    const Eigen::Vector2d b = position(first.head, first.head_shift);
+    const Point& a = now.at(first.tail, 0, 0);
+    const Point& b = now.at(first.head, first.head_shift[0], first.head_shift[1]);
     for (const auto& second : outline.segments)
       for (int i = -images; i <= images; ++i)
         for (int j = -images; j <= images; ++j) {
-          const Eigen::Vector2i shift(i, j);
-          const Eigen::Vector2d c = position(second.tail, shift);
-          const Eigen::Vector2d d = position(second.head, shift + second.head_shift);
+          const Point& c = now.at(second.tail, i, j);
+          const Point& d = now.at(second.head, i + second.head_shift[0], j + second.head_shift[1]);
+          if (apart(a, b, c, d, 0) || apart(a, b, c, d, 1)) continue;
           // Neighbours meet in their common end.
-          const double together = std::min({(a - c).norm(), (a - d).norm(), (b - c).norm(), (b - d).norm()});
-          if (together < 1e-13) continue;
-          // Rounding tells nothing about segments on one line: those lie behind each other.
-          if (((a + b - c - d).norm() > (a - b).norm() + (c - d).norm())) continue;
+          if (std::min({distance(a, c), distance(a, d), distance(b, c), distance(b, d)}) < 1e-13) continue;
           if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0) return true;
         }
   }
