@@ -1,5 +1,6 @@
 #include "family_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -151,7 +152,8 @@ const std::vector<IsohedralType>& isohedral_types() {
 }
 
 Tiling square_in_square(double p) {
-  const double a = std::abs(p);
+  // At 1 the square fills the cell and the walls of neighbouring squares are one: beyond, nothing changes.
+  const double a = std::min(std::abs(p), 1.0);
   Tiling tiling;
   tiling.lattice = 2 * Eigen::Matrix2d::Identity();
   const auto add = [&](const Polygon& tile, std::initializer_list<Placement> placements) {

@@ -14,12 +14,9 @@ struct PlanarMesh {
   std::vector<std::array<int, 3>> triangles;  ///< counterclockwise
 };
 
-/// A connected part of the plane: the outline, then its holes. Every vertex becomes a node, every side a triangle's.
-using Face = std::vector<Polygon>;
-
-/// Triangulates faces by gmsh: frontal Delaunay, plain Delaunay or adaption of an initial mesh, whichever first gives
-/// triangles that fill the face. `size` is the wanted length of sides (mm) at a point. Faces that touch have nodes of
-/// their own.
+/// Triangulates faces, every vertex a node and every side a triangle's, by gmsh: frontal Delaunay, plain Delaunay or
+/// adaption of an initial mesh, whichever first gives triangles that fill the face. `size` is the wanted length of
+/// sides (mm) at a point. Faces that touch have nodes of their own.
 ///
 /// gmsh is one global state: the process has one owner of it, whose callers wait for each other. It prints nothing,
 /// reads no file and installs no signal handler. Throws "tiling.meshing_failed" with gmsh's message.

@@ -61,7 +61,9 @@ PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& optio
   const int copies = static_cast<int>(structure.tiling.placements.size() / structure.tiling.tiles.size());
   check_number_of_nodes(size.expected_nodes(structure.solid_area, copies), options, "would have about");
 
-  PeriodicMesh mesh = wrap(mesh_by_tiles(structure, size), structure.tiling.lattice, outline_length);
+  const bool by_tiles = options.region == Region::tile && !structure.tiles_cross;
+  const TriangleSoup soup = by_tiles ? mesh_by_tiles(structure, size) : mesh_by_parallelogram(structure, size);
+  PeriodicMesh mesh = wrap(soup, structure.tiling.lattice, outline_length);
   mesh.mesh_size = size.largest();
   mesh.beam_width = structure.beam_width;
   check_number_of_nodes(static_cast<double>(mesh.nodes.cols()), options, "has");

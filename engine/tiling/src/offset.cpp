@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <polyclipping/clipper.hpp>
+#include <utility>
 
 #include "polygon.h"
 
@@ -39,10 +40,25 @@ Polygon to_polygon(const ClipperLib::Path& path) {
   return polygon;
 }
 
-Region to_region(const ClipperLib::Paths& paths) {
-  Region region;
-  for (const ClipperLib::Path& path : paths) region.push_back(to_polygon(path));
-  return region;
+// The outlines of a tree are its children of even depth; what lies directly within one are its holes.
+void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces) {
+  for (const ClipperLib::PolyNode* outline : parent.Childs) {
+    Face face = {to_polygon(outline->Contour)};
+    for (const ClipperLib::PolyNode* hole : outline->Childs) face.push_back(to_polygon(hole->Contour));
+    faces.push_back(std::move(face));
+    for (const ClipperLib::PolyNode* hole : outline->Childs) add_faces(*hole, faces);
+  }
+}
+
+std::vector<Face> without(const ClipperLib::Paths& paths, const std::vector<Polygon>& holes) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPaths(paths, ClipperLib::ptSubject, true);
+  for (const Polygon& hole : holes) clipper.AddPath(to_path(hole), ClipperLib::ptClip, true);
+  ClipperLib::PolyTree tree;
+  clipper.Execute(ClipperLib::ctDifference, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  std::vector<Face> faces;
+  add_faces(tree, faces);
+  return faces;
 }
 
 ClipperLib::Paths offset(const ClipperLib::Paths& paths, double distance) {
@@ -94,23 +110,17 @@ std::vector<Polygon> inset(const Polygon& polygon, double distance, double small
   return result;
 }
 
-Region expanded_union(const std::vector<Polygon>& polygons, double distance, const std::vector<Polygon>& holes) {
-  ClipperLib::Clipper clipper;
-  for (const Polygon& polygon : polygons)
-    clipper.AddPaths(offset({to_path(polygon)}, distance), ClipperLib::ptSubject, true);
-  for (const Polygon& hole : holes) clipper.AddPath(to_path(hole), ClipperLib::ptClip, true);
-  ClipperLib::Paths result;
-  clipper.Execute(ClipperLib::ctDifference, result, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
-  return to_region(result);
+std::vector<Face> expanded_union(const std::vector<Polygon>& polygons, double distance,
+                                 const std::vector<Polygon>& holes) {
+  ClipperLib::Paths expanded;
+  for (const Polygon& polygon : polygons) {
+    for (ClipperLib::Path& path : offset({to_path(polygon)}, distance)) expanded.push_back(std::move(path));
+  }
+  return without(expanded, holes);
 }
 
-Region difference(const Polygon& polygon, const std::vector<Polygon>& holes) {
-  ClipperLib::Clipper clipper;
-  clipper.AddPath(to_path(polygon), ClipperLib::ptSubject, true);
-  for (const Polygon& hole : holes) clipper.AddPath(to_path(hole), ClipperLib::ptClip, true);
-  ClipperLib::Paths result;
-  clipper.Execute(ClipperLib::ctDifference, result, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
-  return to_region(result);
+std::vector<Face> difference(const Polygon& polygon, const std::vector<Polygon>& holes) {
+  return without({to_path(polygon)}, holes);
 }
 
 }  // namespace supple::tiling

@@ -64,6 +64,16 @@ std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon) {
   return std::nullopt;
 }
 
+double outline_distance(const Polygon& a, const Polygon& b) {
+  double least = INFINITY;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      least = std::min(least, segment_distance(a[i], a[(i + 1) % a.size()], b[j], b[(j + 1) % b.size()]));
+    }
+  }
+  return least;
+}
+
 Polygon placed(const Polygon& polygon, const Placement& placement) {
   Polygon result;
   result.reserve(polygon.size());

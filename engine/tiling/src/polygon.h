@@ -19,6 +19,9 @@ double perimeter(const Polygon& polygon);
 /// k + 1. Quadratic in the number of sides.
 std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon);
 
+/// Least distance between two outlines that do not cross.
+double outline_distance(const Polygon& a, const Polygon& b);
+
 /// Where the placement puts the polygon; counterclockwise again if the placement reflects.
 Polygon placed(const Polygon& polygon, const Placement& placement);
 

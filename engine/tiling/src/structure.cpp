@@ -23,6 +23,62 @@ void scale_by(Tiling& tiling, double scale) {
   tiling.lattice *= scale;
 }
 
+/// Where a tile crosses itself, beams may be thinner than their width by this share.
+constexpr double thinner_beam = 0.01;
+
+/// The translations that may bring a copy of the cell's tiles near the cell: those within twice the tiles' extent.
+std::vector<Eigen::Vector2d> nearby_translations(const Structure& structure) {
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
+  for (const Placement& placement : structure.tiling.placements) {
+    for (const Eigen::Vector2d& p : placed(structure.tiling.tiles[placement.tile], placement)) {
+      lower = lower.cwiseMin(p);
+      upper = upper.cwiseMax(p);
+    }
+  }
+  const Eigen::Matrix2d& lattice = structure.tiling.lattice;
+  const Eigen::Vector2d reach = ((upper - lower).norm() * lattice.inverse().rowwise().norm()).array().ceil();
+  std::vector<Eigen::Vector2d> result;
+  for (double i = -reach[0]; i <= reach[0]; ++i) {
+    for (double j = -reach[1]; j <= reach[1]; ++j) {
+      const Eigen::Vector2d by = lattice * Eigen::Vector2d(i, j);
+      if ((by.cwiseAbs() - (upper - lower)).maxCoeff() <= structure.beam_width) result.push_back(by);
+    }
+  }
+  return result;
+}
+
+/// Every hole keeps half a beam width from the sides of all tiles, not only of its own.
+bool beams_are_whole(const Structure& structure) {
+  const auto& placements = structure.tiling.placements;
+  const double least = (1 - thinner_beam) * structure.beam_width / 2;
+  const std::vector<Eigen::Vector2d> translations = nearby_translations(structure);
+  for (const Placement& of_hole : placements) {
+    for (const Polygon& hole : structure.holes[of_hole.tile]) {
+      const Polygon placed_hole = placed(hole, of_hole);
+      for (const Placement& of_tile : placements) {
+        for (const Eigen::Vector2d& by : translations) {
+          Placement moved = of_tile;
+          moved.offset += by;
+          if (outline_distance(placed_hole, placed(structure.tiling.tiles[moved.tile], moved)) < least) return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+void check_crossings(Structure& structure) {
+  for (const Polygon& tile : structure.tiling.tiles) {
+    const auto crossing = self_intersection(tile);
+    if (!crossing) continue;
+    structure.tiles_cross = true;
+    if (beams_are_whole(structure)) continue;
+    const std::string message = "The tile's sides " + std::to_string(crossing->first) + " and " +
+                                std::to_string(crossing->second) + " cross farther than beams hide.";
+    throw Error("tiling.self_intersecting", "Family " + structure.family + ": " + message, {{"parameters", message}});
+  }
+}
+
 }  // namespace
 
 Structure make_structure(const Family& family, std::span<const double> parameters, double box_margin) {
@@ -40,6 +96,7 @@ Structure make_structure(const Family& family, std::span<const double> parameter
       throw Error("tiling.hole_closed", "Family " + family.id + ": " + message.str(), {{"parameters", message.str()}});
     }
   }
+  check_crossings(structure);
   structure.cell_area = std::abs(structure.tiling.lattice.determinant());
   structure.solid_area = structure.cell_area;
   for (const Placement& placement : structure.tiling.placements) {

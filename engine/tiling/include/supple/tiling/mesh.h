@@ -44,24 +44,34 @@ struct PeriodicMesh {
   Eigen::Vector2d corner(int t, int k) const;
 };
 
+/// What gmsh is given at a time.
+enum class Region {
+  tile,  ///< a tile between its outline (the beams' centre lines) and its holes, once for each kind, and placed copies
+  cell   ///< a parallelogram of the solid: sides of triangles need not follow the beams' centre lines
+};
+
 struct MeshOptions {
   /// Length of a side divided by the beam width, > 0; 1/3 is what published data used.
   double mesh_size = 1.0 / 3.0;
-  /// Size at re-entrant corners of the solid divided by the size elsewhere, in (0, 1]; 1 for a uniform mesh. Grading
-  /// acts within half a beam width of the corner.
+  /// Size at re-entrant corners of the solid divided by the size elsewhere, from 0.001 to 1; 1 for a uniform mesh.
+  /// Grading acts within half a beam width of corners where the hole's angle is below 165 degrees.
   double corner_size = 1.0;
+  /// Structures whose tiles cross themselves are meshed by cells in any case.
+  Region region = Region::tile;
   /// Upper limit of the number of nodes.
   int max_nodes = 2'000'000;
 };
 
-/// Meshes one cell. Every tile of a kind has the same mesh, so that a family's symmetries hold exactly. Deterministic.
+/// Meshes one cell. By tiles, every tile of a kind has the same mesh, so that the symmetries that carry tiles to other
+/// tiles hold exactly. By cells, the parallelogram of the shortest translations is cut where the cuts leave the best
+/// angles and lengths, among 64 origins. Deterministic.
 /// Throws "tiling.mesh_option" (an option out of range, named), "tiling.meshing_failed" (gmsh's message),
 /// "tiling.mesh_not_periodic" (sides of tiles that do not match), "tiling.mesh_too_large" (limit and estimate).
 /// Safe to call from several threads: gmsh has one owner, calls wait for each other.
 PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options = {});
 
-/// The same mesh over first x second cells (both at least 1). Node i of the copy (a, b) is node i + n (a + first b), n
-/// the number of nodes of `mesh`.
+/// The same mesh over first x second cells (both 1 to 100, else "tiling.mesh_option"). Node i of the copy (a, b) is
+/// node i + n (a + first b), n the number of nodes of `mesh`.
 PeriodicMesh repeat(const PeriodicMesh& mesh, int first, int second);
 
 struct MeshStatistics {

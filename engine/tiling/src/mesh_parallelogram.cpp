@@ -1,0 +1,139 @@
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cell_meshes.h"
+#include "polygon.h"
+
+namespace supple::tiling {
+namespace {
+
+/// Vertices closer to a side of the parallelogram (mm) lie on it: Clipper rounds intersections to 1e-9 mm.
+constexpr double on_cut = 1e-7;
+
+/// Origins of the parallelogram are tried on a grid of so many by so many.
+constexpr int origins_per_direction = 8;
+
+/// The shortest translations that span the lattice (Gauss's reduction), so that cuts are short and meet at wide angles.
+Eigen::Matrix2d reduced(Eigen::Matrix2d lattice) {
+  while (true) {
+    if (lattice.col(0).squaredNorm() > lattice.col(1).squaredNorm()) lattice.col(0).swap(lattice.col(1));
+    const double multiple = lattice.col(0).dot(lattice.col(1)) / lattice.col(0).squaredNorm();
+    // Beyond one half by more than rounding, lest two equally short translations take turns for ever.
+    if (std::abs(multiple) < 0.5 + 1e-9) break;
+    lattice.col(1) -= std::round(multiple) * lattice.col(0);
+  }
+  if (lattice.determinant() < 0) lattice.col(1) *= -1;
+  return lattice;
+}
+
+struct Cut {
+  Eigen::Matrix2d lattice;
+  Eigen::Vector2d origin;
+
+  Polygon outline() const {
+    const Eigen::Vector2d a = lattice.col(0), b = lattice.col(1);
+    return {origin, origin + a, origin + a + b, origin + b};
+  }
+  /// From the nearest of the four sides' lines, mm.
+  double distance(const Eigen::Vector2d& p) const {
+    const Eigen::Vector2d at = lattice.inverse() * (p - origin);
+    const Eigen::Vector2d heights = lattice.inverse().rowwise().norm().cwiseInverse();
+    return std::min(std::min(std::abs(at[0]), std::abs(1 - at[0])) * heights[0],
+                    std::min(std::abs(at[1]), std::abs(1 - at[1])) * heights[1]);
+  }
+};
+
+/// The translates of the holes that reach into the parallelogram.
+std::vector<Polygon> holes_within(const std::vector<Polygon>& holes, const Cut& cut) {
+  const Eigen::Matrix2d inverse = cut.lattice.inverse();
+  std::vector<Polygon> result;
+  for (const Polygon& hole : holes) {
+    Eigen::Array2d lower = Eigen::Array2d::Constant(INFINITY), upper = -lower;
+    for (const Eigen::Vector2d& p : hole) {
+      const Eigen::Array2d at = inverse * (p - cut.origin);
+      lower = lower.min(at);
+      upper = upper.max(at);
+    }
+    for (double i = std::ceil(-upper[0]); lower[0] + i < 1; ++i) {
+      for (double j = std::ceil(-upper[1]); lower[1] + j < 1; ++j) {
+        const Eigen::Vector2d by = cut.lattice * Eigen::Vector2d(i, j);
+        Polygon& copy = result.emplace_back(hole);
+        for (Eigen::Vector2d& p : copy) p += by;
+      }
+    }
+  }
+  return result;
+}
+
+/// How well triangles of side `size` fit between cut and holes: the least of the sines of angles at the cut and of the
+/// lengths near it over the size, at most 1.
+double quality(const std::vector<Face>& faces, const Cut& cut, double size) {
+  double worst = 1;
+  for (const Face& face : faces) {
+    for (const Polygon& polygon : face) {
+      const std::size_t n = polygon.size();
+      for (std::size_t k = 0; k < n; ++k) {
+        const double distance = cut.distance(polygon[k]);
+        if (distance > on_cut) {
+          worst = std::min(worst, distance / size);
+          continue;
+        }
+        const Eigen::Vector2d in = polygon[k] - polygon[(k + n - 1) % n], out = polygon[(k + 1) % n] - polygon[k];
+        const double lengths = in.norm() * out.norm();
+        worst = std::min({worst, in.norm() / size, out.norm() / size});
+        // Where the outline goes on along the cut there is no corner.
+        if (in.dot(out) < 0 || std::abs(cross(in, out)) > on_cut * lengths) {
+          worst = std::min(worst, std::abs(cross(in, out)) / lengths);
+        }
+      }
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TriangleSoup mesh_by_parallelogram(const Structure& structure, SizeField size) {
+  std::vector<Polygon> holes;
+  for (const Placement& placement : structure.tiling.placements) {
+    for (const Polygon& hole : structure.holes[placement.tile]) holes.push_back(placed(hole, placement));
+  }
+  Cut best = {reduced(structure.tiling.lattice), Eigen::Vector2d::Zero()};
+  std::vector<Face> faces;
+  double best_quality = -1;
+  for (int i = 0; i < origins_per_direction; ++i) {
+    for (int j = 0; j < origins_per_direction; ++j) {
+      const Cut cut = {best.lattice, best.lattice * Eigen::Vector2d(i, j) / origins_per_direction};
+      std::vector<Face> candidate = difference(cut.outline(), holes_within(holes, cut));
+      const double candidate_quality = quality(candidate, cut, size.largest());
+      if (candidate_quality > best_quality) {
+        best_quality = candidate_quality;
+        best = cut;
+        faces = std::move(candidate);
+      }
+    }
+  }
+
+  size.repeat_corners(best.lattice, best.origin);
+  TriangleSoup soup;
+  for (Face& face : faces) {
+    for (Polygon& polygon : face) {
+      Polygon divided;
+      for (std::size_t k = 0; k < polygon.size(); ++k) {
+        divided.push_back(polygon[k]);
+        for (const Eigen::Vector2d& p : size.divide(polygon[k], polygon[(k + 1) % polygon.size()]))
+          divided.push_back(p);
+      }
+      polygon = std::move(divided);
+    }
+  }
+  PlanarMesh mesh = triangulate(faces, size);
+  for (const Eigen::Vector2d& p : mesh.points) soup.seam.push_back(best.distance(p) < on_cut);
+  soup.points = std::move(mesh.points);
+  soup.triangles = std::move(mesh.triangles);
+  return soup;
+}
+
+}  // namespace supple::tiling
