@@ -16,8 +16,9 @@ struct Structure {
   double scale = 1;                        ///< mm per tiling unit
   Tiling tiling;                           ///< scaled to mm
   /// For each tile its holes (counterclockwise): the points inside the tile that are farther than half a beam width
-  /// from its outline, by Clipper's mitred offset. A tile may have several holes, or none where the family allows it.
-  /// Holes narrower than 0.5 % of the beam width are left out and sides of holes shorter than that are points.
+  /// from its outline (winding number 1, mitred corners). A tile may have several holes, or none where the family
+  /// allows it. Holes narrower than 0.5 % of the beam width are left out and sides of holes shorter than that are
+  /// points.
   std::vector<std::vector<Polygon>> holes;
   /// Whether a tile's outline crosses or touches itself, which its beams hide.
   bool tiles_cross = false;
@@ -27,8 +28,7 @@ struct Structure {
 
 /// Checks the parameters (see `tiling_of`) and makes the beams. Throws what `tiling_of` throws, "tiling.hole_closed"
 /// where the beams swallow a hole of a family that has none closed, and "tiling.self_intersecting" (the sides that
-/// cross named) where a tile crosses itself so far that a beam runs through a hole or is thinner than its width by over
-/// 1 %.
+/// cross named) where a tile crosses itself so far that a beam is left with less than half its width.
 Structure make_structure(const Family& family, std::span<const double> parameters, double box_margin = 0);
 
 }  // namespace supple::tiling
