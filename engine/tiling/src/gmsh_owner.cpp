@@ -62,6 +62,7 @@ class GmshOwner {
     gmsh::option::setNumber("General.NumThreads", 1);
     gmsh::option::setNumber("Mesh.RandomFactor", 1e-9);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
+    gmsh::option::setNumber("Mesh.Smoothing", 0);
     gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
     gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 1);
   }

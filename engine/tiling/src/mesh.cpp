@@ -19,6 +19,9 @@ constexpr double smallest_corner_size = 1e-3;
 /// The triangles have the solid's area to this relative error.
 constexpr double area_tolerance = 1e-7;
 
+/// Meshes by tiles that have a smaller angle (rad) than this are tried by cells: some 20 degrees.
+constexpr double acceptable_angle = 0.35;
+
 void check(const MeshOptions& options) {
   std::vector<Error::Detail> details;
   const auto require = [&](bool holds, const char* where, const std::string& message) {
@@ -46,34 +49,44 @@ double twice_area(const PeriodicMesh& mesh, int t) {
   return cross(mesh.corner(t, 1) - a, mesh.corner(t, 2) - a);
 }
 
+void check_area(const PeriodicMesh& mesh, const Structure& structure) {
+  const double solid_area = mesh.solid_area();
+  if (std::abs(solid_area - structure.solid_area) <= area_tolerance * structure.cell_area) return;
+  std::ostringstream message;
+  message << "The triangles cover " << solid_area << " mm^2 of a solid of " << structure.solid_area << " mm^2.";
+  throw Error("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});
+}
+
 }  // namespace
 
 PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options) {
   check(options);
-  SizeField size(options, structure.beam_width);
   double outline_length = 0;
-  for (const auto& holes : structure.holes) {
-    for (const Polygon& hole : holes) size.add_corners(hole);
-  }
+  double corners = 0;
   for (const Placement& placement : structure.tiling.placements) {
-    for (const Polygon& hole : structure.holes[placement.tile]) outline_length += perimeter(hole);
+    for (const Polygon& hole : structure.holes[placement.tile]) {
+      outline_length += perimeter(hole);
+      corners += static_cast<double>(hole.size());
+    }
   }
-  const int copies = static_cast<int>(structure.tiling.placements.size() / structure.tiling.tiles.size());
-  check_number_of_nodes(size.expected_nodes(structure.solid_area, copies), options, "would have about");
+  const SizeField size(options, structure.beam_width);
+  check_number_of_nodes(size.expected_nodes(structure.solid_area, corners), options, "would have about");
 
-  const bool by_tiles = options.region == Region::tile && !structure.tiles_cross;
-  const TriangleSoup soup = by_tiles ? mesh_by_tiles(structure, size) : mesh_by_parallelogram(structure, size);
-  PeriodicMesh mesh = wrap(soup, structure.tiling.lattice, outline_length);
-  mesh.mesh_size = size.largest();
-  mesh.beam_width = structure.beam_width;
-  check_number_of_nodes(static_cast<double>(mesh.nodes.cols()), options, "has");
-  const double solid_area = mesh.solid_area();
-  if (std::abs(solid_area - structure.solid_area) > area_tolerance * structure.cell_area) {
-    std::ostringstream message;
-    message << "The triangles cover " << solid_area << " mm^2 of a solid of " << structure.solid_area << " mm^2.";
-    throw Error("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});
-  }
-  return mesh;
+  const auto finish = [&](const TriangleSoup& soup) {
+    PeriodicMesh mesh = wrap(soup, structure.tiling.lattice, outline_length);
+    mesh.mesh_size = size.largest();
+    mesh.beam_width = structure.beam_width;
+    check_number_of_nodes(static_cast<double>(mesh.nodes.cols()), options, "has");
+    check_area(mesh, structure);
+    return mesh;
+  };
+  if (options.region == Region::cell || structure.tiles_cross) return finish(mesh_by_parallelogram(structure, size));
+  PeriodicMesh by_tiles = finish(mesh_by_tiles(structure, size));
+  if (options.region == Region::tile) return by_tiles;
+  const double smallest_angle = statistics(by_tiles).smallest_angle;
+  if (smallest_angle >= acceptable_angle) return by_tiles;
+  PeriodicMesh by_cell = finish(mesh_by_parallelogram(structure, size));
+  return statistics(by_cell).smallest_angle > smallest_angle ? by_cell : by_tiles;
 }
 
 PeriodicMesh repeat(const PeriodicMesh& mesh, int first, int second) {

@@ -12,8 +12,9 @@ namespace {
 /// Vertices closer to a side of the parallelogram (mm) lie on it: Clipper rounds intersections to 1e-9 mm.
 constexpr double on_cut = 1e-7;
 
-/// Origins of the parallelogram are tried on a grid of so many by so many.
-constexpr int origins_per_direction = 8;
+/// Lines tried in each direction of the lattice, and how many of the best are combined to parallelograms.
+constexpr int lines_per_direction = 64;
+constexpr int combined_lines = 4;
 
 /// The shortest translations that span the lattice (Gauss's reduction), so that cuts are short and meet at wide angles.
 Eigen::Matrix2d reduced(Eigen::Matrix2d lattice) {
@@ -67,6 +68,41 @@ std::vector<Polygon> holes_within(const std::vector<Polygon>& holes, const Cut& 
   return result;
 }
 
+/// How well triangles of side `size` fit between the holes and the line of lattice coordinate `direction` = `at`: the
+/// least of the sines of the angles at which it cuts holes and of the distances of their vertices over the size, at
+/// most 1.
+double line_quality(const std::vector<Polygon>& holes, const Eigen::Matrix2d& lattice, int direction, double at,
+                    double size) {
+  const Eigen::RowVector2d coordinate = lattice.inverse().row(direction);
+  const double height = 1 / coordinate.norm();
+  double worst = 1;
+  for (const Polygon& hole : holes) {
+    for (std::size_t k = 0; k < hole.size(); ++k) {
+      const Eigen::Vector2d side = hole[(k + 1) % hole.size()] - hole[k];
+      // Relative to the line; the side's translates cross it if there is an integer between its ends.
+      const double from = coordinate.dot(hole[k]) - at, to = from + coordinate.dot(side);
+      worst = std::min(worst, std::abs(from - std::round(from)) * height / size);
+      if (std::floor(from) != std::floor(to)) {
+        worst = std::min(worst, std::abs(to - from) * height / side.norm());
+      }
+    }
+  }
+  return worst;
+}
+
+std::vector<double> best_lines(const std::vector<Polygon>& holes, const Eigen::Matrix2d& lattice, int direction,
+                               double size) {
+  std::vector<std::pair<double, double>> lines;  // quality, where
+  for (int k = 0; k < lines_per_direction; ++k) {
+    const double at = static_cast<double>(k) / lines_per_direction;
+    lines.emplace_back(line_quality(holes, lattice, direction, at, size), at);
+  }
+  std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<double> best;
+  for (int k = 0; k < combined_lines; ++k) best.push_back(lines[k].second);
+  return best;
+}
+
 /// How well triangles of side `size` fit between cut and holes: the least of the sines of angles at the cut and of the
 /// lengths near it over the size, at most 1.
 double quality(const std::vector<Face>& faces, const Cut& cut, double size) {
@@ -103,9 +139,11 @@ TriangleSoup mesh_by_parallelogram(const Structure& structure, SizeField size) {
   Cut best = {reduced(structure.tiling.lattice), Eigen::Vector2d::Zero()};
   std::vector<Face> faces;
   double best_quality = -1;
-  for (int i = 0; i < origins_per_direction; ++i) {
-    for (int j = 0; j < origins_per_direction; ++j) {
-      const Cut cut = {best.lattice, best.lattice * Eigen::Vector2d(i, j) / origins_per_direction};
+  const std::vector<double> along_second = best_lines(holes, best.lattice, 0, size.largest());
+  const std::vector<double> along_first = best_lines(holes, best.lattice, 1, size.largest());
+  for (const double u : along_second) {
+    for (const double v : along_first) {
+      const Cut cut = {best.lattice, best.lattice * Eigen::Vector2d(u, v)};
       std::vector<Face> candidate = difference(cut.outline(), holes_within(holes, cut));
       const double candidate_quality = quality(candidate, cut, size.largest());
       if (candidate_quality > best_quality) {
@@ -116,6 +154,7 @@ TriangleSoup mesh_by_parallelogram(const Structure& structure, SizeField size) {
     }
   }
 
+  for (const Polygon& hole : holes) size.add_corners(hole);
   size.repeat_corners(best.lattice, best.origin);
   TriangleSoup soup;
   for (Face& face : faces) {

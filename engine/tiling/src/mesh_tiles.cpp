@@ -27,10 +27,13 @@ Polygon divided_hole(const Polygon& hole, const SizeField& size) {
 
 }  // namespace
 
-TriangleSoup mesh_by_tiles(const Structure& structure, const SizeField& size) {
+TriangleSoup mesh_by_tiles(const Structure& structure, SizeField size) {
   std::vector<PlanarMesh> rings;
   std::vector<std::size_t> outline_points;
   for (std::size_t k = 0; k < structure.tiling.tiles.size(); ++k) {
+    // Corners of the holes of other tiles are at least half a beam width from this one: they do not reach it.
+    size.remove_corners();
+    for (const Polygon& hole : structure.holes[k]) size.add_corners(hole);
     Face ring = {divided_outline(structure.tiling.tiles[k], size.largest())};
     for (const Polygon& hole : structure.holes[k]) ring.push_back(divided_hole(hole, size));
     outline_points.push_back(ring[0].size());

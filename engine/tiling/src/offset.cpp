@@ -18,6 +18,9 @@ constexpr double units_per_millimetre = 1e9;
 /// are about to fold back onto themselves.
 constexpr double mitre_limit = 20;
 
+/// The beams of a folded part are mitred no farther than this: the rule of the published data.
+constexpr double fold_mitre_limit = 2;
+
 /// Vertices closer than this (mm) to the line through their neighbours are no corners.
 constexpr double straightness = 1e-7;
 
@@ -61,8 +64,8 @@ std::vector<Face> without(const ClipperLib::Paths& paths, const std::vector<Poly
   return faces;
 }
 
-ClipperLib::Paths offset(const ClipperLib::Paths& paths, double distance) {
-  ClipperLib::ClipperOffset clipper(mitre_limit);
+ClipperLib::Paths offset(const ClipperLib::Paths& paths, double distance, double limit) {
+  ClipperLib::ClipperOffset clipper(limit);
   clipper.AddPaths(paths, ClipperLib::jtMiter, ClipperLib::etClosedPolygon);
   ClipperLib::Paths result;
   clipper.Execute(result, distance * units_per_millimetre);
@@ -97,11 +100,9 @@ void simplify(Polygon& polygon, double smallest_side) {
   }
 }
 
-}  // namespace
-
-std::vector<Polygon> inset(const Polygon& polygon, double distance, double smallest_width) {
+std::vector<Polygon> to_holes(const ClipperLib::Paths& paths, double smallest_width) {
   std::vector<Polygon> result;
-  for (const ClipperLib::Path& path : offset({to_path(polygon)}, -distance)) {
+  for (const ClipperLib::Path& path : paths) {
     Polygon hole = to_polygon(path);
     simplify(hole, smallest_width);
     // Twice the area over the perimeter is the width of a long strip and half that of a square.
@@ -110,11 +111,41 @@ std::vector<Polygon> inset(const Polygon& polygon, double distance, double small
   return result;
 }
 
+}  // namespace
+
+std::vector<Polygon> inset(const Polygon& polygon, double distance, double smallest_width) {
+  return to_holes(offset({to_path(polygon)}, -distance, mitre_limit), smallest_width);
+}
+
+std::vector<Polygon> folds(const Polygon& polygon, double distance) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPath(to_path(polygon), ClipperLib::ptSubject, true);
+  ClipperLib::Paths backwards;
+  clipper.Execute(ClipperLib::ctUnion, backwards, ClipperLib::pftNegative, ClipperLib::pftNegative);
+  std::vector<Polygon> result;
+  for (ClipperLib::Path& path : backwards) {
+    if (!ClipperLib::Orientation(path)) ClipperLib::ReversePath(path);
+    for (const ClipperLib::Path& larger : offset({path}, distance, fold_mitre_limit))
+      result.push_back(to_polygon(larger));
+  }
+  return result;
+}
+
+std::vector<Polygon> hole_outside(const Polygon& hole, const std::vector<Polygon>& solid, double smallest_width) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPath(to_path(hole), ClipperLib::ptSubject, true);
+  for (const Polygon& polygon : solid) clipper.AddPath(to_path(polygon), ClipperLib::ptClip, true);
+  ClipperLib::Paths rest;
+  clipper.Execute(ClipperLib::ctDifference, rest, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  return to_holes(rest, smallest_width);
+}
+
 std::vector<Face> expanded_union(const std::vector<Polygon>& polygons, double distance,
                                  const std::vector<Polygon>& holes) {
   ClipperLib::Paths expanded;
   for (const Polygon& polygon : polygons) {
-    for (ClipperLib::Path& path : offset({to_path(polygon)}, distance)) expanded.push_back(std::move(path));
+    for (ClipperLib::Path& path : offset({to_path(polygon)}, distance, mitre_limit))
+      expanded.push_back(std::move(path));
   }
   return without(expanded, holes);
 }

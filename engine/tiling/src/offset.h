@@ -14,6 +14,13 @@ using Face = std::vector<Polygon>;
 /// shorter than it are merged into a point.
 std::vector<Polygon> inset(const Polygon& polygon, double distance, double smallest_width);
 
+/// Where the polygon's outline crosses itself it runs backwards around some of its parts: those parts, made larger by
+/// `distance` (mm) on all sides, corners mitred up to twice the distance. Counterclockwise; none for a simple polygon.
+std::vector<Polygon> folds(const Polygon& polygon, double distance);
+
+/// What remains of a hole outside the given counterclockwise polygons, under the same rules as `inset`.
+std::vector<Polygon> hole_outside(const Polygon& hole, const std::vector<Polygon>& solid, double smallest_width);
+
 /// The polygons' union, each first made larger by `distance` (mm) on all sides, without the holes.
 std::vector<Face> expanded_union(const std::vector<Polygon>& polygons, double distance,
                                  const std::vector<Polygon>& holes);

@@ -63,15 +63,14 @@ double SizeField::operator()(const Eigen::Vector2d& p) const {
   return size_ * (corner_size_ + (1 - corner_size_) * std::sqrt(squared) / radius_);
 }
 
-double SizeField::expected_nodes(double solid_area, int copies) const {
+double SizeField::expected_nodes(double solid_area, double corners) const {
   double triangles = solid_area / (area_per_square * size_ * size_);
   if (corner_size_ < 1) {
     // The integral of 2 pi r dr / size(r)^2 over the discs around corners; a quarter of a disc is taken off for the
     // hole.
     const double c = corner_size_;
     const double integral = (std::log(1 / c) + c - 1) / ((1 - c) * (1 - c));
-    triangles += copies * static_cast<double>(corners_.size()) * 1.5 * std::numbers::pi * radius_ * radius_ * integral /
-                 (area_per_square * size_ * size_);
+    triangles += corners * 1.5 * std::numbers::pi * radius_ * radius_ * integral / (area_per_square * size_ * size_);
   }
   return nodes_per_triangle * triangles;
 }

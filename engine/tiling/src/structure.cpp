@@ -72,11 +72,46 @@ double least_gap(const Structure& structure) {
   return least;
 }
 
+/// Where a tile crosses itself the beams around its folded parts run through the holes of other tiles: takes them out
+/// of the holes.
+void keep_folded_beams(Structure& structure) {
+  std::vector<Polygon> solid;
+  const std::vector<Eigen::Vector2d> translations = nearby_translations(structure);
+  for (const Placement& placement : structure.tiling.placements) {
+    for (const Polygon& fold : folds(structure.tiling.tiles[placement.tile], structure.beam_width / 2)) {
+      for (const Eigen::Vector2d& by : translations) {
+        Placement moved = placement;
+        moved.offset += by;
+        solid.push_back(placed(fold, moved));
+      }
+    }
+  }
+  if (solid.empty()) return;
+  // Copies of a tile are cut alike: the holes of the tile itself, by the folds as seen from its first placement.
+  for (std::size_t tile = 0; tile < structure.holes.size(); ++tile) {
+    const auto& placements = structure.tiling.placements;
+    const auto of_tile = std::find_if(placements.begin(), placements.end(),
+                                      [tile](const Placement& p) { return p.tile == static_cast<int>(tile); });
+    Placement back;
+    back.linear = of_tile->linear.transpose();
+    back.offset = -back.linear * of_tile->offset;
+    std::vector<Polygon> seen;
+    for (const Polygon& polygon : solid) seen.push_back(placed(polygon, back));
+    std::vector<Polygon> rest;
+    for (const Polygon& hole : structure.holes[tile]) {
+      for (Polygon& part : hole_outside(hole, seen, smallest_hole * structure.beam_width))
+        rest.push_back(std::move(part));
+    }
+    structure.holes[tile] = std::move(rest);
+  }
+}
+
 void check_crossings(Structure& structure) {
   for (const Polygon& tile : structure.tiling.tiles) {
     const auto crossing = self_intersection(tile);
     if (!crossing) continue;
     structure.tiles_cross = true;
+    keep_folded_beams(structure);
     if (least_gap(structure) >= thinnest_beam * structure.beam_width) continue;
     const std::string message = "The tile's sides " + std::to_string(crossing->first) + " and " +
                                 std::to_string(crossing->second) + " cross farther than beams hide.";
@@ -93,15 +128,16 @@ Structure make_structure(const Family& family, std::span<const double> parameter
   structure.tiling = tiling_of(family, parameters, box_margin);
   structure.scale = structure.beam_width / family.beam_width;
   scale_by(structure.tiling, structure.scale);
-  for (const Polygon& tile : structure.tiling.tiles) {
+  for (const Polygon& tile : structure.tiling.tiles)
     structure.holes.push_back(inset(tile, structure.beam_width / 2, smallest_hole * structure.beam_width));
-    if (structure.holes.back().empty() && !family.holes_may_close) {
-      std::ostringstream message;
-      message << "Beams of " << structure.beam_width << " mm leave no hole in a tile of " << area(tile) << " mm^2.";
-      throw Error("tiling.hole_closed", "Family " + family.id + ": " + message.str(), {{"parameters", message.str()}});
-    }
-  }
   check_crossings(structure);
+  for (std::size_t k = 0; k < structure.holes.size() && !family.holes_may_close; ++k) {
+    if (!structure.holes[k].empty()) continue;
+    std::ostringstream message;
+    message << "Beams of " << structure.beam_width << " mm leave no hole in a tile of "
+            << area(structure.tiling.tiles[k]) << " mm^2.";
+    throw Error("tiling.hole_closed", "Family " + family.id + ": " + message.str(), {{"parameters", message.str()}});
+  }
   structure.cell_area = std::abs(structure.tiling.lattice.determinant());
   structure.solid_area = structure.cell_area;
   for (const Placement& placement : structure.tiling.placements) {

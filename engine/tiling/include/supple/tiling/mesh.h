@@ -46,6 +46,7 @@ struct PeriodicMesh {
 
 /// What gmsh is given at a time.
 enum class Region {
+  automatic,  ///< tile; if a triangle has an angle below 20 degrees, the better of tile and cell
   tile,  ///< a tile between its outline (the beams' centre lines) and its holes, once for each kind, and placed copies
   cell   ///< a parallelogram of the solid: sides of triangles need not follow the beams' centre lines
 };
@@ -57,14 +58,14 @@ struct MeshOptions {
   /// Grading acts within half a beam width of corners where the hole's angle is below 165 degrees.
   double corner_size = 1.0;
   /// Structures whose tiles cross themselves are meshed by cells in any case.
-  Region region = Region::tile;
+  Region region = Region::automatic;
   /// Upper limit of the number of nodes.
   int max_nodes = 2'000'000;
 };
 
 /// Meshes one cell. By tiles, every tile of a kind has the same mesh, so that the symmetries that carry tiles to other
 /// tiles hold exactly. By cells, the parallelogram of the shortest translations is cut where the cuts leave the best
-/// angles and lengths, among 64 origins. Deterministic.
+/// angles and lengths. Deterministic.
 /// Throws "tiling.mesh_option" (an option out of range, named), "tiling.meshing_failed" (gmsh's message),
 /// "tiling.mesh_not_periodic" (sides of tiles that do not match), "tiling.mesh_too_large" (limit and estimate).
 /// Safe to call from several threads: gmsh has one owner, calls wait for each other.
