@@ -53,6 +53,7 @@ EquilibriumPath::EquilibriumPath(CellModel& model, Eigen::VectorXd x, CellObject
       execution_(execution),
       objective_(model, std::move(x), std::move(free), execution.cost),
       step_(options.max_load_step) {
+  cholesky_.bill_to(execution.cost);
   model_.prepare(objective_.x(), Eigen::VectorXd::Zero(objective_.x().size()), execution_.cost);
 }
 
@@ -164,7 +165,8 @@ bool EquilibriumPath::try_increment(double share, const Eigen::Vector4d& change,
 }
 
 bool EquilibriumPath::minimize_energy() {
-  const Execution inner{execution_.cancellation, nullptr, execution_.cost};
+  // The terms and the factorization write their own bills.
+  const Execution inner{execution_.cancellation, nullptr, nullptr};
   for (int raises = 0;; ++raises) {
     numerics::MinimizerOptions options;
     options.gradient_tolerance = options_.tolerance * model_.elastic().force_scale(objective_.x());
@@ -220,7 +222,6 @@ bool EquilibriumPath::finish_equilibrium(const numerics::MinimizerResult& result
 }
 
 bool EquilibriumPath::solve_for_strains() {
-  const StageTimer timer(execution_.cost, "solve");
   const Eigen::MatrixXd& right = objective_.strain_columns();
   const double size = right.norm();
   response_ = -cholesky_.solve_core(right);

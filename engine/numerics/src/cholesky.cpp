@@ -35,6 +35,7 @@ struct ShiftedCholesky::Implementation {
   Pattern pattern;
   bool last_was_sparse = false;
   int analyses = 0;
+  CostLedger* cost = nullptr;
   // Of a bordered matrix: H = [core border; border^T corner].
   Eigen::MatrixXd border;
   Eigen::MatrixXd core_inverse_border;
@@ -90,6 +91,7 @@ ShiftedCholesky::ShiftedCholesky() : implementation_(std::make_unique<Implementa
 ShiftedCholesky::~ShiftedCholesky() = default;
 
 bool ShiftedCholesky::factorize(const Hessian& hessian, double shift) {
+  const StageTimer timer(implementation_->cost, "factorization");
   implementation_->border.resize(0, 0);
   if (const auto* bordered = std::get_if<std::shared_ptr<const BorderedMatrix>>(&hessian))
     return implementation_->factorize_bordered(**bordered, shift);
@@ -101,6 +103,7 @@ bool ShiftedCholesky::factorize(const Hessian& hessian, double shift) {
 }
 
 Eigen::VectorXd ShiftedCholesky::solve(const Eigen::VectorXd& b) const {
+  const StageTimer timer(implementation_->cost, "solve");
   const Eigen::MatrixXd& border = implementation_->border;
   if (border.cols() == 0) return implementation_->solve_core(b);
   Eigen::VectorXd x(b.size());
@@ -111,9 +114,14 @@ Eigen::VectorXd ShiftedCholesky::solve(const Eigen::VectorXd& b) const {
   return x;
 }
 
-Eigen::MatrixXd ShiftedCholesky::solve_core(const Eigen::MatrixXd& b) const { return implementation_->solve_core(b); }
+Eigen::MatrixXd ShiftedCholesky::solve_core(const Eigen::MatrixXd& b) const {
+  const StageTimer timer(implementation_->cost, "solve");
+  return implementation_->solve_core(b);
+}
 
 int ShiftedCholesky::analyses() const { return implementation_->analyses; }
+
+void ShiftedCholesky::bill_to(CostLedger* cost) { implementation_->cost = cost; }
 
 double diagonal_scale(const Hessian& hessian) {
   double sum = 0;

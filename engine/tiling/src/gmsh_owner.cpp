@@ -20,6 +20,9 @@ constexpr std::array<int, 3> algorithms = {6 /* frontal Delaunay */, 5 /* Delaun
 /// A mesh fills its faces if the areas agree to this relative error.
 constexpr double area_tolerance = 1e-9;
 
+/// Points inside lie on multiples of this, mm: far above rounding errors, far below any length that matters.
+constexpr double grid = 0x1p-32;
+
 class GmshOwner {
  public:
   static GmshOwner& instance() {
@@ -62,7 +65,6 @@ class GmshOwner {
     gmsh::option::setNumber("General.NumThreads", 1);
     gmsh::option::setNumber("Mesh.RandomFactor", 1e-9);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
-    gmsh::option::setNumber("Mesh.Smoothing", 0);
     gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
     gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 1);
   }
@@ -99,6 +101,10 @@ class GmshOwner {
     gmsh::model::geo::synchronize();
   }
 
+  // gmsh adds up over neighbours in the order of their addresses in memory, which other threads decide: the last bits
+  // of its points differ from call to call. The vertices that were given keep theirs.
+  static double rounded(double coordinate) { return std::round(coordinate / grid) * grid; }
+
   static PlanarMesh read(const std::vector<Face>& faces) {
     std::size_t boundary = 0;
     for (const Face& face : faces) {
@@ -112,7 +118,8 @@ class GmshOwner {
       gmsh::model::mesh::getNodes(tags, coordinates, parametric, dimension, tag);
       for (std::size_t k = 0; k < tags.size(); ++k) {
         index.emplace(tags[k], static_cast<int>(mesh.points.size()));
-        mesh.points.emplace_back(coordinates[3 * k], coordinates[3 * k + 1]);
+        const double x = coordinates[3 * k], y = coordinates[3 * k + 1];
+        mesh.points.emplace_back(dimension == 0 ? x : rounded(x), dimension == 0 ? y : rounded(y));
       }
     };
     for (std::size_t tag = 1; tag <= boundary; ++tag) add_nodes(0, static_cast<int>(tag));

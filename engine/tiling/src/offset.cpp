@@ -21,6 +21,9 @@ constexpr double mitre_limit = 20;
 /// The beams of a folded part are mitred no farther than this: the rule of the published data.
 constexpr double fold_mitre_limit = 2;
 
+/// The same around the rim of a patch, whose sharp corners carry no load.
+constexpr double outer_mitre_limit = 2;
+
 /// Vertices closer than this (mm) to the line through their neighbours are no corners.
 constexpr double straightness = 1e-7;
 
@@ -141,13 +144,20 @@ std::vector<Polygon> hole_outside(const Polygon& hole, const std::vector<Polygon
 }
 
 std::vector<Face> expanded_union(const std::vector<Polygon>& polygons, double distance,
-                                 const std::vector<Polygon>& holes) {
+                                 const std::vector<Polygon>& holes, double smallest_side) {
   ClipperLib::Paths expanded;
   for (const Polygon& polygon : polygons) {
-    for (ClipperLib::Path& path : offset({to_path(polygon)}, distance, mitre_limit))
+    for (ClipperLib::Path& path : offset({to_path(polygon)}, distance, outer_mitre_limit)) {
       expanded.push_back(std::move(path));
+    }
   }
-  return without(expanded, holes);
+  std::vector<Face> faces = without(expanded, holes);
+  for (Face& face : faces) {
+    for (Polygon& polygon : face) simplify(polygon, smallest_side);
+    std::erase_if(face, [](const Polygon& polygon) { return polygon.size() < 3; });
+  }
+  std::erase_if(faces, [](const Face& face) { return face.empty(); });
+  return faces;
 }
 
 std::vector<Face> difference(const Polygon& polygon, const std::vector<Polygon>& holes) {

@@ -21,9 +21,10 @@ std::vector<Polygon> folds(const Polygon& polygon, double distance);
 /// What remains of a hole outside the given counterclockwise polygons, under the same rules as `inset`.
 std::vector<Polygon> hole_outside(const Polygon& hole, const std::vector<Polygon>& solid, double smallest_width);
 
-/// The polygons' union, each first made larger by `distance` (mm) on all sides, without the holes.
+/// The polygons' union, each first made larger by `distance` (mm) on all sides, without the holes. Sides shorter than
+/// `smallest_side` are merged into a point.
 std::vector<Face> expanded_union(const std::vector<Polygon>& polygons, double distance,
-                                 const std::vector<Polygon>& holes);
+                                 const std::vector<Polygon>& holes, double smallest_side);
 
 /// What of the polygon lies outside the holes, which may cross its outline but not each other.
 std::vector<Face> difference(const Polygon& polygon, const std::vector<Polygon>& holes);

@@ -117,7 +117,8 @@ class Simulator {
 
   /// Follows the load's path from rest. Throws "simulation.invalid_load" (a stretch or strain out of range, a state
   /// named; F must have det > 0). A path that cannot be followed to its end is no error: the last state says why.
-  /// Bills the stages "assembly", "factorization", "solve", "contact", "modes"; reports progress by states.
+  /// Bills the stages "assembly", "factorization", "solve", "contact search" and "patch stability"; reports progress by
+  /// states.
   SimulationResult run(const Load& load, const Execution& execution = {});
 
   const tiling::PeriodicMesh& mesh() const;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "supple/base/cost_ledger.h"
 #include "supple/numerics/objective.h"
 
 namespace supple::numerics {
@@ -13,7 +14,8 @@ inline constexpr Eigen::Index dense_cholesky_limit = 64;
 
 /// Cholesky factorization of H + shift I. Dense matrices and small ones by Eigen's LLT, O(n^3); sparse ones by a
 /// multifrontal method on CHOLMOD's ordering and supernodes (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic
-/// analysis is kept for as long as the pattern stays. Of a bordered matrix the core is factorized so, and the corner's Schur complement as a dense matrix.
+/// analysis is kept for as long as the pattern stays. Of a bordered matrix the core is factorized so, and the corner's
+/// Schur complement as a dense matrix.
 class ShiftedCholesky {
  public:
   ShiftedCholesky();
@@ -32,6 +34,9 @@ class ShiftedCholesky {
 
   /// How often a sparse pattern was analysed.
   int analyses() const;
+
+  /// From now on bills the stages "factorization" and "solve" to the ledger, which outlives this; null for none.
+  void bill_to(CostLedger* cost);
 
  private:
   struct Implementation;

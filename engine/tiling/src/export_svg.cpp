@@ -1,0 +1,31 @@
+#include <algorithm>
+#include <cmath>
+
+#include "solid_patch.h"
+
+namespace supple::tiling {
+
+std::string write_svg(const Structure& structure, const ExportOptions& options) {
+  const std::vector<Face> faces = solid_patch(structure, options);
+  Eigen::Vector2d half = Eigen::Vector2d::Zero();
+  std::string path;
+  for (const Face& face : faces) {
+    for (const Polygon& polygon : face) {
+      char command = 'M';
+      for (const Eigen::Vector2d& p : polygon) {
+        half = half.cwiseMax(p.cwiseAbs());
+        // SVG's y points down.
+        path += command + decimal(p.x()) + " " + decimal(-p.y());
+        command = 'L';
+      }
+      path += "Z\n";
+    }
+  }
+  const std::string width = decimal(2 * half.x()), height = decimal(2 * half.y());
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width +
+         "mm\" height=\"" + height + "mm\" viewBox=\"" + decimal(-half.x()) + " " + decimal(-half.y()) + " " + width +
+         " " + height + "\">\n<title>" + structure.family + "</title>\n<path fill-rule=\"evenodd\" d=\"" + path +
+         "\"/>\n</svg>\n";
+}
+
+}  // namespace supple::tiling

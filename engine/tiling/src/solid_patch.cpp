@@ -1,0 +1,73 @@
+#include "solid_patch.h"
+
+#include <Eigen/LU>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "polygon.h"
+#include "supple/base/error.h"
+
+namespace supple::tiling {
+namespace {
+
+constexpr int most_cells = 100;
+constexpr double greatest_height = 1000;  // mm
+
+/// Sides of the outline that are shorter (beam widths) are points, as they are in holes.
+constexpr double smallest_side = 0.005;
+
+void check(const ExportOptions& options) {
+  std::vector<Error::Detail> details;
+  const auto check_count = [&](const char* where, int count) {
+    if (count >= 1 && count <= most_cells) return;
+    details.push_back({where, "must be from 1 to 100 cells, but is " + std::to_string(count)});
+  };
+  check_count("first", options.first);
+  check_count("second", options.second);
+  if (!(options.height > 0 && options.height <= greatest_height)) {
+    details.push_back({"height", "must be above 0 and at most 1000 mm, but is " + std::to_string(options.height)});
+  }
+  if (details.empty()) return;
+  throw Error("tiling.export_option", "Export option " + details[0].where + " " + details[0].message + ".", details);
+}
+
+}  // namespace
+
+std::vector<Face> solid_patch(const Structure& structure, const ExportOptions& options) {
+  check(options);
+  const Eigen::Matrix2d& lattice = structure.tiling.lattice;
+  std::vector<Polygon> tiles, holes;
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
+  for (int b = 0; b < options.second; ++b) {
+    for (int a = 0; a < options.first; ++a) {
+      for (Placement placement : structure.tiling.placements) {
+        placement.offset += lattice * Eigen::Vector2d(a, b);
+        tiles.push_back(placed(structure.tiling.tiles[placement.tile], placement));
+        for (const Eigen::Vector2d& p : tiles.back()) {
+          lower = lower.cwiseMin(p);
+          upper = upper.cwiseMax(p);
+        }
+        for (const Polygon& hole : structure.holes[placement.tile]) holes.push_back(placed(hole, placement));
+      }
+    }
+  }
+  const Eigen::Vector2d centre = (lower + upper) / 2;
+  for (auto* polygons : {&tiles, &holes}) {
+    for (Polygon& polygon : *polygons) {
+      for (Eigen::Vector2d& p : polygon) p -= centre;
+    }
+  }
+  return expanded_union(tiles, structure.beam_width / 2, holes, smallest_side * structure.beam_width);
+}
+
+std::string decimal(double value, int digits) {
+  std::array<char, 64> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, digits).ptr;
+  std::string result(text.data(), end);
+  result.erase(result.find_last_not_of('0') + 1);
+  if (result.back() == '.') result.pop_back();
+  return result == "-0" ? "0" : result;
+}
+
+}  // namespace supple::tiling
