@@ -2,10 +2,13 @@
 
 #include <gmsh.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "polygon.h"
 #include "supple/base/error.h"
@@ -20,7 +23,9 @@ constexpr std::array<int, 3> algorithms = {6 /* frontal Delaunay */, 5 /* Delaun
 /// A mesh fills its faces if the areas agree to this relative error.
 constexpr double area_tolerance = 1e-9;
 
-/// Points inside lie on multiples of this, mm: far above rounding errors, far below any length that matters.
+/// Points inside are rounded to multiples of this, mm: far above rounding errors, far below any length that matters.
+/// gmsh's containers are in the order of addresses in memory, on which other threads have influence; the same mesh
+/// comes with other last bits and in another order from call to call.
 constexpr double grid = 0x1p-32;
 
 class GmshOwner {
@@ -101,8 +106,6 @@ class GmshOwner {
     gmsh::model::geo::synchronize();
   }
 
-  // gmsh adds up over neighbours in the order of their addresses in memory, which other threads decide: the last bits
-  // of its points differ from call to call. The vertices that were given keep theirs.
   static double rounded(double coordinate) { return std::round(coordinate / grid) * grid; }
 
   static PlanarMesh read(const std::vector<Face>& faces) {
@@ -129,7 +132,30 @@ class GmshOwner {
     for (std::size_t k = 0; k + 2 < nodes.size(); k += 3) {
       mesh.triangles.push_back({index.at(nodes[k]), index.at(nodes[k + 1]), index.at(nodes[k + 2])});
     }
+    sort(mesh, boundary);
     return mesh;
+  }
+
+  /// Points inside by their coordinates, triangles by their points, of which the first has the least number.
+  static void sort(PlanarMesh& mesh, std::size_t boundary) {
+    std::vector<int> order(mesh.points.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin() + static_cast<std::ptrdiff_t>(boundary), order.end(), [&mesh](int a, int b) {
+      const Eigen::Vector2d &p = mesh.points[a], &q = mesh.points[b];
+      return p.x() != q.x() ? p.x() < q.x() : p.y() < q.y();
+    });
+    std::vector<Eigen::Vector2d> points;
+    std::vector<int> place(order.size());
+    for (const int k : order) {
+      place[k] = static_cast<int>(points.size());
+      points.push_back(mesh.points[k]);
+    }
+    mesh.points = std::move(points);
+    for (std::array<int, 3>& triangle : mesh.triangles) {
+      for (int& corner : triangle) corner = place[corner];
+      std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
+    }
+    std::sort(mesh.triangles.begin(), mesh.triangles.end());
   }
 
   static bool fills(const PlanarMesh& mesh, const std::vector<Face>& faces) {
