@@ -172,8 +172,8 @@ class Images {
         }
   }
   const std::array<double, 2>& at(int point, int i, int j) const {
-    return positions_[static_cast<std::size_t>(point)].at(
-        static_cast<std::size_t>((i + first_) * (2 * second_ + 1) + j + second_));
+    const int image = (i + first_) * (2 * second_ + 1) + j + second_;
+    return positions_[static_cast<std::size_t>(point)].at(static_cast<std::size_t>(image));
   }
 
  private:
