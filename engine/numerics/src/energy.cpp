@@ -39,26 +39,47 @@ void HessianEntries::learn() {
     slots_.resize(cursor_);
     return;
   }
-  std::vector<Place> pattern = pattern_;
-  for (const auto& [place, value] : unexpected_) pattern.push_back(place);
-  std::sort(pattern.begin(), pattern.end());
-  pattern.erase(std::unique(pattern.begin(), pattern.end()), pattern.end());
-  const auto slot_of = [&pattern](Place place) {
-    return static_cast<std::uint32_t>(std::lower_bound(pattern.begin(), pattern.end(), place) - pattern.begin());
-  };
-  std::vector<double> values(pattern.size(), 0.0);
-  for (std::size_t i = 0; i < pattern_.size(); ++i) values[slot_of(pattern_[i])] = values_[i];
+  add_to_pattern();
   for (const auto& [place, value] : unexpected_) {
-    values[slot_of(place)] += value;
+    const auto slot =
+        static_cast<std::uint32_t>(std::lower_bound(pattern_.begin(), pattern_.end(), place) - pattern_.begin());
+    values_[slot] += value;
     sequence_.push_back(place);
+    slots_.push_back(slot);
   }
-  slots_.resize(sequence_.size());
-  for (std::size_t i = 0; i < sequence_.size(); ++i) slots_[i] = slot_of(sequence_[i]);
-  pattern_ = std::move(pattern);
-  values_ = std::move(values);
   cursor_ = sequence_.size();
   unexpected_.clear();
   diverged_ = false;
+}
+
+void HessianEntries::add_to_pattern() {
+  slots_.resize(sequence_.size());
+  std::vector<Place> fresh;
+  for (const auto& [place, value] : unexpected_)
+    if (!std::binary_search(pattern_.begin(), pattern_.end(), place)) fresh.push_back(place);
+  if (fresh.empty()) return;
+  std::sort(fresh.begin(), fresh.end());
+  fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
+  std::vector<Place> merged;
+  std::vector<double> values;
+  std::vector<std::uint32_t> moved(pattern_.size());
+  merged.reserve(pattern_.size() + fresh.size());
+  values.reserve(merged.capacity());
+  auto next = fresh.begin();
+  for (std::size_t i = 0; i < pattern_.size(); ++i) {
+    for (; next != fresh.end() && *next < pattern_[i]; ++next) {
+      merged.push_back(*next);
+      values.push_back(0);
+    }
+    moved[i] = static_cast<std::uint32_t>(merged.size());
+    merged.push_back(pattern_[i]);
+    values.push_back(values_[i]);
+  }
+  merged.insert(merged.end(), next, fresh.end());
+  values.resize(merged.size(), 0.0);
+  for (std::uint32_t& slot : slots_) slot = moved[slot];
+  pattern_ = std::move(merged);
+  values_ = std::move(values);
 }
 
 SparseMatrix HessianEntries::lower(Eigen::Index n) const {

@@ -3,6 +3,7 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <memory>
 #include <new>
 #include <numeric>
 
@@ -15,12 +16,13 @@ namespace {
 /// CHOLMOD's workspace and the analysis it makes, released together.
 class Analysis {
  public:
-  Analysis(const SparseMatrix& matrix) {
+  /// With the ordering that is `known` from a similar pattern of the same size, or, if that is empty, with the best.
+  Analysis(const SparseMatrix& matrix, std::vector<int> known) {
     cholmod_start(&common_);
     common_.print = 0;
     common_.supernodal = CHOLMOD_SUPERNODAL;
-    common_.nmethods = 2;
-    common_.method[0].ordering = CHOLMOD_AMD;
+    common_.nmethods = known.empty() ? 2 : 1;
+    common_.method[0].ordering = known.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
     common_.method[1].ordering = CHOLMOD_METIS;
     cholmod_sparse view{};
     view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
@@ -33,8 +35,12 @@ class Analysis {
     view.dtype = CHOLMOD_DOUBLE;
     view.sorted = 1;
     view.packed = 1;
-    const auto random = own_process_random();  // METIS draws from it
-    factor_ = cholmod_analyze(&view, &common_);
+    if (known.empty()) {
+      const auto random = own_process_random();  // METIS draws from it
+      factor_ = cholmod_analyze(&view, &common_);
+    } else {
+      factor_ = cholmod_analyze_p(&view, known.data(), nullptr, 0, &common_);
+    }
   }
   ~Analysis() {
     cholmod_free_factor(&factor_, &common_);
@@ -47,11 +53,15 @@ class Analysis {
     if (!factor_) throw std::bad_alloc();
     return *factor_;
   }
+  double entries() const { return common_.lnz; }
 
  private:
   cholmod_common common_{};
   cholmod_factor* factor_ = nullptr;
 };
+
+/// A known ordering is given up once the factor has this many times the entries it had with its own pattern.
+constexpr double worth_reordering = 1.3;
 
 /// A multiple of four rows: every column of a panel then starts at the same alignment.
 int padded(int rows) { return (rows + 3) / 4 * 4; }
@@ -59,8 +69,15 @@ int padded(int rows) { return (rows + 3) / 4 * 4; }
 }  // namespace
 
 void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
-  const Analysis analysis(matrix);
-  const cholmod_factor& l = analysis.factor();
+  // A few more places, as contacts bring them, change the best ordering little; finding it anew costs more than some
+  // factorizations.
+  std::vector<int> known;
+  if (n_ == matrix.rows()) known = old_index_;
+  auto analysis = std::make_unique<Analysis>(matrix, known);
+  if (!known.empty() && analysis->entries() > worth_reordering * best_entries_)
+    analysis = std::make_unique<Analysis>(matrix, std::vector<int>{});
+  if (known.empty() || analysis->entries() < best_entries_) best_entries_ = analysis->entries();
+  const cholmod_factor& l = analysis->factor();
   n_ = static_cast<int>(l.n);
   const auto* permutation = static_cast<const int*>(l.Perm);
   const auto* first = static_cast<const int*>(l.super);
@@ -154,18 +171,16 @@ void MultifrontalCholesky::place_entries(const SparseMatrix& matrix) {
           {s, static_cast<std::int32_t>(place + static_cast<std::int64_t>(pivot - node.first) * node.ld), slot});
     }
   }
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& x, const Entry& y) { return x.supernode < y.supernode; });
-  entry_slot_.clear();
-  entry_place_.clear();
-  std::size_t next = 0;
-  for (std::size_t s = 0; s <= count; ++s) {
-    supernodes_[s].entries = static_cast<std::int64_t>(next);
-    while (next < entries.size() && entries[next].supernode == static_cast<int>(s)) {
-      entry_slot_.push_back(entries[next].slot);
-      entry_place_.push_back(entries[next].place);
-      ++next;
-    }
+  std::vector<std::int64_t> next(count + 1, 0);
+  for (const Entry& entry : entries) ++next[static_cast<std::size_t>(entry.supernode) + 1];
+  for (std::size_t s = 0; s < count; ++s) next[s + 1] += next[s];
+  for (std::size_t s = 0; s <= count; ++s) supernodes_[s].entries = next[s];
+  entry_slot_.resize(entries.size());
+  entry_place_.resize(entries.size());
+  for (const Entry& entry : entries) {
+    const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(entry.supernode)]++);
+    entry_slot_[at] = entry.slot;
+    entry_place_[at] = entry.place;
   }
 }
 

@@ -15,7 +15,8 @@ namespace supple::numerics {
 /// of some dozen rows, as thin structures have them, at several times CHOLMOD's rate.
 class MultifrontalCholesky {
  public:
-  /// Orders and analyses the pattern of the lower triangle of `matrix` (entries above the diagonal are ignored).
+  /// Orders and analyses the pattern of the lower triangle of `matrix` (entries above the diagonal are ignored). A
+  /// pattern of the size of the last one keeps its ordering as long as that serves it well.
   void analyze(const SparseMatrix& matrix);
   /// Of matrix + shift I, which has the analysed pattern. False where it is not numerically positive definite.
   bool factorize(const SparseMatrix& matrix, double shift);
@@ -40,6 +41,7 @@ class MultifrontalCholesky {
   void extend_add(const Supernode& child, const double* update, const Supernode& parent, double* front) const;
 
   int n_ = 0;
+  double best_entries_ = 0;     ///< of the factor, with the ordering's own pattern
   std::vector<int> new_index_;  ///< of each unknown
   std::vector<int> old_index_;
   std::vector<Supernode> supernodes_;      ///< children before parents; the last entry is an end mark

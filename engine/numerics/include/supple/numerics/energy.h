@@ -50,6 +50,7 @@ class HessianEntries {
   void add_unexpected(Place place, double value);
   void add_to_border(Eigen::Index low, Eigen::Index high, double value);
   void learn();
+  void add_to_pattern();
   SparseMatrix lower(Eigen::Index n) const;
 
   Eigen::Index border_;
