@@ -14,6 +14,11 @@ def polygon_area(points: Any) -> float:
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
+def perimeter(points: Any) -> float:
+    corners = np.asarray(points, dtype=float)
+    return float(np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1).sum())
+
+
 def svg_polygons(path: str) -> List[np.ndarray]:
     """The closed polygons of an SVG path made of M, L and Z with absolute coordinates."""
     polygons: List[np.ndarray] = []

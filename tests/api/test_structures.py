@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 import numpy as np
 import pytest
 import requests
 
 from harness import Api, pointers, problem_code
-from plane import dxf_pairs, dxf_polylines, enclosed_volume, polygon_area, stl_triangles, svg_polygons, unmatched_edges
+from plane import (dxf_pairs, dxf_polylines, enclosed_volume, perimeter, polygon_area, stl_triangles, svg_polygons,
+                   unmatched_edges)
 
 STRUCTURES = "/v1/structures"
 FAMILIES = ["IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67", "square"]
@@ -56,6 +57,13 @@ def test_the_mesh_of_a_cell_covers_its_solid_and_refines_with_its_size(api: Api)
     assert all(0.1 < mesh["smallest_angle"] < np.pi / 3 for mesh in meshes)
 
 
+def test_a_cell_can_be_meshed_by_tiles_or_at_once(api: Api) -> None:
+    by_tile, at_once = (api.ok(STRUCTURES, {"family": "IH01", "mesh": {"mesh_region": region}})
+                        for region in ("tile", "cell"))
+    assert by_tile["mesh"]["nodes"] != at_once["mesh"]["nodes"]
+    assert at_once["mesh"]["relative_density"] == pytest.approx(by_tile["mesh"]["relative_density"], rel=1e-4)
+
+
 def test_equal_requests_have_equal_answers(api: Api) -> None:
     request = {"family": "IH21", "parameters": [0.12, 0.7], "mesh": {"mesh_size": 0.5}, "svg": True}
     first, second = (api.ok(STRUCTURES, request) for _ in range(2))
@@ -63,22 +71,32 @@ def test_equal_requests_have_equal_answers(api: Api) -> None:
     assert first == second
 
 
-@pytest.mark.parametrize("family", ["IH01", "IH21", "square"])
+def assert_solid_of(structure: Dict[str, Any], cells: int, polygons: List[np.ndarray]) -> None:
+    """One outline of the patch, whose beams at the rim are whole, and the holes of all its cells."""
+    outline, *holes = sorted(polygons, key=lambda polygon: -abs(polygon_area(polygon)))
+    assert len(holes) == cells * sum(len(tile["holes"]) for tile in structure["tiles"])
+    void = cells * (structure["cell_area"] - structure["solid_area"])
+    assert sum(abs(polygon_area(hole)) for hole in holes) == pytest.approx(void, rel=1e-4)
+    rim = abs(polygon_area(outline)) - cells * structure["cell_area"]
+    assert 0 < rim <= structure["beam_width"] / 2 * perimeter(outline)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
 def test_an_svg_is_true_to_scale_and_has_the_solid_of_all_its_cells(api: Api, family: str) -> None:
     structure = api.ok(STRUCTURES, {"family": family})
     response = file_of(api, {"family": family, "cells": [3, 2]}, "image/svg+xml")
     root = ElementTree.fromstring(response.text)
     assert root.tag == SVG + "svg"
+    left, top, width, height = map(float, re.split(r"[ ,]+", root.attrib["viewBox"]))
     assert root.attrib["width"].endswith("mm") and root.attrib["height"].endswith("mm")
-    _, _, width, height = map(float, re.split(r"[ ,]+", root.attrib["viewBox"]))
     assert float(root.attrib["width"][:-2]) == pytest.approx(width, rel=1e-3), "one unit is one millimetre"
     (path,) = root.iter(SVG + "path")
-    areas = [abs(polygon_area(polygon)) for polygon in svg_polygons(path.attrib["d"])]
-    # Even-odd fill: the outer outlines, which hold all of the area, minus the holes.
-    cells = 6 * structure["cell_area"]
-    holes = 6 * (structure["cell_area"] - structure["solid_area"])
-    assert width * height >= 0.99 * cells
-    assert sum(areas) == pytest.approx(cells + holes, rel=1e-3)
+    assert path.attrib["fill-rule"] == "evenodd"
+    polygons = svg_polygons(path.attrib["d"])
+    assert_solid_of(structure, 6, polygons)
+    corners = np.concatenate(polygons)
+    assert (corners >= np.array([left, top]) - 1e-3).all()
+    assert (corners <= np.array([left + width, top + height]) + 1e-3).all()
 
 
 def test_the_json_answer_holds_the_very_svg_on_request(api: Api) -> None:
@@ -95,23 +113,24 @@ def test_a_dxf_has_closed_polylines_of_the_outlines_and_the_holes(api: Api, medi
     assert pairs[-1] == (0, "EOF")
     assert (1, "AC1015") in pairs, "AutoCAD R2000"
     polylines = dxf_polylines(text)
-    areas = []
+    polygons = []
     for polyline in polylines:
         assert polyline["flag"] & 1, "closed"
         assert len(polyline["x"]) == len(polyline["y"]) == polyline["count"] >= 3
-        areas.append(abs(polygon_area(np.column_stack([polyline["x"], polyline["y"]]))))
-    cells, solid = 4 * structure["cell_area"], 4 * structure["solid_area"]
-    assert sum(areas) == pytest.approx(cells + (cells - solid), rel=1e-3)
+        polygons.append(np.column_stack([polyline["x"], polyline["y"]]))
+    assert_solid_of(structure, 4, polygons)
 
 
 @pytest.mark.parametrize("family", ["IH01", "IH28", "square"])
 def test_an_stl_is_closed_oriented_and_has_the_volume_of_the_solid(api: Api, family: str) -> None:
-    structure = api.ok(STRUCTURES, {"family": family})
-    content = file_of(api, {"family": family, "cells": [2, 1], "height": 2.5}, "model/stl").content
-    triangles = stl_triangles(content)
+    request = {"family": family, "cells": [2, 1], "height": 2.5}
+    triangles = stl_triangles(file_of(api, request, "model/stl").content)
     assert unmatched_edges(triangles) == 0
     assert triangles[..., 2].min() == 0 and triangles[..., 2].max() == 2.5
-    assert enclosed_volume(triangles) == pytest.approx(2 * 2.5 * structure["solid_area"], rel=1e-3)
+    path = ElementTree.fromstring(file_of(api, request, "image/svg+xml").text).find(f".//{SVG}path")
+    assert path is not None
+    outline, *holes = sorted((abs(polygon_area(polygon)) for polygon in svg_polygons(path.attrib["d"])), reverse=True)
+    assert enclosed_volume(triangles) == pytest.approx(2.5 * (outline - sum(holes)), rel=1e-3)
 
 
 def test_a_structure_can_be_a_job_in_the_media_type_that_was_asked_for(api: Api) -> None:
@@ -135,7 +154,8 @@ def test_a_media_type_that_no_structure_has_is_not_acceptable(api: Api) -> None:
     ({"parameters": [0.1, "0.5"]}, "/parameters/1"), ({"cells": [0, 1]}, "/cells"), ({"cells": [1]}, "/cells"),
     ({"cells": [101, 1]}, "/cells"), ({"height": 0}, "/height"), ({"mesh": {"mesh_size": 0}}, "/mesh/mesh_size"),
     ({"mesh": {"mesh_size": 3}}, "/mesh/mesh_size"), ({"mesh": {"corner_size": 1.5}}, "/mesh/corner_size"),
-    ({"mesh": {"size": 1}}, "/mesh/size"), ({"svg": "yes"}, "/svg"), ({"deadline": 0}, "/deadline"),
+    ({"mesh": {"size": 1}}, "/mesh/size"), ({"mesh": {"mesh_region": "all"}}, "/mesh/mesh_region"),
+    ({"svg": "yes"}, "/svg"), ({"deadline": 0}, "/deadline"),
 ], ids=lambda value: str(value))
 def test_a_field_outside_its_range_is_pointed_to(api: Api, fields: Dict[str, Any], pointer: str) -> None:
     response = api.post(STRUCTURES, {"family": "IH01", **fields}, faulty=True)

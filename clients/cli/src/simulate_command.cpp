@@ -19,6 +19,7 @@ struct Arguments {
   std::string poisson_ratio;
   double mesh_size = 0;
   double corner_size = 0;
+  std::string mesh_region;
   double tolerance = 0;
   double max_load_step = 0;
   std::string contact;
@@ -46,6 +47,7 @@ nlohmann::json request_of(const Arguments& arguments) {
   }
   set_number("accuracy", "mesh_size", arguments.mesh_size);
   set_number("accuracy", "corner_size", arguments.corner_size);
+  set_text("accuracy", "mesh_region", arguments.mesh_region);
   set_number("accuracy", "tolerance", arguments.tolerance);
   set_number("accuracy", "max_load_step", arguments.max_load_step);
   set_text("effects", "contact", arguments.contact);
@@ -86,6 +88,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->check(CLI::PositiveNumber);
   command.add_option("--corner-size", arguments.corner_size, "Sides at re-entrant corners as a share of the others")
       ->check(CLI::PositiveNumber);
+  command.add_option("--mesh-region", arguments.mesh_region, "What is meshed at a time (automatic)")
+      ->check(CLI::IsMember({"automatic", "tile", "cell"}));
   command.add_option("-t,--tolerance", arguments.tolerance, "Relative residual of an equilibrium (1e-8)")
       ->check(CLI::PositiveNumber);
   command.add_option("--max-load-step", arguments.max_load_step, "Largest internal change of F (0.05)")

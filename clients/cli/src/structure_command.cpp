@@ -18,6 +18,7 @@ struct Arguments {
   double height = 0;
   double mesh_size = 0;
   double corner_size = 0;
+  std::string mesh_region;
   std::string svg_file;
   std::string dxf_file;
   std::string stl_file;
@@ -68,6 +69,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
   if (arguments.svg_file == "-" || arguments.dxf_file == "-" || arguments.stl_file == "-") return;
   if (arguments.mesh_size > 0) request["mesh"]["mesh_size"] = arguments.mesh_size;
   if (arguments.corner_size > 0) request["mesh"]["corner_size"] = arguments.corner_size;
+  if (!arguments.mesh_region.empty()) request["mesh"]["mesh_region"] = arguments.mesh_region;
   const nlohmann::json answer = session.compute("/v1/structures", request).json();
   session.json() ? print_json(answer) : print_answer(answer);
 }
@@ -93,6 +95,8 @@ void add_structure_command(CLI::App& program, const GlobalOptions& options) {
   command
       ->add_option("--corner-size", arguments->corner_size, "Sides at re-entrant corners as a share of the others (1)")
       ->check(CLI::PositiveNumber);
+  command->add_option("--mesh-region", arguments->mesh_region, "What is meshed at a time (automatic)")
+      ->check(CLI::IsMember({"automatic", "tile", "cell"}));
   command->footer(
       "Examples:\n  supple structure IH21 --svg tiling.svg --cells 4x4\n"
       "  supple structure IH01 --parameters 0.1,0.5,0.1,0.6 --stl tiling.stl --height 5 --mesh-size 0.33");

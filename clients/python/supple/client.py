@@ -127,6 +127,7 @@ class Client:
         *,
         mesh_size: Optional[float] = None,
         corner_size: Optional[float] = None,
+        mesh_region: Optional[str] = None,
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> Structure:
@@ -136,11 +137,12 @@ class Client:
             family: id of the family.
             parameters: within the family's bounds; None takes its defaults. Raises `InvalidStructure` where they give no
                 valid structure.
-            mesh_size: side length of the triangles over beam width; where it or `corner_size` is given, the cell is
-                meshed and the result has the mesh's statistics.
+            mesh_size: side length of the triangles over beam width; where a mesh option is given, the cell is meshed and
+                the result has the mesh's statistics.
             corner_size: side length at re-entrant corners over that elsewhere, in (0, 1].
+            mesh_region: "automatic", "tile" or "cell": what is meshed at a time.
         """
-        computation = tilings.structure(family, parameters, mesh_size, corner_size, deadline)
+        computation = tilings.structure(family, parameters, mesh_size, corner_size, mesh_region, deadline)
         return run(self._transport, computation, timeout, None)
 
     def structure_file(
@@ -166,6 +168,7 @@ class Client:
         material: Optional[Mapping[str, Any]] = None,
         mesh_size: Optional[float] = None,
         corner_size: Optional[float] = None,
+        mesh_region: Optional[str] = None,
         tolerance: Optional[float] = None,
         max_load_step: Optional[float] = None,
         max_iterations: Optional[int] = None,
@@ -185,7 +188,7 @@ class Client:
             load: `GreenStrain`, `Uniaxial` or `Biaxial`.
             material: "law", "youngs_modulus" (MPa) and "poisson_ratio"; a neo-Hookean law with 26 MPa and 0.48 on the
                 server's side.
-            mesh_size, corner_size: as in `structure`.
+            mesh_size, corner_size, mesh_region: as in `structure`.
             tolerance: relative residual of an equilibrium. 1e-8 on the server's side.
             max_load_step: largest change of a component of F in one internal load step.
             max_iterations: Newton iterations for one load step before it is halved.
@@ -195,7 +198,7 @@ class Client:
 
         A path that cannot be followed to its end is no exception: see `Simulation.message`.
         """
-        accuracy = _accuracy(mesh_size, corner_size, tolerance, max_load_step, max_iterations)
+        accuracy = _accuracy(mesh_size, corner_size, mesh_region, tolerance, max_load_step, max_iterations)
         effects = {"contact": contact, "patch": patch, "buckling": buckling}
         computation = simulations.simulation(
             family, parameters, load, material, accuracy, effects, tangents, deformed, deadline
@@ -211,6 +214,7 @@ class Client:
         material: Optional[Mapping[str, Any]] = None,
         mesh_size: Optional[float] = None,
         corner_size: Optional[float] = None,
+        mesh_region: Optional[str] = None,
         tolerance: Optional[float] = None,
         max_load_step: Optional[float] = None,
         max_iterations: Optional[int] = None,
@@ -222,7 +226,7 @@ class Client:
         deadline: Optional[float] = None,
     ) -> Job[Simulation]:
         """`simulate` as a job."""
-        accuracy = _accuracy(mesh_size, corner_size, tolerance, max_load_step, max_iterations)
+        accuracy = _accuracy(mesh_size, corner_size, mesh_region, tolerance, max_load_step, max_iterations)
         effects = {"contact": contact, "patch": patch, "buckling": buckling}
         computation = simulations.simulation(
             family, parameters, load, material, accuracy, effects, tangents, deformed, deadline
@@ -256,13 +260,15 @@ class Client:
 def _accuracy(
     mesh_size: Optional[float],
     corner_size: Optional[float],
+    mesh_region: Optional[str],
     tolerance: Optional[float],
     max_load_step: Optional[float],
     max_iterations: Optional[int],
-) -> Dict[str, Optional[float]]:
+) -> Dict[str, Any]:
     return {
         "mesh_size": mesh_size,
         "corner_size": corner_size,
+        "mesh_region": mesh_region,
         "tolerance": tolerance,
         "max_load_step": max_load_step,
         "max_iterations": max_iterations,

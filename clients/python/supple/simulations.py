@@ -213,7 +213,7 @@ def simulation(
     parameters: Optional[Sequence[float]],
     load: Load,
     material: Optional[Mapping[str, Any]],
-    accuracy: Mapping[str, Optional[float]],
+    accuracy: Mapping[str, Any],
     effects: Mapping[str, Optional[str]],
     tangents: bool,
     deformed: str,

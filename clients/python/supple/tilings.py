@@ -157,11 +157,12 @@ def structure(
     parameters: Optional[Sequence[float]],
     mesh_size: Optional[float],
     corner_size: Optional[float],
+    mesh_region: Optional[str],
     deadline: Optional[float],
 ) -> Computation[Structure]:
     document = structure_to_wire(family, parameters)
-    mesh = {"mesh_size": mesh_size, "corner_size": corner_size}
-    if mesh_size is not None or corner_size is not None:
+    mesh = {"mesh_size": mesh_size, "corner_size": corner_size, "mesh_region": mesh_region}
+    if any(value is not None for value in mesh.values()):
         document["mesh"] = {name: value for name, value in mesh.items() if value is not None}
     if deadline is not None:
         document["deadline"] = deadline

@@ -46,9 +46,10 @@ StructureSpec read_structure(Fields& fields, const Limits& limits) {
   return structure;
 }
 
-void read_mesh_size(Fields& fields, tiling::MeshOptions& mesh) {
+void read_mesh_options(Fields& fields, tiling::MeshOptions& mesh) {
   fields.number("mesh_size", mesh.mesh_size, least_mesh_size, largest_mesh_size);
   fields.number("corner_size", mesh.corner_size, least_corner_size, 1);
+  fields.choice("mesh_region", mesh.region, {"automatic", "tile", "cell"});
 }
 
 void read_cells(Fields& fields, tiling::ExportOptions& files) {
@@ -147,7 +148,7 @@ void read_options(Fields& fields, microscale::SimulationOptions& options) {
     material.number("poisson_ratio", options.material.poisson_ratio, -0.99, 0.499);
   });
   nested(fields, "accuracy", [&](Fields& accuracy) {
-    read_mesh_size(accuracy, options.mesh);
+    read_mesh_options(accuracy, options.mesh);
     accuracy.number("tolerance", options.tolerance, 1e-12, 1e-2);
     accuracy.integer("max_iterations", options.max_iterations, 1, 10'000);
     accuracy.number("max_load_step", options.max_load_step, 1e-5, 10);
@@ -172,7 +173,7 @@ StructureRequest parse_structure(std::string_view body, const Limits& limits) {
   fields.number("height", request.files.height, least_height, largest_height);
   nested(fields, "mesh", [&](Fields& mesh) {
     request.mesh.emplace().max_nodes = limits.max_mesh_nodes;
-    read_mesh_size(mesh, *request.mesh);
+    read_mesh_options(mesh, *request.mesh);
   });
   fields.boolean("svg", request.svg);
   request.deadline = read_deadline(fields, limits);

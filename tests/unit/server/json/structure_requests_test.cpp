@@ -42,7 +42,7 @@ TEST(StructureRequests, ReadEveryField) {
   Limits limits;
   limits.max_mesh_nodes = 77;
   const auto request = parse_structure(
-      R"({"family":"IH21","parameters":[0.15,0.65],"cells":[3,4],"height":2.5,"mesh":{"mesh_size":0.5,"corner_size":0.2},
+      R"({"family":"IH21","parameters":[0.15,0.65],"cells":[3,4],"height":2.5,"mesh":{"mesh_size":0.5,"corner_size":0.2,"mesh_region":"cell"},
           "svg":true,"deadline":9})",
       limits);
   EXPECT_EQ(request.structure.family, "IH21");
@@ -53,6 +53,7 @@ TEST(StructureRequests, ReadEveryField) {
   ASSERT_TRUE(request.mesh);
   EXPECT_EQ(request.mesh->mesh_size, 0.5);
   EXPECT_EQ(request.mesh->corner_size, 0.2);
+  EXPECT_EQ(request.mesh->region, tiling::Region::cell);
   EXPECT_EQ(request.mesh->max_nodes, 77);
   EXPECT_TRUE(request.svg);
   EXPECT_EQ(request.deadline, 9);
@@ -69,11 +70,12 @@ TEST(StructureRequests, LeaveParametersAndMeshOpenWhereTheyAreNotGiven) {
 TEST(StructureRequests, PointToEachFieldAtFault) {
   const auto error = error_of([] {
     parse_structure(
-        R"({"family":"","parameters":[1,"x"],"cells":[0,2],"height":0,"mesh":{"mesh_size":3,"corner":1},"svg":1})", {});
+        R"({"family":"","parameters":[1,"x"],"cells":[0,2],"height":0,"mesh":{"mesh_size":3,"mesh_region":"all","corner":1},"svg":1})",
+        {});
   });
   EXPECT_EQ(error.code(), "request.invalid");
-  EXPECT_EQ(pointers(error),
-            (Pointers{"/family", "/parameters/1", "/cells", "/height", "/mesh/mesh_size", "/mesh/corner", "/svg"}));
+  EXPECT_EQ(pointers(error), (Pointers{"/family", "/parameters/1", "/cells", "/height", "/mesh/mesh_size",
+                                       "/mesh/mesh_region", "/mesh/corner", "/svg"}));
 }
 
 TEST(StructureRequests, RefuseCellsThatAreNoPairOfCounts) {
