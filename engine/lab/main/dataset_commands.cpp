@@ -30,6 +30,8 @@ using microscale::Switch;
 
 const std::map<std::string, Switch> switches{
     {"automatic", Switch::automatic}, {"on", Switch::on}, {"off", Switch::off}};
+const std::map<std::string, tiling::Region> regions{
+    {"automatic", tiling::Region::automatic}, {"tile", tiling::Region::tile}, {"cell", tiling::Region::cell}};
 const std::map<std::string, Law> laws{{"neo_hookean", Law::neo_hookean},
                                       {"incompressible_plane_stress", Law::incompressible_plane_stress}};
 const std::map<std::string, PlanKind> plans{{"sequence", PlanKind::sequence}, {"grid", PlanKind::grid}};
@@ -111,6 +113,7 @@ void add_simulation_options(CLI::App& command, microscale::SimulationOptions& si
   };
   plain("--mesh-size", simulation.mesh.mesh_size, "Length of a triangle's side over the beam width");
   plain("--corner-size", simulation.mesh.corner_size, "Size at re-entrant corners over the size elsewhere");
+  add_choice(command, "--mesh-region", simulation.mesh.region, regions, "What is meshed at once")->group(group);
   plain("--max-nodes", simulation.mesh.max_nodes, "Largest mesh");
   plain("--tolerance", simulation.tolerance, "Residual of an equilibrium");
   plain("--max-iterations", simulation.max_iterations, "Newton iterations of one load step");

@@ -14,6 +14,7 @@ namespace {
 
 using microscale::Law;
 using microscale::Switch;
+using tiling::Region;
 
 template <class T>
 struct Name {
@@ -22,6 +23,8 @@ struct Name {
 };
 constexpr std::array<Name<Switch>, 3> switch_names{
     {{Switch::automatic, "automatic"}, {Switch::on, "on"}, {Switch::off, "off"}}};
+constexpr std::array<Name<Region>, 3> region_names{
+    {{Region::automatic, "automatic"}, {Region::tile, "tile"}, {Region::cell, "cell"}}};
 constexpr std::array<Name<PlanKind>, 2> plan_names{{{PlanKind::sequence, "sequence"}, {PlanKind::grid, "grid"}}};
 constexpr std::array<Name<Law>, 2> law_names{
     {{Law::neo_hookean, "neo_hookean"}, {Law::incompressible_plane_stress, "incompressible_plane_stress"}}};
@@ -104,6 +107,7 @@ void visit_settings(Visitor& visit, Options& options) {
   visit.field("poisson_ratio", simulation.material.poisson_ratio, "1");
   visit.field("mesh_size", simulation.mesh.mesh_size, "beam widths");
   visit.field("corner_size", simulation.mesh.corner_size, "mesh sizes");
+  visit.field("mesh_region", simulation.mesh.region, region_names);
   visit.field("max_nodes", simulation.mesh.max_nodes);
   visit.field("tolerance", simulation.tolerance, "1");
   visit.field("max_iterations", simulation.max_iterations);
