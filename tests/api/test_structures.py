@@ -51,7 +51,7 @@ def test_the_mesh_of_a_cell_covers_its_solid_and_refines_with_its_size(api: Api)
         assert structure["mesh"]["relative_density"] == pytest.approx(structure["relative_density"], rel=1e-4)
         assert "meshing" in [stage["name"] for stage in structure["cost"]["stages"]]
     fine, coarse, graded = meshes
-    assert fine["mesh_size"] == pytest.approx(1 / 3) and fine["corner_size"] == 1
+    assert fine["mesh_size"] == 0.5 and fine["corner_size"] == 0.1
     assert coarse["nodes"] < graded["nodes"] and coarse["nodes"] < fine["nodes"]
     assert graded["shortest_side"] < coarse["shortest_side"]
     assert all(0.1 < mesh["smallest_angle"] < np.pi / 3 for mesh in meshes)

@@ -11,7 +11,7 @@ namespace supple::microscale {
 namespace {
 
 /// Range over beam width: less changes the stress of structures in contact little, and costs more iterations.
-constexpr double range_share = 0.05;
+constexpr double range_share = 0.02;
 /// Stiffness over Young's modulus: slender beams press on each other with about a hundredth of the modulus.
 constexpr double stiffness_share = 0.02;
 /// Distance over range below which an equilibrium asks for a stiffer barrier.

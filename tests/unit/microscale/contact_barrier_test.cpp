@@ -370,7 +370,7 @@ TEST(ContactBarrier, TakesItsScaleFromTheBeamsAndTheMaterial) {
   tiling::PeriodicMesh mesh = wall(0.2, 4);
   mesh.beam_width = 0.3;
   const ContactOptions chosen = contact_options(mesh, Material{});
-  EXPECT_NEAR(chosen.range, 0.015, 1e-15);
+  EXPECT_NEAR(chosen.range, 0.006, 1e-15);
   EXPECT_GT(chosen.stiffness, 0.1);
   EXPECT_LT(chosen.stiffness, Material{}.youngs_modulus);
   EXPECT_NO_THROW(ContactBarrier(mesh, chosen));

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "contact_meshes.h"
-#include "expect_error.h"
+#include "support/expect_error.h"
 #include "supple/tiling/family.h"
 
 namespace supple::microscale {

@@ -52,11 +52,12 @@ enum class Region {
 };
 
 struct MeshOptions {
-  /// Length of a side divided by the beam width, > 0; 1/3 is what published data used.
-  double mesh_size = 1.0 / 3.0;
+  /// Length of a side divided by the beam width, > 0. The defaults of this and of `corner_size` are the mesh of the data
+  /// sets; published data used 1/3 and 1.
+  double mesh_size = 0.5;
   /// Size at re-entrant corners of the solid divided by the size elsewhere, from 0.001 to 1; 1 for a uniform mesh.
   /// Grading acts within half a beam width of corners where the hole's angle is below 165 degrees.
-  double corner_size = 1.0;
+  double corner_size = 0.1;
   /// Structures whose tiles cross themselves are meshed by cells in any case.
   Region region = Region::automatic;
   /// Upper limit of the number of nodes.
