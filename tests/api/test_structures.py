@@ -45,13 +45,13 @@ def test_tiles_fill_the_cell_and_the_holes_are_what_is_not_solid(api: Api, famil
 
 def test_the_mesh_of_a_cell_covers_its_solid_and_refines_with_its_size(api: Api) -> None:
     meshes = []
-    for mesh in ({}, {"mesh_size": 0.5}, {"mesh_size": 0.5, "corner_size": 0.25}):
+    for mesh in ({"mesh_size": 0.3, "corner_size": 1}, {"corner_size": 1}, {}):
         structure = api.ok(STRUCTURES, {"family": "IH01", "mesh": mesh})
         meshes.append(structure["mesh"])
         assert structure["mesh"]["relative_density"] == pytest.approx(structure["relative_density"], rel=1e-4)
         assert "meshing" in [stage["name"] for stage in structure["cost"]["stages"]]
     fine, coarse, graded = meshes
-    assert fine["mesh_size"] == 0.5 and fine["corner_size"] == 0.1
+    assert graded["mesh_size"] == 0.5 and graded["corner_size"] == 0.1
     assert coarse["nodes"] < graded["nodes"] and coarse["nodes"] < fine["nodes"]
     assert graded["shortest_side"] < coarse["shortest_side"]
     assert all(0.1 < mesh["smallest_angle"] < np.pi / 3 for mesh in meshes)
