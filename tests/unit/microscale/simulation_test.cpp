@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "contact_meshes.h"
-#include "support/expect_error.h"
 #include "supple/tiling/family.h"
+#include "support/expect_error.h"
 
 namespace supple::microscale {
 namespace {
