@@ -53,7 +53,7 @@ void visit_row_columns(Visit&& visit) {
   visit("cells", &TableRow::cells, "", "cells along each side of the simulated patch");
   visit("stable", &TableRow::stable, "", "1 if positive definite against all modes looked for");
   visit("iterations", &TableRow::iterations, "", "Newton iterations since the path's previous row");
-  visit("seconds", &TableRow::seconds, "s", "core time since the path's previous row");
+  visit("seconds", &TableRow::seconds, "s", "time of the thread at work since the path's previous row");
 }
 
 template <class Visit>
@@ -76,7 +76,7 @@ void visit_design_columns(Visit&& visit) {
   visit("engine", &Design::engine, "", "version of the engine that computed it");
   visit("nodes", &Design::nodes, "", "of one cell's mesh");
   visit("unknowns", &Design::unknowns, "", "of the largest system solved");
-  visit("seconds", &Design::seconds, "s", "core time, meshing included");
+  visit("seconds", &Design::seconds, "s", "time of the thread at work, meshing included");
   visit("error_code", &Design::error_code, "", "empty unless the design was rejected");
   visit("error_message", &Design::error_message, "", "empty unless the design was rejected");
 }
@@ -237,7 +237,8 @@ void write_costs(Hdf5Writer& file, const Dataset& data) {
   file.column("costs/stage", stages);
   file.column("costs/seconds", seconds, static_cast<int>(stages.size()));
   file.attribute("costs/seconds", "unit", "s");
-  file.attribute("costs/seconds", "meaning", "core time of each design (rows) in each stage (columns)");
+  file.attribute("costs/seconds", "meaning",
+                 "time of the thread at work of each design (rows) in each stage (columns)");
   file.column("costs/count", counts, static_cast<int>(stages.size()));
   file.attribute("costs/count", "meaning", "how often the stage ran");
 }

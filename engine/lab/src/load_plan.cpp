@@ -82,7 +82,8 @@ std::vector<PlannedPath> sequence_plan(const LoadPlanOptions& options, const std
     return std::numbers::pi * fraction(turn + static_cast<double>(i) / n);
   };
   std::vector<PlannedPath> plan;
-  plan.reserve(static_cast<std::size_t>(options.tension_paths + options.compression_paths + options.biaxial_paths));
+  const int paths = options.tension_paths + options.compression_paths + options.biaxial_paths;
+  plan.reserve(static_cast<std::size_t>(paths));
   for (int i = 0; i < options.tension_paths; ++i)
     plan.push_back(uniaxial(direction(turns[0], i, options.tension_paths), options.largest_stretch,
                             options.tension_states, 1 - offsets.uniform(), options.first_strain));

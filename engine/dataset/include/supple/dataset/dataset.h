@@ -24,7 +24,7 @@ struct Row {
   double lateral_stretch = 0;            ///< s0 across it; 0 where it is free (uniaxial)
   double residual = 0;                   ///< |g| / f as in microscale::SimulationOptions::tolerance
   double smallest_jacobian = 1;          ///< least det F over all elements
-  double seconds = 0;                    ///< core time since the path's previous row
+  double seconds = 0;                    ///< time of the thread at work since the path's previous row
   std::int32_t iterations = 0;           ///< Newton iterations since the path's previous row
   std::int32_t branch = 0;               ///< how many unstable branches the path has left so far
   std::int32_t contacts = 0;             ///< pairs within the contact barrier's range
@@ -59,7 +59,7 @@ struct Design {
   std::string error_message;  ///< empty unless the design was rejected
   std::int32_t nodes = 0;     ///< of one cell's mesh
   std::int32_t unknowns = 0;  ///< of the largest system solved
-  double seconds = 0;         ///< core time, meshing included
+  double seconds = 0;         ///< time of the thread at work, meshing included
   std::vector<Path> paths;
   std::vector<Row> rows;  ///< by path, then position
   std::vector<StageCost> costs;
