@@ -27,7 +27,7 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
   options.corners = false;
   options.loads.kind = PlanKind::grid;
   options.loads.largest_stretch = 1.3;
-  options.simulation.mesh.mesh_size = 0.5;
+  options.simulation.mesh.mesh_size = 0.77;
   options.simulation.contact = microscale::Switch::off;
   options.simulation.material.law = microscale::Law::incompressible_plane_stress;
   options.simulation.tangents = false;

@@ -13,7 +13,7 @@ namespace {
 dataset::Dataset sample() {
   DatasetOptions options;
   options.family = "IH21";
-  options.simulation.mesh.mesh_size = 0.5;
+  options.simulation.mesh.mesh_size = 0.77;
   dataset::Dataset data = dataset::sample_dataset({0, 8, 0, 1});
   data.recipe = recipe_of(options);
   return data;
@@ -48,7 +48,7 @@ TEST(DatasetReport, AddsUpWhatStagesCost) {
 }
 
 TEST(DatasetDescription, NamesTheCommandThatMakesItAgain) {
-  EXPECT_TRUE(contains(command_line(sample()), "--family IH21 --designs 8 --seed 1 --mesh-size 0.5"))
+  EXPECT_TRUE(contains(command_line(sample()), "--family IH21 --designs 8 --seed 1 --mesh-size 0.77"))
       << command_line(sample());
   EXPECT_TRUE(contains(describe(sample()), "engine 0.1.1: 4 designs")) << describe(sample());
 }
