@@ -6,6 +6,7 @@
 #include <cmath>
 #include <mutex>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -52,11 +53,11 @@ class GmshOwner {
         gmsh::model::mesh::generate(2);
         PlanarMesh mesh = read(faces);
         if (fills(mesh, faces)) return mesh;
-        messages += " Algorithm " + std::to_string(algorithm) + ": the triangles do not fill the region.";
-      } catch (...) {  // gmsh throws strings, integers and exceptions
-        std::string last;
-        gmsh::logger::getLastError(last);
-        messages += " Algorithm " + std::to_string(algorithm) + ": " + (last.empty() ? "unknown error" : last) + ".";
+        messages += message(algorithm, "the triangles do not fill the region");
+      } catch (const std::out_of_range&) {  // an element of nodes that were not listed
+        messages += message(algorithm, "the mesh is incomplete");
+      } catch (...) {  // outside of its parallel regions gmsh throws strings, integers and exceptions
+        messages += message(algorithm, "no mesh");
       }
     }
     throw Error("tiling.meshing_failed", "The structure could not be meshed." + messages, {{"parameters", messages}});
@@ -66,7 +67,8 @@ class GmshOwner {
   GmshOwner() {
     gmsh::initialize(0, nullptr, false);
     gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("General.AbortOnError", 3);  // throw
+    // Not to throw: gmsh meshes within a parallel region of OpenMP, which no exception leaves alive.
+    gmsh::option::setNumber("General.AbortOnError", 0);
     gmsh::option::setNumber("General.NumThreads", 1);
     gmsh::option::setNumber("Mesh.RandomFactor", 1e-9);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
@@ -77,14 +79,24 @@ class GmshOwner {
 
   /// An empty model that is current while this object lives.
   struct Model {
-    Model() { gmsh::model::add("supple"); }
+    Model() {
+      gmsh::logger::start();  // forgets earlier errors
+      gmsh::model::add("supple");
+    }
     ~Model() {
+      gmsh::logger::stop();
       gmsh::model::mesh::removeSizeCallback();
       gmsh::model::remove();
     }
     Model(const Model&) = delete;
     Model& operator=(const Model&) = delete;
   };
+
+  static std::string message(int algorithm, const char* outcome) {
+    std::string last;
+    gmsh::logger::getLastError(last);
+    return " Algorithm " + std::to_string(algorithm) + ": " + outcome + (last.empty() ? "" : " (" + last + ")") + ".";
+  }
 
   // One point for each vertex, tagged from 1 in their order, and one line without inner nodes for each side.
   static void add(const std::vector<Face>& faces) {
@@ -168,7 +180,7 @@ class GmshOwner {
       if (twice <= 0) return false;
       filled += twice / 2;
     }
-    return std::abs(filled - wanted) <= area_tolerance * wanted;
+    return wanted > 0 && std::abs(filled - wanted) <= area_tolerance * wanted;
   }
 
   std::mutex mutex_;

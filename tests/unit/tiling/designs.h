@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "supple/base/random.h"
+#include "supple/tiling/mesh.h"
+#include "supple/tiling/structure.h"
+
+namespace supple::tiling::testing {
+
+std::vector<double> presets(const Family& family);
+
+/// Uniform in the family's box, widened by `margin` of its width on either side.
+std::vector<double> random_parameters(const Family& family, RandomStream& random, double margin = 0);
+
+/// The structure at the presets.
+Structure preset_structure(const char* family);
+
+/// How often the polygon winds around the point.
+int winding_number(const Polygon& polygon, const Eigen::Vector2d& point);
+
+/// The sum over all translates of the cell's tiles (`polygons[placement.tile]`) of their winding numbers.
+int winding_number(const Tiling& tiling, const std::vector<std::vector<Polygon>>& polygons,
+                   const Eigen::Vector2d& point);
+
+/// Expects what every mesh of the structure promises: counterclockwise triangles of the solid's area; each side shared
+/// by two triangles that agree on its place or on the outline; midpoints in the middle; one loop of outline per hole,
+/// with the hole on its right.
+void expect_sound(const PeriodicMesh& mesh, const Structure& structure);
+
+/// Same nodes, triangles, shifts and outline, bit by bit.
+bool identical(const PeriodicMesh& a, const PeriodicMesh& b);
+
+}  // namespace supple::tiling::testing
