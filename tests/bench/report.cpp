@@ -100,8 +100,10 @@ void Report::text(const std::string& paragraph) { body_ += "\n" + paragraph + "\
 
 void Report::table(const Table& table) {
   body_ += "\n" + table.markdown() + "\nAs [CSV](" + table.file() + ".csv).\n";
-  write_file(folder_ / (table.file() + ".csv"), table.csv());
+  data(table);
 }
+
+void Report::data(const Table& table) { write_file(folder_ / (table.file() + ".csv"), table.csv()); }
 
 void Report::image(const std::string& file, const std::string& caption) {
   body_ += "\n![" + caption + "](" + file + ")\n";
@@ -113,7 +115,8 @@ void Report::target(const std::string& what, const std::string& limit, const std
 
 void Report::write(const std::string& introduction) const {
   write_file(folder_ / (name_ + ".md"),
-             "# " + title_ + "\n\n" + introduction + "\n\n## Targets\n\n" + targets_.markdown() + body_);
+             "# " + title_ + "\n\n" + introduction + "\n" +
+                 (targets_.empty() ? "" : "\n## Targets\n\n" + targets_.markdown()) + body_);
 }
 
 }  // namespace supple::bench

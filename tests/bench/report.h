@@ -24,6 +24,7 @@ class Table {
   void row(std::vector<std::string> cells);
 
   const std::string& file() const { return file_; }
+  bool empty() const { return rows_.empty(); }
   std::string markdown() const;
   std::string csv() const;
 
@@ -43,6 +44,8 @@ class Report {
   void heading(const std::string& text);
   void text(const std::string& paragraph);
   void table(const Table& table);
+  /// Only the CSV file, for a table too long for the page.
+  void data(const Table& table);
   /// An image that a script makes from the CSV files.
   void image(const std::string& file, const std::string& caption);
   /// What the numbers were to reach, and whether they do.

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "report.h"
+#include "supple/base/cost_ledger.h"
+#include "supple/microscale/simulation.h"
+#include "supple/tiling/family.h"
+
+/// The studies of the simulation benchmark. Each writes a page of its own, so that a long one can be repeated alone.
+namespace supple::bench {
+
+struct SimulationSettings {
+  std::filesystem::path folder = "docs/bench";
+  /// Few designs and coarse meshes: shows that the program works, not what the numbers are.
+  bool brief = false;
+};
+
+/// "This page is generated ...", the machine and the commands; `conditions` follows.
+std::string simulation_introduction(const SimulationSettings& settings, const std::string& study,
+                                    const std::string& conditions);
+
+/// The first n structures that the engine accepts among random designs uniform in the family's box. Deterministic; the
+/// designs of one family are the same for all studies.
+std::vector<tiling::Structure> random_structures(const std::string& family, int n);
+/// The family's structure at its defaults.
+tiling::Structure default_structure(const std::string& family);
+/// The seven published families.
+const std::vector<std::string>& published_families();
+
+/// What data sets are made with.
+microscale::SimulationOptions data_set_options();
+
+/// States of one simulator's load paths and what they cost.
+struct TimedPath {
+  microscale::SimulationResult result;
+  double cpu_seconds = 0;
+  CostLedger cost;
+};
+TimedPath run_timed(microscale::Simulator& simulator, const microscale::Load& load);
+/// Seconds billed to the stage of that name.
+double stage_seconds(const CostLedger& cost, const std::string& name);
+
+/// |S - S_ref| / |S_ref| in the Frobenius norm.
+double stress_error(const microscale::State& state, const microscale::State& reference);
+/// Whether the state is stable and on the branch that begins at rest.
+bool before_buckling(const microscale::State& state);
+
+void study_refinement(const SimulationSettings& settings);
+void study_speed(const SimulationSettings& settings);
+void study_peer(const SimulationSettings& settings);
+void study_effects(const SimulationSettings& settings);
+void study_smoothness(const SimulationSettings& settings);
+
+}  // namespace supple::bench

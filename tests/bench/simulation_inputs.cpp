@@ -1,0 +1,88 @@
+// Structures, loads and bookkeeping that the studies share.
+#include <cmath>
+#include <stdexcept>
+
+#include "measurement.h"
+#include "simulation_bench.h"
+#include "supple/base/error.h"
+#include "supple/base/execution.h"
+#include "supple/base/random.h"
+
+namespace supple::bench {
+namespace {
+
+double frobenius(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
+
+}  // namespace
+
+std::string simulation_introduction(const SimulationSettings& settings, const std::string& study,
+                                    const std::string& conditions) {
+  std::string text =
+      "This page is generated; how simulations work is in [tilings under load](../tilings.md). Measured on: " +
+      machine_line() +
+      ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target simulation_bench\n"
+      "build/bench/tests/bench/simulation_bench " +
+      study + "\ntests/bench/plot_simulations.py docs/bench\n```\n\n" + conditions +
+      " Times are CPU time of one thread. The machine is not idle: gaps below 1.5 times mean little.";
+  if (settings.brief) text += "\n\n**A short run: it shows that the program works, no more.**";
+  return text;
+}
+
+std::vector<tiling::Structure> random_structures(const std::string& family, int n) {
+  RandomStream random("simulation_bench " + family, 1);
+  const tiling::Family& entry = tiling::family(family);
+  std::vector<tiling::Structure> structures;
+  for (int attempt = 0; attempt < 100 * n && static_cast<int>(structures.size()) < n; ++attempt) {
+    std::vector<double> parameters;
+    for (const tiling::Parameter& p : entry.parameters) parameters.push_back(random.uniform(p.lower, p.upper));
+    try {
+      structures.push_back(tiling::make_structure(entry, parameters));
+    } catch (const Error&) {
+      continue;  // shapes that the engine refuses are part of every family's box
+    }
+  }
+  if (static_cast<int>(structures.size()) < n) throw std::runtime_error("too few designs of " + family);
+  return structures;
+}
+
+tiling::Structure default_structure(const std::string& family) {
+  const tiling::Family& entry = tiling::family(family);
+  std::vector<double> parameters;
+  for (const tiling::Parameter& p : entry.parameters) parameters.push_back(p.preset);
+  return tiling::make_structure(entry, parameters);
+}
+
+const std::vector<std::string>& published_families() {
+  static const std::vector<std::string> families{"IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67"};
+  return families;
+}
+
+microscale::SimulationOptions data_set_options() {
+  microscale::SimulationOptions options;
+  options.tolerance = 1e-7;
+  return options;
+}
+
+TimedPath run_timed(microscale::Simulator& simulator, const microscale::Load& load) {
+  TimedPath path;
+  Execution execution;
+  execution.cost = &path.cost;
+  path.cpu_seconds = cpu_time([&] { path.result = simulator.run(load, execution); });
+  return path;
+}
+
+double stage_seconds(const CostLedger& cost, const std::string& name) {
+  for (const CostLedger::Stage& stage : cost.stages())
+    if (stage.name == name) return stage.seconds;
+  return 0;
+}
+
+double stress_error(const microscale::State& state, const microscale::State& reference) {
+  return frobenius(state.stress - reference.stress) / frobenius(reference.stress);
+}
+
+bool before_buckling(const microscale::State& state) {
+  return state.stopped == microscale::Stop::converged && state.stable && state.branch == 0 && state.cells == 1;
+}
+
+}  // namespace supple::bench
