@@ -181,7 +181,10 @@ bool EquilibriumPath::minimize_energy() {
       return false;
     }
     if (raises < max_stiffness_raises && raise_contact_stiffness()) continue;
+    // The forces of the prediction, by which the tolerance was measured, can be larger than those of the equilibrium.
     const double scale = model_.elastic().force_scale(objective_.x());
+    if (raises < max_stiffness_raises && result.gradient_norm > options_.tolerance * scale && result.iterations > 0)
+      continue;
     residual_ = result.gradient_norm > 0 ? result.gradient_norm / scale : 0;
     stopped_ = Stop::converged;
     return finish_equilibrium(result);
