@@ -15,6 +15,7 @@ RESULT gets a line "solver NAME SECONDS ITERATIONS" for each solver (CPU time of
 
 from __future__ import annotations
 
+import logging
 import sys
 import time
 from dataclasses import dataclass
@@ -88,7 +89,7 @@ def torus_space(case: Case) -> fem.FunctionSpace:
     offsets = np.arange(0, dofs.size + 1, 6, dtype=np.int32)
     dofmap = cpp.fem.DofMap(space.dofmap.dof_layout, cpp.common.IndexMap(MPI.COMM_SELF, case.nodes), 2,
                             cpp.graph.AdjacencyList_int32(dofs.ravel(), offsets), 2)
-    torus = cpp.fem.FunctionSpace(mesh, space.element, dofmap)
+    torus = cpp.fem.FunctionSpace(space._cpp_object.mesh, space.element, dofmap)
     return fem.FunctionSpace(mesh, space.ufl_element(), cppV=torus)
 
 
@@ -170,6 +171,7 @@ class Problem:
 
 
 def main() -> None:
+    logging.disable(logging.INFO)  # the form compiler's
     problem = Problem(read(Path(sys.argv[1])))
     lines = []
     stresses: list[np.ndarray] = []

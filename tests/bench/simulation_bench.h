@@ -37,6 +37,7 @@ microscale::SimulationOptions data_set_options();
 struct TimedPath {
   microscale::SimulationResult result;
   double cpu_seconds = 0;
+  double wall_seconds = 0;  ///< as the bill counts
   CostLedger cost;
 };
 TimedPath run_timed(microscale::Simulator& simulator, const microscale::Load& load);

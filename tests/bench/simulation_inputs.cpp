@@ -67,7 +67,9 @@ TimedPath run_timed(microscale::Simulator& simulator, const microscale::Load& lo
   TimedPath path;
   Execution execution;
   execution.cost = &path.cost;
+  const double start = wall_seconds();
   path.cpu_seconds = cpu_time([&] { path.result = simulator.run(load, execution); });
+  path.wall_seconds = wall_seconds() - start;
   return path;
 }
 
