@@ -228,38 +228,32 @@ bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
 
 void MultifrontalCholesky::solve(Eigen::Ref<Eigen::MatrixXd> b) const {
   const std::size_t count = supernodes_.size() - 1;
-  std::vector<double> x(static_cast<std::size_t>(n_) * solve_width);
   int longest = 0;
   for (const Supernode& node : supernodes_) longest = std::max(longest, node.rows - node.pivots);
-  std::vector<double> below(static_cast<std::size_t>(longest) * solve_width);
+  // Rows of solve_width numbers, in the new order.
+  Eigen::Matrix<double, solve_width, Eigen::Dynamic> x(solve_width, n_);
+  Eigen::Matrix<double, solve_width, Eigen::Dynamic> below(solve_width, longest);
   for (Eigen::Index begin = 0; begin < b.cols(); begin += solve_width) {
     const auto width = std::min<Eigen::Index>(solve_width, b.cols() - begin);
-    std::fill(x.begin(), x.end(), 0.0);
+    x.setZero();
     for (Eigen::Index c = 0; c < width; ++c)
-      for (int i = 0; i < n_; ++i)
-        x[static_cast<std::size_t>(i * solve_width + c)] = b(old_index_[static_cast<std::size_t>(i)], begin + c);
+      for (int i = 0; i < n_; ++i) x(c, i) = b(old_index_[static_cast<std::size_t>(i)], begin + c);
     for (std::size_t s = 0; s < count; ++s) {
       const Supernode& node = supernodes_[s];
-      panel_forward(factor_.data() + node.panel, node.ld, node.rows, node.pivots,
-                    &x[static_cast<std::size_t>(node.first) * solve_width], below.data());
+      panel_forward(factor_.data() + node.panel, node.ld, node.rows, node.pivots, x.col(node.first).data(),
+                    below.data());
       const int* list = rows_.data() + node.row_list + node.pivots;
-      for (int r = 0; r < node.rows - node.pivots; ++r)
-        for (int c = 0; c < solve_width; ++c)
-          x[static_cast<std::size_t>(list[r] * solve_width + c)] -=
-              below[static_cast<std::size_t>(r * solve_width + c)];
+      for (int r = 0; r < node.rows - node.pivots; ++r) x.col(list[r]) -= below.col(r);
     }
     for (std::size_t s = count; s-- > 0;) {
       const Supernode& node = supernodes_[s];
       const int* list = rows_.data() + node.row_list + node.pivots;
-      for (int r = 0; r < node.rows - node.pivots; ++r)
-        for (int c = 0; c < solve_width; ++c)
-          below[static_cast<std::size_t>(r * solve_width + c)] = x[static_cast<std::size_t>(list[r] * solve_width + c)];
-      panel_backward(factor_.data() + node.panel, node.ld, node.rows, node.pivots,
-                     &x[static_cast<std::size_t>(node.first) * solve_width], below.data());
+      for (int r = 0; r < node.rows - node.pivots; ++r) below.col(r) = x.col(list[r]);
+      panel_backward(factor_.data() + node.panel, node.ld, node.rows, node.pivots, x.col(node.first).data(),
+                     below.data());
     }
     for (Eigen::Index c = 0; c < width; ++c)
-      for (int i = 0; i < n_; ++i)
-        b(old_index_[static_cast<std::size_t>(i)], begin + c) = x[static_cast<std::size_t>(i * solve_width + c)];
+      for (int i = 0; i < n_; ++i) b(old_index_[static_cast<std::size_t>(i)], begin + c) = x(c, i);
   }
 }
 
