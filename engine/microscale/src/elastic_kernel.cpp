@@ -50,9 +50,9 @@ SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)
     if (!(j_minus_one[lane] > -1)) return false;
 
   // psi, a = J g' and b = J (J g')'; written in F - I, so that small strains lose no digits.
-  Lanes psi = constant(0);
-  Lanes a = psi;
-  Lanes b = psi;
+  Lanes psi;
+  Lanes a;
+  Lanes b;
   const Lanes j = 1 + j_minus_one;
   if (law.law == Law::neo_hookean) {
     Lanes log_j = constant(0);
