@@ -114,9 +114,8 @@ void Report::target(const std::string& what, const std::string& limit, const std
 }
 
 void Report::write(const std::string& introduction) const {
-  write_file(folder_ / (name_ + ".md"),
-             "# " + title_ + "\n\n" + introduction + "\n" +
-                 (targets_.empty() ? "" : "\n## Targets\n\n" + targets_.markdown()) + body_);
+  write_file(folder_ / (name_ + ".md"), "# " + title_ + "\n\n" + introduction + "\n" +
+                                            (targets_.empty() ? "" : "\n## Targets\n\n" + targets_.markdown()) + body_);
 }
 
 }  // namespace supple::bench

@@ -1,4 +1,5 @@
 // Samples per core-second of each family on the data sets' mesh, and where the time goes.
+#include <algorithm>
 #include <numbers>
 #include <vector>
 
@@ -110,11 +111,11 @@ void study_speed(const SimulationSettings& settings) {
     const double patch = stage_seconds(speed.cost, "patch stability");
     table.row({family, count(median(speed.nodes)), std::to_string(speed.states), std::to_string(speed.unreached),
                std::to_string(speed.in_patch), std::to_string(speed.touching),
-               number(static_cast<double>(speed.iterations) / speed.states), number(speed.per_second())});
+               number(static_cast<double>(speed.iterations) / std::max(1, speed.states)), number(speed.per_second())});
     const double whole = speed.wall_seconds;
-    shares.row({family, number(1e3 * total / speed.states), share(speed.meshing_seconds, total), share(assembly, whole),
-                share(factorization, whole), share(solve, whole), share(contact, whole), share(patch, whole),
-                share(whole - assembly - factorization - solve - contact - patch, whole)});
+    shares.row({family, number(1e3 * total / std::max(1, speed.states)), share(speed.meshing_seconds, total),
+                share(assembly, whole), share(factorization, whole), share(solve, whole), share(contact, whole),
+                share(patch, whole), share(whole - assembly - factorization - solve - contact - patch, whole)});
     const double wanted = family == "IH01" || family == "IH22" || family == "IH67" ? 10 : 4;
     report.target(family + ": states with stress and tangent per core-second", "at least " + number(wanted, 2),
                   number(speed.per_second()), speed.per_second() >= wanted);
