@@ -57,8 +57,9 @@ std::vector<Polygon> holes_within(const std::vector<Polygon>& holes, const Cut& 
       lower = lower.min(at);
       upper = upper.max(at);
     }
-    for (double i = std::ceil(-upper[0]); lower[0] + i < 1; ++i) {
-      for (double j = std::ceil(-upper[1]); lower[1] + j < 1; ++j) {
+    const Eigen::Array2i first = (-upper).ceil().cast<int>();
+    for (int i = first[0]; lower[0] + i < 1; ++i) {
+      for (int j = first[1]; lower[1] + j < 1; ++j) {
         const Eigen::Vector2d by = cut.lattice * Eigen::Vector2d(i, j);
         Polygon& copy = result.emplace_back(hole);
         for (Eigen::Vector2d& p : copy) p += by;
@@ -99,6 +100,7 @@ std::vector<double> best_lines(const std::vector<Polygon>& holes, const Eigen::M
   }
   std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<double> best;
+  best.reserve(combined_lines);
   for (int k = 0; k < combined_lines; ++k) best.push_back(lines[k].second);
   return best;
 }

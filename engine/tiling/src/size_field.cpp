@@ -47,8 +47,9 @@ void SizeField::repeat_corners(const Eigen::Matrix2d& lattice, const Eigen::Vect
   std::vector<Eigen::Vector2d> all;
   for (const Eigen::Vector2d& corner : corners_) {
     const Eigen::Vector2d at = inverse * (corner - origin);
-    for (double i = std::ceil(-reach[0] - at[0]); at[0] + i <= 1 + reach[0]; ++i) {
-      for (double j = std::ceil(-reach[1] - at[1]); at[1] + j <= 1 + reach[1]; ++j) {
+    const Eigen::Vector2i first = (-reach - at).array().ceil().cast<int>();
+    for (int i = first[0]; at[0] + i <= 1 + reach[0]; ++i) {
+      for (int j = first[1]; at[1] + j <= 1 + reach[1]; ++j) {
         all.emplace_back(corner + lattice * Eigen::Vector2d(i, j));
       }
     }

@@ -38,10 +38,11 @@ std::vector<Eigen::Vector2d> nearby_translations(const Structure& structure) {
     }
   }
   const Eigen::Matrix2d& lattice = structure.tiling.lattice;
-  const Eigen::Vector2d reach = ((upper - lower).norm() * lattice.inverse().rowwise().norm()).array().ceil();
+  const Eigen::Vector2i reach =
+      ((upper - lower).norm() * lattice.inverse().rowwise().norm()).array().ceil().cast<int>();
   std::vector<Eigen::Vector2d> result;
-  for (double i = -reach[0]; i <= reach[0]; ++i) {
-    for (double j = -reach[1]; j <= reach[1]; ++j) {
+  for (int i = -reach[0]; i <= reach[0]; ++i) {
+    for (int j = -reach[1]; j <= reach[1]; ++j) {
       const Eigen::Vector2d by = lattice * Eigen::Vector2d(i, j);
       if ((by.cwiseAbs() - (upper - lower)).maxCoeff() <= structure.beam_width) result.push_back(by);
     }
@@ -96,6 +97,7 @@ void keep_folded_beams(Structure& structure) {
     back.linear = of_tile->linear.transpose();
     back.offset = -back.linear * of_tile->offset;
     std::vector<Polygon> seen;
+    seen.reserve(solid.size());
     for (const Polygon& polygon : solid) seen.push_back(placed(polygon, back));
     std::vector<Polygon> rest;
     for (const Polygon& hole : structure.holes[tile]) {

@@ -52,7 +52,7 @@ class NodeMatcher {
         if ((apart - lattice_ * shift).norm() < matching_tolerance) return {at->second, shift.cast<int>()};
       }
     }
-    const TorusPoint point = append(p);
+    TorusPoint point = append(p);
     by_first_coordinate_.emplace(u, point.node);
     return point;
   }

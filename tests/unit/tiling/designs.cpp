@@ -85,8 +85,9 @@ int winding_number(const Tiling& tiling, const std::vector<std::vector<Polygon>>
         lower = lower.min(at);
         upper = upper.max(at);
       }
-      for (double i = std::ceil(lower[0]); i <= upper[0]; ++i) {
-        for (double j = std::ceil(lower[1]); j <= upper[1]; ++j) {
+      const Eigen::Array2i first = lower.ceil().cast<int>();
+      for (int i = first[0]; i <= upper[0]; ++i) {
+        for (int j = first[1]; j <= upper[1]; ++j) {
           winding += winding_number(copy, point + tiling.lattice * Eigen::Vector2d(i, j));
         }
       }
