@@ -115,7 +115,7 @@ def test_the_answer_says_what_ran_and_what_was_reached(api: Api) -> None:
     assert not effects["contact"]["ran"] and not effects["patch"]["ran"]
     assert all(effect["why"] for effect in effects.values())
     accuracy = answer["accuracy"]
-    assert accuracy["mesh_size"] == 1 and accuracy["corner_size"] == 1 and accuracy["tolerance"] == 1e-8
+    assert accuracy["mesh_size"] == 1 and accuracy["corner_size"] == 0.1 and accuracy["tolerance"] == 1e-8
     assert accuracy["residual"] == max(state["residual"] for state in answer["states"]) <= 1e-8
     assert accuracy["nodes"] > 10 and accuracy["triangles"] > 10 and accuracy["unknowns"] >= 2 * accuracy["nodes"] - 2
     assert {"meshing", "assembly", "factorization"} <= {stage["name"] for stage in answer["cost"]["stages"]}
