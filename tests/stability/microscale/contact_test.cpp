@@ -1,0 +1,51 @@
+// Beams that touch: across the patch's border, after folding, and nearly so before any load.
+#include <limits>
+
+#include "simulation_case.h"
+
+namespace supple::microscale {
+namespace {
+
+// Hard: dozens of pairs press on each other, many of them a point and an image from the neighbouring cell.
+TEST(ContactCases, ContactAcrossThePeriodicBoundaryHolds) {
+  const UniaxialLoad load{2.094, {0.95, 0.9, 0.839}};
+  const SimulationResult result = follow("IH01", std::vector{0.1191, 0.3178, 0.1199, 0.6276}, load);
+  expect_resistance(result, load);
+  EXPECT_GE(result.states.back().contacts, 12);
+  EXPECT_LT(result.states.back().smallest_gap, 0.02 * 0.3);
+}
+
+// Hard: the tile crosses itself, so that a beam's two sides start close to each other and the mesh is made by cells.
+TEST(ContactCases, AFoldedTileUnderBiaxialLoadConverges) {
+  follow("IH01", std::vector{0.2399, 0.5547, 0.0665, 0.4047}, BiaxialLoad{2.304, {{1.001, 0.939}}});
+}
+
+/// 2 area / perimeter: of a slit the gap between its sides, mm.
+double mean_width(const tiling::Polygon& hole) {
+  double twice_area = 0;
+  double perimeter = 0;
+  for (std::size_t k = 0; k < hole.size(); ++k) {
+    const Eigen::Vector2d& next = hole[(k + 1) % hole.size()];
+    twice_area += hole[k].x() * next.y() - hole[k].y() * next.x();
+    perimeter += (next - hole[k]).norm();
+  }
+  return twice_area / perimeter;
+}
+
+// Hard: the sides of long slits are 4 % of the beam width apart at rest and press on each other at the least load.
+TEST(ContactCases, BeamsThatNearlyTouchAtRestConverge) {
+  const std::vector<double> parameters{0.956};
+  const tiling::Structure structure = tiling::make_structure(tiling::family("square"), parameters);
+  double gap = std::numeric_limits<double>::infinity();
+  for (const auto& holes : structure.holes) {
+    for (const tiling::Polygon& hole : holes) gap = std::min(gap, mean_width(hole));
+  }
+  ASSERT_LT(gap, 0.05 * structure.beam_width);
+  const UniaxialLoad load{0.3, {0.995, 0.97, 0.9}};
+  const SimulationResult result = follow("square", parameters, load, hard_case_options(0.8));
+  expect_resistance(result, load);
+  EXPECT_GT(result.states.back().contacts, 0);
+}
+
+}  // namespace
+}  // namespace supple::microscale
