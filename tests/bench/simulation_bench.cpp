@@ -1,9 +1,10 @@
 // Periodic patches under load: accuracy against time, samples per second, a peer, what effects cost, mesh noise.
 //
-//   simulation_bench [--short] [--out DIR] [STUDY ...]      default: all studies into docs/bench
+//   simulation_bench [--short] [--designs N] [--out DIR] [STUDY ...]      default: all studies into docs/bench
 #include "simulation_bench.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <functional>
@@ -31,7 +32,7 @@ const std::vector<Study>& studies() {
 }
 
 int usage() {
-  std::fprintf(stderr, "usage: simulation_bench [--short] [--out DIR] [STUDY ...]\nstudies:");
+  std::fprintf(stderr, "usage: simulation_bench [--short] [--designs N] [--out DIR] [STUDY ...]\nstudies:");
   for (const Study& study : studies()) std::fprintf(stderr, " %s", study.name.c_str());
   std::fprintf(stderr, "\n");
   return 2;
@@ -45,6 +46,8 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--short") == 0) {
       settings.brief = true;
+    } else if (std::strcmp(argv[i], "--designs") == 0 && i + 1 < argc) {
+      settings.designs = std::atoi(argv[++i]);
     } else if (std::strcmp(argv[i], "--out") == 0 && i + 1 < argc) {
       settings.folder = argv[++i];
     } else {

@@ -16,6 +16,10 @@ struct SimulationSettings {
   std::filesystem::path folder = "docs/bench";
   /// Few designs and coarse meshes: shows that the program works, not what the numbers are.
   bool brief = false;
+  /// Random designs of each family; 0 for as many as the study is meant to have.
+  int designs = 0;
+
+  int designs_or(int usual) const { return designs > 0 ? designs : usual; }
 };
 
 /// "This page is generated ...", the machine and the commands; `conditions` follows.

@@ -77,7 +77,7 @@ std::string percent(const std::vector<double>& errors, double q) {
 
 void study_effects(const SimulationSettings& settings) {
   const std::vector<std::string> families = settings.brief ? std::vector<std::string>{"IH01"} : published_families();
-  const int designs = settings.brief ? 1 : 4;
+  const int designs = settings.designs_or(settings.brief ? 1 : 4);
   Report report(settings.folder, "simulations-effects", "Simulations: what effects cost and change");
   Table costs("simulations-effects-cost", {{"family", "Family"},
                                            {"states", "States"},

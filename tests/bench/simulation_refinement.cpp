@@ -123,7 +123,7 @@ void study_refinement(const SimulationSettings& settings) {
   if (settings.brief) meshes = {{"1/2, uniform", 0.5, 1}, chosen};
   const std::vector<std::string> families =
       settings.brief ? std::vector<std::string>{"IH01"} : std::vector<std::string>{"IH01", "IH22", "IH67"};
-  const int designs = settings.brief ? 1 : 10;
+  const int designs = settings.designs_or(settings.brief ? 1 : 10);
 
   Report report(settings.folder, "simulations-refinement", "Simulations: error against time, and the data sets' mesh");
   Table by_family("simulations-refinement", {{"family", "Family"},

@@ -82,7 +82,7 @@ std::string share(double part, double whole) { return number(100 * part / whole,
 void study_speed(const SimulationSettings& settings) {
   const std::vector<std::string> families =
       settings.brief ? std::vector<std::string>{"IH01", "IH67"} : published_families();
-  const int designs = settings.brief ? 1 : 10;
+  const int designs = settings.designs_or(settings.brief ? 1 : 10);
   Report report(settings.folder, "simulations-speed", "Simulations: samples per core-second");
   Table table("simulations-speed", {{"family", "Family"},
                                     {"nodes", "Nodes, median"},
