@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <numbers>
 
 #include "designs.h"
 #include "polygon.h"
@@ -182,6 +183,27 @@ TEST(Structure, ATilesInsetCanFallApartIntoSeveralHoles) {
     return tiling;
   };
   EXPECT_EQ(holes_in(make_structure(hourglass, {}), 0), 2u);
+}
+
+TEST(Structure, HolesHaveMitredCornersAroundReentrantCornersOfTiles) {
+  Family notched;
+  notched.id = "notched";
+  notched.beam_width = 0.3;
+  notched.shape = [](std::span<const double>) {
+    Tiling tiling;
+    const double half = 2 * (std::sqrt(2) - 1);  // of the notch's mouth: its tip has 45 degrees
+    tiling.tiles = {{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2 + half}, {2, 2}, {0, 2 - half}}};
+    tiling.placements = {{}};
+    tiling.lattice = 4 * Eigen::Matrix2d::Identity();
+    return tiling;
+  };
+  const Structure structure = make_structure(notched, {});
+  ASSERT_EQ(holes_in(structure, 0), 1u);
+  ASSERT_EQ(structure.holes[0][0].size(), 7u);
+  double least = INFINITY;
+  const Eigen::Vector2d mitre(2 + 0.15 / std::sin(std::numbers::pi / 8), 2);
+  for (const Eigen::Vector2d& p : structure.holes[0][0]) least = std::min(least, (p - mitre).norm());
+  EXPECT_LT(least, 1e-8);
 }
 
 TEST(Structure, HolesHaveNoShortSidesAndLieWithinTheirTiles) {
