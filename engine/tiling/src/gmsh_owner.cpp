@@ -69,7 +69,10 @@ class GmshOwner {
     gmsh::option::setNumber("General.Terminal", 0);
     // Not to throw: gmsh meshes within a parallel region of OpenMP, which no exception leaves alive.
     gmsh::option::setNumber("General.AbortOnError", 0);
-    gmsh::option::setNumber("General.NumThreads", 1);
+    // General.NumThreads would only count for the thread that sets it, and for whatever else it runs by OpenMP.
+    for (const char* dimension : {"1D", "2D", "3D"}) {
+      gmsh::option::setNumber(std::string("Mesh.MaxNumThreads") + dimension, 1);
+    }
     gmsh::option::setNumber("Mesh.RandomFactor", 1e-9);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
     gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
@@ -79,12 +82,8 @@ class GmshOwner {
 
   /// An empty model that is current while this object lives.
   struct Model {
-    Model() {
-      gmsh::logger::start();  // forgets earlier errors
-      gmsh::model::add("supple");
-    }
+    Model() { gmsh::model::add("supple"); }
     ~Model() {
-      gmsh::logger::stop();
       gmsh::model::mesh::removeSizeCallback();
       gmsh::model::remove();
     }

@@ -16,6 +16,10 @@ namespace {
 /// micrometres, which no printer makes and which would ask for elements as small.
 constexpr double smallest_hole = 0.005;
 
+/// Where a tile crosses itself, the holes of neighbouring tiles may come this close (in beam widths) instead of 1.
+/// Every fifth design of IH01's box crosses, in the published data as well.
+constexpr double thinnest_beam = 0.5;
+
 void scale_by(Tiling& tiling, double scale) {
   for (Polygon& tile : tiling.tiles) {
     for (Eigen::Vector2d& vertex : tile) vertex *= scale;
@@ -23,10 +27,6 @@ void scale_by(Tiling& tiling, double scale) {
   for (Placement& placement : tiling.placements) placement.offset *= scale;
   tiling.lattice *= scale;
 }
-
-/// Where a tile crosses itself, the holes of neighbouring tiles may come this close (in beam widths) instead of 1. The
-/// published data of IH01 have such designs: every fifth of the box crosses.
-constexpr double thinnest_beam = 0.5;
 
 /// The translations that may bring a copy of the cell's tiles near the cell: those within twice the tiles' extent.
 std::vector<Eigen::Vector2d> nearby_translations(const Structure& structure) {

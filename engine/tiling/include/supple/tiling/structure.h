@@ -15,12 +15,12 @@ struct Structure {
   double beam_width = printed_beam_width;  ///< mm
   double scale = 1;                        ///< mm per tiling unit
   Tiling tiling;                           ///< scaled to mm
-  /// For each tile its holes (counterclockwise): the points inside the tile that are farther than half a beam width
-  /// from its outline (winding number 1, mitred corners). A tile may have several holes, or none where the family
-  /// allows it. Holes narrower than 0.5 % of the beam width are left out and sides of holes shorter than that are
-  /// points.
+  /// For each tile its holes (counterclockwise): the points inside the tile (winding number 1) that are farther than
+  /// half a beam width from its outline, with mitred corners, and outside the folded parts of tiles that cross
+  /// themselves, made larger by half a beam width. A tile may have several holes, or none where the family allows it.
+  /// Holes narrower than 0.5 % of the beam width are left out and sides of holes shorter than that are points.
   std::vector<std::vector<Polygon>> holes;
-  /// Whether a tile's outline crosses or touches itself, which its beams hide.
+  /// Whether a tile's outline crosses or touches itself.
   bool tiles_cross = false;
   double cell_area = 0;   ///< mm^2
   double solid_area = 0;  ///< mm^2 of the cell covered by material
