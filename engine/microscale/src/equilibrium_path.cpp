@@ -36,7 +36,7 @@ constexpr int refinement_rounds = 5;
 /// Steps along an unstable mode: the largest displacement, in beam widths, from the first to the last; each is twice
 /// the one before.
 constexpr double first_mode_step = 1e-3;
-constexpr double last_mode_step = 2;
+constexpr int mode_doublings = 10;
 /// How often one equilibrium may be left for one of lower energy.
 constexpr int max_branch_changes = 12;
 /// How often one equilibrium may ask for a stiffer contact barrier, which doubles each time.
@@ -80,7 +80,7 @@ EquilibriumPath::Progress EquilibriumPath::step_towards(const Eigen::Matrix2d& t
       if (counts_.iterations - before <= quick_iterations)
         step_ = std::min(options_.max_load_step, std::max(step_, share * size * step_growth));
       if (counts_.branches_left == branches) {
-        previous_ = Previous{start, share * along, share * change};
+        previous_ = Previous{share * change, start, share * along};
       } else {
         previous_.reset();
       }
@@ -262,7 +262,8 @@ std::optional<Eigen::VectorXd> EquilibriumPath::lowest_along(const Eigen::Vector
   double least = energy;
   for (const double sign : {1.0, -1.0}) {
     double last = energy;
-    for (double amount = first_mode_step; amount <= last_mode_step; amount *= 2) {
+    for (int doublings = 0; doublings <= mode_doublings; ++doublings) {
+      const double amount = std::ldexp(first_mode_step, doublings);
       const Eigen::VectorXd step = sign * amount * unit;
       if (model_.prepare(start, step, execution_.cost) < 1) break;
       objective_.set_x(start + step);

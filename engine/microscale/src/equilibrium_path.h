@@ -74,27 +74,27 @@ class EquilibriumPath {
   CellModel& model_;
   const SimulationOptions& options_;
   const Execution& execution_;
-  CellObjective objective_;
   numerics::ShiftedCholesky cholesky_;
 
-  bool stable_ = true;
-  double residual_ = 0;
-  double energy_ = 0;
-  Stop stopped_ = Stop::converged;
   Eigen::Vector4d strain_gradient_ = Eigen::Vector4d::Zero();
   Eigen::Matrix4d condensed_ = Eigen::Matrix4d::Zero();
-  Eigen::MatrixXd response_;  ///< -dw / dF, one column for each component of F
-
   /// The equilibrium before the last one on the same branch, with the tangent there along `travelled` (the change of F
   /// since).
   struct Previous {
+    Eigen::Vector4d travelled;
     Eigen::VectorXd x;
     Eigen::VectorXd tangent;  ///< change of x to first order for all of `travelled`
-    Eigen::Vector4d travelled;
   };
   std::optional<Previous> previous_;
+  CellObjective objective_;
+  Eigen::MatrixXd response_;  ///< dw / dF, one column for each component of F
+
+  double residual_ = 0;
+  double energy_ = 0;
   double step_ = 0;  ///< size of the next internal load step
   Counts counts_;
+  Stop stopped_ = Stop::converged;
+  bool stable_ = true;
 };
 
 }  // namespace supple::microscale
