@@ -25,7 +25,7 @@ class CellModel {
   /// Gives the barrier its first stiffness again, so that a path does not depend on those before it.
   void reset_contact();
 
-  /// Every term adds to the sum, which must be cleared; each is billed as an effect.
+  /// Every term adds to the sum, which must be cleared. Bills elasticity as the stage "assembly", contact as an effect.
   void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum, CostLedger* cost) const;
   void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
                                numerics::HessianEntries& entries) const;

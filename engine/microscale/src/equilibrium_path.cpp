@@ -39,8 +39,9 @@ constexpr double first_mode_step = 1e-3;
 constexpr int mode_doublings = 10;
 /// How often one equilibrium may be left for one of lower energy.
 constexpr int max_branch_changes = 12;
-/// How often one equilibrium may ask for a stiffer contact barrier, which doubles each time.
-constexpr int max_stiffness_raises = 10;
+/// How often one minimization may be repeated, with a contact barrier of twice the stiffness or for a tolerance that
+/// turned out too loose.
+constexpr int max_repeats = 10;
 /// Signs of a mode whose energies differ by less, relative, are symmetric: the positive one is taken.
 constexpr double symmetric_branches = 1e-9;
 
@@ -67,6 +68,7 @@ EquilibriumPath::Progress EquilibriumPath::step_towards(const Eigen::Matrix2d& t
   const double size = change.cwiseAbs().maxCoeff();
   if (size == 0) return Progress::arrived;
   const Eigen::VectorXd start = x();
+  const Equilibrium start_equilibrium = at_;
   const Eigen::VectorXd along = tangent(change);
   double share = std::min(1.0, step_ / size);
   // A remainder of a rounding error's size would be a step of its own.
@@ -87,7 +89,9 @@ EquilibriumPath::Progress EquilibriumPath::step_towards(const Eigen::Matrix2d& t
       return share == 1 ? Progress::arrived : Progress::underway;
     }
     objective_.set_x(start);
+    at_ = start_equilibrium;
     if (share * size / 2 < smallest_load_step) {
+      model_.prepare(start, Eigen::VectorXd::Zero(start.size()), execution_.cost);
       stopped_ = stopped_ == Stop::converged ? Stop::step_too_small : stopped_;
       return Progress::failed;
     }
@@ -108,12 +112,12 @@ Eigen::VectorXd EquilibriumPath::tangent(const Eigen::Vector4d& change) const {
   if (m > 0) {
     Eigen::MatrixXd free(4, m);
     for (Eigen::Index k = 0; k < m; ++k) free.col(k) = objective_.free()[static_cast<std::size_t>(k)];
-    const Eigen::MatrixXd stiffness = free.transpose() * condensed_ * free;
-    const Eigen::VectorXd q = stiffness.ldlt().solve(-free.transpose() * condensed_ * change);
+    const Eigen::MatrixXd stiffness = free.transpose() * at_.condensed * free;
+    const Eigen::VectorXd q = stiffness.ldlt().solve(-free.transpose() * at_.condensed * change);
     if (q.allFinite()) strain += free * q;
   }
   Eigen::VectorXd along(x().size());
-  along.head(x().size() - 4) = response_ * strain;
+  along.head(x().size() - 4) = at_.response * strain;
   along.tail<4>() = strain;
   return along;
 }
@@ -167,7 +171,7 @@ bool EquilibriumPath::try_increment(double share, const Eigen::Vector4d& change,
 bool EquilibriumPath::minimize_energy() {
   // The terms and the factorization write their own bills.
   const Execution inner{execution_.cancellation, nullptr, nullptr};
-  for (int raises = 0;; ++raises) {
+  for (int repeats = 0;; ++repeats) {
     numerics::MinimizerOptions options;
     options.gradient_tolerance = options_.tolerance * model_.elastic().force_scale(objective_.x());
     options.max_iterations = options_.max_iterations;
@@ -180,12 +184,11 @@ bool EquilibriumPath::minimize_energy() {
       stopped_ = result.stop == numerics::MinimizerStop::iteration_limit ? Stop::iteration_limit : Stop::step_too_small;
       return false;
     }
-    if (raises < max_stiffness_raises && raise_contact_stiffness()) continue;
+    if (repeats < max_repeats && raise_contact_stiffness()) continue;
     // The forces of the prediction, by which the tolerance was measured, can be larger than those of the equilibrium.
     const double scale = model_.elastic().force_scale(objective_.x());
-    if (raises < max_stiffness_raises && result.gradient_norm > options_.tolerance * scale && result.iterations > 0)
-      continue;
-    residual_ = result.gradient_norm > 0 ? result.gradient_norm / scale : 0;
+    if (repeats < max_repeats && result.gradient_norm > options_.tolerance * scale && result.iterations > 0) continue;
+    at_.residual = result.gradient_norm > 0 ? result.gradient_norm / scale : 0;
     stopped_ = Stop::converged;
     return finish_equilibrium(result);
   }
@@ -203,11 +206,11 @@ bool EquilibriumPath::raise_contact_stiffness() {
 
 bool EquilibriumPath::finish_equilibrium(const numerics::MinimizerResult& result) {
   const numerics::Evaluation evaluation = objective_.evaluate(2);
-  energy_ = objective_.energy();
-  strain_gradient_ = objective_.strain_gradient();
+  at_.energy = objective_.energy();
+  at_.strain_gradient = objective_.strain_gradient();
   const bool fresh = result.factorized_at >= 0 && result.history.back().regularization == 0;
-  stable_ = (fresh && solve_for_strains()) || (cholesky_.factorize(evaluation.hessian, 0) && solve_for_strains());
-  if (stable_) {
+  at_.stable = (fresh && solve_for_strains()) || (cholesky_.factorize(evaluation.hessian, 0) && solve_for_strains());
+  if (at_.stable) {
     condense();
     return true;
   }
@@ -215,30 +218,30 @@ bool EquilibriumPath::finish_equilibrium(const numerics::MinimizerResult& result
     const Mode mode = least_stable_mode(evaluation.hessian, objective_.dimension(), cholesky_, execution_.cancellation);
     if (mode.curvature < 0 && leave_along(objective_.expand(mode.direction))) return true;
     objective_.evaluate(2);
-    stable_ = mode.curvature >= 0;
+    at_.stable = mode.curvature >= 0;
   }
   // An unstable equilibrium, or one at the very point where it loses stability: its stiffness can be indefinite.
   Eigen::SimplicialLDLT<numerics::SparseMatrix, Eigen::Lower> indefinite(objective_.core());
-  response_ = indefinite.solve(-objective_.strain_columns());
+  at_.response = indefinite.solve(-objective_.strain_columns());
   condense();
-  return response_.allFinite();
+  return at_.response.allFinite();
 }
 
 bool EquilibriumPath::solve_for_strains() {
   const Eigen::MatrixXd& right = objective_.strain_columns();
   const double size = right.norm();
-  response_ = -cholesky_.solve_core(right);
+  at_.response = -cholesky_.solve_core(right);
   for (int round = 0;; ++round) {
-    const Eigen::MatrixXd residual = -right - objective_.core().selfadjointView<Eigen::Lower>() * response_;
+    const Eigen::MatrixXd residual = -right - objective_.core().selfadjointView<Eigen::Lower>() * at_.response;
     if (!(residual.norm() > refined * size)) return true;
     if (round == refinement_rounds) return residual.norm() < 1e3 * refined * size;
-    response_ += cholesky_.solve_core(residual);
+    at_.response += cholesky_.solve_core(residual);
   }
 }
 
 void EquilibriumPath::condense() {
-  const Eigen::Matrix4d product = objective_.strain_columns().transpose() * response_;
-  condensed_ = objective_.strain_corner() + 0.5 * (product + product.transpose());
+  const Eigen::Matrix4d product = objective_.strain_columns().transpose() * at_.response;
+  at_.condensed = objective_.strain_corner() + 0.5 * (product + product.transpose());
 }
 
 bool EquilibriumPath::leave_along(const Eigen::VectorXd& mode) {

@@ -35,15 +35,18 @@ class EquilibriumPath {
 
   // At the last equilibrium:
   const Eigen::VectorXd& x() const { return objective_.x(); }
-  bool stable() const { return stable_; }
-  double residual() const { return residual_; }
+  struct Equilibrium {
+    Eigen::Vector4d strain_gradient = Eigen::Vector4d::Zero();  ///< dE / dF
+    /// d2 E / dF2 of the minimized energy (a Schur complement), components as in CellCoordinates.
+    Eigen::Matrix4d condensed = Eigen::Matrix4d::Zero();
+    Eigen::MatrixXd response;  ///< dw / dF, one column for each component of F
+    double energy = 0;
+    double residual = 0;
+    bool stable = true;
+  };
+  const Equilibrium& equilibrium() const { return at_; }
+  /// How the last attempt ended; where it failed the equilibrium is the one before it.
   Stop stopped() const { return stopped_; }
-  double energy() const { return energy_; }
-  const Eigen::Vector4d& strain_gradient() const { return strain_gradient_; }
-  /// d2 E / dF2 of the minimized energy (a Schur complement), components as in CellCoordinates.
-  const Eigen::Matrix4d& condensed() const { return condensed_; }
-  /// Stiffness with respect to the periodic displacements, lower triangle.
-  const numerics::SparseMatrix& core() const { return objective_.core(); }
   Eigen::Index unknowns() const { return objective_.dimension(); }
 
   // Since the last call:
@@ -76,8 +79,7 @@ class EquilibriumPath {
   const Execution& execution_;
   numerics::ShiftedCholesky cholesky_;
 
-  Eigen::Vector4d strain_gradient_ = Eigen::Vector4d::Zero();
-  Eigen::Matrix4d condensed_ = Eigen::Matrix4d::Zero();
+  Equilibrium at_;
   /// The equilibrium before the last one on the same branch, with the tangent there along `travelled` (the change of F
   /// since).
   struct Previous {
@@ -87,14 +89,10 @@ class EquilibriumPath {
   };
   std::optional<Previous> previous_;
   CellObjective objective_;
-  Eigen::MatrixXd response_;  ///< dw / dF, one column for each component of F
 
-  double residual_ = 0;
-  double energy_ = 0;
   double step_ = 0;  ///< size of the next internal load step
   Counts counts_;
   Stop stopped_ = Stop::converged;
-  bool stable_ = true;
 };
 
 }  // namespace supple::microscale

@@ -141,17 +141,18 @@ class Run {
   void record() {
     const Eigen::VectorXd& x = path_->x();
     const double area = model_->mesh()->cell_area();
+    const EquilibriumPath::Equilibrium& at = path_->equilibrium();
     const auto counts = path_->take_counts();
     branch_ += counts.branches_left;
     State state;
     state.deformation_gradient = model_->coordinates().deformation_gradient(x);
     state.green_strain = green_strain(state.deformation_gradient);
-    state.stress = second_piola_kirchhoff(state.deformation_gradient, path_->strain_gradient(), area);
-    state.energy_density = path_->energy() / area;
+    state.stress = second_piola_kirchhoff(state.deformation_gradient, at.strain_gradient, area);
+    state.energy_density = at.energy / area;
     if (options_.tangents)
-      state.tangent = tangent_stiffness(state.deformation_gradient, state.stress, path_->condensed(), area);
+      state.tangent = tangent_stiffness(state.deformation_gradient, state.stress, at.condensed, area);
     state.stopped = path_->stopped();
-    state.residual = path_->residual();
+    state.residual = at.residual;
     state.iterations = std::exchange(iterations_, 0) + counts.iterations;
     state.load_steps = std::exchange(load_steps_, 0) + counts.load_steps;
     if (const ContactBarrier* contact = model_->contact()) {
@@ -159,7 +160,7 @@ class Run {
       state.contacts = status.pairs;
       state.smallest_gap = status.smallest_gap;
     }
-    state.stable = path_->stable() && alternating_stable_;
+    state.stable = at.stable && alternating_stable_;
     state.branch = branch_;
     state.cells = model_ == &models_.cell ? 1 : 2;
     state.smallest_jacobian = model_->elastic().smallest_jacobian(x);
@@ -175,13 +176,19 @@ class Run {
     return result;
   }
 
+  /// Whether the bill has the effect already, from a term that was assembled or a branch that was left.
+  bool has_run(std::string_view effect) const {
+    const auto& effects = execution_.cost->effects();
+    return std::any_of(effects.begin(), effects.end(),
+                       [effect](const CostLedger::Effect& e) { return e.name == effect && e.ran; });
+  }
+
   /// Effects that did not run say so and why.
   void bill_effects() const {
     if (!execution_.cost) return;
-    const auto& states = result_.states;
     if (options_.contact == Switch::off) {
       execution_.cost->add_effect("contact", false, "switched off by the request");
-    } else if (std::none_of(states.begin(), states.end(), [](const State& s) { return s.contacts > 0; })) {
+    } else if (!has_run("contact")) {
       execution_.cost->add_effect("contact", false, "no pair of boundary points came within the barrier's range");
     }
     const bool doubled = model_ != &models_.cell;
@@ -190,7 +197,7 @@ class Run {
                                 : options_.patch == Switch::off ? "switched off by the request"
                                 : doubled ? "one cell was unstable against a mode that alternates from cell to cell"
                                           : "one cell was stable against all modes of the 2x2 patch");
-    if (branch_ == 0)
+    if (!has_run("buckling"))
       execution_.cost->add_effect("buckling", false,
                                   options_.buckling == Switch::off ? "switched off by the request"
                                                                    : "the tangent stiffness stayed positive definite");

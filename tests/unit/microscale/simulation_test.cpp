@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -235,6 +236,39 @@ TEST(Simulator, ReportsTheUnstableStateWhereBucklingIsOff) {
   ASSERT_EQ(result.states.size(), 1U) << result.message;
   EXPECT_FALSE(result.states[0].stable);
   EXPECT_EQ(result.states[0].branch, 0);
+}
+
+TEST(Simulator, SaysOfEachEffectThatDidNotRunWhy) {
+  for (const Switch contact : {Switch::automatic, Switch::off}) {
+    SimulationOptions options;
+    options.contact = contact;
+    Simulator simulator(frame(), options);
+    CostLedger cost;
+    Execution execution;
+    execution.cost = &cost;
+    simulator.run(BiaxialLoad{0, {{1.05, 1}}}, execution);
+    const auto found = std::find_if(cost.effects().begin(), cost.effects().end(),
+                                    [](const CostLedger::Effect& e) { return e.name == "contact"; });
+    ASSERT_NE(found, cost.effects().end());
+    EXPECT_FALSE(found->ran);
+    EXPECT_EQ(found->why, contact == Switch::off ? "switched off by the request"
+                                                 : "no pair of boundary points came within the barrier's range");
+  }
+}
+
+TEST(Simulator, ReportsTheLastEquilibriumWhereAPathCannotBeFollowed) {
+  SimulationOptions options;
+  options.max_iterations = 3;
+  options.max_load_step = 0.5;
+  options.tolerance = 1e-12;
+  Simulator strict(frame(), options);
+  const SimulationResult stopped = strict.run(UniaxialLoad{0.3, {0.5}});
+  const State& last = stopped.states.at(0);
+  if (last.stopped == Stop::converged) GTEST_SKIP() << "three iterations were enough";
+  EXPECT_NE(stopped.message, "");
+  // Stress and energy are those of the strain that is reported, not of an attempt that failed.
+  const State again = Simulator(frame(), {}).run(GreenStrainLoad{{last.green_strain}}).states.at(0);
+  EXPECT_NEAR(last.energy_density, again.energy_density, 1e-6 * again.energy_density + 1e-12);
 }
 
 TEST(Simulator, StartsAtRestWithoutStressAndWithThePositiveStiffnessOfSmallStrains) {

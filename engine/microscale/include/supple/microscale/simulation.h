@@ -50,7 +50,8 @@ struct SimulationOptions {
   int max_iterations = 60;  ///< Newton iterations for one load step before it is halved
   /// Largest change of any component of F in one internal load step; longer ones are divided.
   double max_load_step = 0.05;
-  /// Self-contact. automatic: assembled once a pair of boundary points comes within the barrier's range.
+  /// Self-contact. automatic and on: looked for in every step, assembled while a pair of boundary points is within the
+  /// barrier's range (the energy of the others is exactly zero). off: beams pass through each other.
   Switch contact = Switch::automatic;
   /// 2x2 cells. automatic: one cell until an equilibrium of it is unstable against a mode that alternates from cell to
   /// cell (the three other Bloch phases of the 2x2 patch), then two by two. on: from the start. off: never.
