@@ -17,6 +17,7 @@ CellModel::CellModel(tiling::PeriodicMesh mesh, const Material& material, bool w
     : mesh_(std::make_shared<const tiling::PeriodicMesh>(std::move(mesh))),
       coordinates_{mesh_->nodes.cols()},
       elastic_(*mesh_, material),
+      retraction_(*mesh_),
       contact_options_(microscale::contact_options(*mesh_, material)) {
   if (with_contact) contact_ = std::make_unique<ContactBarrier>(*mesh_, contact_options_);
 }
@@ -50,6 +51,11 @@ double CellModel::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step,
   largest = std::min(largest, reach * contact_->prepare(x, reach * step));
   if (cost) cost->add_stage("contact search", seconds_since(start));
   return largest;
+}
+
+Eigen::VectorXd CellModel::retract(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost) const {
+  const StageTimer timer(cost, "retraction");
+  return retraction_.retract(x, step);
 }
 
 }  // namespace supple::microscale

@@ -6,6 +6,7 @@
 #include "cell_coordinates.h"
 #include "contact_barrier.h"
 #include "elastic_energy.h"
+#include "rotation_retraction.h"
 #include "supple/base/cost_ledger.h"
 #include "supple/tiling/mesh.h"
 
@@ -32,11 +33,14 @@ class CellModel {
   /// The largest share of a step for which every term stays valid. Contact looks ahead along it: states on it may be
   /// evaluated until the next call.
   double prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost);
+  /// The state after a step on which parts turn instead of growing (see RotationRetraction); not prepared.
+  Eigen::VectorXd retract(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost) const;
 
  private:
   std::shared_ptr<const tiling::PeriodicMesh> mesh_;
   CellCoordinates coordinates_;
   ElasticEnergy elastic_;
+  RotationRetraction retraction_;
   ContactOptions contact_options_;
   std::unique_ptr<ContactBarrier> contact_;
 };

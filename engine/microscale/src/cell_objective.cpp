@@ -48,17 +48,16 @@ numerics::Evaluation CellObjective::evaluate(int order) {
 }
 
 double CellObjective::move(const Eigen::VectorXd& step) {
-  trial_ = x_ + expand(step);
-  return 1;
+  trial_ = model_.retract(x_, expand(step), cost_);
+  const Eigen::VectorXd way = trial_ - x_;
+  const double share = std::min(1.0, model_.prepare(x_, way, cost_));
+  if (share < 1) trial_ = x_ + share * way;
+  return share;
 }
 
 void CellObjective::accept() {
   x_ = std::move(trial_);
   trial_.resize(0);
-}
-
-double CellObjective::largest_step(const Eigen::VectorXd& step) const {
-  return model_.prepare(x_, expand(step), cost_);
 }
 
 Eigen::VectorXd CellObjective::expand(const Eigen::VectorXd& y) const {

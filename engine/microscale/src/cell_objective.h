@@ -31,7 +31,6 @@ class CellObjective : public numerics::Objective {
   double move(const Eigen::VectorXd& step) override;
   void accept() override;
   void reject() override { trial_.resize(0); }
-  double largest_step(const Eigen::VectorXd& step) const override;
 
   /// A change of y as a change of x.
   Eigen::VectorXd expand(const Eigen::VectorXd& y) const;

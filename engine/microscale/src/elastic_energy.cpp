@@ -14,6 +14,11 @@ namespace {
 /// Share of the way to an inverted integration point that a step may go: the energy is finite but already steep there.
 constexpr double inversion_safety = 0.9;
 
+/// Strain whose forces count as none.
+constexpr double strain_at_rest = 1e-6;
+/// Rounding errors of the gradient, relative to forces of a strain of one: deformation gradients are rounded near 1.
+constexpr double relative_rounding = 16 * std::numeric_limits<double>::epsilon();
+
 }  // namespace
 
 /// The two ways in which a batch's local degrees of freedom enter the patch: the six nodes, then the two columns of F,
@@ -41,7 +46,7 @@ struct ElasticEnergy::Kernel {
 };
 
 ElasticEnergy::ElasticEnergy(const tiling::PeriodicMesh& mesh, const Material& material)
-    : coordinates_{mesh.nodes.cols()}, law_(material), triangles_(static_cast<int>(mesh.triangles.size())) {
+    : coordinates_{mesh.nodes.cols()}, law_(material) {
   batches_.resize((mesh.triangles.size() + lanes - 1) / lanes);
   for (std::size_t slot = 0; slot < batches_.size() * lanes; ++slot) {
     Batch& batch = batches_[slot / lanes];
@@ -57,11 +62,14 @@ ElasticEnergy::ElasticEnergy(const tiling::PeriodicMesh& mesh, const Material& m
       batch.gradient[0][i][lane] = -inverse(0, i) - inverse(1, i);
     }
     batch.area[lane] = slot < mesh.triangles.size() ? sides.determinant() / 2 : 0;
+    const double force = material.youngs_modulus * batch.area[lane] * inverse.norm();
+    unit_forces_ += force * force;
     for (int k = 0; k < 6; ++k) {
       batch.node[k][lane] = mesh.triangles[t][static_cast<std::size_t>(k)];
       batch.shift[k][lane] = mesh.shifts[t][static_cast<std::size_t>(k)];
     }
   }
+  unit_forces_ = std::sqrt(unit_forces_);
 }
 
 std::string_view ElasticEnergy::name() const { return to_string(law_.law); }
@@ -147,8 +155,10 @@ double ElasticEnergy::force_scale(const Eigen::VectorXd& x) const {
       for (int i = 0; i < 2; ++i)
         for (int lane = 0; lane < lanes; ++lane) sum += local.force[k][i][lane] * local.force[k][i][lane];
   }
-  return std::sqrt(sum);
+  return std::sqrt(sum) + strain_at_rest * unit_forces_;
 }
+
+double ElasticEnergy::force_rounding() const { return relative_rounding * unit_forces_; }
 
 double ElasticEnergy::smallest_jacobian(const Eigen::VectorXd& x) const {
   const Eigen::Matrix2d strain_change = coordinates_.strain_change(x);

@@ -26,8 +26,10 @@ class ElasticEnergy : public CellTerm {
   double largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const override;
 
   /// (sum over triangles of |nodal forces of the triangle|^2)^(1/2) at x, MPa mm: what the forces that balance in an
-  /// equilibrium amount to.
+  /// equilibrium amount to; plus those of a strain of 1e-6, so that a patch without stress has a scale too.
   double force_scale(const Eigen::VectorXd& x) const;
+  /// The least norm of the gradient that can be told from rounding errors, MPa mm.
+  double force_rounding() const;
 
   /// The least det F over all triangles and all their points (det F is quadratic over a triangle).
   double smallest_jacobian(const Eigen::VectorXd& x) const;
@@ -45,7 +47,7 @@ class ElasticEnergy : public CellTerm {
 
   CellCoordinates coordinates_;
   MaterialLaw law_;
-  int triangles_ = 0;
+  double unit_forces_ = 0;  ///< of a stress of Young's modulus, summed like those of `force_scale`
   std::vector<Batch> batches_;
 };
 

@@ -33,6 +33,12 @@ constexpr double longest_expansion = 64;
 constexpr double refined = 1e-9;
 constexpr int refinement_rounds = 5;
 
+/// While the gradient falls to this share the tangent stiffness may be indefinite; then the search is taken off its way
+/// to an unstable equilibrium.
+constexpr double saddle_contraction = 0.03;
+/// The way from an unstable equilibrium to a stable one is long, and shorter load steps would not shorten it.
+constexpr int more_iterations_after_leaving = 4;
+
 /// Steps along an unstable mode: the largest displacement, in beam widths, from the first to the last; each is twice
 /// the one before.
 constexpr double first_mode_step = 1e-3;
@@ -60,7 +66,7 @@ EquilibriumPath::EquilibriumPath(CellModel& model, Eigen::VectorXd x, CellObject
 
 EquilibriumPath::Counts EquilibriumPath::take_counts() { return std::exchange(counts_, {}); }
 
-bool EquilibriumPath::settle() { return minimize_energy(); }
+bool EquilibriumPath::settle() { return minimize_energy(false); }
 
 EquilibriumPath::Progress EquilibriumPath::step_towards(const Eigen::Matrix2d& target) {
   const Eigen::Vector4d wanted(target(0, 0) - 1, target(0, 1), target(1, 0), target(1, 1) - 1);
@@ -139,7 +145,7 @@ std::vector<Eigen::VectorXd> EquilibriumPath::predictions(double share, const Ei
                           h11 * (before / change.norm()) * along);
     }
   }
-  states.emplace_back(x() + share * along);
+  states.emplace_back(model_.retract(x(), share * along, execution_.cost));
   return states;
 }
 
@@ -165,33 +171,48 @@ bool EquilibriumPath::try_increment(double share, const Eigen::Vector4d& change,
   if (!best) return false;
   objective_.set_x(std::move(*best));
   model_.prepare(objective_.x(), none, execution_.cost);
-  return minimize_energy();
+  return minimize_energy(false);
 }
 
-bool EquilibriumPath::minimize_energy() {
+bool EquilibriumPath::minimize_energy(bool left) {
   // The terms and the factorization write their own bills.
   const Execution inner{execution_.cancellation, nullptr, nullptr};
-  for (int repeats = 0;; ++repeats) {
-    numerics::MinimizerOptions options;
-    options.gradient_tolerance = options_.tolerance * model_.elastic().force_scale(objective_.x());
-    options.max_iterations = options_.max_iterations;
-    options.reuse_contraction = reuse_contraction;
-    options.first_regularization = first_regularization;
-    options.longest_expansion = longest_expansion;
+  numerics::MinimizerOptions options;
+  options.reuse_contraction = reuse_contraction;
+  options.first_regularization = first_regularization;
+  options.longest_expansion = longest_expansion;
+  options.saddle_contraction = options_.buckling != Switch::off ? saddle_contraction : 0;
+  for (int repeats = 0;;) {
+    options.gradient_tolerance = gradient_tolerance();
+    options.max_iterations = options_.max_iterations * (left ? more_iterations_after_leaving : 1);
     const numerics::MinimizerResult result = numerics::minimize(objective_, options, inner, &cholesky_);
     counts_.iterations += result.iterations;
+    if (result.stop == numerics::MinimizerStop::saddle) {
+      if (leave_least_stable_mode()) {
+        left = true;
+      } else {
+        options.saddle_contraction = 0;
+      }
+      continue;
+    }
     if (result.stop != numerics::MinimizerStop::converged) {
       stopped_ = result.stop == numerics::MinimizerStop::iteration_limit ? Stop::iteration_limit : Stop::step_too_small;
       return false;
     }
-    if (repeats < max_repeats && raise_contact_stiffness()) continue;
-    // The forces of the prediction, by which the tolerance was measured, can be larger than those of the equilibrium.
-    const double scale = model_.elastic().force_scale(objective_.x());
-    if (repeats < max_repeats && result.gradient_norm > options_.tolerance * scale && result.iterations > 0) continue;
-    at_.residual = result.gradient_norm > 0 ? result.gradient_norm / scale : 0;
     stopped_ = Stop::converged;
-    return finish_equilibrium(result);
+    // The forces of the prediction, by which the tolerance was measured, can be larger than those of the equilibrium.
+    const bool loose = result.gradient_norm > gradient_tolerance() && result.iterations > 0;
+    if (repeats++ < max_repeats && (raise_contact_stiffness() || loose)) continue;
+    at_.residual = result.gradient_norm / model_.elastic().force_scale(objective_.x());
+    if (finish_equilibrium(result)) return true;
+    if (!leave_least_stable_mode()) return finish_unstable_equilibrium();
+    left = true;
   }
+}
+
+double EquilibriumPath::gradient_tolerance() const {
+  const ElasticEnergy& elastic = model_.elastic();
+  return std::max(options_.tolerance * elastic.force_scale(objective_.x()), elastic.force_rounding());
 }
 
 bool EquilibriumPath::raise_contact_stiffness() {
@@ -210,17 +231,13 @@ bool EquilibriumPath::finish_equilibrium(const numerics::MinimizerResult& result
   at_.strain_gradient = objective_.strain_gradient();
   const bool fresh = result.factorized_at >= 0 && result.history.back().regularization == 0;
   at_.stable = (fresh && solve_for_strains()) || (cholesky_.factorize(evaluation.hessian, 0) && solve_for_strains());
-  if (at_.stable) {
-    condense();
-    return true;
-  }
-  if (options_.buckling != Switch::off && counts_.branches_left < max_branch_changes) {
-    const Mode mode = least_stable_mode(evaluation.hessian, objective_.dimension(), cholesky_, execution_.cancellation);
-    if (mode.curvature < 0 && leave_along(objective_.expand(mode.direction))) return true;
-    objective_.evaluate(2);
-    at_.stable = mode.curvature >= 0;
-  }
-  // An unstable equilibrium, or one at the very point where it loses stability: its stiffness can be indefinite.
+  if (at_.stable) condense();
+  return at_.stable;
+}
+
+bool EquilibriumPath::finish_unstable_equilibrium() {
+  // Also for one at the very point where it loses stability.
+  objective_.evaluate(2);
   Eigen::SimplicialLDLT<numerics::SparseMatrix, Eigen::Lower> indefinite(objective_.core());
   at_.response = indefinite.solve(-objective_.strain_columns());
   condense();
@@ -244,7 +261,17 @@ void EquilibriumPath::condense() {
   at_.condensed = objective_.strain_corner() + 0.5 * (product + product.transpose());
 }
 
-bool EquilibriumPath::leave_along(const Eigen::VectorXd& mode) {
+bool EquilibriumPath::leave_along(const Eigen::VectorXd& mode) { return move_along(mode) && minimize_energy(true); }
+
+bool EquilibriumPath::leave_least_stable_mode() {
+  if (options_.buckling == Switch::off || counts_.branches_left >= max_branch_changes) return false;
+  const numerics::Evaluation evaluation = objective_.evaluate(2);
+  const Mode mode = least_stable_mode(evaluation.hessian, objective_.dimension(), cholesky_, execution_.cancellation);
+  at_.stable = mode.curvature >= 0;
+  return !at_.stable && move_along(objective_.expand(mode.direction));
+}
+
+bool EquilibriumPath::move_along(const Eigen::VectorXd& mode) {
   std::optional<Eigen::VectorXd> lower = lowest_along(mode);
   if (!lower) return false;
   ++counts_.branches_left;
@@ -253,7 +280,7 @@ bool EquilibriumPath::leave_along(const Eigen::VectorXd& mode) {
   previous_.reset();
   objective_.set_x(std::move(*lower));
   model_.prepare(objective_.x(), Eigen::VectorXd::Zero(objective_.x().size()), execution_.cost);
-  return minimize_energy();
+  return true;
 }
 
 std::optional<Eigen::VectorXd> EquilibriumPath::lowest_along(const Eigen::VectorXd& mode) {
@@ -267,9 +294,9 @@ std::optional<Eigen::VectorXd> EquilibriumPath::lowest_along(const Eigen::Vector
     double last = energy;
     for (int doublings = 0; doublings <= mode_doublings; ++doublings) {
       const double amount = std::ldexp(first_mode_step, doublings);
-      const Eigen::VectorXd step = sign * amount * unit;
-      if (model_.prepare(start, step, execution_.cost) < 1) break;
-      objective_.set_x(start + step);
+      Eigen::VectorXd state = model_.retract(start, sign * amount * unit, execution_.cost);
+      if (model_.prepare(start, state - start, execution_.cost) < 1) break;
+      objective_.set_x(std::move(state));
       const double value = objective_.evaluate(0).value;
       if (!(value < last)) break;
       last = value;

@@ -58,9 +58,16 @@ class EquilibriumPath {
   Counts take_counts();
 
  private:
-  bool minimize_energy();
+  /// `left`: the state is one to which an unstable one was left, and may be far from equilibrium.
+  bool minimize_energy(bool left);
+  double gradient_tolerance() const;
   bool raise_contact_stiffness();
+  /// False where the equilibrium is not stable.
   bool finish_equilibrium(const numerics::MinimizerResult& result);
+  bool finish_unstable_equilibrium();
+  /// Both move to a state of less energy; false, and the state is as it was, where there is none.
+  bool leave_least_stable_mode();
+  bool move_along(const Eigen::VectorXd& mode);
   /// K^-1 dg/dF by the last factorization and iterative refinement; false if that is too far from K.
   bool solve_for_strains();
   void condense();

@@ -9,6 +9,9 @@
 namespace supple::numerics {
 namespace {
 
+/// Less than this times as much regularization as in the last step is less; the scale of the Hessian varies a little.
+constexpr double regularization_fell = 0.5;
+
 struct LineSearch {
   bool accepted = false;  ///< the objective's trial state is the one accepted
   double share = 0;       ///< of the direction that was travelled
@@ -32,6 +35,7 @@ class Minimization {
     record(0);
     while (true) {
       if (result_.gradient_norm <= options_.gradient_tolerance) return finish(MinimizerStop::converged);
+      if (near_saddle()) return finish(MinimizerStop::saddle);
       if (result_.iterations >= options_.max_iterations) return finish(MinimizerStop::iteration_limit);
       report_progress();
       if (!iterate()) return finish(MinimizerStop::step_too_small);
@@ -73,6 +77,16 @@ class Minimization {
       }
       if (d.size() == 0 || !direction_->retry()) return false;
     }
+  }
+
+  /// Whether |g| has fallen by the contraction asked for while the regularization could not.
+  bool near_saddle() {
+    const MinimizerStep& last = result_.history.back();
+    const bool regularized =
+        last.regularization > 0 && last.regularization > regularization_fell * last_regularization_;
+    last_regularization_ = last.regularization;
+    if (!regularized) indefinite_since_ = last.gradient_norm;
+    return regularized && last.gradient_norm <= options_.saddle_contraction * indefinite_since_;
   }
 
   bool has_hessian() const { return !std::holds_alternative<std::monostate>(at_.hessian); }
@@ -190,6 +204,8 @@ class Minimization {
   std::unique_ptr<DescentDirection> direction_;
   Evaluation at_;  ///< at the current state
   double start_norm_ = 0;
+  double last_regularization_ = 0;
+  double indefinite_since_ = 0;  ///< |g| of the last state to which a step with less regularization led, or none
   double progress_ = 0;
   MinimizerResult result_;
 };
@@ -202,6 +218,8 @@ std::string_view to_string(MinimizerStop stop) {
       return "converged";
     case MinimizerStop::step_too_small:
       return "step_too_small";
+    case MinimizerStop::saddle:
+      return "saddle";
     case MinimizerStop::iteration_limit:
       break;
   }

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "simulation_case.h"
+#include "support/drawn_meshes.h"
 
 namespace supple::microscale {
 namespace {
@@ -18,6 +19,20 @@ TEST(ContactCases, ContactAcrossThePeriodicBoundaryHolds) {
 // Hard: the tile crosses itself, so that a beam's two sides start close to each other and the mesh is made by cells.
 TEST(ContactCases, AFoldedTileUnderBiaxialLoadConverges) {
   follow("IH01", std::vector{0.2399, 0.5547, 0.0665, 0.4047}, BiaxialLoad{2.304, {{1.001, 0.939}}});
+}
+
+// Hard: a wall that is connected with nothing closes the gap to its own image; until it touches there is no stress at
+// all, and no scale of forces.
+TEST(ContactCases, AFreeWallThatClosesAGapConverges) {
+  const BiaxialLoad load{0, {{0.99, 1}, {0.97, 1}, {0.94, 1}}};
+  SimulationOptions options = hard_case_options();
+  Simulator simulator(testing::wall(0.05, 4), options);
+  const SimulationResult result = simulator.run(load);
+  ASSERT_EQ(result.states.size(), 3U) << result.message;
+  for (const State& state : result.states) expect_sound(state);
+  EXPECT_LT(result.states[0].energy_density, 1e-12);
+  EXPECT_GT(result.states[2].contacts, 0);
+  EXPECT_LT(result.states[2].stress[0], -0.1) << "the closed wall must press";
 }
 
 /// 2 area / perimeter: of a slit the gap between its sides, mm.

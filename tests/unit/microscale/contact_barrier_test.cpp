@@ -8,9 +8,9 @@
 #include <map>
 
 #include "contact_geometry.h"
-#include "contact_meshes.h"
 #include "supple/base/error.h"
 #include "supple/numerics/derivative_check.h"
+#include "support/drawn_meshes.h"
 
 namespace supple::microscale {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "contact_geometry.h"
-#include "contact_meshes.h"
+#include "support/drawn_meshes.h"
 
 namespace supple::microscale {
 namespace {

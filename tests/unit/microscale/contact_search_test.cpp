@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "contact_meshes.h"
+#include "support/drawn_meshes.h"
 
 namespace supple::microscale {
 namespace {

@@ -5,10 +5,10 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "contact_meshes.h"
 #include "jacobian_bounds.h"
 #include "patch_stability.h"
 #include "supple/numerics/derivative_check.h"
+#include "support/drawn_meshes.h"
 
 namespace supple::microscale {
 namespace {

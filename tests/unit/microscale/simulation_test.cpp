@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "contact_meshes.h"
 #include "supple/tiling/family.h"
+#include "support/drawn_meshes.h"
 #include "support/expect_error.h"
 
 namespace supple::microscale {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "contact_meshes.h"
+#include "support/drawn_meshes.h"
 
 namespace supple::microscale {
 namespace {

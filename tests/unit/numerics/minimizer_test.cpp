@@ -110,6 +110,24 @@ TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {
       << "regularization should fade where it is not needed";
 }
 
+TEST(Minimizer, StopsOnItsWayToASaddleIfAskedTo) {
+  // From (0, y) symmetry keeps the search on the ridge between the wells: its end is the saddle.
+  MinimizerOptions options = with_method(MinimizerMethod::newton, 2000);
+  Scene to_the_saddle = scene_of<DoubleWell>(Eigen::Vector2d(0, 1));
+  const MinimizerResult all = minimize(to_the_saddle, options);
+  EXPECT_EQ(all.stop, MinimizerStop::converged);
+  EXPECT_EQ(to_the_saddle.x()[0], 0);
+  options.saddle_contraction = 0.1;
+  Scene scene = scene_of<DoubleWell>(Eigen::Vector2d(0, 1));
+  const MinimizerResult result = minimize(scene, options);
+  EXPECT_EQ(result.stop, MinimizerStop::saddle);
+  EXPECT_LE(result.gradient_norm, 0.1 * result.history.front().gradient_norm);
+  EXPECT_GT(result.gradient_norm, options.gradient_tolerance);
+  // Where the search finds its own way down, nothing changes.
+  Scene down = scene_of<DoubleWell>(Eigen::Vector2d(0.5, 1));
+  EXPECT_EQ(minimize(down, options).stop, MinimizerStop::converged);
+}
+
 TEST(Minimizer, NewtonsLastStepsSquareTheGradient) {
   Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(0.9, 0.7));
   const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton));

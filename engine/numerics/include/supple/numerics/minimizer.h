@@ -46,6 +46,10 @@ struct MinimizerOptions {
   /// (Shamanskii 1967): only gradients are evaluated then. 0 for a factorization in every iteration.
   double reuse_contraction = 0;
 
+  /// Newton: where |g| falls to this share while no step gets by with less regularization than the one before, the
+  /// search is on its way to a saddle, which a step along the direction of negative curvature leaves sooner: it stops.
+  /// 0 for never.
+  double saddle_contraction = 0;
   int lbfgs_history = 10;
   /// L-BFGS, gradient descent: the first direction is -first_step * g; later ones take their length from measured
   /// curvature.
@@ -55,6 +59,7 @@ struct MinimizerOptions {
 enum class MinimizerStop {
   converged,
   step_too_small,  ///< no trial was accepted in any direction that was tried
+  saddle,          ///< see MinimizerOptions::saddle_contraction
   iteration_limit
 };
 std::string_view to_string(MinimizerStop stop);
