@@ -1,6 +1,7 @@
 // Periodic patches under load: accuracy against time, samples per second, a peer, what effects cost, mesh noise.
 //
-//   simulation_bench [--short] [--designs N] [--out DIR] [STUDY ...]      default: all studies into docs/bench
+//   simulation_bench [--short] [--designs N] [--family ID ...] [--out DIR] [STUDY ...]      default: all studies into
+//   docs/bench
 #include "simulation_bench.h"
 
 #include <cstdio>
@@ -32,7 +33,8 @@ const std::vector<Study>& studies() {
 }
 
 int usage() {
-  std::fprintf(stderr, "usage: simulation_bench [--short] [--designs N] [--out DIR] [STUDY ...]\nstudies:");
+  std::fprintf(stderr,
+               "usage: simulation_bench [--short] [--designs N] [--family ID ...] [--out DIR] [STUDY ...]\nstudies:");
   for (const Study& study : studies()) std::fprintf(stderr, " %s", study.name.c_str());
   std::fprintf(stderr, "\n");
   return 2;
@@ -48,6 +50,8 @@ int main(int argc, char** argv) {
       settings.brief = true;
     } else if (std::strcmp(argv[i], "--designs") == 0 && i + 1 < argc) {
       settings.designs = std::atoi(argv[++i]);
+    } else if (std::strcmp(argv[i], "--family") == 0 && i + 1 < argc) {
+      settings.families.emplace_back(argv[++i]);
     } else if (std::strcmp(argv[i], "--out") == 0 && i + 1 < argc) {
       settings.folder = argv[++i];
     } else {

@@ -19,7 +19,13 @@ struct SimulationSettings {
   /// Random designs of each family; 0 for as many as the study is meant to have.
   int designs = 0;
 
+  /// Families to study; empty for those that the study is meant to have.
+  std::vector<std::string> families{};
+
   int designs_or(int usual) const { return designs > 0 ? designs : usual; }
+  std::vector<std::string> families_or(std::vector<std::string> usual) const {
+    return families.empty() ? usual : families;
+  }
 };
 
 /// "This page is generated ...", the machine and the commands; `conditions` follows.
@@ -34,8 +40,10 @@ tiling::Structure default_structure(const std::string& family);
 /// The seven published families.
 const std::vector<std::string>& published_families();
 
-/// What data sets are made with.
-microscale::SimulationOptions data_set_options();
+/// What the family's data set is made with.
+microscale::SimulationOptions data_set_options(const std::string& family);
+/// "1/2, 0.1": length of a side over the beam width, and the size at re-entrant corners over that elsewhere.
+std::string mesh_name(const tiling::MeshOptions& mesh);
 
 /// States of one simulator's load paths and what they cost.
 struct TimedPath {

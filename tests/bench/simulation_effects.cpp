@@ -33,10 +33,10 @@ struct Outcome {
   double milliseconds() const { return 1e3 * cpu_seconds / std::max(1, states); }
 };
 
-Outcome run(const std::vector<tiling::PeriodicMesh>& meshes, const Variant& variant) {
+Outcome run(const std::string& family, const std::vector<tiling::PeriodicMesh>& meshes, const Variant& variant) {
   Outcome outcome;
   for (const tiling::PeriodicMesh& mesh : meshes) {
-    microscale::SimulationOptions options = data_set_options();
+    microscale::SimulationOptions options = data_set_options(family);
     options.contact = variant.contact;
     options.patch = variant.patch;
     Simulator simulator(mesh, options);
@@ -95,11 +95,11 @@ void study_effects(const SimulationSettings& settings) {
   for (const std::string& family : families) {
     std::vector<tiling::PeriodicMesh> meshes;
     for (const tiling::Structure& structure : random_structures(family, designs))
-      meshes.push_back(tiling::mesh_structure(structure));
-    const Outcome automatic = run(meshes, {});
-    const Outcome no_contact = run(meshes, {Switch::off, Switch::automatic});
-    const Outcome one_cell = run(meshes, {Switch::automatic, Switch::off});
-    const Outcome four_cells = run(meshes, {Switch::automatic, Switch::on});
+      meshes.push_back(tiling::mesh_structure(structure, data_set_options(family).mesh));
+    const Outcome automatic = run(family, meshes, {});
+    const Outcome no_contact = run(family, meshes, {Switch::off, Switch::automatic});
+    const Outcome one_cell = run(family, meshes, {Switch::automatic, Switch::off});
+    const Outcome four_cells = run(family, meshes, {Switch::automatic, Switch::on});
     int touching = 0;
     for (const std::vector<State>& path : automatic.paths)
       touching +=

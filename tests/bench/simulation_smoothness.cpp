@@ -19,7 +19,7 @@ struct Sample {
 Sample sample(double second_parameter) {
   const tiling::Family& family = tiling::family("IH21");
   const std::vector<double> parameters{family.parameters[0].preset, second_parameter};
-  microscale::SimulationOptions options = data_set_options();
+  microscale::SimulationOptions options;
   options.tolerance = 1e-10;  // what shakes the curve is the mesh
   options.tangents = false;
   microscale::Simulator simulator(tiling::make_structure(family, parameters), options);

@@ -52,7 +52,7 @@ FamilySpeed measure(const std::string& family, int designs) {
   RandomStream random("simulation_speed " + family, 1);
   for (const tiling::Structure& structure : random_structures(family, designs)) {
     const double start = cpu_seconds();
-    Simulator simulator(structure, data_set_options());
+    Simulator simulator(structure, data_set_options(family));
     speed.meshing_seconds += cpu_seconds() - start;
     speed.nodes.push_back(static_cast<double>(simulator.mesh().nodes.cols()));
     for (const Load& load : moderate_loads(random)) {
@@ -81,10 +81,11 @@ std::string share(double part, double whole) { return number(100 * part / whole,
 
 void study_speed(const SimulationSettings& settings) {
   const std::vector<std::string> families =
-      settings.brief ? std::vector<std::string>{"IH01", "IH67"} : published_families();
+      settings.families_or(settings.brief ? std::vector<std::string>{"IH01", "IH67"} : published_families());
   const int designs = settings.designs_or(settings.brief ? 1 : 10);
   Report report(settings.folder, "simulations-speed", "Simulations: samples per core-second");
   Table table("simulations-speed", {{"family", "Family"},
+                                    {"mesh", "Mesh"},
                                     {"nodes", "Nodes, median"},
                                     {"states", "States"},
                                     {"unreached", "Not reached"},
@@ -100,6 +101,7 @@ void study_speed(const SimulationSettings& settings) {
                                             {"solve", "Solves, %"},
                                             {"contact", "Contact, %"},
                                             {"patch", "2x2 check, %"},
+                                            {"retraction", "Turning, %"},
                                             {"other", "Other, %"}});
   for (const std::string& family : families) {
     const FamilySpeed speed = measure(family, designs);
@@ -109,13 +111,16 @@ void study_speed(const SimulationSettings& settings) {
     const double solve = stage_seconds(speed.cost, "solve");
     const double contact = contact_seconds(speed.cost);
     const double patch = stage_seconds(speed.cost, "patch stability");
-    table.row({family, count(median(speed.nodes)), std::to_string(speed.states), std::to_string(speed.unreached),
-               std::to_string(speed.in_patch), std::to_string(speed.touching),
+    const double retraction = stage_seconds(speed.cost, "retraction");
+    table.row({family, mesh_name(data_set_options(family).mesh), count(median(speed.nodes)),
+               std::to_string(speed.states), std::to_string(speed.unreached), std::to_string(speed.in_patch),
+               std::to_string(speed.touching),
                number(static_cast<double>(speed.iterations) / std::max(1, speed.states)), number(speed.per_second())});
     const double whole = speed.wall_seconds;
     shares.row({family, number(1e3 * total / std::max(1, speed.states)), share(speed.meshing_seconds, total),
                 share(assembly, whole), share(factorization, whole), share(solve, whole), share(contact, whole),
-                share(patch, whole), share(whole - assembly - factorization - solve - contact - patch, whole)});
+                share(patch, whole), share(retraction, whole),
+                share(whole - assembly - factorization - solve - contact - patch - retraction, whole)});
     const double wanted = family == "IH01" || family == "IH22" || family == "IH67" ? 10 : 4;
     report.target(family + ": states with stress and tangent per core-second", "at least " + number(wanted, 2),
                   number(speed.per_second()), speed.per_second() >= wanted);
@@ -129,7 +134,8 @@ void study_speed(const SimulationSettings& settings) {
   report.table(shares);
   report.write(simulation_introduction(
       settings, "speed",
-      "The data sets' mesh (side half a beam width, a tenth of that at re-entrant corners) and tolerance (1e-7). " +
+      "The data sets' meshes (length of a side over the beam width, and the size at re-entrant corners over that "
+      "elsewhere) and tolerance (1e-7). " +
           std::to_string(designs) +
           " random designs per family, each under five paths of five states in random directions: uniaxial stretches "
           "to "

@@ -19,6 +19,7 @@ CellModel::CellModel(tiling::PeriodicMesh mesh, const Material& material, bool w
       elastic_(*mesh_, material),
       retraction_(*mesh_),
       contact_options_(microscale::contact_options(*mesh_, material)) {
+  workspace_.sum.hessian = numerics::HessianEntries(coordinates_.strain());
   if (with_contact) contact_ = std::make_unique<ContactBarrier>(*mesh_, contact_options_);
 }
 
@@ -36,10 +37,9 @@ void CellModel::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& su
   if (cost) cost->add_effect("contact", true, "pairs of boundary points came near", 1, seconds_since(contact_start));
 }
 
-void CellModel::add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
-                                        numerics::HessianEntries& entries) const {
-  elastic_.add_alternating_hessian(x, alternation, entries);
-  if (contact_ && contact_->near()) contact_->add_alternating_hessian(x, alternation, entries);
+void CellModel::add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const {
+  elastic_.add_alternating_hessians(x, entries);
+  if (contact_ && contact_->near()) contact_->add_alternating_hessians(x, entries);
 }
 
 double CellModel::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost) {

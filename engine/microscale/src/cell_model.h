@@ -8,6 +8,7 @@
 #include "elastic_energy.h"
 #include "rotation_retraction.h"
 #include "supple/base/cost_ledger.h"
+#include "supple/numerics/cholesky.h"
 #include "supple/tiling/mesh.h"
 
 namespace supple::microscale {
@@ -15,6 +16,12 @@ namespace supple::microscale {
 /// The terms of one periodic patch: what is simulated, without a state.
 class CellModel {
  public:
+  /// What is kept from one load path to the next: where the Hessian has entries, and how they are eliminated.
+  struct Workspace {
+    numerics::EnergySum sum;
+    numerics::ShiftedCholesky cholesky;
+  };
+
   CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact);
 
   const std::shared_ptr<const tiling::PeriodicMesh>& mesh() const { return mesh_; }
@@ -28,13 +35,14 @@ class CellModel {
 
   /// Every term adds to the sum, which must be cleared. Bills elasticity as the stage "assembly", contact as an effect.
   void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum, CostLedger* cost) const;
-  void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
-                               numerics::HessianEntries& entries) const;
+  void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const;
   /// The largest share of a step for which every term stays valid. Contact looks ahead along it: states on it may be
   /// evaluated until the next call.
   double prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost);
   /// The state after a step on which parts turn instead of growing (see RotationRetraction); not prepared.
   Eigen::VectorXd retract(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost) const;
+
+  Workspace& workspace() { return workspace_; }
 
  private:
   std::shared_ptr<const tiling::PeriodicMesh> mesh_;
@@ -43,6 +51,7 @@ class CellModel {
   RotationRetraction retraction_;
   ContactOptions contact_options_;
   std::unique_ptr<ContactBarrier> contact_;
+  Workspace workspace_;
 };
 
 }  // namespace supple::microscale

@@ -6,9 +6,7 @@
 namespace supple::microscale {
 
 CellObjective::CellObjective(CellModel& model, Eigen::VectorXd x, FreeStrains free, CostLedger* cost)
-    : model_(model), x_(std::move(x)), free_(std::move(free)), cost_(cost) {
-  sum_.hessian = numerics::HessianEntries(model.coordinates().strain());
-}
+    : model_(model), x_(std::move(x)), free_(std::move(free)), cost_(cost), sum_(model.workspace().sum) {}
 
 numerics::Evaluation CellObjective::evaluate(int order) {
   const Eigen::VectorXd& x = trial_.size() > 0 ? trial_ : x_;

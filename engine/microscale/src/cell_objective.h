@@ -49,7 +49,7 @@ class CellObjective : public numerics::Objective {
   Eigen::VectorXd trial_;  ///< empty while there is no trial state
   FreeStrains free_;
   CostLedger* cost_;
-  numerics::EnergySum sum_;
+  numerics::EnergySum& sum_;
   std::shared_ptr<numerics::BorderedMatrix> reduced_ = std::make_shared<numerics::BorderedMatrix>();
   Eigen::MatrixXd border_;
   Eigen::Matrix4d corner_ = Eigen::Matrix4d::Zero();

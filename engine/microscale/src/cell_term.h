@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "supple/numerics/energy.h"
 
 namespace supple::microscale {
@@ -14,13 +16,17 @@ struct Alternation {
   double sign(int a, int b) const { return ((first && a % 2 != 0) != (second && b % 2 != 0)) ? -1.0 : 1.0; }
 };
 
+/// The modes of a 2x2 patch that are not of the cell's own period.
+inline constexpr std::array<Alternation, 3> alternations{{{true, false}, {false, true}, {true, true}}};
+/// One Hessian for each of them.
+using AlternatingEntries = std::array<numerics::HessianEntries, alternations.size()>;
+
 /// A term of a periodic cell's energy, in the coordinates of cell_coordinates.h.
 class CellTerm : public numerics::Energy {
  public:
-  /// Adds the Hessian at x (of the cell's period) with respect to nodal displacements that alternate: the stability of
+  /// Adds the Hessians at x (of the cell's period) with respect to nodal displacements that alternate: the stability of
   /// the 2x2 patch falls apart into one such problem of one cell for each alternation (Bloch waves). No entries for F.
-  virtual void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
-                                       numerics::HessianEntries& entries) const = 0;
+  virtual void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const = 0;
 };
 
 }  // namespace supple::microscale

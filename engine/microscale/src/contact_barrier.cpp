@@ -153,19 +153,20 @@ void ContactBarrier::add(const Eigen::VectorXd& x, int order, numerics::EnergySu
   });
 }
 
-void ContactBarrier::add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
-                                             numerics::HessianEntries& entries) const {
+void ContactBarrier::add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const {
   visit(x, 2, false, [&](const ContactPair& pair, const LocalBarrier& local) {
     const int nodes[3] = {pair.point, pair.tail, pair.head};
-    const double sign[3] = {1, alternation.sign(pair.tail_shift[0], pair.tail_shift[1]),
-                            alternation.sign(pair.head_shift[0], pair.head_shift[1])};
-    for (int k = 0; k < 6; ++k)
-      for (int l = 0; l <= k; ++l) {
-        const Eigen::Index row = coordinates_.displacement(nodes[k / 2]) + k % 2;
-        const Eigen::Index column = coordinates_.displacement(nodes[l / 2]) + l % 2;
-        const double both = k != l && row == column ? 2 : 1;
-        entries.add(row, column, both * sign[k / 2] * sign[l / 2] * local.hessian(k, l));
-      }
+    for (std::size_t a = 0; a < alternations.size(); ++a) {
+      const double sign[3] = {1, alternations[a].sign(pair.tail_shift[0], pair.tail_shift[1]),
+                              alternations[a].sign(pair.head_shift[0], pair.head_shift[1])};
+      for (int k = 0; k < 6; ++k)
+        for (int l = 0; l <= k; ++l) {
+          const Eigen::Index row = coordinates_.displacement(nodes[k / 2]) + k % 2;
+          const Eigen::Index column = coordinates_.displacement(nodes[l / 2]) + l % 2;
+          const double both = k != l && row == column ? 2 : 1;
+          entries[a].add(row, column, both * sign[k / 2] * sign[l / 2] * local.hessian(k, l));
+        }
+    }
   });
 }
 

@@ -71,8 +71,7 @@ class ContactBarrier : public CellTerm {
 
   std::string_view name() const override { return "contact_barrier"; }
   void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
-  void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
-                               numerics::HessianEntries& entries) const override;
+  void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const override;
 
   ContactStatus status(const Eigen::VectorXd& x) const;
 

@@ -111,15 +111,16 @@ void ElasticEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum
   }
 }
 
-void ElasticEnergy::add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
-                                            numerics::HessianEntries& entries) const {
+void ElasticEnergy::add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const {
   ElasticBatch local;
   for (const Batch& batch : batches_) {
     Kernel::gather(batch, x, local);
     integrate(law_, 2, local);
     for (int lane = 0; lane < lanes; ++lane) {
-      double sign[6];
-      for (int k = 0; k < 6; ++k) sign[k] = alternation.sign(batch.shift[k][lane].first, batch.shift[k][lane].second);
+      double sign[6][alternations.size()];
+      for (int k = 0; k < 6; ++k)
+        for (std::size_t a = 0; a < alternations.size(); ++a)
+          sign[k][a] = alternations[a].sign(batch.shift[k][lane].first, batch.shift[k][lane].second);
       for (int k = 0, pair = 0; k < 6; ++k)
         for (int l = 0; l <= k; ++l, ++pair)
           for (int i = 0; i < 2; ++i)
@@ -127,7 +128,9 @@ void ElasticEnergy::add_alternating_hessian(const Eigen::VectorXd& x, Alternatio
               const Eigen::Index row = Kernel::index(batch, coordinates_, k, i, lane);
               const Eigen::Index column = Kernel::index(batch, coordinates_, l, j, lane);
               const double both = row == column && l != k ? 2 : 1;
-              entries.add(row, column, both * sign[k] * sign[l] * local.stiffness[pair][i][j][lane]);
+              const double value = both * local.stiffness[pair][i][j][lane];
+              for (std::size_t a = 0; a < alternations.size(); ++a)
+                entries[a].add(row, column, sign[k][a] * sign[l][a] * value);
             }
     }
   }

@@ -20,9 +20,9 @@ class ElasticEnergy : public CellTerm {
 
   std::string_view name() const override;
   void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
-  void add_alternating_hessian(const Eigen::VectorXd& x, Alternation alternation,
-                               numerics::HessianEntries& entries) const override;
-  /// A named share of the way to the first integration point where det F = 0.
+  void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const override;
+  /// A named share of the way to the first integration point where det F = 0; infinite if that lies well
+  /// beyond the step.
   double largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const override;
 
   /// (sum over triangles of |nodal forces of the triangle|^2)^(1/2) at x, MPa mm: what the forces that balance in an

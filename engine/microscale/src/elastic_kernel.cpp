@@ -142,9 +142,10 @@ __attribute__((target("avx2,fma"))) bool integrate_avx2(const MaterialLaw& law, 
 const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 #endif
 
-/// The least positive root of c + b t + a t^2, c > 0; infinity if there is none.
+/// The least root of c + b t + a t^2 in (0, farthest_inversion], c > 0; infinity if there is none.
 double first_root(double a, double b, double c) {
   const double none = std::numeric_limits<double>::infinity();
+  if (c > farthest_inversion * (farthest_inversion * std::abs(a) + std::abs(b))) return none;
   const double discriminant = b * b - 4 * a * c;
   if (discriminant < 0) return none;
   // The form that does not cancel: with q of the sign of b, the roots are q / a and c / q.
@@ -152,7 +153,7 @@ double first_root(double a, double b, double c) {
   double first = none;
   if (q != 0 && c / q > 0) first = c / q;
   if (a != 0 && q / a > 0) first = std::fmin(first, q / a);
-  return first;
+  return first <= farthest_inversion ? first : none;
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ EquilibriumPath::EquilibriumPath(CellModel& model, Eigen::VectorXd x, CellObject
     : model_(model),
       options_(options),
       execution_(execution),
+      cholesky_(model.workspace().cholesky),
       objective_(model, std::move(x), std::move(free), execution.cost),
       step_(options.max_load_step) {
   cholesky_.bill_to(execution.cost);

@@ -22,6 +22,9 @@ class EquilibriumPath {
   /// Starts from `x`, which must be valid for the model. All references outlive the path.
   EquilibriumPath(CellModel& model, Eigen::VectorXd x, CellObjective::FreeStrains free,
                   const SimulationOptions& options, const Execution& execution);
+  ~EquilibriumPath() { cholesky_.bill_to(nullptr); }
+  EquilibriumPath(const EquilibriumPath&) = delete;
+  EquilibriumPath& operator=(const EquilibriumPath&) = delete;
 
   /// Finds an equilibrium at the present strain.
   bool settle();
@@ -84,7 +87,7 @@ class EquilibriumPath {
   CellModel& model_;
   const SimulationOptions& options_;
   const Execution& execution_;
-  numerics::ShiftedCholesky cholesky_;
+  numerics::ShiftedCholesky& cholesky_;
 
   Equilibrium at_;
   /// The equilibrium before the last one on the same branch, with the tangent there along `travelled` (the change of F

@@ -1,28 +1,25 @@
 #include "patch_stability.h"
 
 namespace supple::microscale {
-namespace {
-
-constexpr Alternation alternations[] = {{true, false}, {false, true}, {true, true}};
-
-}  // namespace
+PatchStability::PatchStability(Eigen::Index displacements)
+    : entries_{numerics::HessianEntries(displacements), numerics::HessianEntries(displacements),
+               numerics::HessianEntries(displacements)} {}
 
 std::optional<PatchStability::Instability> PatchStability::find(const CellModel& cell, const Eigen::VectorXd& x,
                                                                 const Execution& execution) {
   const StageTimer timer(execution.cost, "patch stability");
   const Eigen::Index n = cell.coordinates().strain();
+  for (numerics::HessianEntries& entries : entries_) entries.clear();
+  cell.add_alternating_hessians(x, entries_);
+  const numerics::Hessian hessian = std::shared_ptr<const numerics::BorderedMatrix>(matrix_);
   std::optional<Instability> worst;
-  for (const Alternation alternation : alternations) {
+  for (std::size_t a = 0; a < alternations.size(); ++a) {
     execution.cancellation.throw_if_requested();
-    entries_.clear();
-    cell.add_alternating_hessian(x, alternation, entries_);
-    auto matrix = std::make_shared<numerics::BorderedMatrix>();
-    entries_.assemble(n, *matrix);
-    const numerics::Hessian hessian = std::shared_ptr<const numerics::BorderedMatrix>(matrix);
+    entries_[a].assemble(n, *matrix_);
     if (cholesky_.factorize(hessian, 0)) continue;
     const Mode mode = least_stable_mode(hessian, n, cholesky_, execution.cancellation);
     if (mode.curvature < 0 && (!worst || mode.curvature < worst->curvature))
-      worst = Instability{alternation, mode.direction, mode.curvature};
+      worst = Instability{alternations[a], mode.direction, mode.curvature};
   }
   return worst;
 }

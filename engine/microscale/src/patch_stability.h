@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "cell_model.h"
@@ -16,7 +17,7 @@ namespace supple::microscale {
 class PatchStability {
  public:
   /// For cells of that many nodal displacements.
-  explicit PatchStability(Eigen::Index displacements) : entries_(displacements) {}
+  explicit PatchStability(Eigen::Index displacements);
 
   struct Instability {
     Alternation alternation;
@@ -28,7 +29,8 @@ class PatchStability {
   std::optional<Instability> find(const CellModel& cell, const Eigen::VectorXd& x, const Execution& execution);
 
  private:
-  numerics::HessianEntries entries_;
+  AlternatingEntries entries_;
+  std::shared_ptr<numerics::BorderedMatrix> matrix_ = std::make_shared<numerics::BorderedMatrix>();
   numerics::ShiftedCholesky cholesky_;
 };
 

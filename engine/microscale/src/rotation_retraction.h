@@ -26,15 +26,18 @@ class RotationRetraction {
   Eigen::VectorXd retract(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const;
 
  private:
-  /// A triangle of three neighbouring nodes, four in each quadratic triangle.
-  struct Piece {
-    std::array<int, 3> node;
-    std::array<Eigen::Vector2d, 3> gradient;  ///< of the barycentric coordinates, 1/mm
-    double area;                              ///< mm^2
+  /// A quadratic triangle, seen as four triangles of neighbouring nodes: those at its corners, and the middle one.
+  struct Triangle {
+    std::array<int, 6> node;
+    Eigen::Matrix2d gradient;  ///< row k: of the barycentric coordinate of corner k + 1, 1/mm
+    double area;               ///< of each of the four, mm^2
   };
+  /// Part of the deformation gradient (columns of a 2 x 2 matrix, one after the other) in each of the four.
+  using Gradients = Eigen::Array4d[4];
+  static void add_gradients(const Triangle& triangle, const Eigen::VectorXd& x, Gradients& sum);
 
   CellCoordinates coordinates_;
-  std::vector<Piece> pieces_;
+  std::vector<Triangle> triangles_;
   numerics::ShiftedCholesky laplacian_;
 };
 

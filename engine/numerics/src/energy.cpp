@@ -20,16 +20,12 @@ void HessianEntries::add_unexpected(Place place, double value) {
   unexpected_.emplace_back(place, value);
 }
 
-void HessianEntries::add_to_border(Eigen::Index low, Eigen::Index high, double value) {
-  const Eigen::Index column = high - border_;
-  if (border_columns_.rows() <= high || border_columns_.cols() <= column) {
-    const Eigen::Index rows = std::max(border_columns_.rows(), high + 1);
-    const Eigen::Index columns = std::max(border_columns_.cols(), column + 1);
-    const Eigen::MatrixXd old = border_columns_;
-    border_columns_.setZero(rows, columns);
-    border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
-  }
-  border_columns_(low, column) += value;
+void HessianEntries::grow_border(Eigen::Index high) {
+  const Eigen::Index rows = std::max(border_columns_.rows(), high + 1);
+  const Eigen::Index columns = std::max(border_columns_.cols(), high - border_ + 1);
+  const Eigen::MatrixXd old = border_columns_;
+  border_columns_.setZero(rows, columns);
+  border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
 }
 
 void HessianEntries::learn() {

@@ -12,20 +12,21 @@ Scene::Scene(Eigen::VectorXd x, std::vector<std::shared_ptr<const Energy>> terms
 Evaluation Scene::evaluate(int order) {
   using Clock = std::chrono::steady_clock;
   const Eigen::VectorXd& x = trial_.size() > 0 ? trial_ : x_;
-  EnergySum sum;
-  if (order >= 1) sum.gradient = Eigen::VectorXd::Zero(x.size());
+  sum_.value = 0;
+  if (order >= 1) sum_.gradient.setZero(x.size());
+  if (order >= 2) sum_.hessian.clear();
   for (const auto& term : terms_) {
     const auto start = Clock::now();
-    term->add(x, order, sum);
+    term->add(x, order, sum_);
     if (cost_) {
       const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
       cost_->add_effect(term->name(), true, "a term of the scene", 1, seconds);
     }
   }
   Evaluation evaluation;
-  evaluation.value = sum.value;
-  evaluation.gradient = std::move(sum.gradient);
-  if (order >= 2) evaluation.hessian = sum.hessian.matrix(x.size());
+  evaluation.value = sum_.value;
+  if (order >= 1) evaluation.gradient = sum_.gradient;
+  if (order >= 2) evaluation.hessian = sum_.hessian.matrix(x.size());
   return evaluation;
 }
 

@@ -314,11 +314,11 @@ TEST(ContactBarrier, KnowsTheStiffnessOfA2x2PatchAgainstAlternatingModes) {
   ASSERT_GT(on_cell.status(x).pairs, 10);
   EXPECT_NEAR(energy(on_patch, patch_x), 4 * energy(on_cell, x), 1e-10 * energy(on_patch, patch_x));
   const Eigen::MatrixXd patch_hessian = hessian(on_patch, patch_x);
-  for (const Alternation alternation :
-       {Alternation{false, false}, Alternation{true, false}, Alternation{false, true}, Alternation{true, true}}) {
-    numerics::HessianEntries entries;
-    on_cell.add_alternating_hessian(x, alternation, entries);
-    const Eigen::MatrixXd cell_hessian = entries.matrix(2 * nodes);
+  AlternatingEntries entries;
+  on_cell.add_alternating_hessians(x, entries);
+  for (std::size_t a = 0; a < alternations.size(); ++a) {
+    const Alternation alternation = alternations[a];
+    const Eigen::MatrixXd cell_hessian = entries[a].matrix(2 * nodes);
     Eigen::MatrixXd modes(patch_x.size(), 2 * nodes);
     for (Eigen::Index k = 0; k < 2 * nodes; ++k) modes.col(k) = spread(Eigen::VectorXd::Unit(x.size(), k), alternation);
     const Eigen::MatrixXd expected = modes.transpose() * patch_hessian * modes / 4;

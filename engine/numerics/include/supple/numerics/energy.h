@@ -26,7 +26,11 @@ class HessianEntries {
 
   void add(Eigen::Index i, Eigen::Index j, double value) {
     const auto [low, high] = i < j ? std::pair(i, j) : std::pair(j, i);
-    if (high >= border_) return add_to_border(low, high, value);
+    if (high >= border_) {
+      if (high >= border_columns_.rows() || high - border_ >= border_columns_.cols()) grow_border(high);
+      border_columns_(low, high - border_) += value;
+      return;
+    }
     const Place place = static_cast<Place>(low) << 32 | static_cast<Place>(high);
     if (cursor_ < sequence_.size() && sequence_[cursor_] == place) {
       values_[slots_[cursor_++]] += value;
@@ -48,7 +52,7 @@ class HessianEntries {
   using Place = std::uint64_t;  ///< column << 32 | row of the lower triangle: sorting gives compressed columns
 
   void add_unexpected(Place place, double value);
-  void add_to_border(Eigen::Index low, Eigen::Index high, double value);
+  void grow_border(Eigen::Index high);
   void learn();
   void add_to_pattern();
   SparseMatrix lower(Eigen::Index n) const;

@@ -32,6 +32,7 @@ class Scene : public Objective {
   Eigen::VectorXd trial_;  ///< empty while there is no trial state
   std::vector<std::shared_ptr<const Energy>> terms_;
   CostLedger* cost_;
+  EnergySum sum_;
 };
 
 }  // namespace supple::numerics
