@@ -12,10 +12,15 @@ numerics::Evaluation CellObjective::evaluate(int order) {
   const Eigen::VectorXd& x = trial_.size() > 0 ? trial_ : x_;
   const Eigen::Index nodal = model_.coordinates().strain();
   const auto m = static_cast<Eigen::Index>(free_.size());
-  sum_.value = 0;
-  if (order >= 1) sum_.gradient.setZero(x.size());
-  if (order >= 2) sum_.hessian.clear();
-  model_.add(x, order, sum_, cost_);
+  if (order > evaluated_ || order >= 2) {
+    // Most trial states are accepted, and their gradient costs little more than their value.
+    const int made = std::max(order, 1);
+    sum_.value = 0;
+    sum_.gradient.setZero(x.size());
+    if (order >= 2) sum_.hessian.clear();
+    model_.add(x, made, sum_, cost_);
+    evaluated_ = made;
+  }
 
   numerics::Evaluation evaluation;
   evaluation.value = sum_.value;
@@ -46,11 +51,17 @@ numerics::Evaluation CellObjective::evaluate(int order) {
 }
 
 double CellObjective::move(const Eigen::VectorXd& step) {
+  forget();
   trial_ = model_.retract(x_, expand(step), cost_);
   const Eigen::VectorXd way = trial_ - x_;
   const double share = std::min(1.0, model_.prepare(x_, way, cost_));
   if (share < 1) trial_ = x_ + share * way;
   return share;
+}
+
+void CellObjective::reject() {
+  trial_.resize(0);
+  forget();
 }
 
 void CellObjective::accept() {

@@ -23,14 +23,19 @@ class CellObjective : public numerics::Objective {
 
   const Eigen::VectorXd& x() const { return x_; }
   /// Moves to a state that `prepare` of the model called valid.
-  void set_x(Eigen::VectorXd x) { x_ = std::move(x); }
+  void set_x(Eigen::VectorXd x) {
+    x_ = std::move(x);
+    forget();
+  }
+  /// A term has changed: what was evaluated no longer holds.
+  void forget() { evaluated_ = -1; }
   const FreeStrains& free() const { return free_; }
 
   Eigen::Index dimension() const override { return x_.size() - 4 + static_cast<Eigen::Index>(free_.size()); }
   numerics::Evaluation evaluate(int order) override;
   double move(const Eigen::VectorXd& step) override;
   void accept() override;
-  void reject() override { trial_.resize(0); }
+  void reject() override;
 
   /// A change of y as a change of x.
   Eigen::VectorXd expand(const Eigen::VectorXd& y) const;
@@ -50,6 +55,7 @@ class CellObjective : public numerics::Objective {
   FreeStrains free_;
   CostLedger* cost_;
   numerics::EnergySum& sum_;
+  int evaluated_ = -1;  ///< order of derivatives of the present state, trial or not, that `sum_` holds; -1 for none
   std::shared_ptr<numerics::BorderedMatrix> reduced_ = std::make_shared<numerics::BorderedMatrix>();
   Eigen::MatrixXd border_;
   Eigen::Matrix4d corner_ = Eigen::Matrix4d::Zero();

@@ -130,22 +130,9 @@ SUPPLE_INLINE bool integrate_batch(const MaterialLaw& law, int order, ElasticBat
   return true;
 }
 
-bool integrate_portable(const MaterialLaw& law, int order, ElasticBatch& batch) {
-  return integrate_batch(law, order, batch);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) bool integrate_avx2(const MaterialLaw& law, int order, ElasticBatch& batch) {
-  return integrate_batch(law, order, batch);
-}
-
-const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#endif
-
-/// The least root of c + b t + a t^2 in (0, farthest_inversion], c > 0; infinity if there is none.
+/// The least positive root of c + b t + a t^2, c > 0; infinity if there is none.
 double first_root(double a, double b, double c) {
   const double none = std::numeric_limits<double>::infinity();
-  if (c > farthest_inversion * (farthest_inversion * std::abs(a) + std::abs(b))) return none;
   const double discriminant = b * b - 4 * a * c;
   if (discriminant < 0) return none;
   // The form that does not cancel: with q of the sign of b, the roots are q / a and c / q.
@@ -153,19 +140,11 @@ double first_root(double a, double b, double c) {
   double first = none;
   if (q != 0 && c / q > 0) first = c / q;
   if (a != 0 && q / a > 0) first = std::fmin(first, q / a);
-  return first <= farthest_inversion ? first : none;
+  return first;
 }
 
-}  // namespace
-
-bool integrate(const MaterialLaw& law, int order, ElasticBatch& batch) {
-#if defined(__x86_64__)
-  if (has_avx2) return integrate_avx2(law, order, batch);
-#endif
-  return integrate_portable(law, order, batch);
-}
-
-double first_inversion(const ElasticBatch& at, const ElasticBatch& along) {
+/// See first_inversion.
+SUPPLE_INLINE double first_inversion_of_batch(const ElasticBatch& at, const ElasticBatch& along) {
   double first = std::numeric_limits<double>::infinity();
   for (int q = 0; q < points; ++q) {
     Lanes gradient[6][2];
@@ -179,12 +158,45 @@ double first_inversion(const ElasticBatch& at, const ElasticBatch& along) {
     const Lanes b = (1 + h[0][0]) * d[1][1] + (1 + h[1][1]) * d[0][0] - h[0][1] * d[1][0] - h[1][0] * d[0][1];
     const Lanes a = d[0][0] * d[1][1] - d[0][1] * d[1][0];
     for (int lane = 0; lane < lanes; ++lane) {
-      // Most triangles are far from it: |b| t and |a| t^2 cannot reach c within a whole step.
-      if (c[lane] > std::abs(b[lane]) + std::abs(a[lane])) continue;
+      // Most triangles are far from it: |b| t and |a| t^2 cannot reach c.
+      const double farthest = farthest_inversion;
+      if (c[lane] > farthest * (std::abs(b[lane]) + farthest * std::abs(a[lane]))) continue;
       first = std::fmin(first, first_root(a[lane], b[lane], c[lane]));
     }
   }
   return first;
+}
+
+bool integrate_portable(const MaterialLaw& law, int order, ElasticBatch& batch) {
+  return integrate_batch(law, order, batch);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2,fma"))) bool integrate_avx2(const MaterialLaw& law, int order, ElasticBatch& batch) {
+  return integrate_batch(law, order, batch);
+}
+
+__attribute__((target("avx2,fma"))) double first_inversion_avx2(const ElasticBatch& at, const ElasticBatch& along) {
+  return first_inversion_of_batch(at, along);
+}
+
+const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#endif
+
+}  // namespace
+
+bool integrate(const MaterialLaw& law, int order, ElasticBatch& batch) {
+#if defined(__x86_64__)
+  if (has_avx2) return integrate_avx2(law, order, batch);
+#endif
+  return integrate_portable(law, order, batch);
+}
+
+double first_inversion(const ElasticBatch& at, const ElasticBatch& along) {
+#if defined(__x86_64__)
+  if (has_avx2) return first_inversion_avx2(at, along);
+#endif
+  return first_inversion_of_batch(at, along);
 }
 
 }  // namespace supple::microscale

@@ -27,8 +27,8 @@ struct ElasticBatch {
 /// compiled for AVX2 and for any x86-64, chosen when the program runs.
 bool integrate(const MaterialLaw& law, int order, ElasticBatch& batch);
 
-/// The least t in (0, farthest_inversion] at which det F of an integration point vanishes on at + t along; infinity if
-/// none does.
+/// The least t > 0 at which det F of an integration point vanishes on at + t along; may be infinite if there is none up
+/// to farthest_inversion.
 inline constexpr double farthest_inversion = 1.25;
 double first_inversion(const ElasticBatch& at, const ElasticBatch& along);
 

@@ -29,8 +29,10 @@ constexpr double reuse_contraction = 0.25;
 constexpr double first_regularization = 1e-10;
 constexpr double longest_expansion = 64;
 
-/// Iterative refinement of the response to strains: relative residual, and rounds before the factorization is given up.
+/// Iterative refinement of the response to strains: relative residual where it makes the tangent and where it only
+/// predicts the next state, and rounds before the factorization is given up.
 constexpr double refined = 1e-9;
+constexpr double refined_for_prediction = 1e-5;
 constexpr int refinement_rounds = 5;
 
 /// While the gradient falls to this share the tangent stiffness may be indefinite; then the search is taken off its way
@@ -50,6 +52,23 @@ constexpr int max_branch_changes = 12;
 constexpr int max_repeats = 10;
 /// Signs of a mode whose energies differ by less, relative, are symmetric: the positive one is taken.
 constexpr double symmetric_branches = 1e-9;
+
+/// K x for the lower triangle of K; all columns of x at once, so that K is read once.
+Eigen::MatrixXd product(const numerics::SparseMatrix& lower, const Eigen::MatrixXd& x) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+  const Rows from = x;
+  Rows to = Rows::Zero(x.rows(), 4);
+  for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
+    const Eigen::RowVector4d own = from.row(column);
+    Eigen::RowVector4d sum = Eigen::RowVector4d::Zero();
+    for (numerics::SparseMatrix::InnerIterator entry(lower, column); entry; ++entry) {
+      sum += entry.value() * from.row(entry.row());
+      if (entry.row() != column) to.row(entry.row()) += entry.value() * own;
+    }
+    to.row(column) += sum;
+  }
+  return to;
+}
 
 }  // namespace
 
@@ -222,6 +241,7 @@ bool EquilibriumPath::raise_contact_stiffness() {
   const double suggested = contact->suggested_stiffness(objective_.x());
   if (suggested == contact->stiffness()) return false;
   contact->set_stiffness(suggested);
+  objective_.forget();
   previous_.reset();
   return true;
 }
@@ -247,12 +267,12 @@ bool EquilibriumPath::finish_unstable_equilibrium() {
 
 bool EquilibriumPath::solve_for_strains() {
   const Eigen::MatrixXd& right = objective_.strain_columns();
-  const double size = right.norm();
+  const double wanted = (options_.tangents ? refined : refined_for_prediction) * right.norm();
   at_.response = -cholesky_.solve_core(right);
   for (int round = 0;; ++round) {
-    const Eigen::MatrixXd residual = -right - objective_.core().selfadjointView<Eigen::Lower>() * at_.response;
-    if (!(residual.norm() > refined * size)) return true;
-    if (round == refinement_rounds) return residual.norm() < 1e3 * refined * size;
+    const Eigen::MatrixXd residual = -right - product(objective_.core(), at_.response);
+    if (!(residual.norm() > wanted)) return true;
+    if (round == refinement_rounds) return residual.norm() < 1e3 * wanted;
     at_.response += cholesky_.solve_core(residual);
   }
 }

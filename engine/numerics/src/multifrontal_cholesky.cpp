@@ -226,13 +226,40 @@ bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
   return true;
 }
 
-void MultifrontalCholesky::solve(Eigen::Ref<Eigen::MatrixXd> b) const {
+void MultifrontalCholesky::solve_one(double* b) const {
   const std::size_t count = supernodes_.size() - 1;
+  Eigen::VectorXd x(n_);
+  Eigen::VectorXd below(longest_below());
+  for (int i = 0; i < n_; ++i) x[i] = b[old_index_[static_cast<std::size_t>(i)]];
+  for (std::size_t s = 0; s < count; ++s) {
+    const Supernode& node = supernodes_[s];
+    panel_forward_one(factor_.data() + node.panel, node.ld, node.rows, node.pivots, x.data() + node.first,
+                      below.data());
+    const int* list = rows_.data() + node.row_list + node.pivots;
+    for (int r = 0; r < node.rows - node.pivots; ++r) x[list[r]] -= below[r];
+  }
+  for (std::size_t s = count; s-- > 0;) {
+    const Supernode& node = supernodes_[s];
+    const int* list = rows_.data() + node.row_list + node.pivots;
+    for (int r = 0; r < node.rows - node.pivots; ++r) below[r] = x[list[r]];
+    panel_backward_one(factor_.data() + node.panel, node.ld, node.rows, node.pivots, x.data() + node.first,
+                       below.data());
+  }
+  for (int i = 0; i < n_; ++i) b[old_index_[static_cast<std::size_t>(i)]] = x[i];
+}
+
+int MultifrontalCholesky::longest_below() const {
   int longest = 0;
   for (const Supernode& node : supernodes_) longest = std::max(longest, node.rows - node.pivots);
+  return longest;
+}
+
+void MultifrontalCholesky::solve(Eigen::Ref<Eigen::MatrixXd> b) const {
+  if (b.cols() == 1) return solve_one(b.data());
+  const std::size_t count = supernodes_.size() - 1;
   // Rows of solve_width numbers, in the new order.
   Eigen::Matrix<double, solve_width, Eigen::Dynamic> x(solve_width, n_);
-  Eigen::Matrix<double, solve_width, Eigen::Dynamic> below(solve_width, longest);
+  Eigen::Matrix<double, solve_width, Eigen::Dynamic> below(solve_width, longest_below());
   for (Eigen::Index begin = 0; begin < b.cols(); begin += solve_width) {
     const auto width = std::min<Eigen::Index>(solve_width, b.cols() - begin);
     x.setZero();

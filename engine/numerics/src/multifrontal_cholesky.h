@@ -20,7 +20,7 @@ class MultifrontalCholesky {
   void analyze(const SparseMatrix& matrix);
   /// Of matrix + shift I, which has the analysed pattern. False where it is not numerically positive definite.
   bool factorize(const SparseMatrix& matrix, double shift);
-  /// Overwrites the columns of b by A^-1 b. Four columns cost little more than one.
+  /// Overwrites the columns of b by A^-1 b, four at a time.
   void solve(Eigen::Ref<Eigen::MatrixXd> b) const;
 
  private:
@@ -36,6 +36,8 @@ class MultifrontalCholesky {
     std::int64_t relative = 0;  ///< into relative_
   };
 
+  void solve_one(double* b) const;
+  int longest_below() const;
   void place_entries(const SparseMatrix& matrix);
   void find_relative_rows();
   void extend_add(const Supernode& child, const double* update, const Supernode& parent, double* front) const;

@@ -164,6 +164,68 @@ SUPPLE_INLINE void backward(const double* panel, int ld, int rows, int pivots, d
   }
 }
 
+/// below = B(row..row+4 * vectors, :) x for one right-hand side.
+template <int vectors>
+SUPPLE_INLINE void multiply_rows_one(const double* panel, int ld, int row, int pivots, const double* x, double* below) {
+  Lanes sum[vectors];
+  for (int v = 0; v < vectors; ++v) sum[v] = constant(0);
+  const double* at = panel + row;
+  for (int k = 0; k < pivots; ++k, at += ld) {
+    const Lanes value = constant(x[k]);
+    for (int v = 0; v < vectors; ++v) sum[v] += load(at + v * lanes) * value;
+  }
+  for (int v = 0; v < vectors; ++v) store(below + row - pivots + v * lanes, sum[v]);
+}
+
+SUPPLE_INLINE void forward_one(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
+  for (int k = 0; k < pivots; ++k) {
+    const double* column = panel + static_cast<std::ptrdiff_t>(k) * ld;
+    const double value = x[k] / column[k];
+    x[k] = value;
+    for (int r = k + 1; r < pivots; ++r) x[r] -= column[r] * value;
+  }
+  int row = pivots;
+  for (; row + 4 * lanes <= rows; row += 4 * lanes) multiply_rows_one<4>(panel, ld, row, pivots, x, below);
+  for (; row + lanes <= rows; row += lanes) multiply_rows_one<1>(panel, ld, row, pivots, x, below);
+  for (; row < rows; ++row) {
+    double sum = 0;
+    for (int k = 0; k < pivots; ++k) sum += panel[static_cast<std::ptrdiff_t>(k) * ld + row] * x[k];
+    below[row - pivots] = sum;
+  }
+}
+
+/// x(column..column+width) -= B(:, column..column+width)^T y for the rows from `begin` on; y begins with that row.
+template <int width>
+SUPPLE_INLINE void subtract_products_one(const double* panel, int ld, int begin, int rows, int column, double* x,
+                                         const double* y) {
+  Lanes sum[width];
+  const double* at[width];
+  for (int c = 0; c < width; ++c) {
+    sum[c] = constant(0);
+    at[c] = panel + static_cast<std::ptrdiff_t>(column + c) * ld;
+  }
+  int r = begin;
+  for (; r + lanes <= rows; r += lanes) {
+    const Lanes value = load(y + (r - begin));
+    for (int c = 0; c < width; ++c) sum[c] += load(at[c] + r) * value;
+  }
+  for (int c = 0; c < width; ++c) {
+    double total = (sum[c][0] + sum[c][1]) + (sum[c][2] + sum[c][3]);
+    for (int rest = r; rest < rows; ++rest) total += at[c][rest] * y[rest - begin];
+    x[column + c] -= total;
+  }
+}
+
+SUPPLE_INLINE void backward_one(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
+  int column = 0;
+  for (; column + 4 <= pivots; column += 4) subtract_products_one<4>(panel, ld, pivots, rows, column, x, below);
+  for (; column < pivots; ++column) subtract_products_one<1>(panel, ld, pivots, rows, column, x, below);
+  for (int k = pivots - 1; k >= 0; --k) {
+    subtract_products_one<1>(panel, ld, k + 1, pivots, k, x, x + k + 1);
+    x[k] /= panel[static_cast<std::ptrdiff_t>(k) * ld + k];
+  }
+}
+
 #if defined(__x86_64__)
 __attribute__((target("avx2,fma"))) bool factorize_avx2(double* front, int ld, int rows, int pivots) {
   return factorize_front(front, ld, rows, pivots);
@@ -175,6 +237,15 @@ __attribute__((target("avx2,fma"))) void forward_avx2(const double* panel, int l
 __attribute__((target("avx2,fma"))) void backward_avx2(const double* panel, int ld, int rows, int pivots, double* x,
                                                        const double* below) {
   backward(panel, ld, rows, pivots, x, below);
+}
+
+__attribute__((target("avx2,fma"))) void forward_one_avx2(const double* panel, int ld, int rows, int pivots, double* x,
+                                                          double* below) {
+  forward_one(panel, ld, rows, pivots, x, below);
+}
+__attribute__((target("avx2,fma"))) void backward_one_avx2(const double* panel, int ld, int rows, int pivots, double* x,
+                                                           const double* below) {
+  backward_one(panel, ld, rows, pivots, x, below);
 }
 
 const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
@@ -201,6 +272,20 @@ void panel_backward(const double* panel, int ld, int rows, int pivots, double* x
   if (has_avx2) return backward_avx2(panel, ld, rows, pivots, x, below);
 #endif
   backward(panel, ld, rows, pivots, x, below);
+}
+
+void panel_forward_one(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
+#if defined(__x86_64__)
+  if (has_avx2) return forward_one_avx2(panel, ld, rows, pivots, x, below);
+#endif
+  forward_one(panel, ld, rows, pivots, x, below);
+}
+
+void panel_backward_one(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
+#if defined(__x86_64__)
+  if (has_avx2) return backward_one_avx2(panel, ld, rows, pivots, x, below);
+#endif
+  backward_one(panel, ld, rows, pivots, x, below);
 }
 
 }  // namespace supple::numerics

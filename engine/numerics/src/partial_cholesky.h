@@ -19,5 +19,8 @@ inline constexpr int solve_width = 4;
 void panel_forward(const double* panel, int ld, int rows, int pivots, double* x, double* below);
 /// Backward: x_pivots <- L^-T (x_pivots - B^T below).
 void panel_backward(const double* panel, int ld, int rows, int pivots, double* x, const double* below);
+/// The same for one right-hand side, where the lanes of a vector are rows: a quarter of the work.
+void panel_forward_one(const double* panel, int ld, int rows, int pivots, double* x, double* below);
+void panel_backward_one(const double* panel, int ld, int rows, int pivots, double* x, const double* below);
 
 }  // namespace supple::numerics

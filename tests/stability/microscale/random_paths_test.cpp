@@ -102,7 +102,7 @@ void write(std::ostream& out, const Outcome& o) {
 }
 
 // SUPPLE_RANDOM_PATHS sets the number of paths, SUPPLE_RANDOM_REPORT the file that lists them.
-TEST(RandomPaths, NinetyNinePercentOfStepsConvergeAndNoneInvertsOrIntersects) {
+TEST(RandomPaths, StepsConvergeAndNoneInvertsOrIntersects) {
   const char* wanted = std::getenv("SUPPLE_RANDOM_PATHS");
   const int paths = wanted ? std::stoi(wanted) : 20;
   std::ofstream report;
@@ -125,7 +125,7 @@ TEST(RandomPaths, NinetyNinePercentOfStepsConvergeAndNoneInvertsOrIntersects) {
     }
   }
   std::cout << converged << " of " << steps << " steps converged\n";
-  EXPECT_GE(converged, 0.99 * steps);
+  EXPECT_GE(converged, 0.995 * steps);
 }
 
 }  // namespace
