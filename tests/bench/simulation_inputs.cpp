@@ -1,5 +1,6 @@
 // Structures, loads and bookkeeping that the studies share.
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "measurement.h"
@@ -53,10 +54,18 @@ tiling::Structure default_structure(const std::string& family) {
 }
 
 std::string mesh_name(const tiling::MeshOptions& mesh) {
-  const std::string corner = mesh.corner_size == 1 ? "uniform" : number(mesh.corner_size);
-  const double inverse = 1 / mesh.mesh_size;
-  const bool fraction = inverse > 1.5 && std::abs(inverse - std::round(inverse)) < 1e-9;
-  return (fraction ? "1/" + count(std::round(inverse)) : number(mesh.mesh_size)) + ", " + corner;
+  const double inverse = std::round(1 / mesh.mesh_size);
+  const bool fraction = inverse > 1 && std::abs(inverse * mesh.mesh_size - 1) < 1e-9;
+  std::ostringstream name;
+  if (fraction)
+    name << "1/" << inverse;
+  else
+    name << mesh.mesh_size;
+  if (mesh.corner_size == 1)
+    name << ", uniform";
+  else
+    name << ", " << mesh.corner_size;
+  return name.str();
 }
 
 const std::vector<std::string>& published_families() {

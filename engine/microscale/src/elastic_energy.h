@@ -5,6 +5,7 @@
 #include "cell_coordinates.h"
 #include "cell_term.h"
 #include "material_law.h"
+#include "supple/base/lanes.h"
 #include "supple/tiling/mesh.h"
 
 namespace supple::microscale {
@@ -36,7 +37,6 @@ class ElasticEnergy : public CellTerm {
 
  private:
   /// Triangles that are evaluated together, one in each lane of a vector.
-  static constexpr int lanes = 4;
   struct Batch {
     double gradient[3][2][lanes];  ///< of the barycentric coordinates, 1/mm
     double area[lanes];            ///< mm^2; 0 in lanes that pad the last batch

@@ -5,19 +5,13 @@
 #include <cmath>
 #include <limits>
 
-#define SUPPLE_INLINE inline __attribute__((always_inline))
-
 namespace supple::microscale {
 namespace {
-
-constexpr int lanes = 4;
 
 /// Integration points in barycentric coordinates, of equal weight: exact for quadratic polynomials.
 constexpr int points = 3;
 constexpr double point[points][3] = {
     {2.0 / 3, 1.0 / 6, 1.0 / 6}, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 6, 2.0 / 3}};
-
-SUPPLE_INLINE Lanes constant(double value) { return Lanes{value, value, value, value}; }
 
 /// Gradients of the six shape functions at an integration point: L (2 L - 1) at corners, 4 L L' at midpoints.
 SUPPLE_INLINE void shape_gradients(const Lanes (&corner)[3][2], int q, Lanes (&gradient)[6][2]) {
@@ -55,11 +49,11 @@ SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)
   Lanes b;
   const Lanes j = 1 + j_minus_one;
   if (law.law == Law::neo_hookean) {
-    Lanes log_j = constant(0);
+    Lanes log_j = constant_lanes(0);
     for (int lane = 0; lane < lanes; ++lane) log_j[lane] = std::log1p(j_minus_one[lane]);
     psi = law.mu * (trace + 0.5 * square - log_j) + 0.5 * law.lambda * log_j * log_j;
     a = law.lambda * log_j - law.mu;
-    b = constant(law.lambda);
+    b = constant_lanes(law.lambda);
   } else {
     const Lanes inverse_square = 1 / (j * j);
     psi = 0.5 * law.mu * (2 * trace + square - j_minus_one * (2 + j_minus_one) * inverse_square);
@@ -79,7 +73,7 @@ SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)
   for (int k = 0; k < 6; ++k)
     for (int i = 0; i < 2; ++i) at_rest[k][i] = shape[k][i];
   for (int column = 0; column < 2; ++column)
-    for (int i = 0; i < 2; ++i) at_rest[6 + column][i] = constant(i == column ? 1 : 0);
+    for (int i = 0; i < 2; ++i) at_rest[6 + column][i] = constant_lanes(i == column ? 1 : 0);
   for (int k = 0; k < local_nodes; ++k)
     for (int i = 0; i < 2; ++i)
       deformed[k][i] = inverse_transpose[i][0] * at_rest[k][0] + inverse_transpose[i][1] * at_rest[k][1];
@@ -112,7 +106,7 @@ SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)
 }
 
 SUPPLE_INLINE bool integrate_batch(const MaterialLaw& law, int order, ElasticBatch& batch) {
-  const Lanes zero = constant(0);
+  const Lanes zero = constant_lanes(0);
   batch.energy = zero;
   if (order >= 1)
     for (auto& node : batch.force) node[0] = node[1] = zero;
@@ -171,31 +165,23 @@ bool integrate_portable(const MaterialLaw& law, int order, ElasticBatch& batch) 
   return integrate_batch(law, order, batch);
 }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) bool integrate_avx2(const MaterialLaw& law, int order, ElasticBatch& batch) {
+SUPPLE_AVX2 bool integrate_avx2(const MaterialLaw& law, int order, ElasticBatch& batch) {
   return integrate_batch(law, order, batch);
 }
 
-__attribute__((target("avx2,fma"))) double first_inversion_avx2(const ElasticBatch& at, const ElasticBatch& along) {
+SUPPLE_AVX2 double first_inversion_avx2(const ElasticBatch& at, const ElasticBatch& along) {
   return first_inversion_of_batch(at, along);
 }
-
-const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#endif
 
 }  // namespace
 
 bool integrate(const MaterialLaw& law, int order, ElasticBatch& batch) {
-#if defined(__x86_64__)
   if (has_avx2) return integrate_avx2(law, order, batch);
-#endif
   return integrate_portable(law, order, batch);
 }
 
 double first_inversion(const ElasticBatch& at, const ElasticBatch& along) {
-#if defined(__x86_64__)
   if (has_avx2) return first_inversion_avx2(at, along);
-#endif
   return first_inversion_of_batch(at, along);
 }
 

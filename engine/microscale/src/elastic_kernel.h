@@ -1,6 +1,7 @@
 #pragma once
 
 #include "material_law.h"
+#include "supple/base/lanes.h"
 
 namespace supple::microscale {
 
@@ -9,8 +10,6 @@ inline constexpr int local_nodes = 8;
 inline constexpr int local_pairs = local_nodes * (local_nodes + 1) / 2;
 
 /// Four triangles side by side.
-using Lanes = double __attribute__((vector_size(4 * sizeof(double))));
-
 struct ElasticBatch {
   // In:
   Lanes barycentric_gradient[3][2];  ///< of the corners' barycentric coordinates at rest, 1/mm

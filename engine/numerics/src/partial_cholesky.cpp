@@ -3,45 +3,35 @@
 #include "partial_cholesky.h"
 
 #include <cmath>
-#include <cstring>
+#include <cstddef>
 
-#define SUPPLE_INLINE inline __attribute__((always_inline))
+#include "supple/base/lanes.h"
 
 namespace supple::numerics {
 namespace {
 
-using Lanes = double __attribute__((vector_size(4 * sizeof(double))));
-constexpr int lanes = 4;
 /// Columns that are updated together: with two vectors of rows their sums fill half of the registers.
 constexpr int block = 4;
-
-SUPPLE_INLINE Lanes load(const double* from) {
-  Lanes value;
-  std::memcpy(&value, from, sizeof value);
-  return value;
-}
-SUPPLE_INLINE void store(double* to, const Lanes& value) { std::memcpy(to, &value, sizeof value); }
-SUPPLE_INLINE Lanes constant(double value) { return Lanes{value, value, value, value}; }
 
 /// C(rows, column..column+width) -= L(rows, 0..depth) L(column..column+width, 0..depth)^T for `vectors` * 4 rows.
 template <int vectors, int width>
 SUPPLE_INLINE void update_tile(double* front, int ld, int row, int column, int depth) {
   Lanes sum[width][vectors];
   for (int c = 0; c < width; ++c)
-    for (int v = 0; v < vectors; ++v) sum[c][v] = constant(0);
+    for (int v = 0; v < vectors; ++v) sum[c][v] = constant_lanes(0);
   const double* left = front + row;
   const double* right = front + column;
   for (int k = 0; k < depth; ++k, left += ld, right += ld) {
     Lanes rows[vectors];
-    for (int v = 0; v < vectors; ++v) rows[v] = load(left + v * lanes);
+    for (int v = 0; v < vectors; ++v) rows[v] = load_lanes(left + v * lanes);
     for (int c = 0; c < width; ++c) {
-      const Lanes factor = constant(right[c]);
+      const Lanes factor = constant_lanes(right[c]);
       for (int v = 0; v < vectors; ++v) sum[c][v] += rows[v] * factor;
     }
   }
   for (int c = 0; c < width; ++c) {
     double* to = front + static_cast<std::ptrdiff_t>(column + c) * ld + row;
-    for (int v = 0; v < vectors; ++v) store(to + v * lanes, load(to + v * lanes) - sum[c][v]);
+    for (int v = 0; v < vectors; ++v) store_lanes(to + v * lanes, load_lanes(to + v * lanes) - sum[c][v]);
   }
 }
 
@@ -82,8 +72,9 @@ SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, 
       const double* earlier = front + static_cast<std::ptrdiff_t>(k) * ld;
       const double factor = earlier[c];
       int row = c;
-      const Lanes factors = constant(factor);
-      for (; row + lanes <= rows; row += lanes) store(at + row, load(at + row) - factors * load(earlier + row));
+      const Lanes factors = constant_lanes(factor);
+      for (; row + lanes <= rows; row += lanes)
+        store_lanes(at + row, load_lanes(at + row) - factors * load_lanes(earlier + row));
       for (; row < rows; ++row) at[row] -= factor * earlier[row];
     }
     const double pivot = at[c];
@@ -92,8 +83,8 @@ SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, 
     const double inverse = 1 / root;
     at[c] = root;
     int row = c + 1;
-    const Lanes inverses = constant(inverse);
-    for (; row + lanes <= rows; row += lanes) store(at + row, load(at + row) * inverses);
+    const Lanes inverses = constant_lanes(inverse);
+    for (; row + lanes <= rows; row += lanes) store_lanes(at + row, load_lanes(at + row) * inverses);
     for (; row < rows; ++row) at[row] *= inverse;
   }
   return true;
@@ -114,22 +105,22 @@ SUPPLE_INLINE bool factorize_front(double* front, int ld, int rows, int pivots) 
 template <int height>
 SUPPLE_INLINE void multiply_rows(const double* panel, int ld, int row, int pivots, const double* x, double* below) {
   Lanes sum[height];
-  for (int r = 0; r < height; ++r) sum[r] = constant(0);
+  for (int r = 0; r < height; ++r) sum[r] = constant_lanes(0);
   const double* at = panel + row;
   for (int k = 0; k < pivots; ++k, at += ld) {
-    const Lanes value = load(x + k * solve_width);
-    for (int r = 0; r < height; ++r) sum[r] += constant(at[r]) * value;
+    const Lanes value = load_lanes(x + k * solve_width);
+    for (int r = 0; r < height; ++r) sum[r] += constant_lanes(at[r]) * value;
   }
-  for (int r = 0; r < height; ++r) store(below + (row - pivots + r) * solve_width, sum[r]);
+  for (int r = 0; r < height; ++r) store_lanes(below + (row - pivots + r) * solve_width, sum[r]);
 }
 
 SUPPLE_INLINE void forward(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
   for (int k = 0; k < pivots; ++k) {
     const double* column = panel + static_cast<std::ptrdiff_t>(k) * ld;
-    const Lanes value = load(x + k * solve_width) * constant(1 / column[k]);
-    store(x + k * solve_width, value);
+    const Lanes value = load_lanes(x + k * solve_width) * constant_lanes(1 / column[k]);
+    store_lanes(x + k * solve_width, value);
     for (int r = k + 1; r < pivots; ++r)
-      store(x + r * solve_width, load(x + r * solve_width) - constant(column[r]) * value);
+      store_lanes(x + r * solve_width, load_lanes(x + r * solve_width) - constant_lanes(column[r]) * value);
   }
   int row = pivots;
   for (; row + 4 <= rows; row += 4) multiply_rows<4>(panel, ld, row, pivots, x, below);
@@ -143,14 +134,15 @@ SUPPLE_INLINE void subtract_products(const double* panel, int ld, int begin, int
   Lanes sum[width];
   const double* at[width];
   for (int c = 0; c < width; ++c) {
-    sum[c] = constant(0);
+    sum[c] = constant_lanes(0);
     at[c] = panel + static_cast<std::ptrdiff_t>(column + c) * ld;
   }
   for (int r = begin; r < rows; ++r) {
-    const Lanes value = load(y + (r - begin) * solve_width);
-    for (int c = 0; c < width; ++c) sum[c] += constant(at[c][r]) * value;
+    const Lanes value = load_lanes(y + (r - begin) * solve_width);
+    for (int c = 0; c < width; ++c) sum[c] += constant_lanes(at[c][r]) * value;
   }
-  for (int c = 0; c < width; ++c) store(x + (column + c) * solve_width, load(x + (column + c) * solve_width) - sum[c]);
+  for (int c = 0; c < width; ++c)
+    store_lanes(x + (column + c) * solve_width, load_lanes(x + (column + c) * solve_width) - sum[c]);
 }
 
 SUPPLE_INLINE void backward(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
@@ -160,7 +152,7 @@ SUPPLE_INLINE void backward(const double* panel, int ld, int rows, int pivots, d
   for (int k = pivots - 1; k >= 0; --k) {
     subtract_products<1>(panel, ld, k + 1, pivots, k, x, x + (k + 1) * solve_width);
     const double diagonal = panel[static_cast<std::ptrdiff_t>(k) * ld + k];
-    store(x + k * solve_width, load(x + k * solve_width) * constant(1 / diagonal));
+    store_lanes(x + k * solve_width, load_lanes(x + k * solve_width) * constant_lanes(1 / diagonal));
   }
 }
 
@@ -168,13 +160,13 @@ SUPPLE_INLINE void backward(const double* panel, int ld, int rows, int pivots, d
 template <int vectors>
 SUPPLE_INLINE void multiply_rows_one(const double* panel, int ld, int row, int pivots, const double* x, double* below) {
   Lanes sum[vectors];
-  for (int v = 0; v < vectors; ++v) sum[v] = constant(0);
+  for (int v = 0; v < vectors; ++v) sum[v] = constant_lanes(0);
   const double* at = panel + row;
   for (int k = 0; k < pivots; ++k, at += ld) {
-    const Lanes value = constant(x[k]);
-    for (int v = 0; v < vectors; ++v) sum[v] += load(at + v * lanes) * value;
+    const Lanes value = constant_lanes(x[k]);
+    for (int v = 0; v < vectors; ++v) sum[v] += load_lanes(at + v * lanes) * value;
   }
-  for (int v = 0; v < vectors; ++v) store(below + row - pivots + v * lanes, sum[v]);
+  for (int v = 0; v < vectors; ++v) store_lanes(below + row - pivots + v * lanes, sum[v]);
 }
 
 SUPPLE_INLINE void forward_one(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
@@ -201,13 +193,13 @@ SUPPLE_INLINE void subtract_products_one(const double* panel, int ld, int begin,
   Lanes sum[width];
   const double* at[width];
   for (int c = 0; c < width; ++c) {
-    sum[c] = constant(0);
+    sum[c] = constant_lanes(0);
     at[c] = panel + static_cast<std::ptrdiff_t>(column + c) * ld;
   }
   int r = begin;
   for (; r + lanes <= rows; r += lanes) {
-    const Lanes value = load(y + (r - begin));
-    for (int c = 0; c < width; ++c) sum[c] += load(at[c] + r) * value;
+    const Lanes value = load_lanes(y + (r - begin));
+    for (int c = 0; c < width; ++c) sum[c] += load_lanes(at[c] + r) * value;
   }
   for (int c = 0; c < width; ++c) {
     double total = (sum[c][0] + sum[c][1]) + (sum[c][2] + sum[c][3]);
@@ -226,65 +218,47 @@ SUPPLE_INLINE void backward_one(const double* panel, int ld, int rows, int pivot
   }
 }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) bool factorize_avx2(double* front, int ld, int rows, int pivots) {
+SUPPLE_AVX2 bool factorize_avx2(double* front, int ld, int rows, int pivots) {
   return factorize_front(front, ld, rows, pivots);
 }
-__attribute__((target("avx2,fma"))) void forward_avx2(const double* panel, int ld, int rows, int pivots, double* x,
-                                                      double* below) {
+SUPPLE_AVX2 void forward_avx2(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
   forward(panel, ld, rows, pivots, x, below);
 }
-__attribute__((target("avx2,fma"))) void backward_avx2(const double* panel, int ld, int rows, int pivots, double* x,
-                                                       const double* below) {
+SUPPLE_AVX2 void backward_avx2(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
   backward(panel, ld, rows, pivots, x, below);
 }
 
-__attribute__((target("avx2,fma"))) void forward_one_avx2(const double* panel, int ld, int rows, int pivots, double* x,
-                                                          double* below) {
+SUPPLE_AVX2 void forward_one_avx2(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
   forward_one(panel, ld, rows, pivots, x, below);
 }
-__attribute__((target("avx2,fma"))) void backward_one_avx2(const double* panel, int ld, int rows, int pivots, double* x,
-                                                           const double* below) {
+SUPPLE_AVX2 void backward_one_avx2(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
   backward_one(panel, ld, rows, pivots, x, below);
 }
-
-const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#endif
 
 }  // namespace
 
 bool partial_cholesky(double* front, int ld, int rows, int pivots) {
-#if defined(__x86_64__)
   if (has_avx2) return factorize_avx2(front, ld, rows, pivots);
-#endif
   return factorize_front(front, ld, rows, pivots);
 }
 
 void panel_forward(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
-#if defined(__x86_64__)
   if (has_avx2) return forward_avx2(panel, ld, rows, pivots, x, below);
-#endif
   forward(panel, ld, rows, pivots, x, below);
 }
 
 void panel_backward(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
-#if defined(__x86_64__)
   if (has_avx2) return backward_avx2(panel, ld, rows, pivots, x, below);
-#endif
   backward(panel, ld, rows, pivots, x, below);
 }
 
 void panel_forward_one(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
-#if defined(__x86_64__)
   if (has_avx2) return forward_one_avx2(panel, ld, rows, pivots, x, below);
-#endif
   forward_one(panel, ld, rows, pivots, x, below);
 }
 
 void panel_backward_one(const double* panel, int ld, int rows, int pivots, double* x, const double* below) {
-#if defined(__x86_64__)
   if (has_avx2) return backward_one_avx2(panel, ld, rows, pivots, x, below);
-#endif
   backward_one(panel, ld, rows, pivots, x, below);
 }
 
