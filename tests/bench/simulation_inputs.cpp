@@ -77,6 +77,7 @@ microscale::SimulationOptions data_set_options(const std::string& family) {
   microscale::SimulationOptions options;
   // Cells of many slender beams deform by bending along them; fewer elements do (see the refinement study).
   if (family == "IH21" || family == "IH28") options.mesh.mesh_size = 1;
+  if (family == "IH29") options.mesh.mesh_size = 0.7;
   options.tolerance = 1e-7;
   return options;
 }

@@ -16,7 +16,8 @@ namespace supple::microscale {
 /// The terms of one periodic patch: what is simulated, without a state.
 class CellModel {
  public:
-  /// What is kept from one load path to the next: where the Hessian has entries, and how they are eliminated.
+  /// What is kept from one load path to the next: where the Hessian has entries, and how they are eliminated. For one
+  /// objective at a time.
   struct Workspace {
     numerics::EnergySum sum;
     numerics::ShiftedCholesky cholesky;

@@ -30,6 +30,61 @@ struct ElasticEnergy::Kernel {
     return coordinates.strain() + 2 * i + (k - 6);
   }
 
+  using Entries = numerics::HessianEntries;
+  using Block = Entries::Block;
+
+  static Block rows(const Batch& batch, int lane) {
+    Block rows;
+    for (std::size_t k = 0; k < 6; ++k)
+      for (std::size_t i = 0; i < 2; ++i)
+        rows[2 * k + i] = static_cast<std::int32_t>(2 * batch.node[k][lane] + static_cast<int>(i));
+    return rows;
+  }
+
+  /// The lower triangle of one lane's stiffness between its nodes, row by row, with a sign for each node.
+  static void nodal_stiffness(const Batch& batch, const ElasticBatch& local, int lane, const double (&sign)[6],
+                              double* lower) {
+    for (int k = 0; k < 6; ++k) {
+      const auto* pairs = &local.stiffness[k * (k + 1) / 2];
+      for (int i = 0; i < 2; ++i) {
+        for (int l = 0; l < k; ++l)
+          for (int j = 0; j < 2; ++j) *lower++ = sign[k] * sign[l] * pairs[l][i][j][lane];
+        for (int j = 0; j <= i; ++j) *lower++ = pairs[k][i][j][lane];
+      }
+    }
+    if (batch.distinct[lane]) return;
+    // On a patch of very few triangles two of a triangle's nodes can be one: both orders of the pair then fall on one
+    // place of the diagonal.
+    const Block all = rows(batch, lane);
+    lower -= Entries::block_entries;
+    for (std::size_t k = 0; k < Entries::block_size; ++k)
+      for (std::size_t l = 0; l <= k; ++l, ++lower)
+        if (l != k && all[k] == all[l]) *lower *= 2;
+  }
+
+  static void add_stiffness(const Batch& batch, const CellCoordinates& coordinates, const ElasticBatch& local, int lane,
+                            Entries& entries) {
+    constexpr double plus[6] = {1, 1, 1, 1, 1, 1};
+    double block[Entries::block_entries];
+    nodal_stiffness(batch, local, lane, plus, block);
+    entries.add_block(rows(batch, lane), block);
+    // F's components in the order of the coordinates: (row i, column k - 6) at 2 i + k - 6.
+    const auto* first = &local.stiffness[6 * 7 / 2];
+    const auto* second = &local.stiffness[7 * 8 / 2];
+    for (int l = 0; l < 6; ++l)
+      for (int j = 0; j < 2; ++j) {
+        const double row[4] = {first[l][0][j][lane], second[l][0][j][lane], first[l][1][j][lane],
+                               second[l][1][j][lane]};
+        entries.add_row<4>(coordinates.displacement(batch.node[l][lane]) + j, coordinates.strain(), row);
+      }
+    for (int k = 6; k < 8; ++k)
+      for (int l = 6; l <= k; ++l)
+        for (int i = 0; i < 2; ++i)
+          for (int j = 0; j < (l == k ? i + 1 : 2); ++j)
+            entries.add(index(batch, coordinates, k, i, lane), index(batch, coordinates, l, j, lane),
+                        local.stiffness[k * (k + 1) / 2 + l][i][j][lane]);
+  }
+
   static void gather(const Batch& batch, const Eigen::VectorXd& x, ElasticBatch& local) {
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < 2; ++i)
@@ -62,6 +117,9 @@ ElasticEnergy::ElasticEnergy(const tiling::PeriodicMesh& mesh, const Material& m
       batch.gradient[0][i][lane] = -inverse(0, i) - inverse(1, i);
     }
     batch.area[lane] = slot < mesh.triangles.size() ? sides.determinant() / 2 : 0;
+    std::array<int, 6> nodes = mesh.triangles[t];
+    std::sort(nodes.begin(), nodes.end());
+    batch.distinct[lane] = std::adjacent_find(nodes.begin(), nodes.end()) == nodes.end();
     const double force = material.youngs_modulus * batch.area[lane] * inverse.norm();
     unit_forces_ += force * force;
     for (int k = 0; k < 6; ++k) {
@@ -89,25 +147,7 @@ void ElasticEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum
         for (int lane = 0; lane < lanes; ++lane)
           sum.gradient[Kernel::index(batch, coordinates_, k, i, lane)] += local.force[k][i][lane];
     if (order < 2) continue;
-    for (int lane = 0; lane < lanes; ++lane) {
-      Eigen::Index dof[local_nodes][2];
-      for (int k = 0; k < local_nodes; ++k)
-        for (int i = 0; i < 2; ++i) dof[k][i] = Kernel::index(batch, coordinates_, k, i, lane);
-      for (int k = 0, pair = 0; k < local_nodes; ++k) {
-        for (int l = 0; l < k; ++l, ++pair)
-          for (int i = 0; i < 2; ++i)
-            for (int j = 0; j < 2; ++j) {
-              // On a patch of very few triangles two of a triangle's nodes can be one: both orders of the pair then
-              // fall on one place of the diagonal.
-              const double both = dof[k][i] == dof[l][j] ? 2 : 1;
-              sum.hessian.add(dof[k][i], dof[l][j], both * local.stiffness[pair][i][j][lane]);
-            }
-        sum.hessian.add(dof[k][0], dof[k][0], local.stiffness[pair][0][0][lane]);
-        sum.hessian.add(dof[k][1], dof[k][0], local.stiffness[pair][1][0][lane]);
-        sum.hessian.add(dof[k][1], dof[k][1], local.stiffness[pair][1][1][lane]);
-        ++pair;
-      }
-    }
+    for (int lane = 0; lane < lanes; ++lane) Kernel::add_stiffness(batch, coordinates_, local, lane, sum.hessian);
   }
 }
 
@@ -117,21 +157,15 @@ void ElasticEnergy::add_alternating_hessians(const Eigen::VectorXd& x, Alternati
     Kernel::gather(batch, x, local);
     integrate(law_, 2, local);
     for (int lane = 0; lane < lanes; ++lane) {
-      double sign[6][alternations.size()];
-      for (int k = 0; k < 6; ++k)
-        for (std::size_t a = 0; a < alternations.size(); ++a)
-          sign[k][a] = alternations[a].sign(batch.shift[k][lane].first, batch.shift[k][lane].second);
-      for (int k = 0, pair = 0; k < 6; ++k)
-        for (int l = 0; l <= k; ++l, ++pair)
-          for (int i = 0; i < 2; ++i)
-            for (int j = 0; j < (l == k ? i + 1 : 2); ++j) {
-              const Eigen::Index row = Kernel::index(batch, coordinates_, k, i, lane);
-              const Eigen::Index column = Kernel::index(batch, coordinates_, l, j, lane);
-              const double both = row == column && l != k ? 2 : 1;
-              const double value = both * local.stiffness[pair][i][j][lane];
-              for (std::size_t a = 0; a < alternations.size(); ++a)
-                entries[a].add(row, column, sign[k][a] * sign[l][a] * value);
-            }
+      const Kernel::Block rows = Kernel::rows(batch, lane);
+      double block[Kernel::Entries::block_entries];
+      for (std::size_t a = 0; a < alternations.size(); ++a) {
+        double sign[6];
+        for (int k = 0; k < 6; ++k)
+          sign[k] = alternations[a].sign(batch.shift[k][lane].first, batch.shift[k][lane].second);
+        Kernel::nodal_stiffness(batch, local, lane, sign, block);
+        entries[a].add_block(rows, block);
+      }
     }
   }
 }

@@ -42,6 +42,7 @@ class ElasticEnergy : public CellTerm {
     double area[lanes];            ///< mm^2; 0 in lanes that pad the last batch
     int node[6][lanes];
     tiling::LatticeShift shift[6][lanes];
+    bool distinct[lanes];  ///< whether the six nodes are six
   };
   struct Kernel;
 

@@ -116,6 +116,7 @@ EquilibriumPath::Progress EquilibriumPath::step_towards(const Eigen::Matrix2d& t
     }
     objective_.set_x(start);
     at_ = start_equilibrium;
+    counts_.branches_left = branches;
     if (share * size / 2 < smallest_load_step) {
       model_.prepare(start, Eigen::VectorXd::Zero(start.size()), execution_.cost);
       stopped_ = stopped_ == Stop::converged ? Stop::step_too_small : stopped_;

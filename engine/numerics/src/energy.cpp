@@ -11,6 +11,22 @@ void HessianEntries::clear() {
   std::fill(values_.begin(), values_.end(), 0.0);
   border_columns_.setZero();
   cursor_ = 0;
+  next_block_ = 0;
+}
+
+void HessianEntries::add_block(const Block& rows, const double* lower) {
+  if (next_block_ < blocks_.size() && blocks_[next_block_].first == cursor_ && blocks_[next_block_].second == rows &&
+      cursor_ + block_entries <= sequence_.size()) {
+    const std::uint32_t* slots = slots_.data() + cursor_;
+    for (std::size_t i = 0; i < block_entries; ++i) values_[slots[i]] += lower[i];
+    cursor_ += block_entries;
+    ++next_block_;
+    return;
+  }
+  blocks_.resize(next_block_++);
+  blocks_.emplace_back(cursor_ + unexpected_.size(), rows);
+  for (std::size_t k = 0; k < block_size; ++k)
+    for (std::size_t l = 0; l <= k; ++l) add(rows[k], rows[l], *lower++);
 }
 
 void HessianEntries::add_unexpected(Place place, double value) {
@@ -23,7 +39,7 @@ void HessianEntries::add_unexpected(Place place, double value) {
 void HessianEntries::grow_border(Eigen::Index high) {
   const Eigen::Index rows = std::max(border_columns_.rows(), high + 1);
   const Eigen::Index columns = std::max(border_columns_.cols(), high - border_ + 1);
-  const Eigen::MatrixXd old = border_columns_;
+  const auto old = border_columns_;
   border_columns_.setZero(rows, columns);
   border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
 }
@@ -33,6 +49,7 @@ void HessianEntries::learn() {
     // The sequence ended early: what it lost may come back, its places stay.
     sequence_.resize(cursor_);
     slots_.resize(cursor_);
+    blocks_.resize(next_block_);
     return;
   }
   add_to_pattern();
@@ -106,12 +123,12 @@ void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
   }
   const Eigen::Index border = n - border_;
   if (border_columns_.rows() != n || border_columns_.cols() != border) {
-    const Eigen::MatrixXd old = border_columns_;
+    const auto old = border_columns_;
     border_columns_.setZero(n, border);
     border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
   }
   into.border = border_columns_.topRows(border_);
-  into.corner = border_columns_.bottomRows(border).selfadjointView<Eigen::Upper>();
+  into.corner = Eigen::MatrixXd(border_columns_.bottomRows(border)).selfadjointView<Eigen::Upper>();
 }
 
 }  // namespace supple::numerics

@@ -91,5 +91,45 @@ TEST(HessianEntries, ForgetWhatWasNotAssembled) {
   EXPECT_EQ(dense(matrix), (Eigen::Matrix2d() << 1, 0, 0, 0).finished());
 }
 
+TEST(HessianEntries, BlocksAddWhatTheirEntriesWould) {
+  RandomStream random("hessian_entries", 3);
+  constexpr int n = 40;
+  HessianEntries blocks(n);
+  HessianEntries single(n);
+  BorderedMatrix matrix;
+  BorderedMatrix expected;
+  const auto same = [&] {
+    blocks.assemble(n + 2, matrix);
+    single.assemble(n + 2, expected);
+    EXPECT_LT((dense(matrix) - dense(expected)).cwiseAbs().maxCoeff(), 1e-13);
+  };
+  std::vector<HessianEntries::Block> elements(8);
+  for (auto& rows : elements)
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = static_cast<std::int32_t>(3 * k) + random.below(3);
+  // Twice the same; an element less; entries between; another element in the middle; the first again.
+  for (const int round : {0, 0, 1, 0, 2, 2, 3, 0, 0}) {
+    blocks.clear();
+    single.clear();
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      if (round == 1 && e == 5) continue;
+      const HessianEntries::Block& rows = elements[round == 3 && e == 4 ? 6 : e];
+      double lower[HessianEntries::block_entries];
+      for (double& value : lower) value = random.uniform(-1, 1);
+      blocks.add_block(rows, lower);
+      for (std::size_t k = 0, i = 0; k < rows.size(); ++k)
+        for (std::size_t l = 0; l <= k; ++l, ++i) single.add(rows[k], rows[l], lower[i]);
+      const double row[2] = {random.uniform(-1, 1), random.uniform(-1, 1)};
+      blocks.add_row<2>(rows[0], n, row);
+      for (int k = 0; k < 2; ++k) single.add(rows[0], n + k, row[k]);
+      if (round == 2 && e % 3 == 0) {
+        blocks.add(1, 39, 0.5);
+        single.add(1, 39, 0.5);
+      }
+    }
+    SCOPED_TRACE(round);
+    same();
+  }
+}
+
 }  // namespace
 }  // namespace supple::numerics

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -27,7 +28,7 @@ class HessianEntries {
   void add(Eigen::Index i, Eigen::Index j, double value) {
     const auto [low, high] = i < j ? std::pair(i, j) : std::pair(j, i);
     if (high >= border_) {
-      if (high >= border_columns_.rows() || high - border_ >= border_columns_.cols()) grow_border(high);
+      require_border(high);
       border_columns_(low, high - border_) += value;
       return;
     }
@@ -36,6 +37,24 @@ class HessianEntries {
       values_[slots_[cursor_++]] += value;
     } else {
       add_unexpected(place, value);
+    }
+  }
+
+  /// An element's matrix at once: `rows` are its degrees of freedom, all below the border, and lower[k (k + 1) / 2 + l]
+  /// is the entry of rows[k] and rows[l], l <= k. The same as adding these one by one, several times as fast.
+  static constexpr std::size_t block_size = 12;
+  using Block = std::array<std::int32_t, block_size>;
+  static constexpr std::size_t block_entries = block_size * (block_size + 1) / 2;
+  void add_block(const Block& rows, const double* lower);
+
+  /// The entries of `row` and first, first + 1, ..., all greater than `row`; fast where `first` is the border's first.
+  template <int count>
+  void add_row(Eigen::Index row, Eigen::Index first, const double* values) {
+    if (first == border_) {
+      require_border(border_ + count - 1);
+      for (int k = 0; k < count; ++k) border_columns_(row, k) += values[k];
+    } else {
+      for (int k = 0; k < count; ++k) add(row, first + k, values[k]);
     }
   }
 
@@ -52,6 +71,9 @@ class HessianEntries {
   using Place = std::uint64_t;  ///< column << 32 | row of the lower triangle: sorting gives compressed columns
 
   void add_unexpected(Place place, double value);
+  void require_border(Eigen::Index high) {
+    if (high >= border_columns_.rows() || high - border_ >= border_columns_.cols()) grow_border(high);
+  }
   void grow_border(Eigen::Index high);
   void learn();
   void add_to_pattern();
@@ -65,7 +87,10 @@ class HessianEntries {
   std::vector<double> values_;  ///< one for each place of the pattern
   bool diverged_ = false;       ///< this time the sequence is another from cursor_ on
   std::vector<std::pair<Place, double>> unexpected_;
-  Eigen::MatrixXd border_columns_;  ///< row: any degree of freedom; column: one of the border's
+  std::vector<std::pair<std::size_t, Block>> blocks_;  ///< those of the sequence, each after where it begins
+  std::size_t next_block_ = 0;
+  /// Row: any degree of freedom; column: one of the border's.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> border_columns_;
 };
 
 /// The running sum that energies add themselves to.
