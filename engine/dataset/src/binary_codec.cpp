@@ -13,7 +13,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "records are copied as they lie in memory");
 
 [[noreturn]] void throw_malformed() {
-  throw Error("dataset.unreadable", "A record of the unfinished data set does not have the form that was written.");
+  throw Error("file.unreadable", "A record of the unfinished data set does not have the form that was written.");
 }
 
 /// Encoder and Decoder have the same members, so that one description of each struct serves both ways.

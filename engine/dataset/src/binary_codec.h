@@ -15,7 +15,7 @@ std::uint32_t crc32(std::string_view bytes);
 std::string encode(const Recipe& recipe, const Selection& selection);
 std::string encode(const Design& design);
 
-/// The reverse. Throw "dataset.unreadable" where the bytes end early, go on too long or make no sense.
+/// The reverse. Throw "file.unreadable" where the bytes end early, go on too long or make no sense.
 void decode(std::string_view bytes, Recipe& recipe, Selection& selection);
 Design decode_design(std::string_view bytes);
 

@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "durable_file.h"
-#include "hdf5_file.h"
+#include "supple/files/durable_file.h"
+#include "supple/files/hdf5_file.h"
 #include "supple/base/error.h"
 
 namespace supple::dataset {
@@ -106,10 +106,10 @@ struct Element<LoadKind> {
 /// Writes the columns of one table.
 template <class Record>
 struct ColumnWriter {
-  Hdf5Writer& file;
+  files::Hdf5Writer& file;
   std::string group;
   const std::vector<Record>& records;
-  ColumnStorage storage;
+  files::ColumnStorage storage;
 
   template <class Owner, class T>
   void operator()(const char* name, T Owner::*member, const char* unit, const char* meaning) const {
@@ -134,7 +134,7 @@ struct ColumnWriter {
 /// Fills the records from the columns of one table; the first column sets their number.
 template <class Record>
 struct ColumnReader {
-  const Hdf5Reader& file;
+  const files::Hdf5Reader& file;
   std::string group;
   std::vector<Record>& records;
   bool first = true;
@@ -160,7 +160,7 @@ struct ColumnReader {
   }
 };
 
-void write_recipe(Hdf5Writer& file, const Recipe& recipe) {
+void write_recipe(files::Hdf5Writer& file, const Recipe& recipe) {
   file.group("recipe");
   for (const auto& setting : recipe.settings()) {
     const std::string name = "recipe/" + setting.name;
@@ -177,22 +177,22 @@ void write_recipe(Hdf5Writer& file, const Recipe& recipe) {
   }
 }
 
-Recipe read_recipe(const Hdf5Reader& file) {
+Recipe read_recipe(const files::Hdf5Reader& file) {
   Recipe recipe;
   for (const auto& name : file.members("recipe")) {
     const std::string path = "recipe/" + name;
     Recipe::Value value;
     switch (file.kind(path)) {
-      case Hdf5Reader::Kind::integer:
+      case files::Hdf5Reader::Kind::integer:
         value = file.integer(path);
         break;
-      case Hdf5Reader::Kind::real:
+      case files::Hdf5Reader::Kind::real:
         value = file.real(path);
         break;
-      case Hdf5Reader::Kind::reals:
+      case files::Hdf5Reader::Kind::reals:
         value = file.column<double>(path, 0);
         break;
-      case Hdf5Reader::Kind::text:
+      case files::Hdf5Reader::Kind::text:
         value = file.text(path);
         break;
     }
@@ -205,19 +205,19 @@ int parameter_count(const Dataset& data) {
   const std::size_t count = data.designs.empty() ? 0 : data.designs.front().parameters.size();
   for (const Design& design : data.designs)
     if (design.parameters.size() != count)
-      throw Error("dataset.write_failed",
+      throw Error("file.write_failed",
                   "Design " + std::to_string(design.index) + " has another number of parameters than the first.");
   return static_cast<int>(count);
 }
 
-void write_parameters(Hdf5Writer& file, const std::string& name, const std::vector<double>& values, int count,
-                      const ColumnStorage& storage) {
+void write_parameters(files::Hdf5Writer& file, const std::string& name, const std::vector<double>& values, int count,
+                      const files::ColumnStorage& storage) {
   file.column(name, values, count, storage);
   file.attribute(name, "meaning", "the design's parameters, in the family's order and units");
 }
 
 /// What each stage cost each design: a table of designs by stages.
-void write_costs(Hdf5Writer& file, const Dataset& data) {
+void write_costs(files::Hdf5Writer& file, const Dataset& data) {
   std::vector<std::string> stages;
   const auto place_of = [&stages](const std::string& name) {
     return static_cast<std::size_t>(std::find(stages.begin(), stages.end(), name) - stages.begin());
@@ -243,7 +243,7 @@ void write_costs(Hdf5Writer& file, const Dataset& data) {
   file.attribute("costs/count", "meaning", "how often the stage ran");
 }
 
-void read_costs(const Hdf5Reader& file, Dataset& data) {
+void read_costs(const files::Hdf5Reader& file, Dataset& data) {
   const auto stages = file.text_column("costs/stage");
   if (stages.empty()) return;
   const auto rows = static_cast<std::int64_t>(data.designs.size());
@@ -254,7 +254,7 @@ void read_costs(const Hdf5Reader& file, Dataset& data) {
       data.designs[i / stages.size()].costs.push_back({stages[i % stages.size()], seconds[i], counts[i]});
 }
 
-void write_tables(Hdf5Writer& file, const Dataset& data, const FileOptions& options) {
+void write_tables(files::Hdf5Writer& file, const Dataset& data, const FileOptions& options) {
   const int count = parameter_count(data);
   std::vector<TableRow> rows;
   std::vector<TablePath> paths;
@@ -270,8 +270,8 @@ void write_tables(Hdf5Writer& file, const Dataset& data, const FileOptions& opti
       row_parameters.insert(row_parameters.end(), design.parameters.begin(), design.parameters.end());
     }
   }
-  const ColumnStorage row_storage{options.single_precision, options.compressed};
-  const ColumnStorage exact{false, options.compressed};
+  const files::ColumnStorage row_storage{options.single_precision, options.compressed};
+  const files::ColumnStorage exact{false, options.compressed};
   file.group("rows");
   write_parameters(file, "rows/parameters", row_parameters, count, row_storage);
   visit_row_columns(ColumnWriter<TableRow>{file, "rows", rows, row_storage});
@@ -284,7 +284,7 @@ void write_tables(Hdf5Writer& file, const Dataset& data, const FileOptions& opti
 }
 
 [[noreturn]] void throw_contradiction(const std::filesystem::path& path, const std::string& what) {
-  throw Error("dataset.unreadable", path.string() + ": " + what + ".");
+  throw Error("file.unreadable", path.string() + ": " + what + ".");
 }
 
 /// Gives rows and paths back to their designs, which are sorted by index.
@@ -317,7 +317,7 @@ void write_dataset(const std::filesystem::path& path, const Dataset& data, const
   auto part = path;
   part += ".writing";
   try {
-    Hdf5Writer file(part);
+    files::Hdf5Writer file(part);
     file.attribute("/", "format", format);
     file.attribute("/", "format_version", format_version);
     file.attribute("/", "first_design", data.selection.first);
@@ -327,7 +327,7 @@ void write_dataset(const std::filesystem::path& path, const Dataset& data, const
     write_recipe(file, data.recipe);
     write_tables(file, data, options);
     file.close();
-    move_into_place(part, path);
+    files::move_into_place(part, path);
   } catch (...) {
     ::unlink(part.c_str());
     throw;
@@ -335,7 +335,7 @@ void write_dataset(const std::filesystem::path& path, const Dataset& data, const
 }
 
 Dataset read_dataset(const std::filesystem::path& path) {
-  const Hdf5Reader file(path);
+  const files::Hdf5Reader file(path);
   if (file.text_attribute("/", "format") != format) throw_contradiction(path, "it is no data set");
   if (const auto version = file.integer_attribute("/", "format_version"); version != format_version)
     throw_contradiction(path, "its layout has version " + std::to_string(version) + ", this program reads version " +

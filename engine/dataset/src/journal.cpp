@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "binary_codec.h"
-#include "durable_file.h"
+#include "supple/files/durable_file.h"
 #include "supple/base/error.h"
 
 namespace supple::dataset {
@@ -53,7 +53,7 @@ Parsed parse(std::string_view bytes, const std::filesystem::path& path) {
   Parsed parsed;
   const auto start = bytes.substr(0, magic.size());
   if (start != magic.substr(0, start.size()))
-    throw Error("dataset.unreadable", path.string() + " is not the journal of a data set of this version.");
+    throw Error("file.unreadable", path.string() + " is not the journal of a data set of this version.");
   if (start.size() == magic.size()) {
     auto rest = bytes.substr(magic.size());
     if (const auto first = next_record(rest); !first.empty()) {
@@ -74,7 +74,7 @@ std::string content_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream bytes;
   bytes << file.rdbuf();
-  if (!file) throw Error("dataset.unreadable", "Cannot read " + path.string() + ".");
+  if (!file) throw Error("file.unreadable", "Cannot read " + path.string() + ".");
   return std::move(bytes).str();
 }
 
@@ -101,23 +101,23 @@ std::filesystem::path journal_path(const std::filesystem::path& path) {
 
 Journal::Content Journal::read(const std::filesystem::path& journal) {
   Parsed parsed = parse(content_of(journal), journal);
-  if (!parsed.begun) throw Error("dataset.unreadable", journal.string() + " holds nothing yet.");
+  if (!parsed.begun) throw Error("file.unreadable", journal.string() + " holds nothing yet.");
   return std::move(parsed.content);
 }
 
 Journal::Journal(const std::filesystem::path& journal, const Recipe& recipe, const Selection& selection)
     : path_(journal), descriptor_(::open(journal.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644)) {
-  if (descriptor_ < 0) throw_write_failed("open", journal);
+  if (descriptor_ < 0) files::throw_write_failed("open", journal);
   try {
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
       throw Error("dataset.in_use", "Another process is writing " + journal.string() + ".");
     Parsed parsed = parse(content_of(journal), journal);
     if (parsed.begun) check_same(parsed.content.data, recipe, selection, journal);
     if (parsed.content.discarded_bytes > 0 && ::ftruncate(descriptor_, parsed.valid_bytes) != 0)
-      throw_write_failed("truncate", journal);
+      files::throw_write_failed("truncate", journal);
     if (!parsed.begun) {
-      append_durably(descriptor_, std::string(magic) + record(encode(recipe, selection)), journal);
-      synchronize_folder_of(journal);
+      files::append_durably(descriptor_, std::string(magic) + record(encode(recipe, selection)), journal);
+      files::synchronize_folder_of(journal);
       parsed.content.data.recipe = recipe;
       parsed.content.data.selection = selection;
     }
@@ -132,11 +132,11 @@ Journal::~Journal() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-void Journal::append(const Design& design) { append_durably(descriptor_, record(encode(design)), path_); }
+void Journal::append(const Design& design) { files::append_durably(descriptor_, record(encode(design)), path_); }
 
 void Journal::remove() {
-  if (::unlink(path_.c_str()) != 0) throw_write_failed("remove", path_);
-  synchronize_folder_of(path_);
+  if (::unlink(path_.c_str()) != 0) files::throw_write_failed("remove", path_);
+  files::synchronize_folder_of(path_);
 }
 
 }  // namespace supple::dataset

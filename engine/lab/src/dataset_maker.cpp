@@ -59,7 +59,7 @@ class Run {
       try {
         finish(simulate_design(options_, planned_design(options_, indices_[next]), cancellation_, listener_));
       } catch (const Error& error) {
-        if (cancellation_.requested() && error.code() != "dataset.write_failed") return;
+        if (cancellation_.requested() && error.code() != "file.write_failed") return;
         failed_ = true;
         throw;
       } catch (...) {

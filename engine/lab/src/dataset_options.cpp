@@ -45,7 +45,7 @@ void set_from(const dataset::Recipe& recipe, const char* setting, const std::arr
       return;
     }
   }
-  throw Error("dataset.unreadable", "The setting " + std::string(setting) + " has the unknown value " + text + ".");
+  throw Error("file.unreadable", "The setting " + std::string(setting) + " has the unknown value " + text + ".");
 }
 
 /// Writes each setting into a recipe.

@@ -84,9 +84,9 @@ TEST(DatasetFileWriting, LeavesNoFileBehindWhereItFails) {
 
 TEST(DatasetFileReading, RefusesWhatIsNoDataSet) {
   const TemporaryFolder folder;
-  EXPECT_EQ(code_of(folder / "missing.h5"), "dataset.unreadable");
+  EXPECT_EQ(code_of(folder / "missing.h5"), "file.unreadable");
   std::ofstream(folder / "text.h5") << "no HDF5";
-  EXPECT_EQ(code_of(folder / "text.h5"), "dataset.unreadable");
+  EXPECT_EQ(code_of(folder / "text.h5"), "file.unreadable");
 }
 
 TEST(DatasetFileReading, RefusesATruncatedFile) {
@@ -96,7 +96,7 @@ TEST(DatasetFileReading, RefusesATruncatedFile) {
   for (const double share : {0.1, 0.5, 0.9, 0.99}) {
     std::ofstream(folder / "cut.h5", std::ios::binary)
         << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
-    EXPECT_EQ(code_of(folder / "cut.h5"), "dataset.unreadable") << share;
+    EXPECT_EQ(code_of(folder / "cut.h5"), "file.unreadable") << share;
   }
 }
 

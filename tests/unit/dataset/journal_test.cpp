@@ -110,7 +110,7 @@ TEST(Journal, BelongsToOneProcessAtATime) {
 TEST(Journal, LeavesAForeignFileAsItIs) {
   const TemporaryFolder folder;
   write_bytes(folder / "j", "notes of mine");
-  EXPECT_EQ(code_of_opening(folder / "j", sample_recipe(), selection), "dataset.unreadable");
+  EXPECT_EQ(code_of_opening(folder / "j", sample_recipe(), selection), "file.unreadable");
   EXPECT_EQ(bytes_of(folder / "j"), "notes of mine");
 }
 

@@ -13,10 +13,10 @@ struct FileOptions {
 };
 
 /// Writes one HDF5 file (layout: docs/datasets.md). The file appears whole or not at all: it is written beside its
-/// place, synchronized and renamed. The same data give the same bytes. Throws "dataset.write_failed".
+/// place, synchronized and renamed. The same data give the same bytes. Throws "file.write_failed".
 void write_dataset(const std::filesystem::path& path, const Dataset& data, const FileOptions& options = {});
 
-/// Throws "dataset.unreadable": no such file, no HDF5, not of this layout, or columns that contradict each other.
+/// Throws "file.unreadable": no such file, no HDF5, not of this layout, or columns that contradict each other.
 Dataset read_dataset(const std::filesystem::path& path);
 
 // HDF5's library is not made for several threads: one at a time may be in these functions.

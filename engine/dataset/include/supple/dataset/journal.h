@@ -23,11 +23,11 @@ class Journal {
     std::int64_t discarded_bytes = 0;  ///< of an incomplete last record
   };
 
-  /// Reads without locking or changing it. Throws "dataset.unreadable".
+  /// Reads without locking or changing it. Throws "file.unreadable".
   static Content read(const std::filesystem::path& journal);
 
   /// Opens or makes it. Throws "dataset.different_recipe" where it was begun with other settings (each named),
-  /// "dataset.in_use" where another process has it open, "dataset.unreadable", "dataset.write_failed".
+  /// "dataset.in_use" where another process has it open, "file.unreadable", "file.write_failed".
   Journal(const std::filesystem::path& journal, const Recipe& recipe, const Selection& selection);
   ~Journal();
   Journal(const Journal&) = delete;
@@ -35,7 +35,7 @@ class Journal {
 
   /// What it held when it was opened.
   const Content& content() const { return content_; }
-  /// Throws "dataset.write_failed".
+  /// Throws "file.write_failed".
   void append(const Design& design);
   /// Deletes it; nothing can be appended afterwards.
   void remove();

@@ -8,7 +8,7 @@
 namespace supple::dataset {
 
 /// A finished data set, or what an unfinished one holds so far: `path` itself, or else its journal. Throws
-/// "dataset.unreadable".
+/// "file.unreadable".
 Dataset read_finished_or_partial(const std::filesystem::path& path);
 
 /// One data set of several with the same recipe: shards of one selection, or consecutive stretches of the sequence.

@@ -22,7 +22,7 @@ class Recipe {
 
   void set(std::string name, Value value, std::string unit = {});
   const std::vector<Setting>& settings() const { return settings_; }
-  /// The value of that name. Throws "dataset.unreadable" if there is none, or none of that type.
+  /// The value of that name. Throws "file.unreadable" if there is none, or none of that type.
   std::int64_t integer(std::string_view name) const;
   double number(std::string_view name) const;
   const std::string& text(std::string_view name) const;

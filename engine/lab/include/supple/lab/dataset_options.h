@@ -36,7 +36,7 @@ void check(const DatasetOptions& options);
 
 /// The settings that decide the content, all of them, with their units.
 dataset::Recipe recipe_of(const DatasetOptions& options);
-/// The reverse. Throws "dataset.unreadable" where a setting is missing or has an unknown value.
+/// The reverse. Throws "file.unreadable" where a setting is missing or has an unknown value.
 DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection);
 
 dataset::Selection selection_of(const DatasetOptions& options);

@@ -1,4 +1,4 @@
-#include "hdf5_file.h"
+#include "supple/files/hdf5_file.h"
 
 #include <hdf5.h>
 
@@ -8,7 +8,7 @@
 
 #include "supple/base/error.h"
 
-namespace supple::dataset {
+namespace supple::files {
 namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t>, "an HDF5 identifier is held as a 64-bit integer");
@@ -18,10 +18,10 @@ constexpr hsize_t chunk_rows = 16384;
 constexpr unsigned deflate_level = 6;
 
 [[noreturn]] void throw_unwritable(const std::filesystem::path& path, const std::string& what) {
-  throw Error("dataset.write_failed", "HDF5 cannot write " + what + " of " + path.string() + ".");
+  throw Error("file.write_failed", "HDF5 cannot write " + what + " of " + path.string() + ".");
 }
 [[noreturn]] void throw_unreadable(const std::filesystem::path& path, const std::string& what) {
-  throw Error("dataset.unreadable", path.string() + ": " + what + ".");
+  throw Error("file.unreadable", path.string() + ": " + what + ".");
 }
 
 /// HDF5 prints its errors; ours are thrown.
@@ -336,4 +336,4 @@ int Hdf5Reader::components(const std::string& name) const {
   return static_cast<int>(shape[1]);
 }
 
-}  // namespace supple::dataset
+}  // namespace supple::files

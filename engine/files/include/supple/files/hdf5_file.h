@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace supple::dataset {
+namespace supple::files {
 
 /// Owns one HDF5 identifier.
 class Hdf5Handle {
@@ -33,7 +33,7 @@ struct ColumnStorage {
 };
 
 /// Writes a new file of groups, columns and attributes. Nothing in it depends on the time. Every member throws
-/// "dataset.write_failed".
+/// "file.write_failed".
 class Hdf5Writer {
  public:
   explicit Hdf5Writer(const std::filesystem::path& path);
@@ -58,7 +58,7 @@ class Hdf5Writer {
   Hdf5Handle file_;
 };
 
-/// Reads the same. Every member throws "dataset.unreadable", with the name of what is missing or has another form.
+/// Reads the same. Every member throws "file.unreadable", with the name of what is missing or has another form.
 class Hdf5Reader {
  public:
   enum class Kind { integer, real, reals, text };
@@ -86,4 +86,4 @@ class Hdf5Reader {
   Hdf5Handle file_;
 };
 
-}  // namespace supple::dataset
+}  // namespace supple::files

@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-namespace supple::dataset {
+namespace supple::files {
 
-/// Throws "dataset.write_failed" with errno's message.
+/// Throws "file.write_failed" with errno's message.
 [[noreturn]] void throw_write_failed(const std::string& action, const std::filesystem::path& path);
 
 /// All of `bytes` at the descriptor's end of file, synchronized. `path` is for the message.
@@ -18,4 +18,4 @@ void synchronize_folder_of(const std::filesystem::path& path);
 /// Synchronizes `finished` and gives it the name `place`, which it replaces.
 void move_into_place(const std::filesystem::path& finished, const std::filesystem::path& place);
 
-}  // namespace supple::dataset
+}  // namespace supple::files

@@ -1,4 +1,4 @@
-#include "durable_file.h"
+#include "supple/files/durable_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 
 #include "supple/base/error.h"
 
-namespace supple::dataset {
+namespace supple::files {
 namespace {
 
 void synchronize(const std::filesystem::path& path, int flags) {
@@ -24,7 +24,7 @@ void synchronize(const std::filesystem::path& path, int flags) {
 }  // namespace
 
 void throw_write_failed(const std::string& action, const std::filesystem::path& path) {
-  throw Error("dataset.write_failed",
+  throw Error("file.write_failed",
               "Cannot " + action + " " + path.string() + ": " + std::generic_category().message(errno) + ".");
 }
 
@@ -49,4 +49,4 @@ void move_into_place(const std::filesystem::path& finished, const std::filesyste
   synchronize_folder_of(place);
 }
 
-}  // namespace supple::dataset
+}  // namespace supple::files

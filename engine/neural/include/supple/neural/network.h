@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string_view>
+#include <vector>
+
+namespace supple::neural {
+
+/// Nonlinearity of every hidden layer: z sigmoid(z), tanh z or sin z.
+enum class Activation { swish, tanh, sine };
+std::string_view to_string(Activation activation);
+/// Throws "model.unknown_activation", which lists the known ones.
+Activation activation_of(std::string_view name);
+
+/// How the last layer's outputs N become an energy density.
+///
+/// Throughout, p are the tiling parameters, mapped linearly from their bounds to [-1, 1], e = (E_xx, E_yy, 2 E_xy) is
+/// the Green strain, L(p) the lower triangular factor that the stiffness branch returns, s = tr(L L^T) / 3 a stiffness
+/// in MPa and y = L^T e / sqrt(s) the strain measured by what it costs.
+enum class EnergyForm {
+  /// Phi = s/2 sum_k r_k^2 with r_k = N_k(p, e) - N_k(p, 0) + y_k, where y_k = 0 for k > 3. Energy and stress vanish at
+  /// rest, energies are never negative, and stiffnesses that span decades span half as many in what is learned.
+  sum_of_squares,
+  /// Phi = softplus(N(p, e)) as in the thesis (4.3.4): one output, no stiffness branch.
+  softplus,
+};
+std::string_view to_string(EnergyForm form);
+EnergyForm energy_form_of(std::string_view name);
+
+struct NetworkShape {
+  int parameters = 1;        ///< 1 to max_parameters
+  int width = 256;           ///< neurons of each hidden layer; a multiple of 8
+  int strain_layers = 3;     ///< of the branch that reads the strain
+  int parameter_layers = 3;  ///< of the branch that reads the parameters
+  int trunk_layers = 5;      ///< hidden layers after both branches meet
+  int residuals = 8;         ///< outputs of the sum of squares, at least 3; softplus has one
+  int stiffness_width = 64;  ///< neurons of the two hidden layers of the stiffness branch
+  Activation activation = Activation::swish;
+  EnergyForm form = EnergyForm::sum_of_squares;
+
+  int outputs() const { return form == EnergyForm::softplus ? 1 : residuals; }
+  /// What the first layer of the strain branch reads: (y, e), or e alone.
+  int strain_inputs() const { return form == EnergyForm::softplus ? 3 : 6; }
+};
+inline constexpr int max_parameters = 8;
+
+/// x -> weights x + bias; rows are outputs.
+struct Layer {
+  Eigen::MatrixXd weights;
+  Eigen::VectorXd bias;
+};
+
+/// A smooth energy density of strain and tiling parameters: the two-branch network of the thesis (4.3.4), as plain
+/// numbers. Its first trunk layer reads (strain branch, parameter branch); the last layer of `trunk` and of `stiffness`
+/// is linear. The stiffness branch returns (log L11, log L22, log L33, L21/L11, L31/L11, L32/L22) of L in sqrt(MPa),
+/// and has a swish in its two hidden layers.
+struct Network {
+  NetworkShape shape;
+  Eigen::VectorXd lower;  ///< bounds of the parameters, that become -1
+  Eigen::VectorXd upper;  ///< and +1
+  std::vector<Layer> strain;
+  std::vector<Layer> parameter;
+  std::vector<Layer> trunk;
+  std::vector<Layer> stiffness;  ///< empty for softplus
+
+  /// Number of weights and biases.
+  long weights() const;
+};
+
+/// Throws "model.invalid_network", which names the layer, unless all sizes fit together and all numbers are finite.
+void validate(const Network& network);
+
+}  // namespace supple::neural

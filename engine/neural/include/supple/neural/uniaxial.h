@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "supple/base/execution.h"
+#include "supple/neural/evaluator.h"
+
+namespace supple::neural {
+
+/// Equilibrium under a uniaxial load: the Green strain along d is given, and the stress does no work on the others.
+struct UniaxialState {
+  Eigen::Vector3d strain = Eigen::Vector3d::Zero();  ///< E_xx, E_yy, 2 E_xy
+  Eigen::Vector3d stress = Eigen::Vector3d::Zero();  ///< S_xx, S_yy, S_xy, MPa
+  double directional_stress = 0;                     ///< d^T S d, MPa
+  double energy_density = 0;                         ///< MPa
+  bool converged = false;
+  double residual = 0;  ///< the left side of UniaxialOptions::tolerance over what multiplies it on the right
+  int iterations = 0;   ///< Newton iterations of this state
+};
+
+struct UniaxialOptions {
+  /// A state has converged once |(n^T S n, d^T S n)| <= tolerance * max(|S|, |C| |e| / 1000): n orthogonal to d, S, C
+  /// and e stress, tangent and strain as three components, their Frobenius norms.
+  double tolerance = 1e-10;
+  int max_iterations = 50;
+};
+
+/// States of least energy with E_dd = d^T E d given, d = (cos, sin) of `direction` (rad), each followed from the one
+/// before it in `green_strains` (thesis 4.8 to 4.10). Newton's method on the two free components of strain with a
+/// positive definite model; about 3 to 6 evaluations with tangents a state. The strains along d must be > -1/2 (a
+/// stretch > 0), else "model.invalid_load" is thrown. A state that is not reached has converged = false.
+template <class Real>
+std::vector<UniaxialState> uniaxial_path(const BasicEvaluator<Real>& evaluator,
+                                         const typename BasicEvaluator<Real>::Design& design, double direction,
+                                         std::span<const double> green_strains, const UniaxialOptions& options = {},
+                                         const Execution& execution = {});
+
+/// E_dd of a stretch.
+inline double green_strain_of_stretch(double stretch) { return 0.5 * (stretch * stretch - 1); }
+
+}  // namespace supple::neural

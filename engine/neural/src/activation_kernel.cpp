@@ -1,0 +1,211 @@
+// Packs never leave this file's functions by value, so that their calling convention does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+#include "activation_kernel.h"
+
+#include <cmath>
+
+#include "packs.h"
+
+namespace supple::neural {
+namespace {
+
+/// f and its first three derivatives at z, as far as `derivatives` asks.
+template <class Real, Activation A>
+SUPPLE_INLINE void derivatives_of(const Pack<Real>& z, int derivatives, Pack<Real> (&f)[4]) {
+  if constexpr (A == Activation::swish) {
+    const Pack<Real> s = 1 / (1 + exponential<Real>(-z));
+    const Pack<Real> q = s * (1 - s);
+    const Pack<Real> h = 1 - 2 * s;
+    f[0] = z * s;
+    f[1] = s + z * q;
+    if (derivatives > 1) f[2] = q * (2 + z * h);
+    if (derivatives > 2) f[3] = q * (3 * h + z * (h * h - 2 * q));
+  } else if constexpr (A == Activation::tanh) {
+    const Pack<Real> t = 1 - 2 / (exponential<Real>(2 * z) + 1);
+    f[0] = t;
+    f[1] = 1 - t * t;
+    f[2] = -2 * t * f[1];
+    f[3] = -2 * (f[1] * f[1] + t * f[2]);
+  } else {
+    for (int lane = 0; lane < Packs<Real>::count; ++lane) {
+      f[0][lane] = std::sin(z[lane]);
+      f[1][lane] = std::cos(z[lane]);
+    }
+    f[2] = -f[0];
+    f[3] = -f[1];
+  }
+}
+
+template <class Real, Activation A, int Order>
+SUPPLE_INLINE void forward(const Real* bias, const JetBlock<Real>& z, const JetBlock<Real>& a) {
+  for (int jet = 0; jet < z.jets; ++jet) {
+    Real* z_of[channels_of_order[Order]];
+    Real* a_of[channels_of_order[Order]];
+    for (int c = 0; c < channels_of_order[Order]; ++c) {
+      z_of[c] = z.channel(c, jet);
+      a_of[c] = a.channel(c, jet);
+    }
+    for (int row = 0; row < z.rows; row += Packs<Real>::count) {
+      Pack<Real> f[4];
+      derivatives_of<Real, A>(load_pack<Real>(z_of[0] + row) + load_pack<Real>(bias + row), Order + 1, f);
+      store_pack<Real>(a_of[0] + row, f[0]);
+      store_pack<Real>(z_of[0] + row, f[1]);
+      if constexpr (Order > 0) {
+        Pack<Real> first[3];
+        for (int i = 0; i < 3; ++i) {
+          first[i] = load_pack<Real>(z_of[1 + i] + row);
+          store_pack<Real>(a_of[1 + i] + row, f[1] * first[i]);
+          store_pack<Real>(z_of[1 + i] + row, f[2] * first[i]);
+        }
+        if constexpr (Order > 1) {
+          for (int i = 0; i < 3; ++i) {
+            for (int j = i; j < 3; ++j) {
+              const int c = second_channel[i][j];
+              const Pack<Real> second = load_pack<Real>(z_of[c] + row);
+              const Pack<Real> product = first[i] * first[j];
+              store_pack<Real>(a_of[c] + row, f[1] * second + f[2] * product);
+              store_pack<Real>(z_of[c] + row, f[2] * second + f[3] * product);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+template <class Real, int Order>
+SUPPLE_INLINE void backward(const JetBlock<Real>& slope, const JetBlock<Real>& a) {
+  for (int jet = 0; jet < a.jets; ++jet) {
+    for (int row = 0; row < a.rows; row += Packs<Real>::count) {
+      const Pack<Real> g = load_pack<Real>(slope.channel(0, jet) + row);
+      const Pack<Real> u = load_pack<Real>(a.channel(0, jet) + row);
+      store_pack<Real>(a.channel(0, jet) + row, u * g);
+      if constexpr (Order > 0) {
+        Pack<Real> g_first[3];
+        Pack<Real> u_first[3];
+        for (int i = 0; i < 3; ++i) {
+          g_first[i] = load_pack<Real>(slope.channel(1 + i, jet) + row);
+          u_first[i] = load_pack<Real>(a.channel(1 + i, jet) + row);
+          store_pack<Real>(a.channel(1 + i, jet) + row, u_first[i] * g + u * g_first[i]);
+        }
+        if constexpr (Order > 1) {
+          for (int i = 0; i < 3; ++i) {
+            for (int j = i; j < 3; ++j) {
+              const int c = second_channel[i][j];
+              const Pack<Real> g_second = load_pack<Real>(slope.channel(c, jet) + row);
+              const Pack<Real> u_second = load_pack<Real>(a.channel(c, jet) + row);
+              store_pack<Real>(a.channel(c, jet) + row,
+                               u_second * g + u_first[i] * g_first[j] + u_first[j] * g_first[i] + u * g_second);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+template <class Real, Activation A>
+SUPPLE_INLINE void values(const Real* bias, const JetBlock<Real>& z) {
+  for (int jet = 0; jet < z.jets; ++jet) {
+    for (int row = 0; row < z.rows; row += Packs<Real>::count) {
+      Pack<Real> f[4];
+      derivatives_of<Real, A>(load_pack<Real>(z.channel(0, jet) + row) + load_pack<Real>(bias + row), 1, f);
+      store_pack<Real>(z.channel(0, jet) + row, f[0]);
+    }
+  }
+}
+
+template <class Real, Activation A>
+SUPPLE_INLINE void forward_of_order(int order, const Real* bias, const JetBlock<Real>& z, const JetBlock<Real>& a) {
+  switch (order) {
+    case 0:
+      return forward<Real, A, 0>(bias, z, a);
+    case 1:
+      return forward<Real, A, 1>(bias, z, a);
+    default:
+      return forward<Real, A, 2>(bias, z, a);
+  }
+}
+
+template <class Real>
+SUPPLE_INLINE void forward_all(Activation activation, int order, const Real* bias, const JetBlock<Real>& z,
+                               const JetBlock<Real>& a) {
+  switch (activation) {
+    case Activation::swish:
+      return forward_of_order<Real, Activation::swish>(order, bias, z, a);
+    case Activation::tanh:
+      return forward_of_order<Real, Activation::tanh>(order, bias, z, a);
+    case Activation::sine:
+      return forward_of_order<Real, Activation::sine>(order, bias, z, a);
+  }
+}
+template <class Real>
+SUPPLE_INLINE void backward_all(int order, const JetBlock<Real>& slope, const JetBlock<Real>& a) {
+  switch (order) {
+    case 0:
+      return backward<Real, 0>(slope, a);
+    case 1:
+      return backward<Real, 1>(slope, a);
+    default:
+      return backward<Real, 2>(slope, a);
+  }
+}
+template <class Real>
+SUPPLE_INLINE void values_all(Activation activation, const Real* bias, const JetBlock<Real>& z) {
+  switch (activation) {
+    case Activation::swish:
+      return values<Real, Activation::swish>(bias, z);
+    case Activation::tanh:
+      return values<Real, Activation::tanh>(bias, z);
+    case Activation::sine:
+      return values<Real, Activation::sine>(bias, z);
+  }
+}
+
+template <class Real>
+SUPPLE_AVX2 void forward_avx2(Activation activation, int order, const Real* bias, const JetBlock<Real>& z,
+                              const JetBlock<Real>& a) {
+  forward_all(activation, order, bias, z, a);
+}
+template <class Real>
+SUPPLE_AVX2 void backward_avx2(int order, const JetBlock<Real>& slope, const JetBlock<Real>& a) {
+  backward_all(order, slope, a);
+}
+template <class Real>
+SUPPLE_AVX2 void values_avx2(Activation activation, const Real* bias, const JetBlock<Real>& z) {
+  values_all(activation, bias, z);
+}
+
+}  // namespace
+
+template <class Real>
+void activate_forward(Activation activation, int order, const Real* bias, const JetBlock<Real>& z,
+                      const JetBlock<Real>& a) {
+  if (has_avx2)
+    forward_avx2(activation, order, bias, z, a);
+  else
+    forward_all(activation, order, bias, z, a);
+}
+template <class Real>
+void activate(Activation activation, const Real* bias, const JetBlock<Real>& z) {
+  if (has_avx2)
+    values_avx2(activation, bias, z);
+  else
+    values_all(activation, bias, z);
+}
+template <class Real>
+void activate_backward(int order, const JetBlock<Real>& slope, const JetBlock<Real>& a) {
+  if (has_avx2)
+    backward_avx2(order, slope, a);
+  else
+    backward_all(order, slope, a);
+}
+
+template void activate_forward(Activation, int, const double*, const JetBlock<double>&, const JetBlock<double>&);
+template void activate_forward(Activation, int, const float*, const JetBlock<float>&, const JetBlock<float>&);
+template void activate(Activation, const double*, const JetBlock<double>&);
+template void activate(Activation, const float*, const JetBlock<float>&);
+template void activate_backward(int, const JetBlock<double>&, const JetBlock<double>&);
+template void activate_backward(int, const JetBlock<float>&, const JetBlock<float>&);
+
+}  // namespace supple::neural

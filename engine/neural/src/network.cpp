@@ -1,0 +1,110 @@
+#include "supple/neural/network.h"
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "supple/base/error.h"
+
+namespace supple::neural {
+namespace {
+
+constexpr std::array<std::pair<Activation, std::string_view>, 3> activations{
+    {{Activation::swish, "swish"}, {Activation::tanh, "tanh"}, {Activation::sine, "sine"}}};
+constexpr std::array<std::pair<EnergyForm, std::string_view>, 2> forms{
+    {{EnergyForm::sum_of_squares, "sum_of_squares"}, {EnergyForm::softplus, "softplus"}}};
+
+/// No network of use is larger; sizes are read from files.
+constexpr int largest_width = 4096;
+constexpr int most_layers = 64;
+
+template <class Table>
+std::string names_of(const Table& table) {
+  std::string names;
+  for (const auto& [value, name] : table) names += (names.empty() ? "" : ", ") + std::string(name);
+  return names;
+}
+
+[[noreturn]] void throw_invalid(const std::string& where, const std::string& what) {
+  throw Error("model.invalid_network", where + ": " + what + ".", {{where, what}});
+}
+
+void check(bool fine, const std::string& where, const std::string& what) {
+  if (!fine) throw_invalid(where, what);
+}
+
+/// Layers of a branch: inputs -> width -> ... -> width [-> outputs].
+void check_layers(const std::vector<Layer>& layers, const std::string& branch, int hidden, long inputs, long width,
+                  long outputs) {
+  const auto count = static_cast<std::size_t>(hidden) + (outputs > 0 ? 1 : 0);
+  check(layers.size() == count, branch, "has " + std::to_string(layers.size()) + " layers instead of " + std::to_string(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string where = branch + "/" + std::to_string(i);
+    const long rows = outputs > 0 && i + 1 == count ? outputs : width;
+    const long columns = i == 0 ? inputs : width;
+    const auto& layer = layers[i];
+    check(layer.weights.rows() == rows && layer.weights.cols() == columns, where,
+          "has " + std::to_string(layer.weights.rows()) + " x " + std::to_string(layer.weights.cols()) +
+              " weights instead of " + std::to_string(rows) + " x " + std::to_string(columns));
+    check(layer.bias.size() == rows, where, "has " + std::to_string(layer.bias.size()) + " biases instead of " + std::to_string(rows));
+    check(layer.weights.allFinite() && layer.bias.allFinite(), where, "holds a number that is not finite");
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(Activation activation) { return activations[static_cast<std::size_t>(activation)].second; }
+std::string_view to_string(EnergyForm form) { return forms[static_cast<std::size_t>(form)].second; }
+
+Activation activation_of(std::string_view name) {
+  for (const auto& [value, known] : activations)
+    if (known == name) return value;
+  throw Error("model.unknown_activation", "There is no activation " + std::string(name) + "; the activations are " + names_of(activations) + ".");
+}
+EnergyForm energy_form_of(std::string_view name) {
+  for (const auto& [value, known] : forms)
+    if (known == name) return value;
+  throw Error("model.unknown_form", "There is no form of energy " + std::string(name) + "; the forms are " + names_of(forms) + ".");
+}
+
+long Network::weights() const {
+  long count = 0;
+  for (const auto* branch : {&strain, &parameter, &trunk, &stiffness})
+    for (const auto& layer : *branch) count += layer.weights.size() + layer.bias.size();
+  return count;
+}
+
+void validate(const Network& network) {
+  const auto& shape = network.shape;
+  const auto within = [](int value, int low, int high, const char* name) {
+    check(value >= low && value <= high, name,
+          "is " + std::to_string(value) + ", must be from " + std::to_string(low) + " to " + std::to_string(high));
+  };
+  within(shape.parameters, 1, max_parameters, "parameters");
+  within(shape.width, 8, largest_width, "width");
+  check(shape.width % 8 == 0, "width", "is no multiple of 8");
+  within(shape.strain_layers, 1, most_layers, "strain_layers");
+  within(shape.parameter_layers, 1, most_layers, "parameter_layers");
+  within(shape.trunk_layers, 1, most_layers, "trunk_layers");
+  within(shape.outputs(), shape.form == EnergyForm::softplus ? 1 : 3, 64, "residuals");
+  within(shape.stiffness_width, 1, largest_width, "stiffness_width");
+  check(network.lower.size() == shape.parameters && network.upper.size() == shape.parameters, "bounds",
+        "are not as many as the parameters");
+  check(network.lower.allFinite() && network.upper.allFinite() && (network.lower.array() < network.upper.array()).all(),
+        "bounds", "must be finite, lower ones below upper ones");
+  check_layers(network.strain, "strain", shape.strain_layers, shape.strain_inputs(), shape.width, 0);
+  check_layers(network.parameter, "parameter", shape.parameter_layers, shape.parameters, shape.width, 0);
+  // The trunk's first layer reads both branches.
+  check(!network.trunk.empty() && network.trunk[0].weights.cols() == 2L * shape.width, "trunk/0",
+        "does not read both branches");
+  auto trunk = network.trunk;
+  trunk[0].weights = trunk[0].weights.rightCols(shape.width).eval();
+  check(network.trunk[0].weights.allFinite(), "trunk/0", "holds a number that is not finite");
+  check_layers(trunk, "trunk", shape.trunk_layers, shape.width, shape.width, shape.outputs());
+  if (shape.form == EnergyForm::softplus)
+    check(network.stiffness.empty(), "stiffness", "has layers that this form of energy does not use");
+  else
+    check_layers(network.stiffness, "stiffness", 2, shape.parameters, shape.stiffness_width, 6);
+}
+
+}  // namespace supple::neural

@@ -1,0 +1,212 @@
+#include "supple/neural/evaluator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "random_network.h"
+#include "supple/base/error.h"
+
+namespace supple::neural {
+namespace {
+
+struct Case {
+  EnergyForm form;
+  Activation activation;
+  int width;
+  int parameters;
+};
+
+std::string name_of(const testing::TestParamInfo<Case>& info) {
+  return std::string(to_string(info.param.form)) + "_" + std::string(to_string(info.param.activation)) + "_" +
+         std::to_string(info.param.width) + "_" + std::to_string(info.param.parameters);
+}
+
+class Evaluations : public testing::TestWithParam<Case> {
+ protected:
+  void SetUp() override {
+    NetworkShape shape;
+    shape.form = GetParam().form;
+    shape.activation = GetParam().activation;
+    shape.width = GetParam().width;
+    shape.parameters = GetParam().parameters;
+    network = random_network(shape, 3);
+    for (int k = 0; k < shape.parameters; ++k)
+      parameters.push_back(network.lower[k] + (0.2 + 0.15 * k) * (network.upper[k] - network.lower[k]));
+    RandomStream stream("strains", 5);
+    strains.resize(3, 29);
+    for (long j = 0; j < strains.cols(); ++j)
+      for (int i = 0; i < 3; ++i) strains(i, j) = stream.uniform(-0.3, 0.4);
+  }
+
+  /// Richardson-extrapolated central differences: what an evaluation's rows change by along `move`.
+  template <class Rows>
+  Eigen::MatrixXd differences(const Evaluator& evaluator, Rows rows, int strain, int parameter) const {
+    const double scale = parameter < 0 ? 1 : network.upper[parameter] - network.lower[parameter];
+    const double h = 1e-4 * scale;
+    const auto at = [&](double step) -> Eigen::MatrixXd {
+      auto moved = parameters;
+      Eigen::Matrix3Xd e = strains;
+      if (parameter >= 0)
+        moved[static_cast<std::size_t>(parameter)] += step;
+      else
+        e.row(strain).array() += step;
+      return rows(evaluator.evaluate(evaluator.design(moved), e, Order::third));
+    };
+    const Eigen::MatrixXd coarse = (at(2 * h) - at(-2 * h)) / (4 * h);
+    const Eigen::MatrixXd fine = (at(h) - at(-h)) / (2 * h);
+    return (4 * fine - coarse) / 3;
+  }
+
+  Network network;
+  std::vector<double> parameters;
+  Eigen::Matrix3Xd strains;
+};
+
+Eigen::MatrixXd energy_of(const Evaluation& e) { return e.energy_density; }
+Eigen::MatrixXd stress_of(const Evaluation& e) { return e.stress; }
+Eigen::MatrixXd tangent_of(const Evaluation& e) { return e.tangent; }
+
+void expect_close(const Eigen::MatrixXd& value, const Eigen::MatrixXd& expected, double tolerance, const char* what) {
+  ASSERT_EQ(value.rows(), expected.rows()) << what;
+  ASSERT_EQ(value.cols(), expected.cols()) << what;
+  EXPECT_LE((value - expected).cwiseAbs().maxCoeff(), tolerance * expected.cwiseAbs().maxCoeff()) << what;
+}
+
+TEST_P(Evaluations, DerivativesByStrainAgreeWithDifferences) {
+  const Evaluator evaluator(network);
+  const auto exact = evaluator.evaluate(evaluator.design(parameters), strains, Order::third);
+  const int pairs[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const int triples[3][3][3] = {{{0, 1, 2}, {1, 3, 4}, {2, 4, 5}},
+                                {{1, 3, 4}, {3, 6, 7}, {4, 7, 8}},
+                                {{2, 4, 5}, {4, 7, 8}, {5, 8, 9}}};
+  for (int k = 0; k < 3; ++k) {
+    expect_close(exact.stress.row(k), differences(evaluator, energy_of, k, -1), 1e-7, "stress");
+    const auto tangent = differences(evaluator, stress_of, k, -1);
+    const auto third = differences(evaluator, tangent_of, k, -1);
+    for (int i = 0; i < 3; ++i) {
+      expect_close(exact.tangent.row(pairs[i][k]), tangent.row(i), 1e-7, "tangent");
+      for (int j = i; j < 3; ++j)
+        expect_close(exact.third.row(triples[i][j][k]), third.row(pairs[i][j]), 1e-6, "third");
+    }
+  }
+}
+
+TEST_P(Evaluations, DerivativesByParametersAgreeWithDifferences) {
+  const Evaluator evaluator(network);
+  const auto exact = evaluator.evaluate(evaluator.design(parameters, true), strains, Order::third);
+  const int n = GetParam().parameters;
+  for (int k = 0; k < n; ++k) {
+    expect_close(exact.energy_by_parameters.row(k), differences(evaluator, energy_of, 0, k), 1e-7, "energy");
+    const auto stress = differences(evaluator, stress_of, 0, k);
+    for (int i = 0; i < 3; ++i) expect_close(exact.stress_by_parameters.row(i * n + k), stress.row(i), 1e-7, "stress");
+    const auto tangent = differences(evaluator, tangent_of, 0, k);
+    for (int i = 0; i < 6; ++i)
+      expect_close(exact.tangent_by_parameters.row(i * n + k), tangent.row(i), 1e-6, "tangent");
+  }
+}
+
+TEST_P(Evaluations, EachOrderGivesTheSameNumbersAsHigherOnes) {
+  const Evaluator evaluator(network);
+  const auto design = evaluator.design(parameters);
+  const auto third = evaluator.evaluate(design, strains, Order::third);
+  for (const auto order : {Order::energy, Order::stress, Order::tangent}) {
+    const auto lower = evaluator.evaluate(design, strains, order);
+    expect_close(lower.energy_density, third.energy_density, 1e-14, "energy");
+    if (order >= Order::stress) expect_close(lower.stress, third.stress, 1e-13, "stress");
+    if (order >= Order::tangent) expect_close(lower.tangent, third.tangent, 1e-13, "tangent");
+  }
+}
+
+TEST_P(Evaluations, OneStrainAloneIsAnsweredAsAmongOthers) {
+  const Evaluator evaluator(network);
+  const auto design = evaluator.design(parameters);
+  const auto together = evaluator.evaluate(design, strains, Order::tangent);
+  for (long j = 0; j < strains.cols(); ++j) {
+    const auto alone = evaluator.evaluate(design, strains.col(j), Order::tangent);
+    expect_close(alone.tangent, together.tangent.col(j), 1e-12, "tangent");
+  }
+}
+
+TEST_P(Evaluations, SinglePrecisionIsCloseByItsRounding) {
+  const Evaluator evaluator(network);
+  const SingleEvaluator single(network);
+  const auto exact = evaluator.evaluate(evaluator.design(parameters), strains, Order::tangent);
+  const auto rounded = single.evaluate(single.design(parameters), strains, Order::tangent);
+  expect_close(rounded.energy_density, exact.energy_density, 2e-5, "energy");
+  expect_close(rounded.stress, exact.stress, 1e-4, "stress");
+  expect_close(rounded.tangent, exact.tangent, 5e-4, "tangent");
+  EXPECT_GT((rounded.stress - exact.stress).norm(), 0) << "it is not the same evaluator";
+}
+
+INSTANTIATE_TEST_SUITE_P(Networks, Evaluations,
+                         testing::Values(Case{EnergyForm::sum_of_squares, Activation::swish, 40, 4},
+                                         Case{EnergyForm::sum_of_squares, Activation::swish, 8, 1},
+                                         Case{EnergyForm::sum_of_squares, Activation::tanh, 24, 2},
+                                         Case{EnergyForm::sum_of_squares, Activation::sine, 16, 3},
+                                         Case{EnergyForm::softplus, Activation::swish, 32, 2},
+                                         Case{EnergyForm::softplus, Activation::tanh, 16, 1}),
+                         name_of);
+
+TEST(SumOfSquares, EnergyAndStressVanishAtRestAndEnergyIsNowhereNegative) {
+  NetworkShape shape;
+  shape.width = 32;
+  shape.parameters = 2;
+  const auto network = random_network(shape, 8);
+  const Evaluator evaluator(network);
+  const auto design = evaluator.design(std::vector{0.2, 0.5});
+  const auto rest = evaluator.evaluate(design, Eigen::Vector3d::Zero(), Order::tangent);
+  EXPECT_LE(std::abs(rest.energy_density[0]), 1e-28);
+  EXPECT_LE(rest.stress.norm(), 1e-14 * rest.tangent.norm());
+  Eigen::Matrix3Xd strains = 3 * Eigen::Matrix3Xd::Random(3, 500);
+  EXPECT_GE(evaluator.evaluate(design, strains, Order::energy).energy_density.minCoeff(), 0);
+}
+
+TEST(Evaluator, FarOutsideItsRangeTheNumbersStayFinite) {
+  NetworkShape shape;
+  shape.width = 32;
+  const Evaluator evaluator(random_network(shape, 4));
+  for (const double far : {1e3, 1e6, -1e6}) {
+    const auto answer = evaluator.evaluate(evaluator.design(std::vector{far}), Eigen::Vector3d(far, -far, far), Order::third);
+    EXPECT_TRUE(answer.energy_density.allFinite() && answer.stress.allFinite() && answer.tangent.allFinite() &&
+                answer.third.allFinite())
+        << far;
+  }
+}
+
+TEST(Evaluator, AWrongNumberOfParametersIsRefusedWithTheRightOne) {
+  NetworkShape shape;
+  shape.width = 8;
+  shape.parameters = 3;
+  const Evaluator evaluator(random_network(shape, 4));
+  try {
+    (void)evaluator.design(std::vector{0.1, 0.2});
+    FAIL() << "two parameters were accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "model.parameter_count");
+    EXPECT_NE(std::string(error.what()).find('3'), std::string::npos);
+  }
+}
+
+TEST(Network, ALayerThatDoesNotFitIsNamed) {
+  NetworkShape shape;
+  shape.width = 16;
+  auto network = random_network(shape, 1);
+  network.trunk[2].weights.conservativeResize(16, 15);
+  try {
+    validate(network);
+    FAIL() << "a narrow layer was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "model.invalid_network");
+    EXPECT_NE(std::string(error.what()).find("trunk/2"), std::string::npos) << error.what();
+  }
+  network = random_network(shape, 1);
+  network.parameter[1].bias[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(validate(network), Error);
+}
+
+}  // namespace
+}  // namespace supple::neural
