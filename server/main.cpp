@@ -12,6 +12,7 @@
 #include "server_options.h"
 #include "supple/base/threads.h"
 #include "supple/json/answers.h"
+#include "supple/json/model_answers.h"
 #include "supple/routes/routes.h"
 
 namespace supple {
@@ -29,6 +30,16 @@ sigset_t block_end_signals() {
 
 std::string host_in_url(const std::string& host) {
   return host.find(':') == std::string::npos ? host : "[" + host + "]";
+}
+
+store::ModelStore::Options model_options(const std::string& folder) {
+  store::ModelStore::Options options;
+  options.folder = folder;
+  options.describe = json::write_model;
+  options.log = [](store::ModelStore::Level level, const std::string& text) {
+    level == store::ModelStore::Level::warning ? spdlog::warn(text) : spdlog::info(text);
+  };
+  return options;
 }
 
 /// The parts of the process, in the order in which they may use each other.
@@ -61,8 +72,8 @@ class Process {
       open();
       std::cout << "supple-server " SUPPLE_VERSION " listens on http://" << host_in_url(options_.http.host) << ":"
                 << port << std::endl;
-      spdlog::info("ready: data in {}, {} workers, {} compute threads, {} connections", options_.data,
-                   options_.jobs.workers, thread_count(), options_.http.max_connections);
+      spdlog::info("ready: data in {}, {} models, {} workers, {} compute threads, {} connections", options_.data,
+                   models_->size(), options_.jobs.workers, thread_count(), options_.http.max_connections);
       int signal = 0;
       sigwait(&signals_, &signal);
       spdlog::info("signal {}: finishing within {} s", signal, options_.grace);
@@ -84,6 +95,7 @@ class Process {
 
  private:
   void open() {
+    models_ = std::make_unique<store::ModelStore>(model_options(options_.models));  // reads while the store opens
     store_ = std::make_unique<store::Store>(options_.data);
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
     jobs_ = std::make_unique<jobs::JobQueue>(
@@ -93,7 +105,9 @@ class Process {
         });
     services_.store = store_.get();
     services_.meshes = meshes_.get();
+    services_.models = models_.get();
     services_.jobs = jobs_.get();
+    models_->wait_until_read();
     services_.ready = true;
   }
 
@@ -103,6 +117,7 @@ class Process {
   routes::Services services_;
   std::unique_ptr<store::Store> store_;
   std::unique_ptr<store::MeshCache> meshes_;
+  std::unique_ptr<store::ModelStore> models_;
   std::unique_ptr<jobs::JobQueue> jobs_;
   std::unique_ptr<http::Server> server_;  // last: its handlers use all of the others
 };

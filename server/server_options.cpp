@@ -2,10 +2,21 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <thread>
 
 namespace supple {
 namespace {
+
+/// Where an installed server finds its models: share/supple/models beside the folder of the program. Empty where there
+/// is no such folder.
+std::string installed_models() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  auto folder = program.parent_path().parent_path() / "share" / "supple" / "models";
+  return std::filesystem::is_directory(folder, error) ? folder.string() : std::string();
+}
 
 void add_limits(CLI::App& app, ServerOptions& options) {
   auto* const group = app.add_option_group("Limits", "A problem about a limit names the option that sets it");
@@ -18,6 +29,7 @@ void add_limits(CLI::App& app, ServerOptions& options) {
   group->add_option("--max-pairs", limits.json.max_pairs, "Pairs of a geodesics request");
   group->add_option("--max-points", limits.json.max_points, "Points of a mean, sources of a field");
   group->add_option("--max-states", limits.json.max_states, "States of a load path");
+  group->add_option("--max-strains", limits.json.max_strains, "Strains of an evaluation of a model");
   group->add_option("--max-mesh-nodes", limits.json.max_mesh_nodes, "Nodes of the mesh of one cell of a structure")
       ->check(CLI::PositiveNumber);
   group->add_option("--max-deadline", limits.json.max_deadline, "Seconds that a computation may ask for")
@@ -44,15 +56,20 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   options.jobs.workers = cores;
   options.jobs.immediate = 2 * cores;
 
-  CLI::App app("Answers requests for geodesics on triangle meshes and for simulations of periodic structures.",
-               "supple-server");
+  options.models = installed_models();
+
+  CLI::App app(
+      "Answers requests for geodesics on triangle meshes, for simulations of periodic structures and for what neural "
+      "models know of them.",
+      "supple-server");
   app.option_defaults()->always_capture_default();
   app.set_version_flag("--version", "supple-server " SUPPLE_VERSION);
   app.add_option("--host", options.http.host, "Address to listen on");
   app.add_option("--port", options.http.port, "Port to listen on; 0 takes any free one, which is printed")
       ->check(CLI::Range(0, 65535));
   app.add_option("--data", options.data, "Folder of meshes, jobs and results; made if it does not exist");
-  app.add_option("--models", options.models, "Folder of model files")->check(CLI::ExistingDirectory);
+  app.add_option("--models", options.models, "Folder of neural models (*.h5); it is looked at every two seconds")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--workers", options.jobs.workers, "Jobs that run at the same time")->check(CLI::Range(1, 1024));
   app.add_option("--immediate", options.jobs.immediate, "Immediate computations that run at the same time")
       ->check(CLI::Range(1, 1024));

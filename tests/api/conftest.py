@@ -12,13 +12,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "clients" / "python"))
 
 from contract import Contract  # noqa: E402
-from harness import Api, SERVER, ServerProcess  # noqa: E402
+from harness import Api, MODEL_MAKER, SERVER, ServerProcess, make_model  # noqa: E402
 from shapes import flat_grid, sphere  # noqa: E402
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    if not SERVER.exists():
-        pytest.exit(f"{SERVER} is missing: build the target supple-server, or set SUPPLE_BUILD", returncode=3)
+    for program in (SERVER, MODEL_MAKER):
+        if not program.exists():
+            pytest.exit(f"{program} is missing: build the target {program.name}, or set SUPPLE_BUILD", returncode=3)
 
 
 @pytest.fixture(scope="session")
@@ -28,8 +29,10 @@ def contract() -> Contract:
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
-    """One server for all tests that leave it as they found it."""
-    process = ServerProcess(tmp_path_factory.mktemp("shared") / "data").start()
+    """One server for all tests that leave it as they found it. It has the model ih21."""
+    folder = tmp_path_factory.mktemp("shared")
+    make_model(folder / "models" / "ih21.h5")
+    process = ServerProcess(folder / "data", "--models", str(folder / "models")).start()
     yield process
     assert process.running(), f"the server died during the tests:\n{process.log_text()[-4000:]}"
     assert process.terminate() == 0

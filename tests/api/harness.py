@@ -19,6 +19,7 @@ from contract import Contract, ROOT, strict_json
 BUILD = Path(os.environ.get("SUPPLE_BUILD", ROOT / "build" / "release"))
 SERVER = BUILD / "server" / "supple-server"
 CLI = BUILD / "clients" / "cli" / "supple"
+MODEL_MAKER = BUILD / "tests" / "support" / "make_test_model"
 MESHES = ROOT / "api" / "examples" / "meshes"
 START_SECONDS = 20.0
 STOP_SECONDS = 20.0
@@ -28,6 +29,16 @@ def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
+
+
+def make_model(path: Path, model_id: str = "ih21", seed: int = 1, gain: float = 1) -> Path:
+    """Writes a model with random weights, and puts it there all at once. It has two parameters, those of IH21.
+
+    `gain` multiplies the last layer's weights: with 1e160 every energy but that of rest overflows.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    subprocess.run([str(MODEL_MAKER), str(path), model_id, str(seed), repr(gain)], check=True, timeout=60)
+    return path
 
 
 class ServerProcess:

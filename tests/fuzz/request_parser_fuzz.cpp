@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "supple/json/answers.h"
+#include "supple/json/model_requests.h"
 #include "supple/json/requests.h"
 #include "supple/json/structure_requests.h"
 
@@ -25,6 +26,7 @@ json::Limits limits() {
   result.max_points = 20;
   result.max_path_points = 40;
   result.max_states = 20;
+  result.max_strains = 20;
   result.max_deadline = 100;
   return result;
 }
@@ -45,6 +47,11 @@ void check_structure(const json::StructureSpec& structure) {
   if (!structure.parameters) return;
   require(structure.parameters->size() <= limits().max_parameters);
   for (const double parameter : *structure.parameters) require(std::isfinite(parameter));
+}
+
+void check_design(const std::vector<double>& parameters) {
+  require(!parameters.empty() && parameters.size() <= neural::max_parameters);
+  for (const double parameter : parameters) require(std::isfinite(parameter));
 }
 
 void check_mesh(const tiling::MeshOptions& mesh) {
@@ -68,7 +75,7 @@ void check_load(const microscale::Load& load) {
 }
 
 void parse(unsigned which, std::string_view body) {
-  switch (which % 7) {
+  switch (which % 9) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -119,6 +126,24 @@ void parse(unsigned which, std::string_view body) {
       require(request.files.second >= 1 && request.files.second <= 100);
       require(request.files.height > 0 && request.files.height <= 1000);
       if (request.mesh) check_mesh(*request.mesh);
+      return check_deadline(request.deadline);
+    }
+    case 7: {
+      const auto request = json::parse_evaluation(body, limits());
+      require(!request.designs.empty() && request.designs.size() <= limits().max_strains);
+      for (const auto& design : request.designs) check_design(design);
+      require(request.strains.cols() > 0 && request.strains.allFinite());
+      require(request.strains.cols() <= static_cast<Eigen::Index>(limits().max_strains));
+      require(request.order >= neural::Order::energy && request.order <= neural::Order::tangent);
+      return check_deadline(request.deadline);
+    }
+    case 8: {
+      const auto request = json::parse_uniaxial(body, limits());
+      check_design(request.parameters);
+      require(std::isfinite(request.direction));
+      require(!request.green_strains.empty() && request.green_strains.size() <= limits().max_states);
+      for (const double strain : request.green_strains) require(strain > -0.5 && std::isfinite(strain));
+      require(request.options.tolerance > 0 && request.options.max_iterations > 0);
       return check_deadline(request.deadline);
     }
     default: {

@@ -1,5 +1,7 @@
 #include "answer_parts.h"
 
+#include <cmath>
+
 namespace supple::json {
 
 void write_bill(JsonWriter& out, const Bill& bill) {
@@ -25,6 +27,11 @@ void write_bill(JsonWriter& out, const Bill& bill) {
   out.end_array().key("quantities").begin_object();
   for (const auto& quantity : bill.ledger.quantities()) out.field(quantity.name, quantity.value);
   out.end_object().end_object();
+}
+
+void write_number_or_null(JsonWriter& out, std::string_view name, double value) {
+  out.key(name);
+  std::isfinite(value) ? out.number(value) : out.null();
 }
 
 }  // namespace supple::json

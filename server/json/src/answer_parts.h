@@ -9,6 +9,9 @@ namespace supple::json {
 /// "effects" and "cost", which end every answer.
 void write_bill(JsonWriter& out, const Bill& bill);
 
+/// A number that may be missing: null where it is not finite.
+void write_number_or_null(JsonWriter& out, std::string_view name, double value);
+
 /// A matrix as the array of its rows.
 template <class Matrix>
 void write_rows(JsonWriter& out, const Matrix& matrix) {

@@ -36,6 +36,14 @@ JsonWriter& JsonWriter::key(std::string_view name) {
   return *this;
 }
 
+JsonWriter& JsonWriter::text_key(std::string_view name) {
+  string(name);
+  text_ += ':';
+  last_key_ = name;
+  needs_comma_ = false;
+  return *this;
+}
+
 JsonWriter& JsonWriter::number(double value) {
   if (!std::isfinite(value)) {
     throw Error("computation.non_finite",

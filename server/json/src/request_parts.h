@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +13,10 @@ namespace supple::json {
 /// The values of an effect's switch, in the order of the enumerations that stand for them.
 inline const std::vector<std::string_view> switch_names{"automatic", "on", "off"};
 
+/// The stretches that a load may have.
+inline constexpr double least_stretch = 0.2;
+inline constexpr double largest_stretch = 4;
+
 /// The field "deadline" in seconds, or its default. Throws "request.limit_exceeded".
 double read_deadline(Fields& fields, const Limits& limits);
 
@@ -23,6 +28,23 @@ void nested(Fields& fields, std::string_view name, Read read) {
   Fields inner(*value, fields.at(name), fields.faults());
   read(inner);
   inner.finish();
+}
+
+/// Reads as many numbers as `state` has components, each in [least, most].
+template <class Vector>
+bool read_components(const Document& entry, const std::string& pointer, Faults& faults, Vector& state, double least,
+                     double most) {
+  constexpr int count = Vector::RowsAtCompileTime;
+  if (!entry.is_array() || entry.size() != count) {
+    faults.add(pointer, "must be an array of " + std::to_string(count) + " numbers");
+    return false;
+  }
+  bool good = true;
+  for (int k = 0; k < count; ++k) {
+    good &= read_number(entry[static_cast<std::size_t>(k)], pointer + "/" + std::to_string(k), faults, state[k], least,
+                        most);
+  }
+  return good;
 }
 
 }  // namespace supple::json

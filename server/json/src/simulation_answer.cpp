@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "answer_parts.h"
@@ -39,11 +38,6 @@ class Patches {
  private:
   std::vector<Patch> patches_;
 };
-
-void write_number_or_null(JsonWriter& out, std::string_view name, double value) {
-  out.key(name);
-  std::isfinite(value) ? out.number(value) : out.null();
-}
 
 void write_columns(JsonWriter& out, std::string_view name, const Eigen::Matrix2Xd& columns) {
   out.key(name);

@@ -16,8 +16,6 @@ constexpr double least_corner_size = 0.01;
 constexpr int most_cells = 100;
 constexpr double least_height = 1e-3;
 constexpr double largest_height = 1000;
-constexpr double least_stretch = 0.2;
-constexpr double largest_stretch = 4;
 constexpr double any = std::numeric_limits<double>::max();
 
 bool is_family_character(char c) {
@@ -76,23 +74,6 @@ void read_states(Fields& fields, std::string_view name, const Limits& limits, st
     State state{};
     if (read((*entries)[i], fields.at(name) + "/" + std::to_string(i), state)) states.push_back(state);
   }
-}
-
-/// Reads as many numbers as `state` has components, each in [least, most].
-template <class Vector>
-bool read_components(const Document& entry, const std::string& pointer, Faults& faults, Vector& state, double least,
-                     double most) {
-  constexpr int count = Vector::RowsAtCompileTime;
-  if (!entry.is_array() || entry.size() != count) {
-    faults.add(pointer, "must be an array of " + std::to_string(count) + " numbers");
-    return false;
-  }
-  bool good = true;
-  for (int k = 0; k < count; ++k) {
-    good &= read_number(entry[static_cast<std::size_t>(k)], pointer + "/" + std::to_string(k), faults, state[k], least,
-                        most);
-  }
-  return good;
 }
 
 microscale::GreenStrainLoad read_green_strain(Fields& load, const Limits& limits) {

@@ -47,6 +47,10 @@ struct Metrics::Implementation {
                                                                .Name("supple_job_duration_seconds")
                                                                .Help("Time from a job's start to its end, by kind.")
                                                                .Register(registry);
+  prometheus::Family<prometheus::Counter>& evaluations = prometheus::BuildCounter()
+                                                             .Name("supple_model_evaluations_total")
+                                                             .Help("States that neural models have given, by model.")
+                                                             .Register(registry);
   prometheus::Family<prometheus::Gauge>& jobs =
       prometheus::BuildGauge().Name("supple_jobs").Help("Unfinished jobs by state.").Register(registry);
   prometheus::Gauge& connections = gauge("supple_connections", "Open connections.");
@@ -54,6 +58,7 @@ struct Metrics::Implementation {
   prometheus::Gauge& computations = gauge("supple_immediate_computations", "Immediate computations that run or wait.");
   prometheus::Gauge& meshes = gauge("supple_meshes_loaded", "Meshes held in memory.");
   prometheus::Gauge& mesh_bytes = gauge("supple_meshes_loaded_bytes", "Estimated memory of the meshes held.");
+  prometheus::Gauge& models = gauge("supple_models_loaded", "Neural models that are served.");
   prometheus::Gauge& resident = gauge("process_resident_memory_bytes", "Resident memory of the process.");
 
   /// The library looks a series up by a map of strings; these maps save that for the series in use.
@@ -104,6 +109,10 @@ void Metrics::count_finished_job(const std::string& kind, const std::string& sta
   self.job_seconds.Add({{"kind", kind}}, latency_buckets).Observe(seconds);
 }
 
+void Metrics::count_evaluations(const std::string& model, std::int64_t states) {
+  implementation_->evaluations.Add({{"model", model}}).Increment(static_cast<double>(states));
+}
+
 std::string Metrics::text(const Snapshot& snapshot) {
   auto& self = *implementation_;
   for (const auto& [state, count] : snapshot.jobs) self.jobs.Add({{"state", state}}).Set(static_cast<double>(count));
@@ -112,6 +121,7 @@ std::string Metrics::text(const Snapshot& snapshot) {
   self.computations.Set(static_cast<double>(snapshot.computations));
   self.meshes.Set(static_cast<double>(snapshot.meshes_loaded));
   self.mesh_bytes.Set(static_cast<double>(snapshot.mesh_bytes));
+  self.models.Set(static_cast<double>(snapshot.models_loaded));
   self.resident.Set(resident_bytes());
   return prometheus::TextSerializer().Serialize(self.registry.Collect());
 }

@@ -14,10 +14,11 @@ void add_karcher_mean_route(http::Router& router, Services& services);
 void add_exponential_map_route(http::Router& router, Services& services);
 void add_structure_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);
+void add_model_routes(http::Router& router, Services& services);
 void add_job_routes(http::Router& router, Services& services);
 void add_service_routes(http::Router& router, Services& services);
 
-/// Throws "server.not_ready" until the store is open, "server.shutting_down" at the end.
+/// Throws "server.not_ready" until the store is open and the models are read, "server.shutting_down" at the end.
 void require_ready(const Services& services);
 
 http::Response json_response(std::string body, int status = 200);

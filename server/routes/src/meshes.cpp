@@ -1,5 +1,6 @@
 #include <optional>
 
+#include "entity_tag.h"
 #include "handlers.h"
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
@@ -15,20 +16,6 @@ std::optional<surface::MeshFormat> format_of(const std::string& media_type) {
   if (media_type == "model/ply") return surface::MeshFormat::ply;
   if (media_type == "model/stl") return surface::MeshFormat::stl;
   return std::nullopt;
-}
-
-std::string quoted(const std::string& tag) { return '"' + tag + '"'; }
-
-/// Whether an If-None-Match header names the tag. Weak comparison, as RFC 9110 (13.1.2) asks for.
-bool matches(const std::string& header, const std::string& tag) {
-  return header == "*" || header.find(quoted(tag)) != std::string::npos;
-}
-
-http::Response not_modified(const std::string& tag) {
-  http::Response response;
-  response.status = 304;
-  response.set_header("ETag", quoted(tag));
-  return response;
 }
 
 const std::string& mesh_parameter(const http::Request& request) { return request.path_parameters.at("mesh"); }

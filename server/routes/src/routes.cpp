@@ -17,6 +17,7 @@ http::Router make_router(Services& services) {
   add_exponential_map_route(router, services);
   add_structure_routes(router, services);
   add_simulation_route(router, services);
+  add_model_routes(router, services);
   add_job_routes(router, services);
   add_service_routes(router, services);
   return router;
@@ -34,7 +35,8 @@ http::Response problem_response(const problem::Problem& problem) {
 void require_ready(const Services& services) {
   if (services.stopping) throw Error("server.shutting_down", "The server is shutting down.");
   if (!services.ready) {
-    throw problem::ProblemError({"server.not_ready", "The server is starting: its store is not open yet.", {}, {}, 1});
+    const auto* const why = "The server is starting: its store is not open or its models are not read yet.";
+    throw problem::ProblemError({"server.not_ready", why, {}, {}, 1});
   }
 }
 

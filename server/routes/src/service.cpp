@@ -25,6 +25,7 @@ http::Response readiness(const Services& services) {
   out.begin_object()
       .field("status", "ready")
       .field("meshes_loaded", services.meshes->size().meshes)
+      .field("models_loaded", services.models->size())
       .field("jobs_running", services.jobs->running())
       .field("jobs_waiting", services.jobs->waiting())
       .end_object();
@@ -42,6 +43,7 @@ http::Response metrics_text(const Services& services) {
     const auto size = services.meshes->size();
     snapshot.meshes_loaded = static_cast<std::int64_t>(size.meshes);
     snapshot.mesh_bytes = size.bytes;
+    snapshot.models_loaded = static_cast<std::int64_t>(services.models->size());
   }
   http::Response response;
   response.content_type = "text/plain; version=0.0.4; charset=utf-8";

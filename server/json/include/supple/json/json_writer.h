@@ -11,7 +11,8 @@ namespace supple::json {
 ///
 /// Numbers are the shortest text that reads back as the same double. What comes out is always valid: a number that is
 /// not finite throws Error "computation.non_finite" with its key; text that is not UTF-8 has its faulty bytes replaced
-/// by U+FFFD. Commas and nesting are kept track of; keys must be literals or known to need no escapes.
+/// by U+FFFD. Commas and nesting are kept track of; keys must be literals or known to need no escapes, or be
+/// written by `text_key`.
 class JsonWriter {
  public:
   JsonWriter& begin_object() { return open('{'); }
@@ -19,6 +20,8 @@ class JsonWriter {
   JsonWriter& begin_array() { return open('['); }
   JsonWriter& end_array() { return close(']'); }
   JsonWriter& key(std::string_view name);
+  /// A key that may need escapes.
+  JsonWriter& text_key(std::string_view name);
 
   JsonWriter& number(double value);
   JsonWriter& integer(std::int64_t value);

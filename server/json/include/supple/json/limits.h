@@ -12,6 +12,7 @@ struct Limits {
   std::size_t max_points = 100'000;         ///< points of a mean, sources of a field
   std::size_t max_parameters = 32;          ///< of a tiling; fixed
   std::size_t max_states = 1000;            ///< of a load path
+  std::size_t max_strains = 100'000;        ///< of an evaluation of a model
   int max_mesh_nodes = 100'000;             ///< of one cell of a structure
   std::size_t max_deformed = 1'000'000;     ///< nodes of an answer's deformed meshes, over all states; fixed
   double max_deadline = 3600;               ///< seconds

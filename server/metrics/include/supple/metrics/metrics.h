@@ -15,6 +15,7 @@ struct Snapshot {
   std::int64_t computations = 0;  ///< immediate ones that run or wait
   std::int64_t meshes_loaded = 0;
   std::int64_t mesh_bytes = 0;  ///< estimate of the loaded meshes
+  std::int64_t models_loaded = 0;
 };
 
 /// The server's counters in the Prometheus text format. Any thread may call.
@@ -28,6 +29,8 @@ class Metrics {
   /// `route` is a pattern, never a path, so that the number of series stays bounded; "" becomes "none".
   void count_request(const std::string& route, const std::string& method, int status, double seconds);
   void count_finished_job(const std::string& kind, const std::string& state, double seconds);
+  /// States whose stress or energy a model has given. Ids are those of loaded models, never of requests.
+  void count_evaluations(const std::string& model, std::int64_t states);
   std::string text(const Snapshot& snapshot);
 
  private:

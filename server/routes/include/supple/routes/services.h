@@ -11,6 +11,7 @@
 #include "supple/json/limits.h"
 #include "supple/metrics/metrics.h"
 #include "supple/store/mesh_cache.h"
+#include "supple/store/model_store.h"
 #include "supple/surface/mesh_io.h"
 
 namespace supple::routes {
@@ -24,8 +25,8 @@ struct RouteLimits {
   surface::MeshLimits mesh;
 };
 
-/// What the routes call. Exists from the start; `store`, `meshes` and `jobs` once the server is ready, before which the
-/// routes that need them answer "server.not_ready".
+/// What the routes call. Exists from the start; `store`, `meshes`, `models` and `jobs` once the server is ready, before
+/// which the routes that need them answer "server.not_ready".
 struct Services {
   RouteLimits limits;
   std::string version;
@@ -33,6 +34,7 @@ struct Services {
   metrics::Metrics* metrics = nullptr;
   store::Store* store = nullptr;
   store::MeshCache* meshes = nullptr;
+  store::ModelStore* models = nullptr;
   jobs::JobQueue* jobs = nullptr;
   std::atomic<bool> ready{false};  ///< set after the pointers, read before them
   std::atomic<bool> stopping{false};

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "supple/json/answers.h"
+#include "supple/json/model_requests.h"
+#include "supple/neural/evaluator.h"
+#include "supple/neural/model.h"
+#include "supple/neural/uniaxial.h"
+
+/// The answers about neural models as JSON text; they throw like those of answers.h.
+namespace supple::json {
+
+/// Says which file answered: a model's may be replaced between two requests.
+struct ModelVersion {
+  std::string id;
+  std::string sha256;
+};
+
+/// One model; `sha256` is that of its file.
+std::string write_model(const neural::Model& model, const std::string& sha256);
+
+/// `in_range` has an entry for each strain; of `values` what the order asks for is written.
+std::string write_evaluation(const ModelVersion& model, neural::Order order, const neural::Evaluation& values,
+                             const std::vector<std::uint8_t>& in_range, const Bill& bill);
+
+/// `in_range` has an entry for each state. Residuals that are not finite are null.
+std::string write_uniaxial(const ModelVersion& model, const UniaxialRequest& request,
+                           const std::vector<neural::UniaxialState>& states, const std::vector<std::uint8_t>& in_range,
+                           const Bill& bill);
+
+}  // namespace supple::json

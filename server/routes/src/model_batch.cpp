@@ -1,0 +1,199 @@
+#include "model_batch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "supple/base/error.h"
+#include "supple/base/threads.h"
+
+namespace supple::routes {
+namespace {
+
+using Eigen::Index;
+
+/// Designs that are held at the same time.
+constexpr std::size_t designs_at_once = 256;
+/// Strains of one task by the order: some 10 ms of work for a large network, after which a stop is noticed.
+constexpr Index strains_of_task[] = {192, 96, 48};
+
+/// Strains begin ... end - 1, all of one design.
+struct Range {
+  std::size_t design;  ///< index into the request's designs
+  Index begin;
+  Index end;
+};
+/// A part of one range, which is that of `group`.
+struct Piece {
+  std::size_t group;
+  Index begin;
+  Index end;
+};
+using Task = std::vector<Piece>;
+
+std::vector<Range> equal_designs(const json::EvaluationRequest& request) {
+  const Index strains = request.strains.cols();
+  const auto& designs = request.designs;
+  if (designs.size() == 1) return {{0, 0, strains}};
+  std::vector<Range> ranges;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    const auto at = static_cast<Index>(i);
+    if (!ranges.empty() && designs[ranges.back().design] == designs[i]) {
+      ranges.back().end = at + 1;
+    } else {
+      ranges.push_back({i, at, at + 1});
+    }
+  }
+  return ranges;
+}
+
+/// The strains of groups first ... last - 1 as tasks of about the same work.
+std::vector<Task> tasks_of(const std::vector<Range>& groups, std::size_t first, std::size_t last, Index most) {
+  std::vector<Task> tasks(1);
+  Index room = most;
+  for (std::size_t group = first; group < last; ++group) {
+    for (Index begin = groups[group].begin; begin < groups[group].end;) {
+      if (room == 0) {
+        tasks.emplace_back();
+        room = most;
+      }
+      const Index end = std::min(groups[group].end, begin + room);
+      tasks.back().push_back({group, begin, end});
+      room -= end - begin;
+      begin = end;
+    }
+  }
+  return tasks;
+}
+
+class Batch {
+ public:
+  Batch(const store::LoadedModel& model, const json::EvaluationRequest& request, const Execution& execution)
+      : model_(model), request_(request), execution_(execution), groups_(equal_designs(request)) {
+    const Index n = request.strains.cols();
+    result_.values.energy_density.resize(n);
+    result_.values.stress.resize(3, request.order >= neural::Order::stress ? n : 0);
+    result_.values.tangent.resize(6, request.order >= neural::Order::tangent ? n : 0);
+    result_.in_range.resize(static_cast<std::size_t>(n));
+  }
+
+  ModelBatch run() {
+    for (std::size_t first = 0; first < groups_.size(); first += designs_at_once) {
+      const auto last = std::min(groups_.size(), first + designs_at_once);
+      prepare(first, last);
+      const auto tasks = tasks_of(groups_, first, last, strains_of_task[static_cast<int>(request_.order)]);
+      for_each(tasks.size(), "evaluation", [&](std::size_t i) {
+        neural::Evaluator::Workspace workspace;
+        neural::Evaluation part;
+        for (const auto& piece : tasks[i]) evaluate(piece, *designs_[piece.group - first], workspace, part);
+        return tasks[i].back().end - tasks[i].front().begin;
+      });
+    }
+    if (execution_.cost) {
+      execution_.cost->add_quantity("designs", static_cast<double>(groups_.size()));
+      execution_.cost->add_quantity("strains", static_cast<double>(request_.strains.cols()));
+    }
+    check_finite();
+    return std::move(result_);
+  }
+
+ private:
+  void prepare(std::size_t first, std::size_t last) {
+    designs_.clear();
+    designs_.resize(last - first);
+    for_each(last - first, "designs", [&](std::size_t i) {
+      designs_[i] = std::make_unique<neural::Evaluator::Design>(
+          model_.evaluator.design(request_.designs[groups_[first + i].design]));
+      return Index{0};
+    });
+  }
+
+  void evaluate(const Piece& piece, const neural::Evaluator::Design& design, neural::Evaluator::Workspace& workspace,
+                neural::Evaluation& part) {
+    const Index count = piece.end - piece.begin;
+    model_.evaluator.evaluate(design, request_.strains.middleCols(piece.begin, count), request_.order, workspace, part);
+    auto& values = result_.values;
+    values.energy_density.segment(piece.begin, count) = part.energy_density;
+    if (values.stress.cols() > 0) values.stress.middleCols(piece.begin, count) = part.stress;
+    if (values.tangent.cols() > 0) values.tangent.middleCols(piece.begin, count) = part.tangent;
+    const auto& parameters = request_.designs[groups_[piece.group].design];
+    for (Index i = piece.begin; i < piece.end; ++i) {
+      result_.in_range[static_cast<std::size_t>(i)] = neural::in_range(
+          model_.model, parameters, request_.strains.col(i), values.energy_density[i], design.rest_stiffness());
+    }
+  }
+
+  /// Calls work(i), which returns how many strains are done by it, for i in [0, n), and bills its time.
+  template <class Work>
+  void for_each(std::size_t n, const char* stage, Work work) {
+    parallel_for(static_cast<int>(n), [&](int i) {
+      execution_.cancellation.throw_if_requested();
+      CostLedger ledger;
+      Index strains = 0;
+      {
+        const StageTimer timer(&ledger, stage);
+        strains = work(static_cast<std::size_t>(i));
+      }
+      const std::lock_guard lock(mutex_);
+      done_ += strains;
+      if (execution_.cost) execution_.cost->merge(ledger);
+      if (execution_.progress) {
+        execution_.progress->report(static_cast<double>(done_) / static_cast<double>(request_.strains.cols()), stage);
+      }
+    });
+  }
+
+  void check_finite() const {
+    const auto& values = result_.values;
+    for (Index i = 0; i < values.energy_density.cols(); ++i) {
+      const bool finite = std::isfinite(values.energy_density[i]) &&
+                          (values.stress.cols() == 0 || values.stress.col(i).allFinite()) &&
+                          (values.tangent.cols() == 0 || values.tangent.col(i).allFinite());
+      if (finite) continue;
+      const std::string text = "The model gives no finite value for strain " + std::to_string(i) + ".";
+      throw Error("model.not_finite", text, {{"/green_strain/" + std::to_string(i), text}});
+    }
+  }
+
+  const store::LoadedModel& model_;
+  const json::EvaluationRequest& request_;
+  const Execution& execution_;
+  const std::vector<Range> groups_;
+  std::vector<std::unique_ptr<neural::Evaluator::Design>> designs_;  // of the groups that are at work
+  ModelBatch result_;
+  std::mutex mutex_;  // of the bill and the progress
+  Index done_ = 0;
+};
+
+}  // namespace
+
+void check_designs(const store::LoadedModel& model, const json::EvaluationRequest& request) {
+  constexpr std::size_t most_details = 20;
+  const auto& designs = request.designs;
+  const auto expected = static_cast<std::size_t>(model.evaluator.shape().parameters);
+  const std::string wanted = std::to_string(expected) + (expected == 1 ? " number" : " numbers");
+  std::vector<Error::Detail> details;
+  for (std::size_t i = 0; i < designs.size() && details.size() < most_details; ++i) {
+    if (designs[i].size() == expected) continue;
+    details.push_back(
+        {"/parameters/" + std::to_string(i), "must be " + wanted + ", not " + std::to_string(designs[i].size())});
+  }
+  if (!details.empty()) {
+    throw Error("model.parameter_count", "A design of the model " + model.model.id + " is " + wanted + ".", details);
+  }
+  const auto strains = static_cast<std::size_t>(request.strains.cols());
+  if (designs.size() != 1 && designs.size() != strains) {
+    const std::string text = "There are " + std::to_string(designs.size()) + " designs for " + std::to_string(strains) +
+                             " strains; there must be one, or one for each.";
+    throw Error("model.design_count", text, {{"/parameters", text}});
+  }
+}
+
+ModelBatch evaluate(const store::LoadedModel& model, const json::EvaluationRequest& request,
+                    const Execution& execution) {
+  return Batch(model, request, execution).run();
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,207 @@
+#include "supple/store/model_store.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "supple/base/error.h"
+#include "supple/store/store.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view suffix = ".h5";
+
+std::int64_t nanoseconds(const timespec& time) { return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw Error("file.unreadable", "The file cannot be read.");
+  return bytes;
+}
+
+/// An id stands in paths and in the contract's pattern.
+void check_id(const std::string& id) {
+  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
+  if (id.empty() || id.size() > 64 || !std::all_of(id.begin(), id.end(), fits)) {
+    throw Error("file.unreadable", "The model's id is not made of up to 64 lower-case letters, digits and \"-\".");
+  }
+}
+
+}  // namespace
+
+ModelStore::ModelStore(Options options) : options_(std::move(options)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+ModelStore::~ModelStore() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void ModelStore::wait_until_read() const {
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, [this] { return read_once_; });
+}
+
+bool ModelStore::has_been_read() const {
+  const std::lock_guard lock(mutex_);
+  return read_once_;
+}
+
+std::shared_ptr<const LoadedModel> ModelStore::get(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = models_.find(id); found != models_.end()) return found->second;
+  std::string known;
+  for (const auto& [name, model] : models_) known += (known.empty() ? "" : ", ") + name;
+  throw Error("model.not_found", "There is no model " + id.substr(0, 80) + "; " +
+                                     (known.empty() ? "no model is loaded." : "known are " + known + "."));
+}
+
+std::vector<std::shared_ptr<const LoadedModel>> ModelStore::models() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<const LoadedModel>> all;
+  for (const auto& [id, model] : models_) all.push_back(model);
+  return all;
+}
+
+std::size_t ModelStore::size() const {
+  const std::lock_guard lock(mutex_);
+  return models_.size();
+}
+
+void ModelStore::run() {
+  while (true) {
+    try {
+      look();
+    } catch (const std::exception& error) {
+      // Out of memory, say: what is served stays, and the next look tries again.
+      options_.log(Level::warning, std::string("the folder of models was not read to its end: ") + error.what());
+    }
+    std::unique_lock lock(mutex_);
+    if (!read_once_) {
+      read_once_ = true;
+      wake_.notify_all();
+    }
+    // Without a folder there is nothing to come.
+    if (options_.folder.empty()) wake_.wait(lock, [this] { return ending_; });
+    if (wake_.wait_for(lock, options_.period, [this] { return ending_; })) return;
+  }
+}
+
+bool ModelStore::ending() const {
+  const std::lock_guard lock(mutex_);
+  return ending_;
+}
+
+void ModelStore::look() {
+  if (options_.folder.empty()) return;
+  const auto found = list();
+  if (!found) return;
+  bool changed = false;
+  for (auto file = files_.begin(); file != files_.end();) {
+    if (found->contains(file->first)) {
+      ++file;
+      continue;
+    }
+    if (file->second.model) options_.log(Level::info, "model file " + file->first + " is gone");
+    file = files_.erase(file);
+    changed = true;
+  }
+  for (const auto& [name, stamp] : *found) {
+    if (ending()) return;
+    const auto known = files_.find(name);
+    if (known != files_.end() && known->second.stamp == stamp) continue;
+    File file;
+    if (known != files_.end()) file.model = known->second.model;
+    if (!read(name, stamp, file)) continue;
+    files_[name] = std::move(file);
+    changed = true;
+  }
+  if (changed) serve();
+}
+
+std::optional<std::map<std::string, ModelStore::Stamp>> ModelStore::list() {
+  std::map<std::string, Stamp> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(options_.folder, error), end; !error && entry != end; entry.increment(error)) {
+    const auto& path = entry->path();
+    if (path.extension() != suffix) continue;
+    if (const auto stamp = stamp_of(path)) found.emplace(path.filename().string(), *stamp);
+  }
+  if (error && !folder_reported_) {
+    options_.log(Level::warning, "the folder of models " + options_.folder.string() +
+                                     " cannot be read, and what was loaded stays: " + error.message());
+  }
+  folder_reported_ = static_cast<bool>(error);
+  if (error) return std::nullopt;
+  return found;
+}
+
+std::optional<ModelStore::Stamp> ModelStore::stamp_of(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return Stamp{status.st_ino, status.st_size, nanoseconds(status.st_mtim), nanoseconds(status.st_ctim)};
+}
+
+bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
+  const auto path = options_.folder / name;
+  std::shared_ptr<const LoadedModel> loaded;
+  std::string reason;
+  try {
+    auto hash = sha256(content(path));
+    auto model = neural::read_model(path);
+    check_id(model.id);
+    auto description = options_.describe(model, hash);
+    neural::Evaluator evaluator(model.network);
+    loaded = std::make_shared<const LoadedModel>(
+        LoadedModel{std::move(model), std::move(evaluator), std::move(hash), std::move(description)});
+  } catch (const std::exception& error) {
+    // A damaged file may ask for any size: memory that it cannot have is one of its faults.
+    reason = error.what();
+  }
+  // Half-written files, and a hash of other bytes than the model's, are not meant.
+  if (stamp_of(path) != std::optional(stamp)) return false;
+  file.stamp = stamp;
+  if (loaded) {
+    options_.log(Level::info, "model " + loaded->model.id + " read from " + name);
+    file.model = std::move(loaded);
+  } else {
+    options_.log(Level::warning, "model file " + name + " is left out" +
+                                     (file.model ? ", its earlier version stays: " : ": ") + reason);
+  }
+  return true;
+}
+
+void ModelStore::serve() {
+  Models models;
+  std::set<std::string> duplicates;
+  std::map<std::string, std::string> owners;
+  for (const auto& [name, file] : files_) {
+    if (!file.model) continue;
+    const auto& id = file.model->model.id;
+    if (models.emplace(id, file.model).second) {
+      owners.emplace(id, name);
+      continue;
+    }
+    std::string text = "model file ";
+    text.append(name).append(" is left out: ").append(owners[id]).append(" has the id ").append(id).append(" too");
+    if (!reported_duplicates_.contains(text)) options_.log(Level::warning, text);
+    duplicates.insert(std::move(text));
+  }
+  reported_duplicates_ = std::move(duplicates);
+  const std::lock_guard lock(mutex_);
+  models_.swap(models);
+}
+
+}  // namespace supple::store

@@ -1,0 +1,23 @@
+// make_test_model OUT [ID] [SEED] [GAIN]: writes a model file with random weights, for tests that need one.
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "support/test_model.h"
+
+int main(int argc, char** argv) {
+  if (argc < 2 || argc > 5) {
+    std::fprintf(stderr, "usage: make_test_model OUT [ID] [SEED] [GAIN]\n");
+    return 1;
+  }
+  try {
+    const char* const id = argc > 2 ? argv[2] : "ih21";
+    const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
+    const double gain = argc > 4 ? std::strtod(argv[4], nullptr) : 1;
+    supple::neural::write_model(argv[1], supple::test::test_model(id, seed, gain));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "make_test_model: %s\n", error.what());
+    return 1;
+  }
+}
