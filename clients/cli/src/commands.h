@@ -16,6 +16,9 @@ void add_exponential_map_command(CLI::App& program, const GlobalOptions& options
 void add_family_command(CLI::App& program, const GlobalOptions& options);
 void add_structure_command(CLI::App& program, const GlobalOptions& options);
 void add_simulate_command(CLI::App& program, const GlobalOptions& options);
+void add_model_commands(CLI::App& program, const GlobalOptions& options);
+void add_evaluate_command(CLI::App& program, const GlobalOptions& options);
+void add_uniaxial_command(CLI::App& program, const GlobalOptions& options);
 void add_job_commands(CLI::App& program, const GlobalOptions& options);
 
 }  // namespace supple::cli

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
-#include <vector>
 
 #include "failure.h"
 #include "numbers.h"
@@ -13,14 +12,6 @@
 
 namespace supple::cli {
 namespace {
-
-double parse_direction(const std::string& text) {
-  const auto numbers = numbers_in(text);
-  if (!numbers || numbers->size() != 1) {
-    throw Failure(ExitCode::usage, fmt::format("'{}' is no direction: write an angle in radians", text));
-  }
-  return numbers->front();
-}
 
 std::vector<double> stretches_of(const LoadArguments& arguments) {
   if (arguments.stretches.empty()) throw Failure(ExitCode::usage, "--uniaxial and --biaxial need --stretches");
@@ -41,30 +32,45 @@ nlohmann::json biaxial_stretches(const LoadArguments& arguments) {
   return pairs;
 }
 
-/// One strain in each line, or between semicolons; empty lines and lines that begin with # are skipped.
-nlohmann::json green_strains(const std::string& argument) {
+}  // namespace
+
+double parse_direction(const std::string& text) {
+  const auto numbers = numbers_in(text);
+  if (!numbers || numbers->size() != 1) {
+    throw Failure(ExitCode::usage, fmt::format("'{}' is no direction: write an angle in radians", text));
+  }
+  return numbers->front();
+}
+
+std::vector<std::string> parse_rows(const std::string& argument, bool& is_file) {
   std::error_code ignored;
-  const bool is_file = std::filesystem::is_regular_file(argument, ignored);
+  is_file = std::filesystem::is_regular_file(argument, ignored);
   std::string text = is_file ? read_file(argument) : argument;
   std::replace(text.begin(), text.end(), ';', '\n');
-  auto strains = nlohmann::json::array();
+  std::vector<std::string> rows;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c == ' ' || c == '\t' || c == '\r'; }),
                line.end());
-    if (line.empty() || line.front() == '#') continue;
-    const auto strain = numbers_in(line);
+    if (!line.empty() && line.front() != '#') rows.push_back(line);
+  }
+  return rows;
+}
+
+nlohmann::json parse_green_strains(const std::string& argument) {
+  bool is_file = false;
+  auto strains = nlohmann::json::array();
+  for (const auto& row : parse_rows(argument, is_file)) {
+    const auto strain = numbers_in(row);
     if (!strain || strain->size() != 3) {
       throw Failure(
           is_file ? ExitCode::local_file : ExitCode::usage,
-          fmt::format("'{}' is no Green strain: write xx,yy,xy for each, one in a line or separated by ;", line));
+          fmt::format("'{}' is no Green strain: write xx,yy,xy for each, one in a line or separated by ;", row));
     }
     strains.push_back(*strain);
   }
   return strains;
 }
-
-}  // namespace
 
 void add_load_options(CLI::App& command, LoadArguments& arguments) {
   auto* const uniaxial = command.add_option("--uniaxial", arguments.uniaxial,
@@ -88,7 +94,7 @@ nlohmann::json load_of(const LoadArguments& arguments) {
     return {
         {"biaxial", {{"direction", parse_direction(arguments.biaxial)}, {"stretches", biaxial_stretches(arguments)}}}};
   }
-  if (!arguments.green_strain.empty()) return {{"green_strain", green_strains(arguments.green_strain)}};
+  if (!arguments.green_strain.empty()) return {{"green_strain", parse_green_strains(arguments.green_strain)}};
   throw Failure(ExitCode::usage, "no load: give --uniaxial, --biaxial or --green-strain");
 }
 

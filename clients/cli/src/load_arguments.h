@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace supple::cli {
 
@@ -19,5 +20,15 @@ void add_load_options(CLI::App& command, LoadArguments& arguments);
 
 /// The load as the wire has it. Throws Failure(usage) where the options do not say one, Failure(local_file).
 nlohmann::json load_of(const LoadArguments& arguments);
+
+/// An angle in radians. Throws Failure(usage).
+double parse_direction(const std::string& text);
+
+/// The lines of a file, or what stands between semicolons, without blanks; empty ones and those that begin with # are
+/// skipped. `is_file` says which it was. Throws Failure(local_file).
+std::vector<std::string> parse_rows(const std::string& argument, bool& is_file);
+
+/// Green strains xx,yy,xy of a file or between semicolons. Throws Failure(usage), Failure(local_file).
+nlohmann::json parse_green_strains(const std::string& argument);
 
 }  // namespace supple::cli

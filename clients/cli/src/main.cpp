@@ -15,7 +15,8 @@
 namespace {
 
 constexpr auto description =
-    "Geodesics on triangle meshes and simulations of periodic structures, answered by a supple-server";
+    "Geodesics on triangle meshes, simulations of periodic structures and neural models of them, answered by a "
+    "supple-server";
 
 constexpr auto footer =
     R"(Meshes:   an id, the beginning of one, or a mesh file (OBJ, OFF, PLY, STL), which is uploaded first
@@ -29,6 +30,7 @@ Examples:
   supple exponential-map bunny.obj v0 --tangent 0.1,0,0.2
   supple structure IH21 --svg tiling.svg
   supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv
+  supple evaluate ih21 --parameters 0.15,0.65 --strain 0.05,0,0 --derivatives 2
   supple job list
 
 Exit status:
@@ -59,6 +61,9 @@ int run(int argument_count, char** arguments) {
   supple::cli::add_family_command(program, options);
   supple::cli::add_structure_command(program, options);
   supple::cli::add_simulate_command(program, options);
+  supple::cli::add_model_commands(program, options);
+  supple::cli::add_evaluate_command(program, options);
+  supple::cli::add_uniaxial_command(program, options);
   supple::cli::add_job_commands(program, options);
   try {
     program.parse(argument_count, arguments);

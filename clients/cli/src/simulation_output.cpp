@@ -5,23 +5,14 @@
 #include <filesystem>
 #include <iterator>
 
+#include "csv_cells.h"
+
 namespace supple::cli {
 namespace {
 
 constexpr auto header =
     "state,E_xx,E_yy,E_xy,S_xx,S_yy,S_xy,energy_density,F_xx,F_xy,F_yx,F_yy,C_11,C_12,C_13,C_21,C_22,C_23,C_31,C_32,"
     "C_33,stopped,residual,iterations,load_steps,contacts,smallest_gap,smallest_jacobian,stable,branch,cells\n";
-
-std::string cell_text(const nlohmann::json& value) {
-  if (value.is_null()) return {};
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
-
-void append_matrix(std::string& line, const nlohmann::json& rows, int size) {
-  for (int i = 0; i < size; ++i) {
-    for (int k = 0; k < size; ++k) line += ',' + (rows.is_null() ? "" : cell_text(rows.at(i).at(k)));
-  }
-}
 
 }  // namespace
 
@@ -30,9 +21,7 @@ std::string states_as_csv(const nlohmann::json& states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
     const auto& state = states.at(i);
     std::string line = std::to_string(i);
-    for (const char* name : {"green_strain", "stress"}) {
-      for (const auto& component : state.at(name)) line += ',' + cell_text(component);
-    }
+    for (const char* name : {"green_strain", "stress"}) append_cells(line, state.at(name));
     line += ',' + cell_text(state.at("energy_density"));
     append_matrix(line, state.at("deformation_gradient"), 2);
     append_matrix(line, state.at("tangent"), 3);

@@ -1,4 +1,4 @@
-"""Geodesics on triangle meshes and simulations of periodic structures, answered by a supple-server.
+"""Geodesics on triangle meshes, simulations of periodic structures and neural models of them, answered by a supple-server.
 
 ::
 
@@ -12,6 +12,9 @@
 
         curve = client.simulate("IH01", None, supple.Uniaxial(0.0, [1.05, 1.1, 1.15]))
         curve.green_strain, curve.stress
+
+        model = client.model("ih21")
+        model.evaluate([0.15, 0.65], [[0.05, 0, 0], [0.1, 0, 0]]).stress
 
 Points are vertex indices, `(face, (a, b, c))`, `Vertex` or `SurfacePoint`. Lengths are in mesh units, those of structures in
 millimetres, stresses in MPa, angles in radians, times in seconds. Failures are the exceptions of `supple.errors`.
@@ -50,6 +53,7 @@ from .errors import (
 from .jobs import Job, JobStatus
 from .loads import Biaxial, GreenStrain, Load, Uniaxial
 from .mesh import Mesh
+from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, UniaxialCurve
 from .points import PointLike, SurfacePoint, Vertex
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
 from .tilings import CellMesh, Family, Structure, Tile
@@ -65,6 +69,8 @@ __all__ = [
     "DeadlineExceeded",
     "DeformedPatch",
     "Effect",
+    "ErrorStatistics",
+    "Evaluation",
     "ExponentialMap",
     "Family",
     "Fault",
@@ -85,6 +91,8 @@ __all__ = [
     "Load",
     "Mesh",
     "MeshInfo",
+    "Model",
+    "ModelInfo",
     "NotFound",
     "PatchMesh",
     "Path",
@@ -94,11 +102,13 @@ __all__ = [
     "ServerBusy",
     "ServerError",
     "Simulation",
+    "SplitErrors",
     "State",
     "Structure",
     "SuppleError",
     "SurfacePoint",
     "Tile",
     "Uniaxial",
+    "UniaxialCurve",
     "Vertex",
 ]

@@ -16,6 +16,7 @@ from .errors import ConnectionFailed, RequestTimeout, ServerBusy
 from .jobs import Job, JobStatus, Progress, run, status_from_wire, submit
 from .loads import Load
 from .mesh import Mesh
+from .models import Model, model_info_from_wire
 from .simulations import Simulation
 from .tilings import Family, Structure
 from .transport import Answer, Transport
@@ -232,6 +233,15 @@ class Client:
             family, parameters, load, material, accuracy, effects, tangents, deformed, deadline
         )
         return submit(self._transport, computation)
+
+    def models(self) -> List[Model]:
+        """The neural models that the server has, in the order of their ids."""
+        documents = self._transport.request("GET", "/v1/models").json()["models"]
+        return [Model(self._transport, model_info_from_wire(document)) for document in documents]
+
+    def model(self, model_id: str) -> Model:
+        """A neural model by its id, such as "ih21". Raises `NotFound`."""
+        return Model(self._transport, model_info_from_wire(self._transport.request("GET", f"/v1/models/{model_id}").json()))
 
     def jobs(self, state: Optional[str] = None) -> Iterator[JobStatus]:
         """The server's jobs, the newest first; only those in `state` where one is given."""

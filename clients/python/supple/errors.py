@@ -10,7 +10,7 @@
           InvalidMesh          the mesh is faulty; `faults` names the elements
           InvalidPoint         a surface point does not lie on the mesh
           InvalidStructure     a tiling's parameters give no structure
-        NotFound               no such mesh, job or family                                     (also a LookupError)
+        NotFound               no such mesh, job, family or model                      (also a LookupError)
         JobCancelled           the job was cancelled before it finished
         DeadlineExceeded       the server's deadline for the computation passed
         ServerBusy             too much to do at present; try again later
@@ -84,7 +84,7 @@ class InvalidStructure(InvalidRequest):
 
 
 class NotFound(ProblemError, LookupError):
-    """No such mesh, job or family of tilings."""
+    """No such mesh, job, family of tilings or model."""
 
 
 class JobCancelled(ProblemError):

@@ -1,0 +1,103 @@
+#include "model_output.h"
+
+#include <fmt/format.h>
+
+#include "csv_cells.h"
+
+namespace supple::cli {
+namespace {
+
+void print_components(const nlohmann::json& values, int width, const char* kind) {
+  for (const auto& value : values) fmt::print(fmt::runtime(kind), value.get<double>(), width);
+}
+constexpr auto as_strain = " {:>{}.5f}";
+constexpr auto as_stress = " {:>{}.5g}";
+
+void print_cost(const nlohmann::json& answer) {
+  fmt::print("model       {}\n", answer.at("model").get<std::string>());
+  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+}
+
+}  // namespace
+
+std::string evaluation_as_csv(const nlohmann::json& strains, const nlohmann::json& answer) {
+  const bool stresses = answer.contains("stress");
+  const bool tangents = answer.contains("tangent");
+  std::string text = "strain,E_xx,E_yy,E_xy,energy_density";
+  if (stresses) text += ",S_xx,S_yy,S_xy";
+  if (tangents) text += ",C_11,C_12,C_13,C_21,C_22,C_23,C_31,C_32,C_33";
+  text += ",in_range\n";
+  for (std::size_t i = 0; i < strains.size(); ++i) {
+    std::string line = std::to_string(i);
+    append_cells(line, strains.at(i));
+    line += ',' + cell_text(answer.at("energy_density").at(i));
+    if (stresses) append_cells(line, answer.at("stress").at(i));
+    if (tangents) append_matrix(line, answer.at("tangent").at(i), 3);
+    line += ',' + cell_text(answer.at("in_range").at(i));
+    text += line + '\n';
+  }
+  return text;
+}
+
+void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answer) {
+  const bool stresses = answer.contains("stress");
+  fmt::print("{:>6}  {:>9} {:>9} {:>9}  {:>11}", "strain", "E_xx", "E_yy", "E_xy", "energy/MPa");
+  if (stresses) fmt::print("  {:>11} {:>11} {:>11}", "S_xx/MPa", "S_yy/MPa", "S_xy/MPa");
+  fmt::print("  in range\n");
+  for (std::size_t i = 0; i < strains.size(); ++i) {
+    fmt::print("{:>6} ", i);
+    print_components(strains.at(i), 9, as_strain);
+    fmt::print("  {:>11.5g}", answer.at("energy_density").at(i).get<double>());
+    if (stresses) {
+      fmt::print(" ");
+      print_components(answer.at("stress").at(i), 11, as_stress);
+    }
+    fmt::print("  {}\n", answer.at("in_range").at(i).get<bool>() ? "yes" : "no");
+    if (!answer.contains("tangent")) continue;
+    for (const auto& row : answer.at("tangent").at(i)) {
+      fmt::print("{:>6}  {:<9}", "", "tangent");
+      print_components(row, 11, as_stress);
+      fmt::print("\n");
+    }
+  }
+  print_cost(answer);
+}
+
+std::string uniaxial_as_csv(const nlohmann::json& states) {
+  std::string text =
+      "state,E_xx,E_yy,E_xy,S_xx,S_yy,S_xy,directional_stress,energy_density,in_range,converged,residual,iterations\n";
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto& state = states.at(i);
+    std::string line = std::to_string(i);
+    for (const char* name : {"green_strain", "stress"}) append_cells(line, state.at(name));
+    for (const char* name :
+         {"directional_stress", "energy_density", "in_range", "converged", "residual", "iterations"}) {
+      line += ',' + cell_text(state.at(name));
+    }
+    text += line + '\n';
+  }
+  return text;
+}
+
+void print_uniaxial(const nlohmann::json& answer) {
+  fmt::print("{:>5}  {:>9} {:>9} {:>9}  {:>11} {:>11} {:>11}  {:>11}  {:>11}  {}\n", "state", "E_xx", "E_yy", "E_xy",
+             "S_xx/MPa", "S_yy/MPa", "S_xy/MPa", "along/MPa", "energy/MPa", "in range");
+  std::size_t number = 0;
+  for (const auto& state : answer.at("states")) {
+    fmt::print("{:>5} ", number++);
+    print_components(state.at("green_strain"), 9, as_strain);
+    fmt::print(" ");
+    print_components(state.at("stress"), 11, as_stress);
+    fmt::print("  {:>11.5g}  {:>11.5g}  {}{}\n", state.at("directional_stress").get<double>(),
+               state.at("energy_density").get<double>(), state.at("in_range").get<bool>() ? "yes" : "no",
+               state.at("converged").get<bool>() ? "" : ", not converged");
+  }
+  const auto& accuracy = answer.at("accuracy");
+  const auto& residual = accuracy.at("residual");
+  fmt::print("residual    {} (asked for {:.1e})\n",
+             residual.is_null() ? "none" : fmt::format("{:.1e}", residual.get<double>()),
+             accuracy.at("tolerance").get<double>());
+  print_cost(answer);
+}
+
+}  // namespace supple::cli

@@ -1,0 +1,368 @@
+"""Neural models of structures, and what they answer, as dataclasses and numpy arrays.
+
+A model knows a family of structures: it gives energy density, stress and tangent stiffness for tiling parameters and
+Green strains without a simulation. Strains and stresses are (xx, yy, xy), tensor components; stresses, tangents and energy
+densities are in MPa, per rest area of the whole cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .answers import Array, Cost, cost_from_wire
+from .jobs import Computation, Job, Progress, run, submit
+from .transport import Transport
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ErrorStatistics:
+    """Relative errors |x - x*| / |x*| over samples, x* being what was simulated."""
+
+    mean: float
+    root_mean_square: float
+    median: float
+    percentile_99: float
+
+
+@dataclass(frozen=True)
+class SplitErrors:
+    """Errors on samples that training has not seen.
+
+    Attributes:
+        gradient: of the stress, in the Euclidean norm of (S_xx, S_yy, S_xy).
+        energy: of the energy density.
+        designs, samples: how many were tested on.
+    """
+
+    gradient: ErrorStatistics
+    energy: ErrorStatistics
+    designs: int
+    samples: int
+
+
+@dataclass(frozen=True)
+class ModelInfo:
+    """What is known of a model.
+
+    Attributes:
+        id: its name, such as "ih21".
+        family: id of the family of tilings.
+        lower, upper: bounds of the parameters that it was trained on, shape (p,), dimensionless.
+        smallest_principal, largest_principal: principal Green strains that it was trained on.
+        largest_relative_energy: greatest energy density that it was trained on, over the design's rest stiffness.
+        design_split: errors on designs no row of which was trained on; None where they are not known.
+        row_split: errors on other rows of designs that were trained on; None where they are not known.
+        network: form, activation, width and numbers of layers and weights.
+        provenance: data set, versions, seed and options: enough to make the model again.
+        youngs_modulus, poisson_ratio: of the solid that was simulated; MPa and dimensionless.
+        sha256: of the model's file; another one under the same id is another model.
+    """
+
+    id: str
+    family: str
+    lower: Array
+    upper: Array
+    smallest_principal: float
+    largest_principal: float
+    largest_relative_energy: float
+    design_split: Optional[SplitErrors]
+    row_split: Optional[SplitErrors]
+    network: Dict[str, Any]
+    provenance: Dict[str, Any]
+    youngs_modulus: float
+    poisson_ratio: float
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a model says about n strains.
+
+    Attributes:
+        energy_density: shape (n,), MPa.
+        stress: second Piola-Kirchhoff (S_xx, S_yy, S_xy), shape (n, 3), MPa; None without derivatives.
+        tangent: d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), shape (n, 3, 3), MPa; None without second derivatives.
+        in_range: whether each strain lies within what the model was trained on, shape (n,).
+        sha256: of the model's file that answered.
+    """
+
+    energy_density: Array
+    stress: Optional[Array]
+    tangent: Optional[Array]
+    in_range: Flags
+    sha256: str
+    cost: Cost
+
+
+@dataclass(frozen=True)
+class UniaxialCurve:
+    """Equilibria of a model under a uniaxial load: n states along the direction d, lateral strain and shear free.
+
+    Attributes:
+        direction: angle of d from the x axis, radians.
+        green_strain: (E_xx, E_yy, E_xy), the free components included, shape (n, 3).
+        stress: second Piola-Kirchhoff, shape (n, 3), MPa.
+        directional_stress: d^T S d, shape (n,), MPa.
+        energy_density: shape (n,), MPa.
+        in_range: whether each state lies within what the model was trained on, shape (n,).
+        state_converged: whether each state is an equilibrium within the tolerance, shape (n,).
+        residual: stress on the free strains over the largest stress, shape (n,); nan where a state has none.
+        iterations: Newton iterations of each state, shape (n,).
+        tolerance: the residual that was asked for.
+        sha256: of the model's file that answered.
+    """
+
+    direction: float
+    green_strain: Array
+    stress: Array
+    directional_stress: Array
+    energy_density: Array
+    in_range: Flags
+    state_converged: Flags
+    residual: Array
+    iterations: NDArray[np.int64]
+    tolerance: float
+    sha256: str
+    cost: Cost
+
+    @property
+    def converged(self) -> bool:
+        """Whether every state is an equilibrium within the tolerance."""
+        return bool(self.state_converged.all())
+
+
+class Model:
+    """A model that a server holds. Made by `Client.model` and `Client.models`.
+
+    Its file may be replaced on the server at any time; `Evaluation.sha256` says which one answered. `deadline` bounds the
+    computation on the server (seconds; `DeadlineExceeded`), `timeout` the wait for it (`RequestTimeout`).
+    """
+
+    def __init__(self, transport: Transport, info: ModelInfo) -> None:
+        self._transport = transport
+        self.info = info
+
+    def __repr__(self) -> str:
+        return f"Model({self.id!r}, family {self.info.family!r}, {len(self.info.lower)} parameters)"
+
+    @property
+    def id(self) -> str:
+        return self.info.id
+
+    def evaluate(
+        self,
+        parameters: ArrayLike,
+        green_strain: ArrayLike,
+        derivatives: int = 1,
+        *,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> Evaluation:
+        """Energy density, stress and tangent of n strains.
+
+        Args:
+            parameters: one design for all strains, shape (p,), or one for each, shape (n, p); dimensionless. Equal ones
+                that follow one another cost less.
+            green_strain: (E_xx, E_yy, E_xy), tensor components, shape (3,) or (n, 3).
+            derivatives: 0 for energies, 1 for stresses too, 2 for tangents too.
+
+        What lies outside of the model's training is answered too: see `Evaluation.in_range`.
+        """
+        computation = evaluation(self.id, parameters, green_strain, derivatives, deadline)
+        return run(self._transport, computation, timeout, progress)
+
+    def start_evaluation(
+        self,
+        parameters: ArrayLike,
+        green_strain: ArrayLike,
+        derivatives: int = 1,
+        *,
+        deadline: Optional[float] = None,
+    ) -> Job[Evaluation]:
+        """`evaluate` as a job."""
+        return submit(self._transport, evaluation(self.id, parameters, green_strain, derivatives, deadline))
+
+    def uniaxial(
+        self,
+        parameters: Sequence[float],
+        direction: float,
+        *,
+        stretches: Optional[Sequence[float]] = None,
+        green_strains: Optional[Sequence[float]] = None,
+        tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> UniaxialCurve:
+        """Equilibria along a direction, each followed from the one before, the first from rest.
+
+        Args:
+            parameters: of the design, shape (p,), dimensionless.
+            direction: angle of the load from the x axis, radians.
+            stretches: length over rest length along it, shape (n,).
+            green_strains: or Green strains along it, shape (n,), above -0.5. Give one of the two.
+            tolerance: relative residual of an equilibrium. 1e-10 on the server's side.
+            max_iterations: Newton iterations for one state. 50 on the server's side.
+
+        A state that is not reached is no exception: see `UniaxialCurve.state_converged`.
+        """
+        computation = uniaxial(
+            self.id, parameters, direction, stretches, green_strains, tolerance, max_iterations, deadline
+        )
+        return run(self._transport, computation, timeout, progress)
+
+    def start_uniaxial(
+        self,
+        parameters: Sequence[float],
+        direction: float,
+        *,
+        stretches: Optional[Sequence[float]] = None,
+        green_strains: Optional[Sequence[float]] = None,
+        tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[UniaxialCurve]:
+        """`uniaxial` as a job."""
+        computation = uniaxial(
+            self.id, parameters, direction, stretches, green_strains, tolerance, max_iterations, deadline
+        )
+        return submit(self._transport, computation)
+
+
+def _array(values: Any) -> Array:
+    return np.asarray(values, dtype=np.float64)
+
+
+def _statistics(document: Mapping[str, Any]) -> ErrorStatistics:
+    return ErrorStatistics(
+        mean=float(document["mean"]),
+        root_mean_square=float(document["root_mean_square"]),
+        median=float(document["median"]),
+        percentile_99=float(document["percentile_99"]),
+    )
+
+
+def _split(document: Optional[Mapping[str, Any]]) -> Optional[SplitErrors]:
+    if document is None:
+        return None
+    return SplitErrors(
+        gradient=_statistics(document["gradient"]),
+        energy=_statistics(document["energy"]),
+        designs=int(document["designs"]),
+        samples=int(document["samples"]),
+    )
+
+
+def model_info_from_wire(document: Mapping[str, Any]) -> ModelInfo:
+    parameters, strains = document["parameters"], document["strain_range"]
+    return ModelInfo(
+        id=str(document["id"]),
+        family=str(document["family"]),
+        lower=_array(parameters["lower"]),
+        upper=_array(parameters["upper"]),
+        smallest_principal=float(strains["smallest_principal"]),
+        largest_principal=float(strains["largest_principal"]),
+        largest_relative_energy=float(strains["largest_relative_energy"]),
+        design_split=_split(document["errors"]["design_split"]),
+        row_split=_split(document["errors"]["row_split"]),
+        network=dict(document["network"]),
+        provenance=dict(document["provenance"]),
+        youngs_modulus=float(document["material"]["youngs_modulus"]),
+        poisson_ratio=float(document["material"]["poisson_ratio"]),
+        sha256=str(document["sha256"]),
+    )
+
+
+def evaluation_from_wire(document: Mapping[str, Any]) -> Evaluation:
+    return Evaluation(
+        energy_density=_array(document["energy_density"]),
+        stress=_array(document["stress"]).reshape(-1, 3) if "stress" in document else None,
+        tangent=_array(document["tangent"]).reshape(-1, 3, 3) if "tangent" in document else None,
+        in_range=np.asarray(document["in_range"], dtype=np.bool_),
+        sha256=str(document["sha256"]),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def uniaxial_from_wire(document: Mapping[str, Any]) -> UniaxialCurve:
+    states: List[Mapping[str, Any]] = document["states"]
+
+    def column(name: str) -> List[Any]:
+        return [state[name] for state in states]
+
+    residuals = [np.nan if residual is None else residual for residual in column("residual")]
+    return UniaxialCurve(
+        direction=float(document["direction"]),
+        green_strain=_array(column("green_strain")).reshape(-1, 3),
+        stress=_array(column("stress")).reshape(-1, 3),
+        directional_stress=_array(column("directional_stress")),
+        energy_density=_array(column("energy_density")),
+        in_range=np.asarray(column("in_range"), dtype=np.bool_),
+        state_converged=np.asarray(column("converged"), dtype=np.bool_),
+        residual=_array(residuals),
+        iterations=np.asarray(column("iterations"), dtype=np.int64),
+        tolerance=float(document["accuracy"]["tolerance"]),
+        sha256=str(document["sha256"]),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def _rows(name: str, values: ArrayLike, columns: Optional[int]) -> Array:
+    """An array of shape (n, columns); one row may come without its first axis."""
+    array = np.atleast_2d(_array(values))
+    if array.ndim != 2 or 0 in array.shape or columns not in (None, array.shape[1]):
+        expected = "(n, p)" if columns is None else f"(n, {columns})"
+        raise ValueError(f"{name} has the shape {np.shape(values)}; expected {expected} or one row of it")
+    return array
+
+
+def evaluation(
+    model: str, parameters: ArrayLike, green_strain: ArrayLike, derivatives: int, deadline: Optional[float]
+) -> Computation[Evaluation]:
+    document: Dict[str, Any] = {
+        "parameters": _rows("parameters", parameters, None).tolist(),
+        "green_strain": _rows("green_strain", green_strain, 3).tolist(),
+        "derivatives": int(derivatives),
+    }
+    if deadline is not None:
+        document["deadline"] = deadline
+    return Computation(
+        f"/v1/models/{model}/evaluations", document, lambda answer: evaluation_from_wire(answer.json())
+    )
+
+
+def uniaxial(
+    model: str,
+    parameters: Sequence[float],
+    direction: float,
+    stretches: Optional[Sequence[float]],
+    green_strains: Optional[Sequence[float]],
+    tolerance: Optional[float],
+    max_iterations: Optional[int],
+    deadline: Optional[float],
+) -> Computation[UniaxialCurve]:
+    given: Tuple[Tuple[str, Optional[Sequence[float]]], ...] = (
+        ("stretches", stretches),
+        ("green_strains", green_strains),
+    )
+    load = {name: [float(value) for value in values] for name, values in given if values is not None}
+    if len(load) != 1:
+        raise ValueError("a uniaxial load is given by stretches or by green_strains, one of the two")
+    accuracy = {"tolerance": tolerance, "max_iterations": max_iterations}
+    document: Dict[str, Any] = {
+        "parameters": [float(parameter) for parameter in parameters],
+        "direction": float(direction),
+        **load,
+        "accuracy": {name: value for name, value in accuracy.items() if value is not None},
+    }
+    if deadline is not None:
+        document["deadline"] = deadline
+    return Computation(f"/v1/models/{model}/uniaxial", document, lambda answer: uniaxial_from_wire(answer.json()))
