@@ -5,13 +5,15 @@
 #   deploy/quickstart.sh --stop    stops the server that it started (its meshes and finished jobs stay on disk)
 #
 # May be run again at any time: what is done already is not done twice.
-# Environment: SUPPLE_PORT (8080), SUPPLE_HOST (127.0.0.1), SUPPLE_DATA (data/ in the checkout), SUPPLE_BUILD (build/release).
+# Environment: SUPPLE_PORT (8080), SUPPLE_HOST (127.0.0.1), SUPPLE_DATA (data/ in the checkout), SUPPLE_MODELS (models/
+# in the checkout), SUPPLE_BUILD (build/release).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 host=${SUPPLE_HOST:-127.0.0.1}
 port=${SUPPLE_PORT:-8080}
 data=$(realpath -m "${SUPPLE_DATA:-data}")
+models=$(realpath -m "${SUPPLE_MODELS:-models}")
 build=${SUPPLE_BUILD:-build/release}
 pid_file=$data/supple-server.pid
 log_file=$data/supple-server.log
@@ -75,7 +77,7 @@ start_server() {
   if port_open; then
     fail "port $port on $host is taken by another program. Choose another: SUPPLE_PORT=$((port + 1)) deploy/quickstart.sh"
   fi
-  nohup "$build/server/supple-server" --host "$host" --port "$port" --data "$data" >>"$log_file" 2>&1 </dev/null &
+  nohup "$build/server/supple-server" --host "$host" --port "$port" --data "$data" --models "$models" >>"$log_file" 2>&1 </dev/null &
   pid=$!
   echo "$pid" >"$pid_file"
   for _ in $(seq 100); do
@@ -92,7 +94,7 @@ show() { printf '\n$ %s\n' "supple ${*}"; "$build/clients/cli/supple" --server "
 
 case "${1:-}" in
   --stop) stop_server; exit 0 ;;
-  -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
   "") ;;
   *) fail "unknown argument '$1'; try --help" ;;
 esac
