@@ -2,7 +2,6 @@
 
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -26,12 +25,18 @@ std::string content(const fs::path& path) {
   return bytes;
 }
 
-/// An id stands in paths and in the contract's pattern.
-void check_id(const std::string& id) {
-  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
-  if (id.empty() || id.size() > 64 || !std::all_of(id.begin(), id.end(), fits)) {
-    throw Error("file.unreadable", "The model's id is not made of up to 64 lower-case letters, digits and \"-\".");
-  }
+/// Names stand in paths and have to fit the contract's patterns.
+void check_name(const char* what, const std::string& name, std::size_t longest, std::string_view characters) {
+  if (!name.empty() && name.size() <= longest && name.find_first_not_of(characters) == std::string::npos) return;
+  throw Error("file.unreadable", std::string(what) + " is not made of 1 to " + std::to_string(longest) + " of " +
+                                     std::string(characters) + ".");
+}
+
+void check_names(const neural::Model& model) {
+  constexpr std::string_view small = "abcdefghijklmnopqrstuvwxyz0123456789-";
+  constexpr std::string_view all = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  check_name("The model's id", model.id, 64, small);
+  check_name("The model's family", model.family, 32, all);
 }
 
 }  // namespace
@@ -161,7 +166,7 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
   try {
     auto hash = sha256(content(path));
     auto model = neural::read_model(path);
-    check_id(model.id);
+    check_names(model);
     auto description = options_.describe(model, hash);
     neural::Evaluator evaluator(model.network);
     loaded = std::make_shared<const LoadedModel>(
