@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "packs.h"
+#include "supple/neural/packs.h"
 
 namespace supple::neural {
 namespace {
