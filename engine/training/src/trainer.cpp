@@ -29,6 +29,8 @@ using torch::Tensor;
 constexpr std::size_t shards = 2;
 constexpr double warm_up_steps = 100;
 constexpr double checkpoint_seconds = 30;
+/// Share by which a validation must be better than the best to replace it.
+constexpr double least_improvement = 1e-4;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -273,7 +275,7 @@ class Training {
     const auto errors = row_errors(network_, samples_, split_.validation);
     report.validation_gradient = errors.gradient.mean();
     report.validation_energy = errors.energy.mean();
-    if (const double error = report.validation_gradient + report.validation_energy; error < best_error_) {
+    if (const double error = report.validation_gradient + report.validation_energy; error < best_error_ * (1 - least_improvement)) {
       best_error_ = error;
       best_epoch_ = epochs_;
       best_ = copies(parameters_);
