@@ -38,7 +38,7 @@ LIBRARIES = {
     "spdlog/": ("server",),
     "CLI/": ("server", "clients/cli", "engine/lab"),
     "hdf5.h": ("engine/files",),
-    "torch/": ("engine/training",),
+    "torch/": ("engine/training", "tests"),
     "CGAL/": ("tests",),
     "gmsh.h": ("engine/tiling",),
     "polyclipping/": ("engine/tiling",),

@@ -13,6 +13,7 @@
 #include "stop_signals.h"
 #include "supple/base/error.h"
 #include "supple/lab/dataset_options.h"
+#include "train_command.h"
 
 namespace {
 
@@ -21,10 +22,13 @@ using supple::lab::ExitCode;
 ExitCode run(int argument_count, char** arguments) {
   const supple::lab::StopSignals signals;
   bool interrupted = false;
-  CLI::App program("Batch work on the engine: data sets of families of structures under load", "supple-lab");
+  CLI::App program(
+      "Batch work on the engine: data sets of families of structures under load, and networks trained on them",
+      "supple-lab");
   program.set_version_flag("--version", supple::lab::engine_version());
   program.require_subcommand(1);
   supple::lab::add_dataset_commands(program, signals, interrupted);
+  supple::lab::add_train_command(program, signals, interrupted);
   try {
     program.parse(argument_count, arguments);
     return interrupted ? ExitCode::interrupted : ExitCode::success;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "supple/neural/network.h"
+#include "supple/neural/packed_matrix.h"
 
 namespace supple::neural {
 
@@ -20,6 +21,7 @@ struct JetBlock {
   int rows = 0;
   int stride = 0;
 
+  Factor<Real> factor() const { return {data, stride}; }
   Real* channel(int c, int jet) const { return data + static_cast<std::ptrdiff_t>(c * jets + jet) * stride; }
 };
 

@@ -11,14 +11,14 @@ namespace supple::neural {
 /// What of a network depends on the tiling parameters alone, with derivatives by each of them, in double precision.
 /// Vectors beside a matrix of the same name with `_by` are its derivatives, a column (or an entry) for each parameter.
 struct DesignContent {
-  Eigen::MatrixXd input;        ///< M, width x 3: first layer of the strain branch as a map of e
-  Eigen::VectorXd meeting;      ///< width: what the parameter branch and the bias add to the first trunk layer
-  Eigen::VectorXd rest;         ///< N(p, 0)
-  Eigen::Matrix3d skip;         ///< A with y = A e; zero for softplus
-  double stiffness = 1;         ///< s, MPa; 1 for softplus
+  Eigen::MatrixXd input;    ///< M, width x 3: first layer of the strain branch as a map of e
+  Eigen::VectorXd meeting;  ///< width: what the parameter branch and the bias add to the first trunk layer
+  Eigen::VectorXd rest;     ///< N(p, 0)
+  Eigen::Matrix3d skip;     ///< A with y = A e; zero for softplus
+  double stiffness = 1;     ///< s, MPa; 1 for softplus
   std::vector<Eigen::MatrixXd> input_by;
-  Eigen::MatrixXd meeting_by;   ///< width x parameters
-  Eigen::MatrixXd rest_by;      ///< outputs x parameters
+  Eigen::MatrixXd meeting_by;  ///< width x parameters
+  Eigen::MatrixXd rest_by;     ///< outputs x parameters
   std::vector<Eigen::Matrix3d> skip_by;
   Eigen::VectorXd stiffness_by;
 };

@@ -7,8 +7,8 @@
 
 #include "activation_kernel.h"
 #include "design_content.h"
-#include "packed_matrix.h"
 #include "supple/base/error.h"
+#include "supple/neural/packed_matrix.h"
 
 namespace supple::neural {
 namespace {
@@ -77,8 +77,11 @@ constexpr Third thirds[10] = {{0, 4}, {0, 5}, {0, 6}, {0, 7}, {0, 8}, {0, 9}, {1
 template <class Real>
 struct BasicEvaluator<Real>::Content {
   explicit Content(const Network& of)
-      : network(of), strain_at_rest(strain_branch_at_rest(of)), first_bias(padded<Real>(of.strain[0].bias)),
-        hidden(hidden_layers<Real>(of)), last(of.trunk.back().weights, of.trunk.back().bias) {}
+      : network(of),
+        strain_at_rest(strain_branch_at_rest(of)),
+        first_bias(padded<Real>(of.strain[0].bias)),
+        hidden(hidden_layers<Real>(of)),
+        last(of.trunk.back().weights, of.trunk.back().bias) {}
 
   Network network;
   Eigen::VectorXd strain_at_rest;
@@ -93,8 +96,8 @@ template <class Real>
 struct BasicEvaluator<Real>::Design::Content {
   DesignContent exact;
   bool with_derivatives = false;
-  PackedMatrix<Real> input;     ///< M
-  PackedMatrix<Real> input_back;  ///< rows: M^T, then for each parameter the three rows of its derivative
+  PackedMatrix<Real> input;         ///< M
+  PackedMatrix<Real> input_back;    ///< rows: M^T, then for each parameter the three rows of its derivative
   PackedMatrix<Real> meeting_back;  ///< rows: derivative of the meeting layer's addend by each parameter
   std::vector<Real> meeting;
 };
@@ -166,7 +169,8 @@ typename BasicEvaluator<Real>::Design BasicEvaluator<Real>::design(std::span<con
   const int maps = with_parameter_derivatives ? 1 + n : 1;
   Eigen::MatrixXd back(3 * maps, network.shape.width);
   back.topRows<3>() = exact.input.transpose();
-  for (int k = 1; k < maps; ++k) back.middleRows<3>(3 * k) = exact.input_by[static_cast<std::size_t>(k - 1)].transpose();
+  for (int k = 1; k < maps; ++k)
+    back.middleRows<3>(3 * k) = exact.input_by[static_cast<std::size_t>(k - 1)].transpose();
   content.input_back.assign(back);
   if (with_parameter_derivatives) content.meeting_back.assign(exact.meeting_by.transpose());
   return design;
@@ -294,16 +298,16 @@ void BasicEvaluator<Real>::evaluate(const Design& design, const Eigen::Ref<const
     // Forward. `slopes` keep the jets of f' of each layer.
     auto a = block.jet_block(space.activations, width);
     auto z = block.jet_block(space.slopes[0], width);
-    multiply(of_design.input, e.data, e.stride, columns, z.data, z.stride);
+    multiply(of_design.input, e.factor(), columns, z.data, z.stride);
     activate_forward(shape.activation, order, content.first_bias.data(), z, a);
     for (std::size_t l = 0; l < content.hidden.size(); ++l) {
       z = block.jet_block(space.slopes[l + 1], width);
-      multiply(content.hidden[l].forward, a.data, a.stride, columns, z.data, z.stride);
+      multiply(content.hidden[l].forward, a.factor(), columns, z.data, z.stride);
       const Real* bias = l == content.meeting() ? of_design.meeting.data() : content.hidden[l].bias.data();
       activate_forward(shape.activation, order, bias, z, a);
     }
     const auto last = block.jet_block(space.outputs, outputs);
-    multiply(content.last.forward, a.data, a.stride, columns, last.data, last.stride);
+    multiply(content.last.forward, a.factor(), columns, last.data, last.stride);
     for (int j = 0; j < block.jets; ++j)
       for (int k = 0; k < outputs; ++k) last.channel(0, j)[k] += content.last.bias[static_cast<std::size_t>(k)];
 
@@ -332,8 +336,8 @@ void BasicEvaluator<Real>::evaluate(const Design& design, const Eigen::Ref<const
       }
     };
     if (parameters > 0) {
-      for (auto* matrix : {&evaluation.energy_by_parameters, &evaluation.stress_by_parameters,
-                           &evaluation.tangent_by_parameters})
+      for (auto* matrix :
+           {&evaluation.energy_by_parameters, &evaluation.stress_by_parameters, &evaluation.tangent_by_parameters})
         if (matrix->cols() > 0) matrix->middleCols(begin, block.jets).setZero();
       by_parameters([&](int j, int k, int c) {
         double sum = energy(c, j) * exact.stiffness_by[k] / exact.stiffness;
@@ -343,21 +347,21 @@ void BasicEvaluator<Real>::evaluate(const Design& design, const Eigen::Ref<const
         return sum;
       });
     }
-    multiply(content.last.backward, last.data, last.stride, columns, a.data, a.stride);
+    multiply(content.last.backward, last.factor(), columns, a.data, a.stride);
     auto other = block.jet_block(space.products, width);
     for (std::size_t l = content.hidden.size(); l-- > 0;) {
       activate_backward(order, block.jet_block(space.slopes[l + 1], width), a);
       if (l == content.meeting() && parameters > 0) {
         const auto small = block.jet_block(space.small, padded_rows(parameters));
-        multiply(of_design.meeting_back, a.data, a.stride, columns, small.data, small.stride);
+        multiply(of_design.meeting_back, a.factor(), columns, small.data, small.stride);
         by_parameters([&](int j, int k, int c) { return static_cast<double>(small.channel(c, j)[k]); });
       }
-      multiply(content.hidden[l].backward, a.data, a.stride, columns, other.data, other.stride);
+      multiply(content.hidden[l].backward, a.factor(), columns, other.data, other.stride);
       std::swap(a, other);
     }
     activate_backward(order, block.jet_block(space.slopes[0], width), a);
     const auto maps_back = block.jet_block(space.small, padded_rows(3 * maps));
-    multiply(of_design.input_back, a.data, a.stride, columns, maps_back.data, maps_back.stride);
+    multiply(of_design.input_back, a.factor(), columns, maps_back.data, maps_back.stride);
 
     // t_i = sum over the first layer (and the skip) of derivatives times the map's column i.
     const auto mapped = [&](int map, int i, int c, int j) {

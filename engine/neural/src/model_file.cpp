@@ -120,8 +120,9 @@ Network read_network(const Hdf5Reader& file) {
       const int columns = file.components(name + "/weights");
       const auto weights = file.column<double>(name + "/weights", columns);
       using RowMajor = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
-      layers.push_back({Eigen::Map<const RowMajor>(weights.data(), static_cast<long>(weights.size()) / columns, columns),
-                        vector_of(name + "/bias")});
+      layers.push_back(
+          {Eigen::Map<const RowMajor>(weights.data(), static_cast<long>(weights.size()) / columns, columns),
+           vector_of(name + "/bias")});
     }
   }
   validate(network);
@@ -136,7 +137,8 @@ void write_errors(Hdf5Writer& file, const std::string& split, const std::optiona
   file.value(group + "/samples", errors->samples);
   const auto statistics = [&](const std::string& of, const ErrorStatistics& values) {
     file.group(group + "/" + of);
-    for_each_statistic(values, [&](const char* name, double value) { file.value(group + "/" + of + "/" + name, value); });
+    for_each_statistic(values,
+                       [&](const char* name, double value) { file.value(group + "/" + of + "/" + name, value); });
   };
   statistics("energy", errors->energy);
   statistics("gradient", errors->gradient);
@@ -150,7 +152,8 @@ std::optional<SplitErrors> read_errors(const Hdf5Reader& file, const std::string
   errors.designs = file.integer(group + "/designs");
   errors.samples = file.integer(group + "/samples");
   const auto statistics = [&](const std::string& of, ErrorStatistics& values) {
-    for_each_statistic(values, [&](const char* name, double& value) { value = file.real(group + "/" + of + "/" + name); });
+    for_each_statistic(values,
+                       [&](const char* name, double& value) { value = file.real(group + "/" + of + "/" + name); });
   };
   statistics("energy", errors.energy);
   statistics("gradient", errors.gradient);
@@ -205,9 +208,8 @@ Model read_model(const std::filesystem::path& path) {
   model.id = file.text("id");
   model.family = file.text("family");
   model.network = read_network(file);
-  for_each_limit(model.strain_range, [&](const char* name, double& value) {
-    value = file.real(std::string("strain_range/") + name);
-  });
+  for_each_limit(model.strain_range,
+                 [&](const char* name, double& value) { value = file.real(std::string("strain_range/") + name); });
   model.design_split = read_errors(file, "design_split");
   model.row_split = read_errors(file, "row_split");
   for_each_fact(model.provenance, ReadFact{file});

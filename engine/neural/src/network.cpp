@@ -37,7 +37,8 @@ void check(bool fine, const std::string& where, const std::string& what) {
 void check_layers(const std::vector<Layer>& layers, const std::string& branch, int hidden, long inputs, long width,
                   long outputs) {
   const auto count = static_cast<std::size_t>(hidden) + (outputs > 0 ? 1 : 0);
-  check(layers.size() == count, branch, "has " + std::to_string(layers.size()) + " layers instead of " + std::to_string(count));
+  check(layers.size() == count, branch,
+        "has " + std::to_string(layers.size()) + " layers instead of " + std::to_string(count));
   for (std::size_t i = 0; i < count; ++i) {
     const std::string where = branch + "/" + std::to_string(i);
     const long rows = outputs > 0 && i + 1 == count ? outputs : width;
@@ -46,7 +47,8 @@ void check_layers(const std::vector<Layer>& layers, const std::string& branch, i
     check(layer.weights.rows() == rows && layer.weights.cols() == columns, where,
           "has " + std::to_string(layer.weights.rows()) + " x " + std::to_string(layer.weights.cols()) +
               " weights instead of " + std::to_string(rows) + " x " + std::to_string(columns));
-    check(layer.bias.size() == rows, where, "has " + std::to_string(layer.bias.size()) + " biases instead of " + std::to_string(rows));
+    check(layer.bias.size() == rows, where,
+          "has " + std::to_string(layer.bias.size()) + " biases instead of " + std::to_string(rows));
     check(layer.weights.allFinite() && layer.bias.allFinite(), where, "holds a number that is not finite");
   }
 }
@@ -59,12 +61,14 @@ std::string_view to_string(EnergyForm form) { return forms[static_cast<std::size
 Activation activation_of(std::string_view name) {
   for (const auto& [value, known] : activations)
     if (known == name) return value;
-  throw Error("model.unknown_activation", "There is no activation " + std::string(name) + "; the activations are " + names_of(activations) + ".");
+  throw Error("model.unknown_activation",
+              "There is no activation " + std::string(name) + "; the activations are " + names_of(activations) + ".");
 }
 EnergyForm energy_form_of(std::string_view name) {
   for (const auto& [value, known] : forms)
     if (known == name) return value;
-  throw Error("model.unknown_form", "There is no form of energy " + std::string(name) + "; the forms are " + names_of(forms) + ".");
+  throw Error("model.unknown_form",
+              "There is no form of energy " + std::string(name) + "; the forms are " + names_of(forms) + ".");
 }
 
 long Network::weights() const {

@@ -1,16 +1,16 @@
 // Packs never leave this file's functions by value, so that their calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
-#include "packed_matrix.h"
+#include "supple/neural/packed_matrix.h"
 
-#include "packs.h"
+#include "supple/neural/packs.h"
 
 namespace supple::neural {
 namespace {
 
 /// The product's tile of `Panels` panels by `Columns` columns, held in registers: 12 sums for 16 registers.
 template <class Real, int Panels, int Columns>
-SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const Real* b, int stride_b, Real* c,
-                                 int stride_c, bool add) {
+SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const Factor<Real>& b, Real* c, int stride_c,
+                                 bool add) {
   constexpr int packs = 2 * Panels;
   constexpr int count = Packs<Real>::count;
   constexpr int panel_rows = PackedMatrix<Real>::panel_rows;
@@ -30,7 +30,8 @@ SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const R
     for (int p = 0; p < packs; ++p) row[p] = load_pack<Real>(from[p / 2] + k * panel_rows + (p % 2) * count);
 #pragma GCC unroll 16
     for (int j = 0; j < Columns; ++j) {
-      const Pack<Real> factor = all_of<Real>(b[j * stride_b + k]);
+      // A number times a pack becomes one broadcasting load; a pack built from it does not.
+      const Real factor = b.numbers[k * b.step + j * b.stride];
 #pragma GCC unroll 16
       for (int p = 0; p < packs; ++p) sum[p][j] += row[p] * factor;
     }
@@ -43,52 +44,52 @@ SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const R
 
 /// All rows of `Columns` columns; few columns take several panels at once, for enough independent sums.
 template <class Real, int Columns>
-SUPPLE_INLINE void multiply_columns(const PackedMatrix<Real>& a, const Real* b, int stride_b, Real* c, int stride_c,
+SUPPLE_INLINE void multiply_columns(const PackedMatrix<Real>& a, const Factor<Real>& b, Real* c, int stride_c,
                                     bool add) {
   constexpr int at_once = Columns >= 4 ? 1 : Columns >= 2 ? 2 : 4;
   int panel = 0;
   for (; panel + at_once <= a.panels(); panel += at_once)
-    multiply_tile<Real, at_once, Columns>(a, panel, b, stride_b, c, stride_c, add);
-  for (; panel < a.panels(); ++panel) multiply_tile<Real, 1, Columns>(a, panel, b, stride_b, c, stride_c, add);
+    multiply_tile<Real, at_once, Columns>(a, panel, b, c, stride_c, add);
+  for (; panel < a.panels(); ++panel) multiply_tile<Real, 1, Columns>(a, panel, b, c, stride_c, add);
 }
 
 template <class Real>
-SUPPLE_INLINE void multiply_all(const PackedMatrix<Real>& a, const Real* b, int stride_b, int n, Real* c, int stride_c,
+SUPPLE_INLINE void multiply_all(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c,
                                 bool add) {
   // A panel stays in the nearest cache while it meets all columns.
   const int sixes = n / 6 * 6;
   if (n > 6)
     for (int panel = 0; panel < a.panels(); ++panel)
       for (int j = 0; j < sixes; j += 6)
-        multiply_tile<Real, 1, 6>(a, panel, b + j * stride_b, stride_b, c + j * stride_c, stride_c, add);
+        multiply_tile<Real, 1, 6>(a, panel, b.from_column(j), c + j * stride_c, stride_c, add);
   else if (n == 6)
-    multiply_columns<Real, 6>(a, b, stride_b, c, stride_c, add);
-  b += static_cast<std::ptrdiff_t>(sixes) * stride_b;
+    multiply_columns<Real, 6>(a, b, c, stride_c, add);
+  const Factor<Real> rest = b.from_column(sixes);
   c += static_cast<std::ptrdiff_t>(sixes) * stride_c;
   switch (n - sixes) {
     case 1:
-      return multiply_columns<Real, 1>(a, b, stride_b, c, stride_c, add);
+      return multiply_columns<Real, 1>(a, rest, c, stride_c, add);
     case 2:
-      return multiply_columns<Real, 2>(a, b, stride_b, c, stride_c, add);
+      return multiply_columns<Real, 2>(a, rest, c, stride_c, add);
     case 3:
-      return multiply_columns<Real, 3>(a, b, stride_b, c, stride_c, add);
+      return multiply_columns<Real, 3>(a, rest, c, stride_c, add);
     case 4:
-      return multiply_columns<Real, 4>(a, b, stride_b, c, stride_c, add);
+      return multiply_columns<Real, 4>(a, rest, c, stride_c, add);
     case 5:
-      return multiply_columns<Real, 5>(a, b, stride_b, c, stride_c, add);
+      return multiply_columns<Real, 5>(a, rest, c, stride_c, add);
     default:
       return;
   }
 }
 
 template <class Real>
-SUPPLE_AVX2 void multiply_avx2(const PackedMatrix<Real>& a, const Real* b, int stride_b, int n, Real* c, int stride_c,
+SUPPLE_AVX2 void multiply_avx2(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c,
                                bool add) {
-  multiply_all(a, b, stride_b, n, c, stride_c, add);
+  multiply_all(a, b, n, c, stride_c, add);
 }
 template <class Real>
-void multiply_any(const PackedMatrix<Real>& a, const Real* b, int stride_b, int n, Real* c, int stride_c, bool add) {
-  multiply_all(a, b, stride_b, n, c, stride_c, add);
+void multiply_any(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c, bool add) {
+  multiply_all(a, b, n, c, stride_c, add);
 }
 
 }  // namespace
@@ -114,16 +115,16 @@ void PackedMatrix<Real>::assign(const Real* numbers, int rows, int columns, int 
 }
 
 template <class Real>
-void multiply(const PackedMatrix<Real>& a, const Real* b, int stride_b, int n, Real* c, int stride_c, bool add) {
+void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c, bool add) {
   if (has_avx2)
-    multiply_avx2(a, b, stride_b, n, c, stride_c, add);
+    multiply_avx2(a, b, n, c, stride_c, add);
   else
-    multiply_any(a, b, stride_b, n, c, stride_c, add);
+    multiply_any(a, b, n, c, stride_c, add);
 }
 
 template class PackedMatrix<double>;
 template class PackedMatrix<float>;
-template void multiply(const PackedMatrix<double>&, const double*, int, int, double*, int, bool);
-template void multiply(const PackedMatrix<float>&, const float*, int, int, float*, int, bool);
+template void multiply(const PackedMatrix<double>&, const Factor<double>&, int, double*, int, bool);
+template void multiply(const PackedMatrix<float>&, const Factor<float>&, int, float*, int, bool);
 
 }  // namespace supple::neural

@@ -100,8 +100,8 @@ class Path {
   bool correct(double tolerance, UniaxialState& state) {
     for (int iteration = 0;; ++iteration) {
       const Eigen::Vector2d gradient = free_.transpose() * local_.stress;
-      const double scale = std::max({local_.stress.norm(),
-                                     least_force_share * local_.tangent.norm() * strain().norm(), 1e-300});
+      const double scale =
+          std::max({local_.stress.norm(), least_force_share * local_.tangent.norm() * strain().norm(), 1e-300});
       state.residual = gradient.norm() / scale;
       if (!local_.finite()) return false;
       if (state.residual <= tolerance) return true;
@@ -137,9 +137,9 @@ class Path {
   UniaxialOptions options_;
   typename BasicEvaluator<Real>::Workspace workspace_;
   Evaluation evaluation_;
-  Eigen::Vector3d along_;            ///< (E_xx, E_yy, 2 E_xy) of d d^T
-  Eigen::Matrix<double, 3, 2> free_; ///< of n n^T, and of the shear between d and n
-  double given_ = 0;                 ///< E_dd
+  Eigen::Vector3d along_;             ///< (E_xx, E_yy, 2 E_xy) of d d^T
+  Eigen::Matrix<double, 3, 2> free_;  ///< of n n^T, and of the shear between d and n
+  double given_ = 0;                  ///< E_dd
   Eigen::Vector2d x_ = Eigen::Vector2d::Zero();
   Local local_;
 };

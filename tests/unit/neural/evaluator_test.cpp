@@ -80,9 +80,8 @@ TEST_P(Evaluations, DerivativesByStrainAgreeWithDifferences) {
   const Evaluator evaluator(network);
   const auto exact = evaluator.evaluate(evaluator.design(parameters), strains, Order::third);
   const int pairs[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  const int triples[3][3][3] = {{{0, 1, 2}, {1, 3, 4}, {2, 4, 5}},
-                                {{1, 3, 4}, {3, 6, 7}, {4, 7, 8}},
-                                {{2, 4, 5}, {4, 7, 8}, {5, 8, 9}}};
+  const int triples[3][3][3] = {
+      {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}, {{1, 3, 4}, {3, 6, 7}, {4, 7, 8}}, {{2, 4, 5}, {4, 7, 8}, {5, 8, 9}}};
   for (int k = 0; k < 3; ++k) {
     expect_close(exact.stress.row(k), differences(evaluator, energy_of, k, -1), 1e-7, "stress");
     const auto tangent = differences(evaluator, stress_of, k, -1);
@@ -170,7 +169,8 @@ TEST(Evaluator, FarOutsideItsRangeTheNumbersStayFinite) {
   shape.width = 32;
   const Evaluator evaluator(random_network(shape, 4));
   for (const double far : {1e3, 1e6, -1e6}) {
-    const auto answer = evaluator.evaluate(evaluator.design(std::vector{far}), Eigen::Vector3d(far, -far, far), Order::third);
+    const auto answer =
+        evaluator.evaluate(evaluator.design(std::vector{far}), Eigen::Vector3d(far, -far, far), Order::third);
     EXPECT_TRUE(answer.energy_density.allFinite() && answer.stress.allFinite() && answer.tangent.allFinite() &&
                 answer.third.allFinite())
         << far;

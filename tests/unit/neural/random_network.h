@@ -5,13 +5,15 @@
 
 namespace supple::neural {
 
-/// A network whose weights are drawn from a named stream: as large as those of trained ones, so that its function bends.
+/// A network whose weights are drawn from a named stream: as large as those of trained ones, so that its function
+/// bends.
 inline Network random_network(NetworkShape shape, std::uint64_t seed) {
   RandomStream stream("random network", seed);
   const auto layer = [&](long outputs, long inputs, double gain) {
     Layer made{Eigen::MatrixXd(outputs, inputs), Eigen::VectorXd(outputs)};
     for (long j = 0; j < inputs; ++j)
-      for (long i = 0; i < outputs; ++i) made.weights(i, j) = gain / std::sqrt(static_cast<double>(inputs)) * stream.normal();
+      for (long i = 0; i < outputs; ++i)
+        made.weights(i, j) = gain / std::sqrt(static_cast<double>(inputs)) * stream.normal();
     for (long i = 0; i < outputs; ++i) made.bias[i] = 0.3 * stream.normal();
     return made;
   };

@@ -21,9 +21,9 @@ enum class Order {
 /// respect to the tiling parameters p are per unit of p and run through p first: row q * parameters + k is the
 /// derivative of row q with respect to p_k.
 struct Evaluation {
-  Eigen::RowVectorXd energy_density;    ///< 1 x n, MPa
-  Eigen::Matrix3Xd stress;              ///< 3 x n, MPa
-  Eigen::Matrix<double, 6, -1> tangent; ///< 6 x n, MPa: 11, 12, 13, 22, 23, 33
+  Eigen::RowVectorXd energy_density;     ///< 1 x n, MPa
+  Eigen::Matrix3Xd stress;               ///< 3 x n, MPa
+  Eigen::Matrix<double, 6, -1> tangent;  ///< 6 x n, MPa: 11, 12, 13, 22, 23, 33
   /// 10 x n, MPa: 111, 112, 113, 122, 123, 133, 222, 223, 233, 333
   Eigen::Matrix<double, 10, -1> third;
   Eigen::MatrixXd energy_by_parameters;   ///< parameters x n; from Order::stress on
@@ -80,8 +80,8 @@ class BasicEvaluator {
   };
 
   /// Parameters may lie outside their bounds; they must be finite and as many as the network's. Throws
-  /// "model.parameter_count". `with_parameter_derivatives` prepares those, at the cost of about as many more evaluations
-  /// of the rest state as there are parameters.
+  /// "model.parameter_count". `with_parameter_derivatives` prepares those, at the cost of about as many more
+  /// evaluations of the rest state as there are parameters.
   Design design(std::span<const double> parameters, bool with_parameter_derivatives = false) const;
 
   /// Strains are columns (E_xx, E_yy, 2 E_xy), finite. Derivatives by parameters where the design has them. Throws

@@ -33,18 +33,18 @@ struct SplitErrors {
 struct StrainRange {
   double smallest_principal = 0;  ///< least principal Green strain of the training rows
   double largest_principal = 0;   ///< greatest
-  /// Greatest energy density over the design's rest stiffness s of its design (Evaluator::Design::rest_stiffness): what lies above is far from every path that
-  /// was simulated, e.g. strained along a stiff direction.
+  /// Greatest energy density over the design's rest stiffness s of its design (Evaluator::Design::rest_stiffness): what
+  /// lies above is far from every path that was simulated, e.g. strained along a stiff direction.
   double largest_energy = 0;
 };
 
 /// Where a model comes from: enough to make it again.
 struct Provenance {
-  std::string data_set;             ///< files, with the SHA-256 of what they hold
-  std::string data_engine;          ///< versions of the engine that simulated it
-  std::string engine;               ///< version of the engine that trained it
-  std::int64_t designs = 0;         ///< trained on
-  std::int64_t rows = 0;            ///< trained on
+  std::string data_set;      ///< files, with the SHA-256 of what they hold
+  std::string data_engine;   ///< versions of the engine that simulated it
+  std::string engine;        ///< version of the engine that trained it
+  std::int64_t designs = 0;  ///< trained on
+  std::int64_t rows = 0;     ///< trained on
   std::int64_t seed = 0;
   std::vector<std::pair<std::string, std::string>> options;  ///< of the training, name and value
   double training_seconds = 0;
@@ -64,8 +64,8 @@ struct Model {
 };
 
 /// Whether these parameters and this strain (E_xx, E_yy, 2 E_xy) lie within what the model was trained on, given the
-/// energy density it predicts there and the rest stiffness s of its design (Evaluator::Design::rest_stiffness). Bounds of
-/// parameters allow for rounding.
+/// energy density it predicts there and the rest stiffness s of its design (Evaluator::Design::rest_stiffness). Bounds
+/// of parameters allow for rounding.
 bool in_range(const Model& model, std::span<const double> parameters, const Eigen::Vector3d& strain,
               double energy_density, double rest_stiffness);
 

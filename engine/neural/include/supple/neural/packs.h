@@ -28,10 +28,9 @@ struct Packs<double> {
   static constexpr double ln2_high = 0x1.62e42fefa3800p-1;
   static constexpr double ln2_low = 0x1.ef35793c76730p-45;
   /// Taylor's coefficients: on |r| <= ln 2 / 2 the first left out is below a tenth of the last place.
-  static constexpr double exponential[] = {1.0 / 6227020800, 1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800,
-                                           1.0 / 362880,     1.0 / 40320,     1.0 / 5040,     1.0 / 720,
-                                           1.0 / 120,        1.0 / 24,        1.0 / 6,        1.0 / 2,
-                                           1.0,              1.0};
+  static constexpr double exponential[] = {
+      1.0 / 6227020800, 1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040,
+      1.0 / 720,        1.0 / 120,       1.0 / 24,       1.0 / 6,       1.0 / 2,      1.0,         1.0};
 };
 
 template <>
@@ -63,7 +62,10 @@ SUPPLE_INLINE void store_pack(Real* to, const Pack<Real>& value) {
 }
 template <class Real>
 SUPPLE_INLINE Pack<Real> all_of(Real value) {
-  return value - Pack<Real>{};
+  if constexpr (Packs<Real>::count == 4)
+    return Pack<Real>{value, value, value, value};
+  else
+    return Pack<Real>{value, value, value, value, value, value, value, value};
 }
 
 /// exp, to about one unit in the last place; arguments beyond the range of finite results are clamped to it.

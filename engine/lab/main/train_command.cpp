@@ -1,0 +1,166 @@
+#include "train_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "supple/base/error.h"
+#include "supple/base/threads.h"
+#include "supple/dataset/journal.h"
+#include "supple/dataset/merge.h"
+#include "supple/lab/model_training.h"
+
+namespace supple::lab {
+namespace {
+
+struct TrainArguments {
+  ModelOptions options;
+  std::string family;
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path out;
+  std::filesystem::path log;
+  std::string form = "sum_of_squares";
+  std::string activation = "swish";
+  std::string optimizer = "soap";
+  int threads = 0;
+  bool quiet = false;
+};
+
+std::filesystem::path checkpoint_path(const std::filesystem::path& out) {
+  auto path = out;
+  return path += ".partial";
+}
+
+std::string names_of(const std::vector<std::filesystem::path>& files) {
+  std::string names;
+  for (const auto& file : files) names += (names.empty() ? "" : " ") + file.filename().string();
+  return names;
+}
+
+void write_log(const std::filesystem::path& path, const std::vector<training::EpochReport>& history) {
+  std::ofstream log(path);
+  log << "epoch,loss,validation_gradient,validation_energy,learning_rate,seconds\n";
+  for (const auto& r : history) {
+    const auto measured = [](double error) { return error < 0 ? std::string() : fmt::format("{:.6g}", error); };
+    log << fmt::format("{},{:.6g},{},{},{:.6g},{:.1f}\n", r.epoch, r.loss, measured(r.validation_gradient),
+                       measured(r.validation_energy), r.learning_rate, r.seconds);
+  }
+  if (!log) throw Error("file.write_failed", "Cannot write " + path.string() + ".");
+}
+
+void print_errors(const char* split, const neural::SplitErrors& errors) {
+  const auto line = [&](const char* what, const neural::ErrorStatistics& e) {
+    fmt::print("{:12} {:9} mean {:6.3f} %, RMS {:6.3f} %, median {:6.3f} %, 99th percentile {:6.2f} %\n", split, what,
+               100 * e.mean, 100 * e.root_mean_square, 100 * e.median, 100 * e.percentile_99);
+  };
+  line("gradient", errors.gradient);
+  line("energy", errors.energy);
+}
+
+void train(TrainArguments& arguments, const StopSignals& signals, bool& interrupted) {
+  auto& training = arguments.options.training;
+  training.shape.form = neural::energy_form_of(arguments.form);
+  training.shape.activation = neural::activation_of(arguments.activation);
+  training.optimizer = training::optimizer_of(arguments.optimizer);
+  set_thread_count(arguments.threads);
+  std::vector<dataset::Dataset> parts;
+  for (const auto& file : arguments.files) parts.push_back(dataset::read_finished_or_partial(file));
+  const auto data = dataset::merge(std::move(parts), true);
+  if (!arguments.family.empty() && data.recipe.text("family") != arguments.family)
+    throw Error("training.invalid_option",
+                fmt::format("The data set is of the family {}, not {}.", data.recipe.text("family"), arguments.family),
+                {{"family", data.recipe.text("family")}});
+  const auto checkpoint = checkpoint_path(arguments.out);
+  const auto report = [&](const training::EpochReport& r) {
+    if (arguments.quiet || r.validation_gradient < 0) return;
+    fmt::print(stderr, "epoch {}/{}: loss {:.4f}, validation: gradient {:.2f} %, energy {:.2f} %; {:.0f} s\n", r.epoch,
+               training.epochs, r.loss, 100 * r.validation_gradient, 100 * r.validation_energy, r.seconds);
+  };
+  const auto result =
+      train_model(data, names_of(arguments.files), arguments.options, checkpoint, signals.cancellation(), report);
+  if (!arguments.log.empty()) write_log(arguments.log, result.history);
+  interrupted = !result.finished;
+  if (interrupted) {
+    fmt::print(stderr, "interrupted: {} holds {} epochs; the same command goes on\n", checkpoint.string(),
+               result.history.size());
+    return;
+  }
+  neural::write_model(arguments.out, result.model);
+  std::filesystem::remove(checkpoint);
+  fmt::print("{} holds the model {} (epoch {} of {}), {} weights\n", arguments.out.string(), result.model.id,
+             result.best_epoch, result.history.size(), result.model.network.weights());
+  print_errors("design split", *result.model.design_split);
+  print_errors("row split", *result.model.row_split);
+}
+
+void add_options(CLI::App& command, TrainArguments& arguments) {
+  auto& options = arguments.options;
+  auto& training = options.training;
+  auto& shape = training.shape;
+  command.add_option("--data", arguments.files, "Data sets of one recipe, or parts of one")->required();
+  command.add_option("--out", arguments.out, "The model; until it is finished, OUT.partial keeps what is done")
+      ->required();
+  command.add_option("--family", arguments.family, "Refuses data of another");
+  command.add_option("--id", options.id, "Of the model; the family's unless given");
+  command.add_option("--log", arguments.log, "CSV file of losses and validation errors");
+  command.add_option("--threads", arguments.threads, "0: one for each core")->capture_default_str();
+  command.add_flag("--quiet", arguments.quiet, "No progress on stderr");
+  const auto group_of = [&](const char* group) {
+    return [&command, group](const char* name, auto& value, const char* about) {
+      command.add_option(name, value, about)->capture_default_str()->group(group);
+    };
+  };
+  const auto network = group_of("Network");
+  network("--width", shape.width, "Neurons of each layer, a multiple of 16");
+  network("--strain-layers", shape.strain_layers, "Of the branch that reads the strain");
+  network("--parameter-layers", shape.parameter_layers, "Of the branch that reads the parameters");
+  network("--trunk-layers", shape.trunk_layers, "After both branches meet");
+  network("--residuals", shape.residuals, "Terms of the sum of squares");
+  network("--stiffness-width", shape.stiffness_width, "Neurons of the stiffness branch");
+  network("--activation", arguments.activation, "swish, tanh or sine");
+  network("--form", arguments.form, "sum_of_squares or softplus");
+  const auto rule = group_of("Training");
+  rule("--epochs", training.epochs, "Passes over the training rows");
+  rule("--chunk-rows", training.chunk_rows, "Rows of one design that go together");
+  rule("--batch-chunks", training.batch_chunks, "Chunks of one step");
+  rule("--learning-rate", training.learning_rate, "At its highest");
+  rule("--last-learning-rate", training.last_learning_rate, "At the end");
+  rule("--largest-gradient", training.largest_gradient, "Longer ones are shortened");
+  rule("--energy-weight", training.energy_weight, "Of the energy's error");
+  rule("--stress-weight", training.stress_weight, "Of the stress's error");
+  rule("--tangent-weight", training.tangent_weight, "Of the tangent's error");
+  rule("--tangent-begin", training.tangent_begin, "Share of the epochs after which the tangent counts");
+  rule("--error-floor", training.error_floor, "Relative error below which errors count less");
+  rule("--optimizer", arguments.optimizer, "soap or adam");
+  rule("--smallest-input-scale", training.smallest_input_scale, "Of strains at the first layer");
+  rule("--largest-input-scale", training.largest_input_scale, "Of strains at the first layer");
+  rule("--patience", training.patience, "Epochs without a better validation that end training; 0: never");
+  rule("--validation-interval", training.validation_interval, "Epochs between validations");
+  rule("--seed", training.seed, "Of the weights and the order of rows");
+  rule("--symmetry", options.use_symmetry, "See each chunk through the family's symmetries (1 or 0)");
+  const auto split = group_of("Samples");
+  split("--least-energy", options.samples.least_energy, "MPa; rows below are left out");
+  split("--largest-energy", options.samples.largest_energy, "MPa; rows above are left out");
+  split("--validation-share", options.split.validation, "Of the designs");
+  split("--test-share", options.split.test, "Of the designs");
+  split("--row-test-share", options.split.row_test, "Of the rows of the other designs");
+  split("--split-seed", options.split.seed, "Which designs and rows these are");
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& program, const StopSignals& signals, bool& interrupted) {
+  const auto arguments = std::make_shared<TrainArguments>();
+  CLI::App* command =
+      program.add_subcommand("train", "Train a network on a data set; interrupted, the same command goes on");
+  add_options(*command, *arguments);
+  command->callback([=, &signals, &interrupted] { train(*arguments, signals, interrupted); });
+}
+
+}  // namespace supple::lab

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include "stop_signals.h"
+
+namespace supple::lab {
+
+/// Adds "train". `interrupted` is set if a signal ended it.
+void add_train_command(CLI::App& program, const StopSignals& signals, bool& interrupted);
+
+}  // namespace supple::lab

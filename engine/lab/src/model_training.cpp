@@ -1,0 +1,95 @@
+#include "supple/lab/model_training.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <set>
+
+#include "supple/lab/dataset_options.h"
+#include "supple/training/model_errors.h"
+
+namespace supple::lab {
+namespace {
+
+/// What a rotation or reflection R makes of strains: E -> R E R^T.
+Eigen::Matrix3d strain_map(const Eigen::Matrix2d& r) {
+  Eigen::Matrix3d map;
+  for (int k = 0; k < 3; ++k) {
+    Eigen::Matrix2d unit = Eigen::Matrix2d::Zero();
+    if (k < 2)
+      unit(k, k) = 1;
+    else
+      unit(0, 1) = unit(1, 0) = 0.5;
+    const Eigen::Matrix2d image = r * unit * r.transpose();
+    map.col(k) << image(0, 0), image(1, 1), 2 * image(0, 1);
+  }
+  return map;
+}
+
+/// The versions of the engine that computed the designs.
+std::string engines_of(const dataset::Dataset& data) {
+  std::set<std::string> engines;
+  for (const auto& design : data.designs) engines.insert(design.engine);
+  std::string text;
+  for (const auto& engine : engines) text += (text.empty() ? "" : ", ") + engine;
+  return text;
+}
+
+}  // namespace
+
+std::vector<Eigen::Matrix3d> strain_symmetries(const tiling::Family& family) {
+  std::vector<double> presets;
+  for (const auto& parameter : family.parameters) presets.push_back(parameter.preset);
+  std::vector<Eigen::Matrix3d> maps{Eigen::Matrix3d::Identity()};
+  for (const auto& placement : family.shape(presets).placements) {
+    const auto map = strain_map(placement.linear);
+    if (std::none_of(maps.begin(), maps.end(), [&](const auto& known) { return known.isApprox(map, 1e-9); }))
+      maps.push_back(map);
+  }
+  maps.erase(maps.begin());
+  return maps;
+}
+
+ModelResult train_model(const dataset::Dataset& data, const std::string& data_name, const ModelOptions& options,
+                        const std::filesystem::path& checkpoint, const CancellationToken& cancellation,
+                        const std::function<void(const training::EpochReport&)>& report) {
+  const auto& family = tiling::family(data.recipe.text("family"));
+  const auto samples = training::read_samples(data, options.samples);
+  const auto parts = training::split(samples, options.split);
+  auto training_options = options.training;
+  training_options.shape.parameters = static_cast<int>(samples.lower.size());
+  if (options.use_symmetry) training_options.symmetries = strain_symmetries(family);
+  const auto trained = training::train(samples, parts, training_options, checkpoint, cancellation, report);
+
+  ModelResult result;
+  result.history = trained.history;
+  result.best_epoch = trained.best_epoch;
+  result.finished = trained.finished;
+  auto& model = result.model;
+  model.id = options.id;
+  if (model.id.empty())
+    std::transform(family.id.begin(), family.id.end(), std::back_inserter(model.id),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  model.family = family.id;
+  model.network = trained.network;
+  if (!trained.finished) return result;
+  model.strain_range = training::strain_range(model.network, samples, parts.training);
+  model.design_split = training::split_errors(model.network, samples, parts.test);
+  model.row_split = training::split_errors(model.network, samples, parts.row_test);
+  auto& provenance = model.provenance;
+  provenance.data_set = data_name;
+  provenance.data_engine = engines_of(data);
+  provenance.engine = engine_version();
+  provenance.designs = static_cast<std::int64_t>(samples.designs.size()) - model.design_split->designs;
+  provenance.rows = static_cast<std::int64_t>(parts.training.size());
+  provenance.seed = training_options.seed;
+  provenance.options = training::describe(training_options);
+  provenance.training_seconds = trained.history.empty() ? 0 : trained.history.back().seconds;
+  provenance.youngs_modulus = data.recipe.number("youngs_modulus");
+  provenance.poisson_ratio = data.recipe.number("poisson_ratio");
+  return result;
+}
+
+}  // namespace supple::lab

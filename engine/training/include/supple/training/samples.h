@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "supple/dataset/dataset.h"
+
+namespace supple::training {
+
+/// A design and where its rows are.
+struct SampledDesign {
+  std::int64_t index = 0;  ///< in the data set
+  std::vector<double> parameters;
+  int first = 0;  ///< its rows are [first, first + count)
+  int count = 0;
+  bool inside = true;  ///< whether all parameters are within the family's bounds
+};
+
+/// What a network learns from: equilibria, by design. Strains are columns (E_xx, E_yy, 2 E_xy), energies and stresses
+/// in MPa, tangents 11, 12, 13, 22, 23, 33.
+struct Samples {
+  std::vector<double> lower;  ///< bounds of the family's parameters
+  std::vector<double> upper;
+  std::vector<SampledDesign> designs;
+  Eigen::Matrix3Xd strain;
+  Eigen::Matrix3Xd stress;
+  Eigen::RowVectorXd energy;
+  Eigen::Matrix<double, 6, -1> tangent;
+
+  int rows() const { return static_cast<int>(energy.size()); }
+};
+
+/// Rows with energies outside of [least_energy, largest_energy] are left out: below, what the simulation's tolerance
+/// leaves decides; above, nothing that is printed holds.
+struct SampleOptions {
+  double least_energy = 1e-6;  ///< MPa
+  double largest_energy = 10;  ///< MPa
+};
+
+/// The rows of stable states with finite tangents. Throws "training.no_samples".
+Samples read_samples(const dataset::Dataset& data, const SampleOptions& options = {});
+
+/// Rows for training, for choosing (when to stop, which options) and for the final judgement; no row is in two. What
+/// lies outside of the family's bounds is for training only.
+struct Split {
+  std::vector<int> training;
+  std::vector<int> validation;  ///< of designs that no other part knows
+  std::vector<int> test;        ///< of designs that no other part knows
+  /// Single rows of the designs for training: what a split by rows, as the thesis tests (4.4.1), would judge by.
+  std::vector<int> row_test;
+};
+
+struct SplitOptions {
+  double validation = 0.06;  ///< share of the designs within the bounds
+  double test = 0.12;        ///< share of them
+  double row_test = 0.04;    ///< share of the rows of the other designs within the bounds
+  std::int64_t seed = 1;
+};
+
+Split split(const Samples& samples, const SplitOptions& options = {});
+
+}  // namespace supple::training

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "supple/base/cancellation.h"
+#include "supple/neural/network.h"
+#include "supple/training/samples.h"
+
+namespace supple::training {
+
+enum class OptimizerKind { soap, adam };
+std::string_view to_string(OptimizerKind kind);
+/// Throws "training.invalid_option".
+OptimizerKind optimizer_of(std::string_view name);
+
+/// Each row adds log(1 + sqrt(x^2 + error_floor^2)) of its relative errors x of energy and stress, and of its tangent
+/// along a random direction; the thesis's loss (4.8) adds their squares. Errors far above and far below the floor then
+/// count alike: neither nearly buckled rows nor easy ones decide alone.
+struct TrainingOptions {
+  neural::NetworkShape shape;  ///< its width a multiple of 16
+  int epochs = 300;
+  int chunk_rows = 13;    ///< rows of one design that go together; its parameter branch is evaluated once for them
+  int batch_chunks = 10;  ///< chunks of one step
+  double learning_rate = 5e-3;
+  double last_learning_rate = 1e-5;  ///< the rate falls along a cosine, after a short rise
+  double largest_gradient = 1;       ///< longer ones are shortened
+  double energy_weight = 1;
+  double stress_weight = 1;
+  double tangent_weight = 0.1;
+  double tangent_begin = 0.5;  ///< share of the epochs after which the tangent counts
+  double error_floor = 0.02;
+  OptimizerKind optimizer = OptimizerKind::soap;
+  double smallest_input_scale = 1;  ///< of strains at the first layer, when weights are drawn
+  double largest_input_scale = 20;
+  int stiffness_steps = 300;  ///< that first fit the stiffness branch to tangents next to rest
+  int patience = 0;           ///< epochs without a better validation after which training ends; 0: all are run
+  int validation_interval = 5;
+  std::int64_t seed = 1;
+  /// Of the family: maps A of strains e = (E_xx, E_yy, 2 E_xy) under which the energy does not change. Each chunk is
+  /// seen through a random one of them and the identity.
+  std::vector<Eigen::Matrix3d> symmetries;
+};
+
+/// By name, as they are kept with a model and compared when a checkpoint is taken up.
+std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions& options);
+
+struct EpochReport {
+  int epoch = 0;                    ///< from 1
+  double loss = 0;                  ///< mean over the epoch's rows
+  double validation_gradient = -1;  ///< mean relative error; negative where it was not measured
+  double validation_energy = -1;
+  double learning_rate = 0;
+  double seconds = 0;  ///< of training so far, over all runs
+};
+
+struct TrainingResult {
+  neural::Network network;  ///< the best on the validation rows
+  std::vector<EpochReport> history;
+  int best_epoch = 0;
+  bool finished = false;  ///< false if it was interrupted: the same call goes on
+};
+
+/// Trains on the counted threads, or on a GPU where LibTorch has one. While it runs, `checkpoint` (if not empty) is
+/// rewritten every half minute and when it is interrupted; a call with the same samples, split and options goes on from
+/// there and ends with the same bits as one that was never interrupted. It is deleted at the end by the caller, once
+/// the model is written. `report` hears of each epoch.
+///
+/// Throws "training.invalid_option" (named), "training.diverged" (a loss that is not finite), "file.unreadable",
+/// "file.write_failed", and "training.different_options" for a checkpoint of another training.
+TrainingResult train(const Samples& samples, const Split& split, const TrainingOptions& options,
+                     const std::filesystem::path& checkpoint, const CancellationToken& cancellation,
+                     const std::function<void(const EpochReport&)>& report);
+
+}  // namespace supple::training

@@ -1,0 +1,95 @@
+#include "supple/training/samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "supple/base/error.h"
+#include "supple/base/random.h"
+
+namespace supple::training {
+namespace {
+
+bool usable(const dataset::Row& row, const SampleOptions& options) {
+  return row.stable && row.energy_density >= options.least_energy && row.energy_density <= options.largest_energy &&
+         std::all_of(row.tangent.begin(), row.tangent.end(), [](double c) { return std::isfinite(c); });
+}
+
+/// 0, ..., n - 1 in random order.
+std::vector<int> shuffled(int n, const char* name, std::int64_t seed) {
+  RandomStream stream(name, static_cast<std::uint64_t>(seed));
+  std::vector<int> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  for (int i = n - 1; i > 0; --i)
+    std::swap(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(stream.below(i + 1))]);
+  return order;
+}
+
+}  // namespace
+
+Samples read_samples(const dataset::Dataset& data, const SampleOptions& options) {
+  Samples samples;
+  samples.lower = data.recipe.numbers("lower_bounds");
+  samples.upper = data.recipe.numbers("upper_bounds");
+  std::vector<const dataset::Row*> rows;
+  for (const auto& design : data.designs) {
+    SampledDesign sampled{design.index, design.parameters, static_cast<int>(rows.size()), 0, true};
+    for (std::size_t k = 0; k < design.parameters.size(); ++k)
+      sampled.inside =
+          sampled.inside && design.parameters[k] >= samples.lower[k] && design.parameters[k] <= samples.upper[k];
+    for (const auto& row : design.rows)
+      if (usable(row, options)) rows.push_back(&row);
+    sampled.count = static_cast<int>(rows.size()) - sampled.first;
+    if (sampled.count > 0) samples.designs.push_back(std::move(sampled));
+  }
+  if (rows.empty())
+    throw Error("training.no_samples", "The data set holds no stable state that a network could learn from.");
+  const auto n = static_cast<long>(rows.size());
+  samples.strain.resize(3, n);
+  samples.stress.resize(3, n);
+  samples.energy.resize(n);
+  samples.tangent.resize(6, n);
+  for (long i = 0; i < n; ++i) {
+    const auto& row = *rows[static_cast<std::size_t>(i)];
+    samples.strain.col(i) << row.green_strain[0], row.green_strain[1], 2 * row.green_strain[2];
+    samples.stress.col(i) = Eigen::Map<const Eigen::Vector3d>(row.stress.data());
+    samples.energy[i] = row.energy_density;
+    samples.tangent.col(i) = Eigen::Map<const Eigen::Matrix<double, 6, 1>>(row.tangent.data());
+  }
+  return samples;
+}
+
+Split split(const Samples& samples, const SplitOptions& options) {
+  Split parts;
+  const auto add = [](std::vector<int>& rows, const SampledDesign& design) {
+    for (int i = 0; i < design.count; ++i) rows.push_back(design.first + i);
+  };
+  std::vector<const SampledDesign*> inside;
+  for (const auto& design : samples.designs) {
+    if (design.inside)
+      inside.push_back(&design);
+    else
+      add(parts.training, design);
+  }
+  const auto n = static_cast<int>(inside.size());
+  const int tests = static_cast<int>(std::ceil(options.test * n));
+  const int judged = tests + static_cast<int>(std::ceil(options.validation * n));
+  const auto order = shuffled(n, "split of designs", options.seed);
+  RandomStream rows("split of rows", static_cast<std::uint64_t>(options.seed));
+  for (int i = 0; i < n; ++i) {
+    const auto& design = *inside[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
+    if (i < tests)
+      add(parts.test, design);
+    else if (i < judged)
+      add(parts.validation, design);
+    else
+      for (int j = 0; j < design.count; ++j)
+        (rows.uniform() < options.row_test ? parts.row_test : parts.training).push_back(design.first + j);
+  }
+  for (auto* part : {&parts.training, &parts.validation, &parts.test, &parts.row_test})
+    std::sort(part->begin(), part->end());
+  return parts;
+}
+
+}  // namespace supple::training

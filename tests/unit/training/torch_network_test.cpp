@@ -1,0 +1,151 @@
+// LibTorch's automatic differentiation is the oracle of the evaluator and of the kernels that train.
+#include "torch_network.h"
+
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include <string>
+#include <vector>
+
+#include "random_network.h"
+#include "supple/neural/evaluator.h"
+
+namespace supple::training {
+namespace {
+
+using neural::Activation;
+using neural::EnergyForm;
+using torch::Tensor;
+
+struct Case {
+  EnergyForm form;
+  Activation activation;
+};
+
+class TorchNetwork : public testing::TestWithParam<Case> {
+ protected:
+  void SetUp() override {
+    neural::NetworkShape shape;
+    shape.form = GetParam().form;
+    shape.activation = GetParam().activation;
+    shape.width = 48;
+    shape.parameters = 3;
+    network = neural::random_network(shape, 11);
+  }
+  neural::Network network;
+};
+
+std::string name_of(const testing::TestParamInfo<Case>& info) {
+  return std::string(to_string(info.param.form)) + "_" + std::string(to_string(info.param.activation));
+}
+
+Tensor column_tensor(const Eigen::VectorXd& values) {
+  auto tensor = torch::empty({values.size()}, torch::kDouble);
+  std::copy_n(values.data(), values.size(), tensor.data_ptr<double>());
+  return tensor;
+}
+
+double largest(const Tensor& tensor) { return tensor.abs().max().item<double>(); }
+
+/// All derivatives of one strain's energy by autograd in double precision.
+TEST_P(TorchNetwork, EvaluatorAgreesWithAutogradInDoublePrecision) {
+  const auto parameters = to_parameters(network, torch::kDouble, torch::kCPU);
+  const neural::Evaluator evaluator(network);
+  RandomStream stream("autograd", 1);
+  for (int trial = 0; trial < 5; ++trial) {
+    Eigen::VectorXd p(3);
+    for (int k = 0; k < 3; ++k) p[k] = stream.uniform(network.lower[k], network.upper[k]);
+    const Eigen::Vector3d e(stream.uniform(-0.3, 0.4), stream.uniform(-0.3, 0.4), stream.uniform(-0.3, 0.4));
+    const std::vector<double> at(p.begin(), p.end());
+    const auto answer = evaluator.evaluate(evaluator.design(at, true), e, neural::Order::third);
+
+    auto raw = column_tensor(p).set_requires_grad(true);
+    const auto lower = column_tensor(network.lower);
+    const auto upper = column_tensor(network.upper);
+    auto strain = column_tensor(e).set_requires_grad(true);
+    const Batch batch{(2 * (raw - lower) / (upper - lower) - 1).unsqueeze(0), torch::zeros({1}, torch::kLong),
+                      strain.unsqueeze(0)};
+    const auto phi = energy(network.shape, parameters, batch)[0];
+    const auto first = torch::autograd::grad({phi}, {strain, raw}, {}, true, true);
+    const double tolerance = 1e-10;
+    EXPECT_NEAR(answer.energy_density[0], phi.item<double>(), tolerance * phi.item<double>());
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(answer.stress(i, 0), first[0][i].item<double>(), tolerance * largest(first[0]));
+      EXPECT_NEAR(answer.energy_by_parameters(i, 0), first[1][i].item<double>(), tolerance * largest(first[1]));
+    }
+    const int pair[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    for (int i = 0; i < 3; ++i) {
+      const auto second = torch::autograd::grad({first[0][i]}, {strain, raw}, {}, true, true);
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(answer.tangent(pair[i][k], 0), second[0][k].item<double>(), tolerance * largest(second[0]));
+        EXPECT_NEAR(answer.stress_by_parameters(3 * i + k, 0), second[1][k].item<double>(),
+                    tolerance * largest(second[1]));
+      }
+      for (int j = i; j < 3; ++j) {
+        const auto third = torch::autograd::grad({second[0][j]}, {strain, raw}, {}, true, true);
+        for (int k = 0; k < 3; ++k)
+          EXPECT_NEAR(answer.tangent_by_parameters(3 * pair[i][j] + k, 0), third[1][k].item<double>(),
+                      tolerance * largest(third[1]));
+        // Third derivatives 1jk: the others are among them by symmetry, or follow from the same channels.
+        for (int k = j; i == 0 && k < 3; ++k)
+          EXPECT_NEAR(answer.third(pair[j][k], 0), third[0][k].item<double>(), tolerance * largest(third[0]));
+      }
+    }
+  }
+}
+
+/// A batch of 40 strains of 7 designs.
+Batch random_batch(torch::Dtype type) {
+  torch::manual_seed(3);
+  const auto options = torch::TensorOptions().dtype(torch::kDouble);
+  return {(2 * torch::rand({7, 3}, options) - 1).to(type), torch::randint(7, {40}, torch::kLong),
+          (0.6 * torch::rand({40, 3}, options) - 0.25).to(type)};
+}
+
+TEST_P(TorchNetwork, TrainingKernelsAgreeWithAutograd) {
+  const auto batch = random_batch(torch::kFloat);
+  const auto exact_batch = random_batch(torch::kDouble);
+  const auto direction = torch::tensor({0.6, -0.64, 0.48}, torch::kDouble);
+  auto ours = to_parameters(network, torch::kFloat, torch::kCPU);
+  auto exact = to_parameters(network, torch::kDouble, torch::kCPU);
+  for (auto* parameters : {&ours, &exact})
+    for (auto& tensor : *parameters) tensor.set_requires_grad(true);
+  const auto a = response(network.shape, ours, batch, direction.to(torch::kFloat));
+  const auto b = response_by_autograd(network.shape, exact, exact_batch, direction);
+  const auto close = [](const Tensor& value, const Tensor& expected, double tolerance, const std::string& what) {
+    EXPECT_LE(largest(value.to(torch::kDouble) - expected), tolerance * largest(expected)) << what;
+  };
+  close(a.energy, b.energy, 2e-5, "energy");
+  close(a.stress, b.stress, 2e-5, "stress");
+  close(a.stiffness, b.stiffness, 2e-4, "stiffness");
+  // One scalar that mixes all answers with fixed weights.
+  const auto weights = torch::linspace(-1, 1, 40, torch::kDouble);
+  const auto mix = [&](const Response& r) {
+    const auto w = weights.to(r.energy.scalar_type());
+    return (r.energy * w).sum() + (r.stress.square().sum(1) * w).sum() + (0.1 * r.stiffness * w).sum();
+  };
+  mix(a).backward();
+  mix(b).backward();
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (!exact[i].grad().defined() || largest(exact[i].grad()) == 0) continue;
+    close(ours[i].grad(), exact[i].grad(), 1e-3, "gradient of parameter " + std::to_string(i));
+  }
+}
+
+TEST_P(TorchNetwork, WeightsGoToTensorsAndBackUnchanged) {
+  auto copy = network;
+  for (auto& layer : copy.trunk) layer.weights.setZero();
+  assign(copy, to_parameters(network, torch::kDouble, torch::kCPU));
+  EXPECT_EQ(copy.trunk[2].weights, network.trunk[2].weights);
+  EXPECT_EQ(copy.strain[0].bias, network.strain[0].bias);
+}
+
+INSTANTIATE_TEST_SUITE_P(Networks, TorchNetwork,
+                         testing::Values(Case{EnergyForm::sum_of_squares, Activation::swish},
+                                         Case{EnergyForm::sum_of_squares, Activation::tanh},
+                                         Case{EnergyForm::sum_of_squares, Activation::sine},
+                                         Case{EnergyForm::softplus, Activation::swish}),
+                         name_of);
+
+}  // namespace
+}  // namespace supple::training

@@ -1,0 +1,173 @@
+#include "supple/training/trainer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "law_samples.h"
+#include "sample_data.h"
+#include "supple/base/error.h"
+#include "supple/neural/evaluator.h"
+#include "supple/training/model_errors.h"
+
+namespace supple::training {
+namespace {
+
+TrainingOptions small_options(int epochs) {
+  TrainingOptions options;
+  options.shape.width = 32;
+  options.shape.parameters = 1;
+  options.shape.stiffness_width = 16;
+  options.epochs = epochs;
+  options.largest_input_scale = 4;
+  options.validation_interval = 2;
+  return options;
+}
+
+const Samples& samples() {
+  static const Samples made = law_samples(40, 20, 1);
+  return made;
+}
+const Split& parts() {
+  static const Split made = split(samples(), {.validation = 0.1, .test = 0.2, .row_test = 0.05, .seed = 1});
+  return made;
+}
+
+bool same(const neural::Network& a, const neural::Network& b) {
+  for (const auto branch :
+       {&neural::Network::strain, &neural::Network::parameter, &neural::Network::trunk, &neural::Network::stiffness})
+    for (std::size_t i = 0; i < (a.*branch).size(); ++i)
+      if ((a.*branch)[i].weights != (b.*branch)[i].weights || (a.*branch)[i].bias != (b.*branch)[i].bias) return false;
+  return true;
+}
+
+void ignore(const EpochReport&) {}
+
+TEST(Split, NoDesignIsInTwoPartsAndOutsideOnesOnlyTrain) {
+  auto all = samples();
+  for (auto& design : all.designs) design.inside = design.index % 5 != 0;
+  const auto made = split(all);
+  const auto design_of = [&](int row) { return row / 20; };
+  std::vector<int> owner(40, 0);
+  const auto mark = [&](const std::vector<int>& rows, int part) {
+    for (const int row : rows) {
+      auto& o = owner[static_cast<std::size_t>(design_of(row))];
+      EXPECT_TRUE(o == 0 || o == part) << "design " << design_of(row) << " is in two parts";
+      o = part;
+    }
+  };
+  mark(made.training, 1);
+  mark(made.validation, 2);
+  mark(made.test, 3);
+  for (const int row : made.row_test) EXPECT_EQ(owner[static_cast<std::size_t>(design_of(row))], 1);
+  for (const auto* part : {&made.validation, &made.test, &made.row_test})
+    for (const int row : *part) EXPECT_NE(design_of(row) % 5, 0) << "a design outside of the bounds was judged by";
+  const auto total = made.training.size() + made.validation.size() + made.test.size() + made.row_test.size();
+  EXPECT_EQ(total, 800U);
+  EXPECT_EQ(made.test.size(), 4U * 20U);  // 12 % of 32 designs
+}
+
+TEST(Training, LearnsALawOnDesignsItHasNotSeen) {
+  std::vector<EpochReport> reports;
+  const auto result =
+      train(samples(), parts(), small_options(120), {}, {}, [&](const auto& r) { reports.push_back(r); });
+  ASSERT_TRUE(result.finished);
+  EXPECT_EQ(reports.size(), 120U);
+  EXPECT_LT(reports.back().loss, 0.2 * reports.front().loss);
+  const auto errors = split_errors(result.network, samples(), parts().test);
+  EXPECT_EQ(errors.designs, 8);
+  EXPECT_LT(errors.gradient.mean, 0.02);
+  EXPECT_LT(errors.energy.mean, 0.01);
+  EXPECT_LE(errors.gradient.median, errors.gradient.percentile_99);
+}
+
+TEST(Training, TheSameSeedGivesTheSameBitsAndAnotherOthers) {
+  auto options = small_options(4);
+  const auto one = train(samples(), parts(), options, {}, {}, ignore);
+  const auto two = train(samples(), parts(), options, {}, {}, ignore);
+  EXPECT_TRUE(same(one.network, two.network));
+  options.seed = 2;
+  EXPECT_FALSE(same(one.network, train(samples(), parts(), options, {}, {}, ignore).network));
+}
+
+TEST(Training, AnInterruptedOneGoesOnWithTheSameBits) {
+  const dataset::TemporaryFolder folder;
+  const auto checkpoint = folder / "training.partial";
+  const auto options = small_options(8);
+  const CancellationToken stop;
+  const auto part = train(samples(), parts(), options, checkpoint, stop, [&](const EpochReport& r) {
+    if (r.epoch == 5) stop.request(StopReason::cancelled);
+  });
+  EXPECT_FALSE(part.finished);
+  EXPECT_EQ(part.history.size(), 5U);
+  const auto rest = train(samples(), parts(), options, checkpoint, {}, ignore);
+  EXPECT_TRUE(rest.finished);
+  EXPECT_EQ(rest.history.size(), 8U);
+  EXPECT_TRUE(same(rest.network, train(samples(), parts(), options, {}, {}, ignore).network));
+}
+
+TEST(Training, ACheckpointOfOtherOptionsIsRefusedByName) {
+  const dataset::TemporaryFolder folder;
+  const auto checkpoint = folder / "training.partial";
+  const CancellationToken stop;
+  (void)train(samples(), parts(), small_options(8), checkpoint, stop,
+              [&](const EpochReport&) { stop.request(StopReason::cancelled); });
+  auto other = small_options(8);
+  other.learning_rate = 1e-3;
+  try {
+    (void)train(samples(), parts(), other, checkpoint, {}, ignore);
+    FAIL() << "it was taken up";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "training.different_options");
+    EXPECT_NE(std::string(error.what()).find("learning_rate"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Training, EndsEarlyWhereValidationNoLongerFalls) {
+  auto options = small_options(400);
+  options.learning_rate = options.last_learning_rate = 1e-12;
+  options.patience = 6;
+  const auto result = train(samples(), parts(), options, {}, {}, ignore);
+  EXPECT_TRUE(result.finished);
+  EXPECT_LT(result.history.size(), 40U);
+}
+
+TEST(Training, OptionsOutOfRangeAreNamed) {
+  auto options = small_options(1);
+  options.shape.width = 40;
+  try {
+    (void)train(samples(), parts(), options, {}, {}, ignore);
+    FAIL() << "a width of 40 was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "training.invalid_option");
+    ASSERT_FALSE(error.details().empty());
+    EXPECT_EQ(error.details()[0].where, "width");
+  }
+}
+
+TEST(ModelErrors, AreThoseOfTheRowsThatCount) {
+  const auto result = train(samples(), parts(), small_options(2), {}, {}, ignore);
+  // Data that the network itself made, energies and stresses then raised by one and two percent.
+  auto made = samples();
+  const neural::Evaluator evaluator(result.network);
+  for (const auto& design : made.designs) {
+    const auto answer = evaluator.evaluate(evaluator.design(design.parameters),
+                                           made.strain.middleCols(design.first, design.count), neural::Order::stress);
+    made.energy.segment(design.first, design.count) = answer.energy_density / 1.01;
+    made.stress.middleCols(design.first, design.count) = answer.stress / 1.02;
+  }
+  made.energy[3] = 0.5 * least_judged_energy;
+  const auto errors = row_errors(result.network, made, {0, 3, 25, 700});
+  EXPECT_EQ(errors.rows, (std::vector{0, 25, 700}));
+  for (long i = 0; i < 3; ++i) {
+    EXPECT_NEAR(errors.energy[i], 0.01, 1e-12);
+    EXPECT_NEAR(errors.gradient[i], 0.02, 1e-12);
+  }
+  const auto range = strain_range(result.network, samples(), parts().training);
+  EXPECT_LT(range.smallest_principal, -0.15);
+  EXPECT_GT(range.largest_principal, 0.3);
+}
+
+}  // namespace
+}  // namespace supple::training
