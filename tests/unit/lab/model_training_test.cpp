@@ -1,0 +1,42 @@
+#include "supple/lab/model_training.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "supple/microscale/simulation.h"
+#include "supple/tiling/structure.h"
+
+namespace supple::lab {
+namespace {
+
+/// Rest stiffness of a family's default structure, simulated.
+Eigen::Matrix3d rest_stiffness(const tiling::Family& family) {
+  std::vector<double> parameters;
+  for (const auto& parameter : family.parameters) parameters.push_back(parameter.preset);
+  microscale::SimulationOptions options;
+  options.mesh.mesh_size = 0.5;
+  microscale::Simulator simulator(tiling::make_structure(family, parameters), options);
+  const auto result = simulator.run(microscale::GreenStrainLoad{{Eigen::Vector3d::Zero()}});
+  return result.states.at(0).tangent;
+}
+
+TEST(StrainSymmetries, LeaveTheSimulatedStiffnessAsItIs) {
+  for (const char* id : {"IH21", "IH22", "IH28", "IH67"}) {
+    const auto& family = tiling::family(id);
+    const auto maps = strain_symmetries(family);
+    const Eigen::Matrix3d stiffness = rest_stiffness(family);
+    for (const auto& map : maps)
+      EXPECT_LT((map.transpose() * stiffness * map - stiffness).norm(), 0.01 * stiffness.norm()) << id << "\n" << map;
+  }
+}
+
+TEST(StrainSymmetries, AreAsManyAsTheFamilysDistinctOrientations) {
+  EXPECT_EQ(strain_symmetries(tiling::family("IH01")).size(), 0U);
+  EXPECT_EQ(strain_symmetries(tiling::family("IH21")).size(), 2U) << "sixfold rotation: three orientations of a strain";
+  EXPECT_EQ(strain_symmetries(tiling::family("IH22")).size(), 1U) << "a mirror";
+  EXPECT_EQ(strain_symmetries(tiling::family("IH28")).size(), 1U) << "a quarter turn";
+}
+
+}  // namespace
+}  // namespace supple::lab

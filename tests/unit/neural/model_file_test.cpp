@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "random_network.h"
+#include "supple/base/error.h"
+#include "supple/neural/model.h"
+
+namespace supple::neural {
+namespace {
+
+class ModelFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::temp_directory_path() / ("supple-model-test-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder);
+    path = folder / "model.h5";
+    NetworkShape shape;
+    shape.width = 24;
+    shape.parameters = 2;
+    model.id = "ih67";
+    model.family = "IH67";
+    model.network = random_network(shape, 5);
+    model.strain_range = {-0.25, 0.63, 0.4};
+    model.provenance.data_set = "IH67-0-of-12.h5 IH67-1-of-12.h5";
+    model.provenance.designs = 410;
+    model.provenance.seed = 3;
+    model.provenance.options = {{"width", "24"}, {"optimizer", "soap"}};
+    model.provenance.training_seconds = 12.5;
+    model.design_split = SplitErrors{{0.01, 0.02, 0.005, 0.1}, {0.02, 0.04, 0.01, 0.2}, 50, 1900};
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  static std::string content(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  static std::string code_of(const std::filesystem::path& file) {
+    try {
+      (void)read_model(file);
+      return "none";
+    } catch (const Error& error) {
+      return error.code();
+    }
+  }
+
+  std::filesystem::path folder;
+  std::filesystem::path path;
+  Model model;
+};
+
+TEST_F(ModelFile, HoldsEverythingThatWasWritten) {
+  write_model(path, model);
+  const auto back = read_model(path);
+  EXPECT_EQ(back.id, model.id);
+  EXPECT_EQ(back.family, model.family);
+  EXPECT_EQ(back.network.shape.width, 24);
+  for (std::size_t i = 0; i < model.network.trunk.size(); ++i) {
+    EXPECT_EQ(back.network.trunk[i].weights, model.network.trunk[i].weights);
+    EXPECT_EQ(back.network.trunk[i].bias, model.network.trunk[i].bias);
+  }
+  EXPECT_EQ(back.network.stiffness[2].weights, model.network.stiffness[2].weights);
+  EXPECT_EQ(back.network.upper, model.network.upper);
+  EXPECT_EQ(back.strain_range.largest_energy, 0.4);
+  EXPECT_EQ(back.provenance.options, model.provenance.options);
+  EXPECT_EQ(back.provenance.designs, 410);
+  ASSERT_TRUE(back.design_split.has_value());
+  EXPECT_EQ(back.design_split->gradient.percentile_99, 0.2);
+  EXPECT_EQ(back.design_split->samples, 1900);
+  EXPECT_FALSE(back.row_split.has_value());
+}
+
+TEST_F(ModelFile, TheSameModelGivesTheSameBytes) {
+  write_model(path, model);
+  write_model(folder / "again.h5", model);
+  EXPECT_EQ(content(path), content(folder / "again.h5"));
+}
+
+TEST_F(ModelFile, WhatIsNoModelIsRefused) {
+  EXPECT_EQ(code_of(folder / "missing.h5"), "file.unreadable");
+  std::ofstream(folder / "text.h5") << "not HDF5";
+  EXPECT_EQ(code_of(folder / "text.h5"), "file.unreadable");
+  write_model(path, model);
+  const auto bytes = content(path);
+  std::ofstream(folder / "cut.h5", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  EXPECT_EQ(code_of(folder / "cut.h5"), "file.unreadable");
+}
+
+TEST_F(ModelFile, ANetworkThatDoesNotFitIsNotWritten) {
+  model.network.trunk[1].bias.conservativeResize(23);
+  EXPECT_THROW(write_model(path, model), Error);
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(InRange, NeedsParametersStrainAndEnergyWithinWhatWasTrained) {
+  Model model;
+  model.network.lower = Eigen::Vector2d(0.1, 0.6);
+  model.network.upper = Eigen::Vector2d(0.3, 1.1);
+  model.strain_range = {-0.2, 0.5, 0.1};
+  const std::vector<double> inside{0.1, 1.1};
+  const Eigen::Vector3d strain(0.3, -0.1, 0.1);
+  EXPECT_TRUE(in_range(model, inside, strain, 0.15, 2));
+  EXPECT_FALSE(in_range(model, std::vector{0.09, 1.0}, strain, 0.15, 2));
+  EXPECT_FALSE(in_range(model, inside, strain, 0.25, 2)) << "energy above 0.1 of the stiffness 2";
+  EXPECT_FALSE(in_range(model, inside, Eigen::Vector3d(0.4, 0.4, 0.3), 0.15, 2)) << "principal strain 0.55";
+  EXPECT_FALSE(in_range(model, inside, Eigen::Vector3d(0, -0.21, 0), 0.15, 2));
+}
+
+}  // namespace
+}  // namespace supple::neural
