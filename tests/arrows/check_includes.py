@@ -18,7 +18,7 @@ ROOMS = {
     "engine/microscale": {"base", "numerics", "tiling", "microscale"},
     "engine/files": {"base", "files"},
     "engine/dataset": {"base", "files", "dataset"},
-    "engine/training": {"base", "files", "dataset", "neural", "training"},
+    "engine/training": {"base", "files", "tiling", "dataset", "neural", "training"},
     "engine/neural": {"base", "files", "neural"},
     "engine/lab": {"base", "files", "numerics", "tiling", "microscale", "dataset", "neural", "training", "lab"},
     "server/problem": {"base", "problem"},

@@ -28,7 +28,9 @@ ExitCode run(int argument_count, char** arguments) {
   program.set_version_flag("--version", supple::lab::engine_version());
   program.require_subcommand(1);
   supple::lab::add_dataset_commands(program, signals, interrupted);
+#ifdef SUPPLE_TRAINING
   supple::lab::add_train_command(program, signals, interrupted);
+#endif
   try {
     program.parse(argument_count, arguments);
     return interrupted ? ExitCode::interrupted : ExitCode::success;

@@ -14,13 +14,14 @@
 #include "supple/base/threads.h"
 #include "supple/dataset/journal.h"
 #include "supple/dataset/merge.h"
-#include "supple/lab/model_training.h"
+#include "supple/lab/dataset_options.h"
+#include "supple/training/model_training.h"
 
 namespace supple::lab {
 namespace {
 
 struct TrainArguments {
-  ModelOptions options;
+  training::ModelOptions options;
   std::string family;
   std::vector<std::filesystem::path> files;
   std::filesystem::path out;
@@ -82,8 +83,8 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
     fmt::print(stderr, "epoch {}/{}: loss {:.4f}, validation: gradient {:.2f} %, energy {:.2f} %; {:.0f} s\n", r.epoch,
                training.epochs, r.loss, 100 * r.validation_gradient, 100 * r.validation_energy, r.seconds);
   };
-  const auto result =
-      train_model(data, names_of(arguments.files), arguments.options, checkpoint, signals.cancellation(), report);
+  const auto result = training::train_model(data, names_of(arguments.files), engine_version(), arguments.options,
+                                            checkpoint, signals.cancellation(), report);
   if (!arguments.log.empty()) write_log(arguments.log, result.history);
   interrupted = !result.finished;
   if (interrupted) {

@@ -1,6 +1,6 @@
 #include "checkpoint.h"
 
-#include <torch/torch.h>
+#include <torch/types.h>
 
 #include <cstdint>
 

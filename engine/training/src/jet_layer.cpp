@@ -1,6 +1,7 @@
 #include "jet_layer.h"
 
-#include <torch/torch.h>
+#include <torch/autograd.h>
+#include <torch/types.h>
 
 #include "jet_kernel.h"
 #include "matrix_product.h"

@@ -1,6 +1,6 @@
 #include "matrix_product.h"
 
-#include <torch/torch.h>
+#include <torch/types.h>
 
 #include "supple/neural/packed_matrix.h"
 

@@ -1,6 +1,6 @@
 #include "optimizer.h"
 
-#include <torch/torch.h>
+#include <torch/types.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "torch_network.h"
 
-#include <torch/torch.h>
+#include <torch/autograd.h>
+#include <torch/types.h>
 
 #include <cmath>
 
@@ -223,7 +224,7 @@ Tensor energy(const NetworkShape& shape, const Parameters& parameters, const Bat
   if (shape.form == EnergyForm::softplus) {
     const auto n = outputs(shape, parameters, batch.e, meeting.index_select(0, batch.of)) +
                    bias(parameters, places.trunk, shape.trunk_layers);
-    return torch::nn::functional::softplus(n.squeeze(1), torch::nn::functional::SoftplusFuncOptions().threshold(40));
+    return torch::softplus(n.squeeze(1), 1, 40);
   }
   const auto [map, stiffness] = scaling(stiffness_outputs(shape, parameters, batch.p));
   const auto y = apply(map.index_select(0, batch.of), batch.e);
@@ -263,7 +264,7 @@ Response response(const NetworkShape& shape, const Parameters& parameters, const
             .squeeze(2);
     const auto value = n[0] + bias(parameters, places.trunk, shape.trunk_layers);
     const auto slope = torch::sigmoid(value);
-    result.energy = torch::nn::functional::softplus(value, torch::nn::functional::SoftplusFuncOptions().threshold(40));
+    result.energy = torch::softplus(value, 1, 40);
     result.stress = (slope * n.slice(0, 1, 4)).t();
     if (second) {
       const auto along = (n.slice(0, 1, 4).t() * v).sum(1);

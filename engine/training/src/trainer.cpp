@@ -1,7 +1,10 @@
 #include "supple/training/trainer.h"
 
+#include <ATen/Parallel.h>
 #include <fmt/format.h>
-#include <torch/torch.h>
+#include <torch/autograd.h>
+#include <torch/cuda.h>
+#include <torch/types.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -275,7 +278,8 @@ class Training {
     const auto errors = row_errors(network_, samples_, split_.validation);
     report.validation_gradient = errors.gradient.mean();
     report.validation_energy = errors.energy.mean();
-    if (const double error = report.validation_gradient + report.validation_energy; error < best_error_ * (1 - least_improvement)) {
+    if (const double error = report.validation_gradient + report.validation_energy;
+        error < best_error_ * (1 - least_improvement)) {
       best_error_ = error;
       best_epoch_ = epochs_;
       best_ = copies(parameters_);

@@ -1,4 +1,4 @@
-#include "supple/lab/model_training.h"
+#include "supple/training/model_training.h"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,9 @@
 #include <iterator>
 #include <set>
 
-#include "supple/lab/dataset_options.h"
 #include "supple/training/model_errors.h"
 
-namespace supple::lab {
+namespace supple::training {
 namespace {
 
 /// What a rotation or reflection R makes of strains: E -> R E R^T.
@@ -52,16 +51,16 @@ std::vector<Eigen::Matrix3d> strain_symmetries(const tiling::Family& family) {
   return maps;
 }
 
-ModelResult train_model(const dataset::Dataset& data, const std::string& data_name, const ModelOptions& options,
-                        const std::filesystem::path& checkpoint, const CancellationToken& cancellation,
-                        const std::function<void(const training::EpochReport&)>& report) {
+ModelResult train_model(const dataset::Dataset& data, const std::string& data_name, const std::string& engine,
+                        const ModelOptions& options, const std::filesystem::path& checkpoint,
+                        const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report) {
   const auto& family = tiling::family(data.recipe.text("family"));
-  const auto samples = training::read_samples(data, options.samples);
-  const auto parts = training::split(samples, options.split);
+  const auto samples = read_samples(data, options.samples);
+  const auto parts = split(samples, options.split);
   auto training_options = options.training;
   training_options.shape.parameters = static_cast<int>(samples.lower.size());
   if (options.use_symmetry) training_options.symmetries = strain_symmetries(family);
-  const auto trained = training::train(samples, parts, training_options, checkpoint, cancellation, report);
+  const auto trained = train(samples, parts, training_options, checkpoint, cancellation, report);
 
   ModelResult result;
   result.history = trained.history;
@@ -75,21 +74,21 @@ ModelResult train_model(const dataset::Dataset& data, const std::string& data_na
   model.family = family.id;
   model.network = trained.network;
   if (!trained.finished) return result;
-  model.strain_range = training::strain_range(model.network, samples, parts.training);
-  model.design_split = training::split_errors(model.network, samples, parts.test);
-  model.row_split = training::split_errors(model.network, samples, parts.row_test);
+  model.strain_range = strain_range(model.network, samples, parts.training);
+  model.design_split = split_errors(model.network, samples, parts.test);
+  model.row_split = split_errors(model.network, samples, parts.row_test);
   auto& provenance = model.provenance;
   provenance.data_set = data_name;
   provenance.data_engine = engines_of(data);
-  provenance.engine = engine_version();
+  provenance.engine = engine;
   provenance.designs = static_cast<std::int64_t>(samples.designs.size()) - model.design_split->designs;
   provenance.rows = static_cast<std::int64_t>(parts.training.size());
   provenance.seed = training_options.seed;
-  provenance.options = training::describe(training_options);
+  provenance.options = describe(training_options);
   provenance.training_seconds = trained.history.empty() ? 0 : trained.history.back().seconds;
   provenance.youngs_modulus = data.recipe.number("youngs_modulus");
   provenance.poisson_ratio = data.recipe.number("poisson_ratio");
   return result;
 }
 
-}  // namespace supple::lab
+}  // namespace supple::training

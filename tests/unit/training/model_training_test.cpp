@@ -1,4 +1,4 @@
-#include "supple/lab/model_training.h"
+#include "supple/training/model_training.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/structure.h"
 
-namespace supple::lab {
+namespace supple::training {
 namespace {
 
 /// Rest stiffness of a family's default structure, simulated.
@@ -39,4 +39,4 @@ TEST(StrainSymmetries, AreAsManyAsTheFamilysDistinctOrientations) {
 }
 
 }  // namespace
-}  // namespace supple::lab
+}  // namespace supple::training

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "supple/dataset/dataset.h"
+#include "supple/neural/model.h"
+#include "supple/tiling/family.h"
+#include "supple/training/samples.h"
+#include "supple/training/trainer.h"
+
+namespace supple::training {
+
+/// Maps A of strains e = (E_xx, E_yy, 2 E_xy) under which every structure of the family stores the same energy: those
+/// of the rotations and reflections that carry a tile of the cell to another. Without the identity.
+std::vector<Eigen::Matrix3d> strain_symmetries(const tiling::Family& family);
+
+struct ModelOptions {
+  std::string id;  ///< empty: the family's, in lower case
+  SampleOptions samples;
+  SplitOptions split;
+  TrainingOptions training;  ///< `shape.parameters` and `symmetries` are set from the data
+  bool use_symmetry = true;
+};
+
+struct ModelResult {
+  neural::Model model;  ///< with its measured errors
+  std::vector<EpochReport> history;
+  int best_epoch = 0;
+  bool finished = false;
+};
+
+/// Trains a network on a data set, as `train`, and measures it on designs and on rows that training has not seen. The
+/// data's name and `engine`, the version that trains, go into the provenance. Throws what `train` and `read_samples`
+/// throw, and "tiling.family_not_found".
+ModelResult train_model(const dataset::Dataset& data, const std::string& data_name, const std::string& engine,
+                        const ModelOptions& options, const std::filesystem::path& checkpoint,
+                        const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report);
+
+}  // namespace supple::training
