@@ -44,7 +44,7 @@ part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" 
 part_stability() { build_preset release && ctest --test-dir build/release -j "$jobs" -L stability --output-on-failure --no-tests=error; }
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
 part_api() { build_preset release --target supple supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/api; }
-part_bench() { build_preset bench --target bench_geodesics karcher_bench simulation_bench && ctest --test-dir build/bench -L bench --output-on-failure --no-tests=error; }
+part_bench() { build_preset bench --target bench_geodesics karcher_bench simulation_bench neural_bench && ctest --test-dir build/bench -L bench --output-on-failure --no-tests=error; }
 part_tidy() { build_preset release --target supple-server && tests/tidy.sh "$jobs"; }
 part_asan() { build_preset asan-ubsan && UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }

@@ -1,0 +1,163 @@
+// Curves of directional stress by the network against fresh simulations of designs that no data set holds.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "measurement.h"
+#include "neural_bench.h"
+#include "report.h"
+#include "supple/base/error.h"
+#include "supple/base/random.h"
+#include "supple/microscale/simulation.h"
+#include "supple/neural/uniaxial.h"
+#include "supple/tiling/family.h"
+#include "supple/tiling/structure.h"
+
+namespace supple::bench {
+namespace {
+
+/// What the family's data set is made with, at a tolerance for curves.
+microscale::SimulationOptions options_of(const std::string& family, bool brief) {
+  static const std::map<std::string, double> sizes{{"IH21", 1}, {"IH28", 1}, {"IH29", 0.7}};
+  microscale::SimulationOptions options;
+  const auto found = sizes.find(family);
+  options.mesh.mesh_size = brief ? 1 : found == sizes.end() ? 0.5 : found->second;
+  options.mesh.corner_size = 0.1;
+  options.tolerance = 1e-7;
+  options.tangents = false;
+  return options;
+}
+
+/// Strains at 25 places from 30 % compression to 50 % tension, rest left out.
+std::vector<double> stretches(bool tension) {
+  std::vector<double> values;
+  for (int i = 0; i < 25; ++i) {
+    const double strain = -0.3 + 0.8 * i / 24;
+    if (std::abs(strain) > 1e-9 && (strain > 0) == tension) values.push_back(1 + strain);
+  }
+  if (!tension) std::reverse(values.begin(), values.end());
+  return values;
+}
+
+struct Point {
+  int design = 0;
+  double direction = 0;
+  double stretch = 1;
+  double native = 0;  ///< d^T S d, MPa
+  double network = 0;
+  bool in_range = true;
+};
+
+double directional(const Eigen::Vector3d& s, double direction) {
+  const double c = std::cos(direction);
+  const double n = std::sin(direction);
+  return c * c * s[0] + n * n * s[1] + 2 * c * n * s[2];
+}
+
+}  // namespace
+
+void study_uniaxial(const NeuralSettings& settings) {
+  Report report(settings.folder, "models-uniaxial", "Models: uniaxial curves against fresh simulations");
+  Table table("models-uniaxial", {{"family", "Family"},
+                                  {"designs", "Designs"},
+                                  {"points", "Points"},
+                                  {"mean_percent", "Mean error %"},
+                                  {"median_percent", "Median %"},
+                                  {"percentile_99", "99th percentile %"},
+                                  {"worst_percent", "Worst %"},
+                                  {"curve_mean", "Mean, of the curve's largest %"},
+                                  {"curve_worst", "Worst, of the curve's largest %"},
+                                  {"network_ms", "Network, ms a state"},
+                                  {"native_ms", "Simulation, ms a state"},
+                                  {"not_converged", "Not converged"}});
+  Table points("models-uniaxial-points", {{"family", "Family"},
+                                          {"design", "Design"},
+                                          {"direction", "Direction"},
+                                          {"stretch", "Stretch"},
+                                          {"native", "Simulated stress"},
+                                          {"network", "Predicted stress"},
+                                          {"in_range", "In range"}});
+  for (const auto& model : models_of(settings)) {
+    const auto& family = tiling::family(model.family);
+    const neural::Evaluator evaluator(model.network);
+    RandomStream stream("uniaxial study " + model.family, 1);
+    std::vector<Point> all;
+    std::vector<double> curve_errors;
+    double network_seconds = 0;
+    double native_seconds = 0;
+    int states = 0;
+    int native_states = 0;
+    int failed = 0;
+    const int wanted = settings.brief ? 1 : settings.designs_or(50);
+    for (int design = 0; design < wanted;) {
+      std::vector<double> parameters;
+      for (const auto& parameter : family.parameters)
+        parameters.push_back(stream.uniform(parameter.lower, parameter.upper));
+      const double direction = stream.uniform(0, std::numbers::pi);
+      std::optional<microscale::Simulator> simulator;
+      try {
+        simulator.emplace(tiling::make_structure(family, parameters), options_of(model.family, settings.brief));
+      } catch (const Error&) {
+        continue;  // no structure at these parameters
+      }
+      std::vector<Point> curve;
+      for (const bool tension : {false, true}) {
+        const auto load = stretches(tension);
+        std::vector<double> strains;
+        for (const double stretch : load) strains.push_back(neural::green_strain_of_stretch(stretch));
+        std::vector<neural::UniaxialState> predicted;
+        network_seconds += cpu_time(
+            [&] { predicted = neural::uniaxial_path(evaluator, evaluator.design(parameters), direction, strains); });
+        states += static_cast<int>(strains.size());
+        microscale::SimulationResult native;
+        native_seconds += cpu_time([&] { native = simulator->run(microscale::UniaxialLoad{direction, load}); });
+        for (std::size_t i = 0; i < native.states.size(); ++i) {
+          const auto& state = native.states[i];
+          if (state.stopped != microscale::Stop::converged) break;
+          ++native_states;
+          if (!predicted[i].converged) ++failed;
+          const bool inside = neural::in_range(model, parameters, predicted[i].strain, predicted[i].energy_density,
+                                               evaluator.design(parameters).rest_stiffness());
+          curve.push_back({design, direction, load[i], directional(state.stress, direction),
+                           predicted[i].directional_stress, inside});
+        }
+      }
+      double largest = 0;
+      for (const auto& point : curve) largest = std::max(largest, std::abs(point.native));
+      for (const auto& point : curve) curve_errors.push_back(100 * std::abs(point.network - point.native) / largest);
+      all.insert(all.end(), curve.begin(), curve.end());
+      ++design;
+    }
+    std::vector<double> errors;
+    for (const auto& point : all) {
+      errors.push_back(100 * std::abs(point.network / point.native - 1));
+      points.row({model.family, std::to_string(point.design), number(point.direction, 6), number(point.stretch, 6),
+                  number(point.native, 6), number(point.network, 6), point.in_range ? "1" : "0"});
+    }
+    const double network_ms = 1e3 * network_seconds / states;
+    table.row({model.family, std::to_string(wanted), std::to_string(all.size()), number(mean(errors)),
+               number(median(errors)), number(quantile(errors, 0.99)), number(quantile(errors, 1)),
+               number(mean(curve_errors)), number(quantile(curve_errors, 1)), number(network_ms),
+               number(1e3 * native_seconds / native_states), std::to_string(failed)});
+    report.target(model.family + ": mean error of the directional stress", "0.475 %", number(mean(errors)) + " %",
+                  mean(errors) <= 0.475);
+    report.target(model.family + ": worst error", "3.57 %", number(quantile(errors, 1)) + " %",
+                  quantile(errors, 1) <= 3.57);
+    report.target(model.family + ": an equilibrium by the network", "2 ms", number(network_ms) + " ms",
+                  network_ms <= 2);
+  }
+  report.table(table);
+  report.data(points);
+  report.write(
+      neural_introduction(settings, "uniaxial",
+                          "Random designs and directions that no data set holds, strains at 24 places from 30 % "
+                          "compression to 50 % tension, simulated with the mesh of the family's data set. "
+                          "Errors are |s - s*| / |s*| of the directional stress s = d^T S d at each place, as the "
+                          "thesis's relative error; beside it the same difference over the largest |s*| of its curve. "
+                          "CPU time, one thread."));
+}
+
+}  // namespace supple::bench
