@@ -15,6 +15,7 @@
 #include "supple/dataset/journal.h"
 #include "supple/dataset/merge.h"
 #include "supple/lab/dataset_options.h"
+#include "supple/training/model_card.h"
 #include "supple/training/model_training.h"
 
 namespace supple::lab {
@@ -36,6 +37,12 @@ struct TrainArguments {
 std::filesystem::path checkpoint_path(const std::filesystem::path& out) {
   auto path = out;
   return path += ".partial";
+}
+
+dataset::Dataset read_data(const std::vector<std::filesystem::path>& files) {
+  std::vector<dataset::Dataset> parts;
+  for (const auto& file : files) parts.push_back(dataset::read_finished_or_partial(file));
+  return dataset::merge(std::move(parts), true);
 }
 
 std::string names_of(const std::vector<std::filesystem::path>& files) {
@@ -70,9 +77,7 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
   training.shape.activation = neural::activation_of(arguments.activation);
   training.optimizer = training::optimizer_of(arguments.optimizer);
   set_thread_count(arguments.threads);
-  std::vector<dataset::Dataset> parts;
-  for (const auto& file : arguments.files) parts.push_back(dataset::read_finished_or_partial(file));
-  const auto data = dataset::merge(std::move(parts), true);
+  const auto data = read_data(arguments.files);
   if (!arguments.family.empty() && data.recipe.text("family") != arguments.family)
     throw Error("training.invalid_option",
                 fmt::format("The data set is of the family {}, not {}.", data.recipe.text("family"), arguments.family),
@@ -154,7 +159,35 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   split("--split-seed", options.split.seed, "Which designs and rows these are");
 }
 
+struct CardArguments {
+  std::filesystem::path model;
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path out;
+  std::filesystem::path rows;
+  std::string image;
+};
+
+void write_card(const CardArguments& arguments) {
+  const auto model = neural::read_model(arguments.model);
+  const auto data = read_data(arguments.files);
+  std::ofstream page(arguments.out);
+  page << training::model_card(model, data, arguments.image);
+  if (!page) throw Error("file.write_failed", "Cannot write " + arguments.out.string() + ".");
+  if (!arguments.rows.empty()) training::write_row_errors(arguments.rows, model, data);
+}
+
 }  // namespace
+
+void add_card_command(CLI::App& program) {
+  const auto arguments = std::make_shared<CardArguments>();
+  CLI::App* command = program.add_subcommand("card", "Write the page about a model: its errors and where they are");
+  command->add_option("--model", arguments->model, "The model")->required();
+  command->add_option("--data", arguments->files, "The data that it was trained on")->required();
+  command->add_option("--out", arguments->out, "The page, in Markdown")->required();
+  command->add_option("--rows", arguments->rows, "CSV file of the errors of each held-out state");
+  command->add_option("--image", arguments->image, "Plot that the page shows")->capture_default_str();
+  command->callback([=] { write_card(*arguments); });
+}
 
 void add_train_command(CLI::App& program, const StopSignals& signals, bool& interrupted) {
   const auto arguments = std::make_shared<TrainArguments>();

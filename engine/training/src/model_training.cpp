@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <iterator>
+#include <numbers>
 #include <set>
 
+#include "supple/base/error.h"
 #include "supple/training/model_errors.h"
 
 namespace supple::training {
@@ -27,6 +32,66 @@ Eigen::Matrix3d strain_map(const Eigen::Matrix2d& r) {
   return map;
 }
 
+/// Rotations by multiples of 30 degrees and reflections in lines as far apart: those that a plane lattice can have
+/// along the axes are among them. Where a family's lattice is turned, so are its mirrors: they are found between its
+/// edges.
+std::vector<Eigen::Matrix2d> point_operations() {
+  std::vector<Eigen::Matrix2d> operations;
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(i * std::numbers::pi / 6).toRotationMatrix();
+    operations.push_back(rotation);
+    operations.push_back(rotation * Eigen::Vector2d(1, -1).asDiagonal());
+  }
+  return operations;
+}
+
+constexpr double same_place = 1e-7;
+
+/// Whether two points differ by a translation of the lattice.
+bool equal_on_torus(const Eigen::Matrix2d& inverse_lattice, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d difference = inverse_lattice * (a - b);
+  return (difference - difference.array().round().matrix()).norm() < same_place;
+}
+
+/// An edge of the tiling: its middle and its vector, whose sign means nothing.
+struct Edge {
+  Eigen::Vector2d middle;
+  Eigen::Vector2d vector;
+};
+
+std::vector<Edge> edges_of(const tiling::Tiling& tiling) {
+  std::vector<Edge> edges;
+  for (const auto& placement : tiling.placements) {
+    const auto& tile = tiling.tiles[static_cast<std::size_t>(placement.tile)];
+    for (std::size_t i = 0; i < tile.size(); ++i) {
+      const Eigen::Vector2d a = placement.linear * tile[i] + placement.offset;
+      const Eigen::Vector2d b = placement.linear * tile[(i + 1) % tile.size()] + placement.offset;
+      edges.push_back({0.5 * (a + b), b - a});
+    }
+  }
+  return edges;
+}
+
+/// Whether `operation`, followed by some translation, carries each edge to an edge.
+bool maps_tiling_to_itself(const Eigen::Matrix2d& operation, const tiling::Tiling& tiling) {
+  const Eigen::Matrix2d inverse = tiling.lattice.inverse();
+  const Eigen::Matrix2d on_lattice = inverse * operation * tiling.lattice;
+  if ((on_lattice - on_lattice.array().round().matrix()).norm() > same_place) return false;
+  const auto edges = edges_of(tiling);
+  const auto is_edge = [&](const Edge& image) {
+    return std::any_of(edges.begin(), edges.end(), [&](const Edge& edge) {
+      return equal_on_torus(inverse, image.middle, edge.middle) &&
+             std::min((image.vector - edge.vector).norm(), (image.vector + edge.vector).norm()) < same_place;
+    });
+  };
+  return std::any_of(edges.begin(), edges.end(), [&](const Edge& target) {
+    const Eigen::Vector2d translation = target.middle - operation * edges[0].middle;
+    return std::all_of(edges.begin(), edges.end(), [&](const Edge& edge) {
+      return is_edge({operation * edge.middle + translation, operation * edge.vector});
+    });
+  });
+}
+
 /// The versions of the engine that computed the designs.
 std::string engines_of(const dataset::Dataset& data) {
   std::set<std::string> engines;
@@ -39,16 +104,47 @@ std::string engines_of(const dataset::Dataset& data) {
 }  // namespace
 
 std::vector<Eigen::Matrix3d> strain_symmetries(const tiling::Family& family) {
-  std::vector<double> presets;
-  for (const auto& parameter : family.parameters) presets.push_back(parameter.preset);
+  // Away from the middle, where a family may have more symmetry than elsewhere.
+  std::vector<double> parameters;
+  for (std::size_t k = 0; k < family.parameters.size(); ++k) {
+    const auto& [lower, upper, preset] = family.parameters[k];
+    parameters.push_back(preset + (0.137 + 0.071 * static_cast<double>(k)) * (upper - preset));
+  }
+  const auto tiling = family.shape(parameters);
   std::vector<Eigen::Matrix3d> maps{Eigen::Matrix3d::Identity()};
-  for (const auto& placement : family.shape(presets).placements) {
-    const auto map = strain_map(placement.linear);
-    if (std::none_of(maps.begin(), maps.end(), [&](const auto& known) { return known.isApprox(map, 1e-9); }))
-      maps.push_back(map);
+  for (const auto& candidate : point_operations()) {
+    const auto map = strain_map(candidate);
+    if (std::any_of(maps.begin(), maps.end(), [&](const auto& known) { return known.isApprox(map, 1e-9); })) continue;
+    if (maps_tiling_to_itself(candidate, tiling)) maps.push_back(map);
   }
   maps.erase(maps.begin());
   return maps;
+}
+
+std::vector<std::pair<std::string, std::string>> describe(const ModelOptions& options) {
+  auto all = describe(options.training);
+  const auto add = [&](const char* name, const auto& value) { all.emplace_back(name, fmt::format("{}", value)); };
+  add("least_energy", options.samples.least_energy);
+  add("largest_energy", options.samples.largest_energy);
+  add("validation_share", options.split.validation);
+  add("test_share", options.split.test);
+  add("row_test_share", options.split.row_test);
+  add("split_seed", options.split.seed);
+  return all;
+}
+
+ModelSamples samples_of(const neural::Model& model, const dataset::Dataset& data) {
+  const auto number = [&](const char* name) {
+    for (const auto& [option, value] : model.provenance.options)
+      if (option == name) return std::strtod(value.c_str(), nullptr);
+    throw Error("file.unreadable", fmt::format("The model {} does not say its {}.", model.id, name));
+  };
+  const SampleOptions options{number("least_energy"), number("largest_energy")};
+  const SplitOptions shares{number("validation_share"), number("test_share"), number("row_test_share"),
+                            static_cast<std::int64_t>(number("split_seed"))};
+  ModelSamples made{read_samples(data, options), {}};
+  made.split = split(made.samples, shares);
+  return made;
 }
 
 ModelResult train_model(const dataset::Dataset& data, const std::string& data_name, const std::string& engine,
@@ -84,7 +180,9 @@ ModelResult train_model(const dataset::Dataset& data, const std::string& data_na
   provenance.designs = static_cast<std::int64_t>(samples.designs.size()) - model.design_split->designs;
   provenance.rows = static_cast<std::int64_t>(parts.training.size());
   provenance.seed = training_options.seed;
-  provenance.options = describe(training_options);
+  auto described = options;
+  described.training = training_options;
+  provenance.options = describe(described);
   provenance.training_seconds = trained.history.empty() ? 0 : trained.history.back().seconds;
   provenance.youngs_modulus = data.recipe.number("youngs_modulus");
   provenance.poisson_ratio = data.recipe.number("poisson_ratio");

@@ -33,13 +33,17 @@ Samples read_samples(const dataset::Dataset& data, const SampleOptions& options)
   samples.lower = data.recipe.numbers("lower_bounds");
   samples.upper = data.recipe.numbers("upper_bounds");
   std::vector<const dataset::Row*> rows;
-  for (const auto& design : data.designs) {
+  for (std::size_t d = 0; d < data.designs.size(); ++d) {
+    const auto& design = data.designs[d];
     SampledDesign sampled{design.index, design.parameters, static_cast<int>(rows.size()), 0, true};
     for (std::size_t k = 0; k < design.parameters.size(); ++k)
       sampled.inside =
           sampled.inside && design.parameters[k] >= samples.lower[k] && design.parameters[k] <= samples.upper[k];
-    for (const auto& row : design.rows)
-      if (usable(row, options)) rows.push_back(&row);
+    for (std::size_t i = 0; i < design.rows.size(); ++i) {
+      if (!usable(design.rows[i], options)) continue;
+      rows.push_back(&design.rows[i]);
+      samples.source.push_back({static_cast<int>(d), static_cast<int>(i)});
+    }
     sampled.count = static_cast<int>(rows.size()) - sampled.first;
     if (sampled.count > 0) samples.designs.push_back(std::move(sampled));
   }

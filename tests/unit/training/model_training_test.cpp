@@ -22,7 +22,7 @@ Eigen::Matrix3d rest_stiffness(const tiling::Family& family) {
 }
 
 TEST(StrainSymmetries, LeaveTheSimulatedStiffnessAsItIs) {
-  for (const char* id : {"IH21", "IH22", "IH28", "IH67"}) {
+  for (const char* id : {"IH21", "IH22", "IH28", "IH29", "IH67"}) {
     const auto& family = tiling::family(id);
     const auto maps = strain_symmetries(family);
     const Eigen::Matrix3d stiffness = rest_stiffness(family);
@@ -36,6 +36,9 @@ TEST(StrainSymmetries, AreAsManyAsTheFamilysDistinctOrientations) {
   EXPECT_EQ(strain_symmetries(tiling::family("IH21")).size(), 2U) << "sixfold rotation: three orientations of a strain";
   EXPECT_EQ(strain_symmetries(tiling::family("IH22")).size(), 1U) << "a mirror";
   EXPECT_EQ(strain_symmetries(tiling::family("IH28")).size(), 1U) << "a quarter turn";
+  EXPECT_EQ(strain_symmetries(tiling::family("IH29")).size(), 3U) << "a quarter turn and mirrors";
+  EXPECT_EQ(strain_symmetries(tiling::family("IH50")).size(), 1U) << "a mirror";
+  EXPECT_EQ(strain_symmetries(tiling::family("IH67")).size(), 1U) << "a mirror of each tile";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "supple/dataset/dataset.h"
@@ -15,7 +16,7 @@
 namespace supple::training {
 
 /// Maps A of strains e = (E_xx, E_yy, 2 E_xy) under which every structure of the family stores the same energy: those
-/// of the rotations and reflections that carry a tile of the cell to another. Without the identity.
+/// of the rotations and reflections that carry the tiling to itself, up to a translation. Without the identity.
 std::vector<Eigen::Matrix3d> strain_symmetries(const tiling::Family& family);
 
 struct ModelOptions {
@@ -25,6 +26,16 @@ struct ModelOptions {
   TrainingOptions training;  ///< `shape.parameters` and `symmetries` are set from the data
   bool use_symmetry = true;
 };
+
+/// By name, as they are kept with a model: with them and the data the split is made again.
+std::vector<std::pair<std::string, std::string>> describe(const ModelOptions& options);
+/// The samples and the split of a model that was trained on this data set. Throws "file.unreadable" where the model's
+/// options do not hold what is needed.
+struct ModelSamples {
+  Samples samples;
+  Split split;
+};
+ModelSamples samples_of(const neural::Model& model, const dataset::Dataset& data);
 
 struct ModelResult {
   neural::Model model;  ///< with its measured errors

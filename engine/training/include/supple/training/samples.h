@@ -17,6 +17,12 @@ struct SampledDesign {
   bool inside = true;  ///< whether all parameters are within the family's bounds
 };
 
+/// Where a sample comes from: positions in the data set's designs, and in that design's rows.
+struct SampleSource {
+  int design = 0;
+  int row = 0;
+};
+
 /// What a network learns from: equilibria, by design. Strains are columns (E_xx, E_yy, 2 E_xy), energies and stresses
 /// in MPa, tangents 11, 12, 13, 22, 23, 33.
 struct Samples {
@@ -27,6 +33,7 @@ struct Samples {
   Eigen::Matrix3Xd stress;
   Eigen::RowVectorXd energy;
   Eigen::Matrix<double, 6, -1> tangent;
+  std::vector<SampleSource> source;  ///< of each row
 
   int rows() const { return static_cast<int>(energy.size()); }
 };

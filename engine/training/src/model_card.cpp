@@ -1,0 +1,210 @@
+#include "supple/training/model_card.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <vector>
+
+#include "supple/base/error.h"
+#include "supple/training/model_errors.h"
+#include "supple/training/model_training.h"
+
+namespace supple::training {
+namespace {
+
+/// Mean errors that the thesis reports for its networks (Table 4.1; a split by rows), gradient and energy, in percent.
+const std::map<std::string, std::pair<double, double>> published{
+    {"IH29", {1.38, 0.709}}, {"IH21", {1.61, 0.883}}, {"IH50", {1.14, 0.921}}, {"IH67", {1.63, 0.739}},
+    {"IH28", {1.05, 0.472}}, {"IH22", {1.57, 1.13}},  {"IH01", {1.20, 0.579}}};
+
+/// A kind of states is worth a warning where its mean error is so many times that of all.
+constexpr double conspicuous = 2;
+constexpr std::size_t worst_designs = 5;
+
+/// A held-out sample with its errors.
+struct Judged {
+  const dataset::Design* design = nullptr;
+  const dataset::Row* row = nullptr;
+  double energy_error = 0;
+  double gradient_error = 0;
+
+  const dataset::Path& path() const { return design->paths[static_cast<std::size_t>(row->path)]; }
+};
+
+std::vector<Judged> judge(const neural::Model& model, const dataset::Dataset& data) {
+  const auto [samples, parts] = samples_of(model, data);
+  const auto errors = row_errors(model.network, samples, parts.test);
+  std::vector<Judged> judged;
+  for (std::size_t i = 0; i < errors.rows.size(); ++i) {
+    const auto& source = samples.source[static_cast<std::size_t>(errors.rows[i])];
+    const auto& design = data.designs[static_cast<std::size_t>(source.design)];
+    judged.push_back({&design, &design.rows[static_cast<std::size_t>(source.row)], errors.energy[static_cast<long>(i)],
+                      errors.gradient[static_cast<long>(i)]});
+  }
+  return judged;
+}
+
+struct Kind {
+  std::string name;
+  std::function<bool(const Judged&)> belongs;
+};
+
+const std::vector<Kind>& kinds() {
+  using dataset::LoadKind;
+  const auto energy = [](double low, double high) {
+    return [=](const Judged& j) { return j.row->energy_density >= low && j.row->energy_density < high; };
+  };
+  static const std::vector<Kind> all{
+      {"uniaxial tension", [](const auto& j) { return j.path().kind == LoadKind::uniaxial && j.row->stretch > 1; }},
+      {"uniaxial compression", [](const auto& j) { return j.path().kind == LoadKind::uniaxial && j.row->stretch < 1; }},
+      {"biaxial", [](const auto& j) { return j.path().kind == LoadKind::biaxial; }},
+      {"before buckling", [](const auto& j) { return j.row->branch == 0; }},
+      {"after buckling", [](const auto& j) { return j.row->branch > 0; }},
+      {"beams in contact", [](const auto& j) { return j.row->contacts > 0; }},
+      {"energy below 0.001 MPa", energy(0, 1e-3)},
+      {"energy 0.001 to 0.1 MPa", energy(1e-3, 0.1)},
+      {"energy above 0.1 MPa", energy(0.1, 1e300)}};
+  return all;
+}
+
+Eigen::VectorXd errors_of(const std::vector<Judged>& judged, double Judged::*error) {
+  Eigen::VectorXd errors(static_cast<long>(judged.size()));
+  for (std::size_t i = 0; i < judged.size(); ++i) errors[static_cast<long>(i)] = judged[i].*error;
+  return errors;
+}
+
+std::string statistics_row(const std::string& name, const neural::ErrorStatistics& gradient,
+                           const neural::ErrorStatistics& energy, std::int64_t samples) {
+  return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} |\n", name,
+                     samples, 100 * gradient.mean, 100 * gradient.root_mean_square, 100 * gradient.median,
+                     100 * gradient.percentile_99, 100 * energy.mean, 100 * energy.root_mean_square,
+                     100 * energy.median, 100 * energy.percentile_99);
+}
+
+constexpr const char* statistics_head =
+    "| | Samples | Gradient: mean | RMS | Median | 99th percentile | Energy: mean | RMS | Median | 99th percentile |\n"
+    "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
+
+std::string error_section(const neural::Model& model) {
+  std::string text =
+      "## Errors\n\nRelative, in percent: |S - S*| / |S*| of the stress (the energy's gradient) and |psi - "
+      "psi*| / psi* of the energy density, over simulated states of at least 1e-5 MPa.\n\n";
+  text += statistics_head;
+  if (model.design_split)
+    text += statistics_row(fmt::format("{} designs that training has not seen", model.design_split->designs),
+                           model.design_split->gradient, model.design_split->energy, model.design_split->samples);
+  if (model.row_split)
+    text += statistics_row("other states of designs that it has seen", model.row_split->gradient,
+                           model.row_split->energy, model.row_split->samples);
+  if (const auto found = published.find(model.family); found != published.end())
+    text += fmt::format(
+        "\nThe thesis's network, judged by other states of designs that it has seen: {} % (gradient) and "
+        "{} % (energy) in the mean.\n",
+        found->second.first, found->second.second);
+  return text;
+}
+
+std::string where_section(const std::vector<Judged>& judged) {
+  std::string text = "\n## Where they are\n\nOn designs that training has not seen.\n\n";
+  text += statistics_head;
+  for (const auto& kind : kinds()) {
+    std::vector<Judged> some;
+    std::copy_if(judged.begin(), judged.end(), std::back_inserter(some), kind.belongs);
+    if (some.empty()) continue;
+    text += statistics_row(kind.name, statistics(errors_of(some, &Judged::gradient_error)),
+                           statistics(errors_of(some, &Judged::energy_error)), static_cast<std::int64_t>(some.size()));
+  }
+  return text;
+}
+
+std::string trust_section(const neural::Model& model, const std::vector<Judged>& judged) {
+  std::string text = "\n## Where not to trust it\n\n";
+  const double all = errors_of(judged, &Judged::gradient_error).mean();
+  for (const auto& kind : kinds()) {
+    std::vector<Judged> some;
+    std::copy_if(judged.begin(), judged.end(), std::back_inserter(some), kind.belongs);
+    if (some.empty()) continue;
+    const double mean = errors_of(some, &Judged::gradient_error).mean();
+    if (mean > conspicuous * all)
+      text += fmt::format("- States {}: the mean error of the stress is {:.1f} times that of all states.\n", kind.name,
+                          mean / all);
+  }
+  std::map<const dataset::Design*, std::pair<double, int>> by_design;
+  for (const auto& j : judged) {
+    auto& [sum, count] = by_design[j.design];
+    sum += j.gradient_error;
+    ++count;
+  }
+  std::vector<std::pair<double, const dataset::Design*>> worst;
+  for (const auto& [design, entry] : by_design) worst.emplace_back(entry.first / entry.second, design);
+  std::sort(worst.begin(), worst.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second->index < b.second->index;
+  });
+  text += fmt::format("- The worst of the {} designs:", worst.size());
+  for (std::size_t i = 0; i < std::min(worst_designs, worst.size()); ++i)
+    text += fmt::format("{} ({:.4g}): {:.1f} %", i == 0 ? "" : ",", fmt::join(worst[i].second->parameters, ", "),
+                        100 * worst[i].first);
+  text += ".\n";
+  const auto& range = model.strain_range;
+  text += fmt::format(
+      "- Where an answer says `in_range: false`: parameters out of bounds, principal Green strains outside of "
+      "[{:.3g}, {:.3g}], or an energy density above {:.3g} of the design's rest stiffness, which no simulated path "
+      "reached.\n",
+      range.smallest_principal, range.largest_principal, range.largest_energy);
+  text += "- After buckling a structure has several equilibria; the model knows those that a path from rest meets.\n";
+  return text;
+}
+
+std::string origin_section(const neural::Model& model) {
+  const auto& p = model.provenance;
+  const auto& shape = model.network.shape;
+  std::string text = "\n## Where it comes from\n\n";
+  text += fmt::format(
+      "{} weights in {} + {} + {} layers of {} neurons, {}, {}. Trained on {} states of {} designs ({}; simulated by "
+      "{}) of a solid with Young's modulus {} MPa and Poisson's ratio {}, in {:.0f} s, by {}. Options:\n\n",
+      model.network.weights(), shape.strain_layers, shape.parameter_layers, shape.trunk_layers, shape.width,
+      to_string(shape.activation), to_string(shape.form), p.rows, p.designs, p.data_set, p.data_engine,
+      p.youngs_modulus, p.poisson_ratio, p.training_seconds, p.engine);
+  for (const auto& [name, value] : p.options) text += fmt::format("`{} {}` ", name, value);
+  text.back() = '\n';
+  return text;
+}
+
+}  // namespace
+
+std::string model_card(const neural::Model& model, const dataset::Dataset& data, const std::string& image) {
+  const auto judged = judge(model, data);
+  std::string text =
+      fmt::format("# {}: energy density of the family {}\n\nThis page is generated by `supple-lab card`.\n\n", model.id,
+                  model.family);
+  text +=
+      "Predicts the homogenized energy density, stress and tangent stiffness of a periodic structure from its tiling "
+      "parameters and Green strain.\n\n| Parameter | from | to |\n|---|---:|---:|\n";
+  for (long k = 0; k < model.network.lower.size(); ++k)
+    text += fmt::format("| {} | {:.4g} | {:.4g} |\n", k + 1, model.network.lower[k], model.network.upper[k]);
+  text += "\n" + error_section(model) + where_section(judged);
+  text += fmt::format("\n![Relative errors against strain]({})\n", image);
+  return text + trust_section(model, judged) + origin_section(model);
+}
+
+void write_row_errors(const std::filesystem::path& path, const neural::Model& model, const dataset::Dataset& data) {
+  std::ofstream file(path);
+  file << "design,load,direction,stretch,lateral_stretch,strain_norm,energy_density,branch,contacts,gradient_error,"
+          "energy_error\n";
+  for (const auto& j : judge(model, data)) {
+    const auto& e = j.row->green_strain;
+    const double norm = std::sqrt(e[0] * e[0] + e[1] * e[1] + 2 * e[2] * e[2]);
+    file << fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g}\n", j.design->index,
+                        j.path().kind == dataset::LoadKind::uniaxial ? "uniaxial" : "biaxial", j.path().direction,
+                        j.row->stretch, j.row->lateral_stretch, norm, j.row->energy_density, j.row->branch,
+                        j.row->contacts, j.gradient_error, j.energy_error);
+  }
+  if (!file) throw Error("file.write_failed", "Cannot write " + path.string() + ".");
+}
+
+}  // namespace supple::training
