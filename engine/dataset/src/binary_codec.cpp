@@ -173,24 +173,7 @@ void decode_value(Decoder& decoder, std::size_t index, Recipe::Value& value) {
   }
 }
 
-constexpr std::array<std::uint32_t, 256> crc_table() {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < 256; ++i) {
-    std::uint32_t value = i;
-    for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ ((value & 1U) != 0 ? 0xEDB88320U : 0U);
-    table[i] = value;
-  }
-  return table;
-}
-
 }  // namespace
-
-std::uint32_t crc32(std::string_view bytes) {
-  static constexpr auto table = crc_table();
-  std::uint32_t value = 0xFFFFFFFFU;
-  for (const char byte : bytes) value = (value >> 8) ^ table[(value ^ static_cast<unsigned char>(byte)) & 0xFFU];
-  return ~value;
-}
 
 std::string encode(const Recipe& recipe, const Selection& selection) {
   Encoder encoder;

@@ -8,9 +8,6 @@
 
 namespace supple::dataset {
 
-/// CRC-32 (IEEE 802.3, reflected polynomial 0xEDB88320).
-std::uint32_t crc32(std::string_view bytes);
-
 /// The journal's records: little-endian integers and doubles, strings and lists after their 32-bit length.
 std::string encode(const Recipe& recipe, const Selection& selection);
 std::string encode(const Design& design);

@@ -8,9 +8,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "supple/base/error.h"
 #include "supple/files/durable_file.h"
 #include "supple/files/hdf5_file.h"
-#include "supple/base/error.h"
 
 namespace supple::dataset {
 namespace {

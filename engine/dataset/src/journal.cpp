@@ -11,8 +11,9 @@
 #include <sstream>
 
 #include "binary_codec.h"
-#include "supple/files/durable_file.h"
 #include "supple/base/error.h"
+#include "supple/files/durable_file.h"
+#include "supple/files/seal.h"
 
 namespace supple::dataset {
 namespace {
@@ -22,7 +23,7 @@ constexpr std::string_view magic = "supple data set journal 1\n";
 
 std::string record(const std::string& payload) {
   const auto length = static_cast<std::uint32_t>(payload.size());
-  const std::uint32_t check = crc32(payload);
+  const std::uint32_t check = files::crc32(payload);
   std::string bytes(8, '\0');
   std::memcpy(bytes.data(), &length, 4);
   std::memcpy(bytes.data() + 4, &check, 4);
@@ -38,7 +39,7 @@ std::string_view next_record(std::string_view& rest) {
   std::memcpy(&check, rest.data() + 4, 4);
   if (rest.size() - 8 < length) return {};
   const auto payload = rest.substr(8, length);
-  if (crc32(payload) != check) return {};
+  if (files::crc32(payload) != check) return {};
   rest.remove_prefix(8 + length);
   return payload;
 }

@@ -45,7 +45,7 @@ const T& Recipe::get(std::string_view name) const {
   const T* value = setting ? std::get_if<T>(&setting->value) : nullptr;
   if (!value)
     throw Error("file.unreadable", "The data set's recipe lacks the setting " + std::string(name) +
-                                          ", or it has another type than this version expects.");
+                                       ", or it has another type than this version expects.");
   return *value;
 }
 

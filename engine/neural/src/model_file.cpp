@@ -9,6 +9,7 @@
 #include "supple/base/error.h"
 #include "supple/files/durable_file.h"
 #include "supple/files/hdf5_file.h"
+#include "supple/files/seal.h"
 #include "supple/neural/model.h"
 
 namespace supple::neural {
@@ -168,9 +169,28 @@ struct ReadFact {
   static std::string path(const char* name) { return std::string("provenance/") + name; }
 };
 
+/// Ids and families are parts of addresses and of file names.
+constexpr std::size_t longest_name = 64;
+
+void check_names(const Model& model) {
+  const auto fine = [](const std::string& name, bool lower_case) {
+    return !name.empty() && name.size() <= longest_name && std::all_of(name.begin(), name.end(), [&](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || (lower_case ? c == '-' : c >= 'A' && c <= 'Z');
+    });
+  };
+  if (!fine(model.id, true))
+    throw Error("model.invalid_id",
+                "A model's id has 1 to 64 lower-case letters, digits and \"-\", got \"" + model.id + "\".",
+                {{"id", "1 to 64 of a-z, 0-9 and -"}});
+  if (!fine(model.family, false))
+    throw Error("model.invalid_id", "A family's name has 1 to 64 letters and digits, got \"" + model.family + "\".",
+                {{"family", "1 to 64 letters and digits"}});
+}
+
 }  // namespace
 
 void write_model(const std::filesystem::path& path, const Model& model) {
+  check_names(model);
   validate(model.network);
   auto unfinished = path;
   unfinished += ".writing";
@@ -194,10 +214,12 @@ void write_model(const std::filesystem::path& path, const Model& model) {
     for (const auto& [name, value] : model.provenance.options) file.value("provenance/options/" + name, value);
     file.close();
   }
+  files::seal(unfinished);
   files::move_into_place(unfinished, path);
 }
 
 Model read_model(const std::filesystem::path& path) {
+  files::check_seal(path);
   const Hdf5Reader file(path);
   if (file.text_attribute("/", "layout") != layout_name)
     throw Error("file.unreadable", path.string() + ": it is no model.");
@@ -207,6 +229,7 @@ Model read_model(const std::filesystem::path& path) {
   Model model;
   model.id = file.text("id");
   model.family = file.text("family");
+  check_names(model);
   model.network = read_network(file);
   for_each_limit(model.strain_range,
                  [&](const char* name, double& value) { value = file.real(std::string("strain_range/") + name); });

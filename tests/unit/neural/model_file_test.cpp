@@ -90,6 +90,35 @@ TEST_F(ModelFile, WhatIsNoModelIsRefused) {
   EXPECT_EQ(code_of(folder / "cut.h5"), "file.unreadable");
 }
 
+TEST_F(ModelFile, AnyChangedByteIsNoticedBeforeItIsRead) {
+  write_model(path, model);
+  const auto bytes = content(path);
+  RandomStream stream("damage", 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    auto damaged = bytes;
+    const auto place = static_cast<std::size_t>(stream.uniform() * static_cast<double>(bytes.size()));
+    damaged[place] = static_cast<char>(damaged[place] ^ (1 << stream.below(8)));
+    std::ofstream(folder / "damaged.h5", std::ios::binary) << damaged;
+    ASSERT_EQ(code_of(folder / "damaged.h5"), "file.unreadable") << "byte " << place;
+  }
+}
+
+TEST_F(ModelFile, AWideNetworkIsReadBack) {
+  NetworkShape shape;
+  shape.width = 640;
+  shape.strain_layers = shape.parameter_layers = shape.trunk_layers = 1;
+  model.network = random_network(shape, 1);
+  write_model(path, model);
+  EXPECT_EQ(read_model(path).network.trunk[0].weights, model.network.trunk[0].weights);
+}
+
+TEST_F(ModelFile, AnIdThatIsNoPartOfAnAddressIsRefused) {
+  for (const char* id : {"", "IH67", "a/b", "..", "a b"}) {
+    model.id = id;
+    EXPECT_THROW(write_model(path, model), Error) << id;
+  }
+}
+
 TEST_F(ModelFile, ANetworkThatDoesNotFitIsNotWritten) {
   model.network.trunk[1].bias.conservativeResize(23);
   EXPECT_THROW(write_model(path, model), Error);

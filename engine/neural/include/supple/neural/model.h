@@ -70,10 +70,12 @@ bool in_range(const Model& model, std::span<const double> parameters, const Eige
               double energy_density, double rest_stiffness);
 
 /// Writes one HDF5 file (layout: docs/models.md). It appears whole or not at all, and the same model gives the same
-/// bytes. Throws "file.write_failed", and what `validate` throws.
+/// bytes. It ends with a checksum. Throws "file.write_failed", "model.invalid_id" and what `validate`
+/// throws.
 void write_model(const std::filesystem::path& path, const Model& model);
 
-/// Throws "file.unreadable": no such file, no HDF5, not of this layout, or of a newer one; and what `validate` throws.
+/// Throws "file.unreadable": no such file, damaged, not of this layout, or of a newer one; "model.invalid_id" and what
+/// `validate` throws.
 Model read_model(const std::filesystem::path& path);
 
 }  // namespace supple::neural

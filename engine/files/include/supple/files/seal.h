@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+namespace supple::files {
+
+/// CRC-32 (IEEE 802.3, reflected polynomial 0xEDB88320).
+std::uint32_t crc32(std::string_view bytes);
+
+/// Appends a line with the CRC-32 of all that stands before it. HDF5 ignores what follows its own end of file. Throws
+/// "file.write_failed".
+void seal(const std::filesystem::path& path);
+
+/// Reads the whole file and compares. HDF5's library trusts what it reads: a damaged file may give other numbers, end
+/// the process or never be done, so that its files are checked before they are opened. It is no protection against
+/// forgery. Throws "file.unreadable": no such file, no seal, or another content.
+void check_seal(const std::filesystem::path& path);
+
+}  // namespace supple::files
