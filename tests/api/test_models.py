@@ -399,8 +399,12 @@ def test_damaged_files_leave_the_other_models_served_after_a_start(
     cuts = np.linspace(1, len(content) - 1, 40).astype(int)
     for number, cut in enumerate(cuts):
         (models / f"cut-{number}.h5").write_bytes(content[:cut])
+        changed = bytearray(content)
+        changed[cut] ^= 1 << (number % 8)
+        (models / f"changed-{number}.h5").write_bytes(changed)
     server = new_server("--models", str(models))
     api = Api(server, contract)
     assert [model["id"] for model in api.get("/v1/models").json()["models"]] == ["m"]
-    for name in ("a.h5", "z.h5", *(f"cut-{number}.h5" for number in range(len(cuts)))):
+    damaged = [f"{fault}-{number}.h5" for number in range(len(cuts)) for fault in ("cut", "changed")]
+    for name in ("a.h5", "z.h5", *damaged):
         assert f"{name} is left out" in server.log_text()

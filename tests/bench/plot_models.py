@@ -27,8 +27,10 @@ def main(source: Path, target: Path) -> None:
     figure, panels = plt.subplots(1, 2, figsize=(9, 3.6), sharex=True)
     for panel, key, title in ((panels[0], "gradient_error", "stress"), (panels[1], "energy_error", "energy density")):
         error = 100 * np.array([float(row[key]) for row in rows])
-        panel.plot(strain[~buckled], error[~buckled], ".", color=BLUE, markersize=2, alpha=0.4, label="before buckling")
-        panel.plot(strain[buckled], error[buckled], ".", color=RED, markersize=2, alpha=0.4, label="after buckling")
+        panel.plot(strain[~buckled], error[~buckled], ".", color=BLUE, markersize=2, alpha=0.4, label="before buckling",
+                   rasterized=True)
+        panel.plot(strain[buckled], error[buckled], ".", color=RED, markersize=2, alpha=0.4, label="after buckling",
+                   rasterized=True)
         edges = np.geomspace(strain.min(), strain.max() * 1.0001, 13)
         middles, medians = [], []
         for low, high in zip(edges[:-1], edges[1:]):
@@ -42,7 +44,7 @@ def main(source: Path, target: Path) -> None:
         panel.set_ylim(0.005, max(100, error.max()))
     panels[0].legend(fontsize=8, markerscale=4)
     figure.tight_layout()
-    figure.savefig(target, metadata={"Date": None})
+    figure.savefig(target, metadata={"Date": None}, dpi=160)  # of the points, which are an image in it
     print(target)
 
 
