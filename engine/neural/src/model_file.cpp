@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "supple/base/error.h"
@@ -169,22 +170,17 @@ struct ReadFact {
   static std::string path(const char* name) { return std::string("provenance/") + name; }
 };
 
-/// Ids and families are parts of addresses and of file names.
-constexpr std::size_t longest_name = 64;
+/// Ids and families are parts of addresses and of file names; the contract of the service allows the same.
+void check_name(const char* field, const std::string& name, std::size_t longest, std::string_view characters) {
+  if (!name.empty() && name.size() <= longest && name.find_first_not_of(characters) == std::string::npos) return;
+  const auto rule = "1 to " + std::to_string(longest) + " of " + std::string(characters);
+  throw Error("model.invalid_id", std::string("A model's ") + field + " is made of " + rule + ", got \"" + name + "\".",
+              {{field, rule}});
+}
 
 void check_names(const Model& model) {
-  const auto fine = [](const std::string& name, bool lower_case) {
-    return !name.empty() && name.size() <= longest_name && std::all_of(name.begin(), name.end(), [&](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || (lower_case ? c == '-' : c >= 'A' && c <= 'Z');
-    });
-  };
-  if (!fine(model.id, true))
-    throw Error("model.invalid_id",
-                "A model's id has 1 to 64 lower-case letters, digits and \"-\", got \"" + model.id + "\".",
-                {{"id", "1 to 64 of a-z, 0-9 and -"}});
-  if (!fine(model.family, false))
-    throw Error("model.invalid_id", "A family's name has 1 to 64 letters and digits, got \"" + model.family + "\".",
-                {{"family", "1 to 64 letters and digits"}});
+  check_name("id", model.id, 64, "abcdefghijklmnopqrstuvwxyz0123456789-");
+  check_name("family", model.family, 32, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-");
 }
 
 }  // namespace

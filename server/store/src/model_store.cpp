@@ -25,20 +25,6 @@ std::string content(const fs::path& path) {
   return bytes;
 }
 
-/// Names stand in paths and have to fit the contract's patterns.
-void check_name(const char* what, const std::string& name, std::size_t longest, std::string_view characters) {
-  if (!name.empty() && name.size() <= longest && name.find_first_not_of(characters) == std::string::npos) return;
-  throw Error("file.unreadable", std::string(what) + " is not made of 1 to " + std::to_string(longest) + " of " +
-                                     std::string(characters) + ".");
-}
-
-void check_names(const neural::Model& model) {
-  constexpr std::string_view small = "abcdefghijklmnopqrstuvwxyz0123456789-";
-  constexpr std::string_view all = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
-  check_name("The model's id", model.id, 64, small);
-  check_name("The model's family", model.family, 32, all);
-}
-
 }  // namespace
 
 ModelStore::ModelStore(Options options) : options_(std::move(options)) {
@@ -166,7 +152,6 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
   try {
     auto hash = sha256(content(path));
     auto model = neural::read_model(path);
-    check_names(model);
     auto description = options_.describe(model, hash);
     neural::Evaluator evaluator(model.network);
     loaded = std::make_shared<const LoadedModel>(
