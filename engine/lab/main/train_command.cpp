@@ -41,6 +41,7 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& out) {
 
 dataset::Dataset read_data(const std::vector<std::filesystem::path>& files) {
   std::vector<dataset::Dataset> parts;
+  parts.reserve(files.size());
   for (const auto& file : files) parts.push_back(dataset::read_finished_or_partial(file));
   return dataset::merge(std::move(parts), true);
 }
