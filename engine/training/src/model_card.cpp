@@ -141,6 +141,7 @@ std::string trust_section(const neural::Model& model, const std::vector<Judged>&
     ++count;
   }
   std::vector<std::pair<double, const dataset::Design*>> worst;
+  worst.reserve(by_design.size());
   for (const auto& [design, entry] : by_design) worst.emplace_back(entry.first / entry.second, design);
   std::sort(worst.begin(), worst.end(), [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first > b.first : a.second->index < b.second->index;
