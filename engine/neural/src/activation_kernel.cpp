@@ -76,17 +76,6 @@ SUPPLE_INLINE void backward(const JetBlock<Real>& slope, const JetBlock<Real>& a
 }
 
 template <class Real, Activation A>
-SUPPLE_INLINE void values(const Real* bias, const JetBlock<Real>& z) {
-  for (int jet = 0; jet < z.jets; ++jet) {
-    for (int row = 0; row < z.rows; row += Packs<Real>::count) {
-      Pack<Real> f[4];
-      derivatives_of<Real, A>(load_pack<Real>(z.channel(0, jet) + row) + load_pack<Real>(bias + row), 1, f);
-      store_pack<Real>(z.channel(0, jet) + row, f[0]);
-    }
-  }
-}
-
-template <class Real, Activation A>
 SUPPLE_INLINE void forward_of_order(int order, const Real* bias, const JetBlock<Real>& z, const JetBlock<Real>& a) {
   switch (order) {
     case 0:
@@ -122,18 +111,6 @@ SUPPLE_INLINE void backward_all(int order, const JetBlock<Real>& slope, const Je
   }
 }
 template <class Real>
-SUPPLE_INLINE void values_all(Activation activation, const Real* bias, const JetBlock<Real>& z) {
-  switch (activation) {
-    case Activation::swish:
-      return values<Real, Activation::swish>(bias, z);
-    case Activation::tanh:
-      return values<Real, Activation::tanh>(bias, z);
-    case Activation::sine:
-      return values<Real, Activation::sine>(bias, z);
-  }
-}
-
-template <class Real>
 SUPPLE_AVX2 void forward_avx2(Activation activation, int order, const Real* bias, const JetBlock<Real>& z,
                               const JetBlock<Real>& a) {
   forward_all(activation, order, bias, z, a);
@@ -142,11 +119,6 @@ template <class Real>
 SUPPLE_AVX2 void backward_avx2(int order, const JetBlock<Real>& slope, const JetBlock<Real>& a) {
   backward_all(order, slope, a);
 }
-template <class Real>
-SUPPLE_AVX2 void values_avx2(Activation activation, const Real* bias, const JetBlock<Real>& z) {
-  values_all(activation, bias, z);
-}
-
 }  // namespace
 
 template <class Real>
@@ -158,13 +130,6 @@ void activate_forward(Activation activation, int order, const Real* bias, const 
     forward_all(activation, order, bias, z, a);
 }
 template <class Real>
-void activate(Activation activation, const Real* bias, const JetBlock<Real>& z) {
-  if (has_avx2)
-    values_avx2(activation, bias, z);
-  else
-    values_all(activation, bias, z);
-}
-template <class Real>
 void activate_backward(int order, const JetBlock<Real>& slope, const JetBlock<Real>& a) {
   if (has_avx2)
     backward_avx2(order, slope, a);
@@ -174,8 +139,6 @@ void activate_backward(int order, const JetBlock<Real>& slope, const JetBlock<Re
 
 template void activate_forward(Activation, int, const double*, const JetBlock<double>&, const JetBlock<double>&);
 template void activate_forward(Activation, int, const float*, const JetBlock<float>&, const JetBlock<float>&);
-template void activate(Activation, const double*, const JetBlock<double>&);
-template void activate(Activation, const float*, const JetBlock<float>&);
 template void activate_backward(int, const JetBlock<double>&, const JetBlock<double>&);
 template void activate_backward(int, const JetBlock<float>&, const JetBlock<float>&);
 

@@ -31,10 +31,6 @@ template <class Real>
 void activate_forward(Activation activation, int order, const Real* bias, const JetBlock<Real>& z,
                       const JetBlock<Real>& a);
 
-/// Without what a backward pass needs: a = f(z + bias) in place, values only.
-template <class Real>
-void activate(Activation activation, const Real* bias, const JetBlock<Real>& z);
-
 /// The adjoint: `a` holds the jets of the derivatives by f(z) and becomes those of the derivatives by z; `slope` is the
 /// jet of f'.
 template <class Real>

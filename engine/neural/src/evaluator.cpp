@@ -17,9 +17,6 @@ namespace {
 /// of all layers stay near.
 constexpr int columns_at_once = 48;
 
-template <class Real>
-using Column = Eigen::Matrix<Real, -1, 1>;
-
 /// Adds zeros below, up to a stride.
 template <class Real>
 std::vector<Real> padded(const Eigen::VectorXd& values) {
@@ -204,11 +201,7 @@ void fill_strains(const Eigen::Ref<const Eigen::Matrix3Xd>& strains, const JetBl
   }
 }
 
-/// From the outputs' jets N: the energy's jet, and in place of N that of its derivatives by N.
-struct EnergyJets {
-  Eigen::ArrayXXd energy;  ///< channels x jets
-};
-
+/// From the outputs' jets N: the energy's jets, channels x jets, and in place of N those of its derivatives by N.
 template <class Real>
 void close_sum_of_squares(const DesignContent& design, const JetBlock<Real>& e, const JetBlock<Real>& n, int order,
                           int outputs, Eigen::ArrayXXd& energy) {

@@ -9,8 +9,7 @@ namespace {
 
 /// The product's tile of `Panels` panels by `Columns` columns, held in registers: 12 sums for 16 registers.
 template <class Real, int Panels, int Columns>
-SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const Factor<Real>& b, Real* c, int stride_c,
-                                 bool add) {
+SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const Factor<Real>& b, Real* c, int stride_c) {
   constexpr int packs = 2 * Panels;
   constexpr int count = Packs<Real>::count;
   constexpr int panel_rows = PackedMatrix<Real>::panel_rows;
@@ -21,8 +20,7 @@ SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const F
 #pragma GCC unroll 16
   for (int p = 0; p < packs; ++p)
 #pragma GCC unroll 16
-    for (int j = 0; j < Columns; ++j)
-      sum[p][j] = add ? load_pack<Real>(to + j * stride_c + p * count) : all_of<Real>(0);
+    for (int j = 0; j < Columns; ++j) sum[p][j] = all_of<Real>(0);
   const int depth = a.columns();
   for (int k = 0; k < depth; ++k) {
     Pack<Real> row[packs];
@@ -44,52 +42,49 @@ SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const F
 
 /// All rows of `Columns` columns; few columns take several panels at once, for enough independent sums.
 template <class Real, int Columns>
-SUPPLE_INLINE void multiply_columns(const PackedMatrix<Real>& a, const Factor<Real>& b, Real* c, int stride_c,
-                                    bool add) {
+SUPPLE_INLINE void multiply_columns(const PackedMatrix<Real>& a, const Factor<Real>& b, Real* c, int stride_c) {
   constexpr int at_once = Columns >= 4 ? 1 : Columns >= 2 ? 2 : 4;
   int panel = 0;
   for (; panel + at_once <= a.panels(); panel += at_once)
-    multiply_tile<Real, at_once, Columns>(a, panel, b, c, stride_c, add);
-  for (; panel < a.panels(); ++panel) multiply_tile<Real, 1, Columns>(a, panel, b, c, stride_c, add);
+    multiply_tile<Real, at_once, Columns>(a, panel, b, c, stride_c);
+  for (; panel < a.panels(); ++panel) multiply_tile<Real, 1, Columns>(a, panel, b, c, stride_c);
 }
 
 template <class Real>
-SUPPLE_INLINE void multiply_all(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c,
-                                bool add) {
+SUPPLE_INLINE void multiply_all(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
   // A panel stays in the nearest cache while it meets all columns.
   const int sixes = n / 6 * 6;
   if (n > 6)
     for (int panel = 0; panel < a.panels(); ++panel)
       for (int j = 0; j < sixes; j += 6)
-        multiply_tile<Real, 1, 6>(a, panel, b.from_column(j), c + j * stride_c, stride_c, add);
+        multiply_tile<Real, 1, 6>(a, panel, b.from_column(j), c + j * stride_c, stride_c);
   else if (n == 6)
-    multiply_columns<Real, 6>(a, b, c, stride_c, add);
+    multiply_columns<Real, 6>(a, b, c, stride_c);
   const Factor<Real> rest = b.from_column(sixes);
   c += static_cast<std::ptrdiff_t>(sixes) * stride_c;
   switch (n - sixes) {
     case 1:
-      return multiply_columns<Real, 1>(a, rest, c, stride_c, add);
+      return multiply_columns<Real, 1>(a, rest, c, stride_c);
     case 2:
-      return multiply_columns<Real, 2>(a, rest, c, stride_c, add);
+      return multiply_columns<Real, 2>(a, rest, c, stride_c);
     case 3:
-      return multiply_columns<Real, 3>(a, rest, c, stride_c, add);
+      return multiply_columns<Real, 3>(a, rest, c, stride_c);
     case 4:
-      return multiply_columns<Real, 4>(a, rest, c, stride_c, add);
+      return multiply_columns<Real, 4>(a, rest, c, stride_c);
     case 5:
-      return multiply_columns<Real, 5>(a, rest, c, stride_c, add);
+      return multiply_columns<Real, 5>(a, rest, c, stride_c);
     default:
       return;
   }
 }
 
 template <class Real>
-SUPPLE_AVX2 void multiply_avx2(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c,
-                               bool add) {
-  multiply_all(a, b, n, c, stride_c, add);
+SUPPLE_AVX2 void multiply_avx2(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
+  multiply_all(a, b, n, c, stride_c);
 }
 template <class Real>
-void multiply_any(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c, bool add) {
-  multiply_all(a, b, n, c, stride_c, add);
+void multiply_any(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
+  multiply_all(a, b, n, c, stride_c);
 }
 
 }  // namespace
@@ -115,16 +110,16 @@ void PackedMatrix<Real>::assign(const Real* numbers, int rows, int columns, int 
 }
 
 template <class Real>
-void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c, bool add) {
+void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
   if (has_avx2)
-    multiply_avx2(a, b, n, c, stride_c, add);
+    multiply_avx2(a, b, n, c, stride_c);
   else
-    multiply_any(a, b, n, c, stride_c, add);
+    multiply_any(a, b, n, c, stride_c);
 }
 
 template class PackedMatrix<double>;
 template class PackedMatrix<float>;
-template void multiply(const PackedMatrix<double>&, const Factor<double>&, int, double*, int, bool);
-template void multiply(const PackedMatrix<float>&, const Factor<float>&, int, float*, int, bool);
+template void multiply(const PackedMatrix<double>&, const Factor<double>&, int, double*, int);
+template void multiply(const PackedMatrix<float>&, const Factor<float>&, int, float*, int);
 
 }  // namespace supple::neural

@@ -144,6 +144,12 @@ ModelSamples samples_of(const neural::Model& model, const dataset::Dataset& data
                             static_cast<std::int64_t>(number("split_seed"))};
   ModelSamples made{read_samples(data, options), {}};
   made.split = split(made.samples, shares);
+  // Other designs would be split in another way: some that the model was trained on would then judge it.
+  if (static_cast<std::int64_t>(made.split.training.size()) != model.provenance.rows)
+    throw Error("training.different_data",
+                fmt::format("The model {} was trained on {} states; of this data, its split trains on {}.", model.id,
+                            model.provenance.rows, made.split.training.size()),
+                {{"data", model.provenance.data_set}});
   return made;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "random_network.h"
-#include "supple/base/error.h"
+#include "support/expect_error.h"
 
 namespace supple::neural {
 namespace {
@@ -20,12 +20,12 @@ struct Case {
   int parameters;
 };
 
-std::string name_of(const testing::TestParamInfo<Case>& info) {
+std::string name_of(const ::testing::TestParamInfo<Case>& info) {
   return std::string(to_string(info.param.form)) + "_" + std::string(to_string(info.param.activation)) + "_" +
          std::to_string(info.param.width) + "_" + std::to_string(info.param.parameters);
 }
 
-class Evaluations : public testing::TestWithParam<Case> {
+class Evaluations : public ::testing::TestWithParam<Case> {
  protected:
   void SetUp() override {
     NetworkShape shape;
@@ -142,12 +142,12 @@ TEST_P(Evaluations, SinglePrecisionIsCloseByItsRounding) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Networks, Evaluations,
-                         testing::Values(Case{EnergyForm::sum_of_squares, Activation::swish, 40, 4},
-                                         Case{EnergyForm::sum_of_squares, Activation::swish, 8, 1},
-                                         Case{EnergyForm::sum_of_squares, Activation::tanh, 24, 2},
-                                         Case{EnergyForm::sum_of_squares, Activation::sine, 16, 3},
-                                         Case{EnergyForm::softplus, Activation::swish, 32, 2},
-                                         Case{EnergyForm::softplus, Activation::tanh, 16, 1}),
+                         ::testing::Values(Case{EnergyForm::sum_of_squares, Activation::swish, 40, 4},
+                                           Case{EnergyForm::sum_of_squares, Activation::swish, 8, 1},
+                                           Case{EnergyForm::sum_of_squares, Activation::tanh, 24, 2},
+                                           Case{EnergyForm::sum_of_squares, Activation::sine, 16, 3},
+                                           Case{EnergyForm::softplus, Activation::swish, 32, 2},
+                                           Case{EnergyForm::softplus, Activation::tanh, 16, 1}),
                          name_of);
 
 TEST(SumOfSquares, EnergyAndStressVanishAtRestAndEnergyIsNowhereNegative) {
@@ -182,13 +182,10 @@ TEST(Evaluator, AWrongNumberOfParametersIsRefusedWithTheRightOne) {
   shape.width = 8;
   shape.parameters = 3;
   const Evaluator evaluator(random_network(shape, 4));
-  try {
+  const auto error = testing::expect_error("model.parameter_count", [&] {
     (void)evaluator.design(std::vector{0.1, 0.2});
-    FAIL() << "two parameters were accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), "model.parameter_count");
-    EXPECT_NE(std::string(error.what()).find('3'), std::string::npos);
-  }
+  });
+  EXPECT_NE(std::string(error.what()).find('3'), std::string::npos);
 }
 
 TEST(Network, ALayerThatDoesNotFitIsNamed) {
@@ -196,16 +193,11 @@ TEST(Network, ALayerThatDoesNotFitIsNamed) {
   shape.width = 16;
   auto network = random_network(shape, 1);
   network.trunk[2].weights.conservativeResize(16, 15);
-  try {
-    validate(network);
-    FAIL() << "a narrow layer was accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), "model.invalid_network");
-    EXPECT_NE(std::string(error.what()).find("trunk/2"), std::string::npos) << error.what();
-  }
+  const auto error = testing::expect_error("model.invalid_network", [&] { validate(network); });
+  EXPECT_NE(std::string(error.what()).find("trunk/2"), std::string::npos) << error.what();
   network = random_network(shape, 1);
   network.parameter[1].bias[3] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(validate(network), Error);
+  testing::expect_error("model.invalid_network", [&] { validate(network); });
 }
 
 }  // namespace

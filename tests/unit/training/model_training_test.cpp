@@ -4,8 +4,10 @@
 
 #include <string>
 
+#include "sample_data.h"
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/structure.h"
+#include "support/expect_error.h"
 
 namespace supple::training {
 namespace {
@@ -39,6 +41,24 @@ TEST(StrainSymmetries, AreAsManyAsTheFamilysDistinctOrientations) {
   EXPECT_EQ(strain_symmetries(tiling::family("IH29")).size(), 3U) << "a quarter turn and mirrors";
   EXPECT_EQ(strain_symmetries(tiling::family("IH50")).size(), 1U) << "a mirror";
   EXPECT_EQ(strain_symmetries(tiling::family("IH67")).size(), 1U) << "a mirror of each tile";
+}
+
+/// Designs that are samples of nothing, but enough to be split.
+dataset::Dataset drawn_data(int designs) {
+  dataset::Dataset data;
+  data.recipe.set("lower_bounds", std::vector<double>{-1, -1});
+  data.recipe.set("upper_bounds", std::vector<double>{1, 1});
+  for (int i = 0; i < designs; ++i) data.designs.push_back(dataset::sample_design(i));
+  return data;
+}
+
+TEST(SamplesOfAModel, OfOtherDataThanItsOwnAreRefused) {
+  const auto data = drawn_data(60);
+  neural::Model model;
+  model.provenance.options = describe(ModelOptions{});
+  model.provenance.rows = static_cast<std::int64_t>(split(read_samples(data)).training.size());
+  EXPECT_FALSE(samples_of(model, data).split.test.empty());
+  testing::expect_error("training.different_data", [&] { (void)samples_of(model, drawn_data(80)); });
 }
 
 }  // namespace

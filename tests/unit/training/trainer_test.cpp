@@ -7,9 +7,9 @@
 
 #include "law_samples.h"
 #include "sample_data.h"
-#include "supple/base/error.h"
 #include "supple/neural/evaluator.h"
 #include "supple/training/model_errors.h"
+#include "support/expect_error.h"
 
 namespace supple::training {
 namespace {
@@ -115,13 +115,9 @@ TEST(Training, ACheckpointOfOtherOptionsIsRefusedByName) {
               [&](const EpochReport&) { stop.request(StopReason::cancelled); });
   auto other = small_options(8);
   other.learning_rate = 1e-3;
-  try {
-    (void)train(samples(), parts(), other, checkpoint, {}, ignore);
-    FAIL() << "it was taken up";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), "training.different_options");
-    EXPECT_NE(std::string(error.what()).find("learning_rate"), std::string::npos) << error.what();
-  }
+  const auto error = testing::expect_error("training.different_options",
+                                           [&] { (void)train(samples(), parts(), other, checkpoint, {}, ignore); });
+  EXPECT_EQ(testing::places(error), std::vector<std::string>{"learning_rate"});
 }
 
 TEST(Training, EndsEarlyWhereValidationNoLongerFalls) {
@@ -136,14 +132,9 @@ TEST(Training, EndsEarlyWhereValidationNoLongerFalls) {
 TEST(Training, OptionsOutOfRangeAreNamed) {
   auto options = small_options(1);
   options.shape.width = 40;
-  try {
-    (void)train(samples(), parts(), options, {}, {}, ignore);
-    FAIL() << "a width of 40 was accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), "training.invalid_option");
-    ASSERT_FALSE(error.details().empty());
-    EXPECT_EQ(error.details()[0].where, "width");
-  }
+  const auto error = testing::expect_error("training.invalid_option",
+                                           [&] { (void)train(samples(), parts(), options, {}, {}, ignore); });
+  EXPECT_EQ(testing::places(error), std::vector<std::string>{"width"});
 }
 
 TEST(ModelErrors, AreThoseOfTheRowsThatCount) {

@@ -40,7 +40,7 @@ struct StrainRange {
 
 /// Where a model comes from: enough to make it again.
 struct Provenance {
-  std::string data_set;      ///< files, with the SHA-256 of what they hold
+  std::string data_set;      ///< names of its files
   std::string data_engine;   ///< versions of the engine that simulated it
   std::string engine;        ///< version of the engine that trained it
   std::int64_t designs = 0;  ///< trained on

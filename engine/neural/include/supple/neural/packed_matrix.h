@@ -48,9 +48,9 @@ struct Factor {
   SUPPLE_INLINE Factor from_column(std::ptrdiff_t j) const { return {numbers + j * stride, stride, step}; }
 };
 
-/// c = a b, or c += a b, for n columns: c[j stride_c + i] = sum_k a(i, k) b(k, j). Writes padded_rows(a.rows()) rows of
+/// c = a b for n columns: c[j stride_c + i] = sum_k a(i, k) b(k, j). Writes padded_rows(a.rows()) rows of
 /// each column. 2 n padded_rows(a.rows()) a.columns() flops.
 template <class Real>
-void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c, bool add = false);
+void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c);
 
 }  // namespace supple::neural

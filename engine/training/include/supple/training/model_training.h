@@ -29,8 +29,8 @@ struct ModelOptions {
 
 /// By name, as they are kept with a model: with them and the data the split is made again.
 std::vector<std::pair<std::string, std::string>> describe(const ModelOptions& options);
-/// The samples and the split of a model that was trained on this data set. Throws "file.unreadable" where the model's
-/// options do not hold what is needed.
+/// The samples and the split of a model that was trained on this data set. Throws "training.different_data" for
+/// other data, and "file.unreadable" where the model's options do not hold what is needed.
 struct ModelSamples {
   Samples samples;
   Split split;
