@@ -15,6 +15,8 @@ void CancellationToken::throw_stop() const {
       throw Error("job.deadline_exceeded", "The computation was stopped because its deadline passed.");
     case StopReason::shutdown:
       throw Error("server.shutting_down", "The computation was stopped because the server is shutting down.");
+    case StopReason::superseded:
+      throw Error("design.superseded", "A newer request of the same session has replaced this one.");
     default:
       throw Error("job.cancelled", "The computation was cancelled.");
   }

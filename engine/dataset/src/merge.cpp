@@ -65,4 +65,11 @@ Dataset merge(std::vector<Dataset> parts, bool allow_missing) {
               details);
 }
 
+Dataset read_parts(const std::vector<std::filesystem::path>& files) {
+  std::vector<Dataset> parts;
+  parts.reserve(files.size());
+  for (const auto& file : files) parts.push_back(read_finished_or_partial(file));
+  return merge(std::move(parts), true);
+}
+
 }  // namespace supple::dataset

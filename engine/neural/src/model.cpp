@@ -17,7 +17,7 @@ bool in_range(const Model& model, std::span<const double> parameters, const Eige
   const double radius = std::hypot(0.5 * (strain[0] - strain[1]), 0.5 * strain[2]);
   return middle - radius >= model.strain_range.smallest_principal - rounding &&
          middle + radius <= model.strain_range.largest_principal + rounding &&
-         energy_density <= model.strain_range.largest_energy * rest_stiffness;
+         energy_density <= model.strain_range.largest_relative_energy * rest_stiffness;
 }
 
 }  // namespace supple::neural

@@ -53,7 +53,7 @@ template <class Range, class Visit>
 void for_each_limit(Range& range, Visit&& visit) {
   visit("smallest_principal", range.smallest_principal);
   visit("largest_principal", range.largest_principal);
-  visit("largest_energy", range.largest_energy);
+  visit("largest_energy", range.largest_relative_energy);
 }
 template <class P, class Visit>
 void for_each_fact(P& provenance, Visit&& visit) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double smallest_corner_size = 1e-3;
 
 /// The triangles have the solid's area to this relative error.
-constexpr double area_tolerance = 1e-7;
+constexpr double filled_area_tolerance = 1e-7;
 
 /// Meshes by tiles that have a smaller angle (rad) than this are tried by cells: some 20 degrees.
 constexpr double acceptable_angle = 0.35;
@@ -51,7 +51,7 @@ double twice_area(const PeriodicMesh& mesh, int t) {
 
 void check_area(const PeriodicMesh& mesh, const Structure& structure) {
   const double solid_area = mesh.solid_area();
-  if (std::abs(solid_area - structure.solid_area) <= area_tolerance * structure.cell_area) return;
+  if (std::abs(solid_area - structure.solid_area) <= filled_area_tolerance * structure.cell_area) return;
   std::ostringstream message;
   message << "The triangles cover " << solid_area << " mm^2 of a solid of " << structure.solid_area << " mm^2.";
   throw Error("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});

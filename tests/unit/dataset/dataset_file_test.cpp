@@ -10,6 +10,7 @@
 
 #include "sample_data.h"
 #include "supple/base/error.h"
+#include "support/temporary_folder.h"
 
 namespace supple::dataset {
 namespace {
@@ -23,15 +24,10 @@ std::string code_of(const std::filesystem::path& path) {
   return {};
 }
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-class DatasetFile : public testing::TestWithParam<bool> {};
+class DatasetFile : public ::testing::TestWithParam<bool> {};
 
 TEST_P(DatasetFile, ReadsBackEveryValueItWrote) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const Dataset written = sample_dataset({3, 9, 1, 2});
   write_dataset(folder / "data.h5", written, {false, GetParam()});
   const Dataset read = read_dataset(folder / "data.h5");
@@ -40,10 +36,10 @@ TEST_P(DatasetFile, ReadsBackEveryValueItWrote) {
   EXPECT_EQ(all_values(read.designs), all_values(written.designs));
 }
 
-INSTANTIATE_TEST_SUITE_P(PlainAndCompressed, DatasetFile, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(PlainAndCompressed, DatasetFile, ::testing::Bool());
 
 TEST(DatasetFilePrecision, KeepsDesignsExactAndRoundsRowsToSingle) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const Dataset written = sample_dataset({0, 4, 0, 1});
   write_dataset(folder / "data.h5", written, {true, true});
   const Dataset read = read_dataset(folder / "data.h5");
@@ -58,14 +54,14 @@ TEST(DatasetFilePrecision, KeepsDesignsExactAndRoundsRowsToSingle) {
 }
 
 TEST(DatasetFileBytes, AreTheSameForTheSameData) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   write_dataset(folder / "a.h5", sample_dataset({0, 6, 0, 1}), {true, true});
   write_dataset(folder / "b.h5", sample_dataset({0, 6, 0, 1}), {true, true});
-  EXPECT_EQ(bytes_of(folder / "a.h5"), bytes_of(folder / "b.h5"));
+  EXPECT_EQ(testing::bytes_of(folder / "a.h5"), testing::bytes_of(folder / "b.h5"));
 }
 
 TEST(DatasetFileEmpty, CanHoldNoDesignOrOnlyRejectedOnes) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   for (const Selection selection : {Selection{0, 1, 1, 2}, Selection{3, 1, 0, 1}}) {
     const Dataset written = sample_dataset(selection);
     write_dataset(folder / "data.h5", written, {true, true});
@@ -74,7 +70,7 @@ TEST(DatasetFileEmpty, CanHoldNoDesignOrOnlyRejectedOnes) {
 }
 
 TEST(DatasetFileWriting, LeavesNoFileBehindWhereItFails) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   Dataset data = sample_dataset({0, 2, 0, 1});
   data.designs[1].parameters.push_back(1);
   EXPECT_THROW(write_dataset(folder / "data.h5", data), Error);
@@ -83,16 +79,16 @@ TEST(DatasetFileWriting, LeavesNoFileBehindWhereItFails) {
 }
 
 TEST(DatasetFileReading, RefusesWhatIsNoDataSet) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   EXPECT_EQ(code_of(folder / "missing.h5"), "file.unreadable");
   std::ofstream(folder / "text.h5") << "no HDF5";
   EXPECT_EQ(code_of(folder / "text.h5"), "file.unreadable");
 }
 
 TEST(DatasetFileReading, RefusesATruncatedFile) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   write_dataset(folder / "data.h5", sample_dataset({0, 8, 0, 1}));
-  const std::string whole = bytes_of(folder / "data.h5");
+  const std::string whole = testing::bytes_of(folder / "data.h5");
   for (const double share : {0.1, 0.5, 0.9, 0.99}) {
     std::ofstream(folder / "cut.h5", std::ios::binary)
         << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));

@@ -8,16 +8,13 @@
 
 #include "sample_data.h"
 #include "supple/base/error.h"
+#include "support/temporary_folder.h"
 
 namespace supple::dataset {
 namespace {
 
 constexpr Selection selection{0, 6, 0, 1};
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
@@ -43,7 +40,7 @@ std::string code_of_opening(const std::filesystem::path& path, const Recipe& rec
 }
 
 TEST(Journal, GivesBackEveryDesignAfterItIsOpenedAgain) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   write_journal(folder / "j", 5);
   const Journal journal(folder / "j", sample_recipe(), selection);
   EXPECT_EQ(journal.content().discarded_bytes, 0);
@@ -51,7 +48,7 @@ TEST(Journal, GivesBackEveryDesignAfterItIsOpenedAgain) {
 }
 
 TEST(Journal, SortsDesignsThatWereAppendedInAnyOrder) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   {
     Journal journal(folder / "j", sample_recipe(), selection);
     for (const int i : {4, 1, 3}) journal.append(sample_design(i));
@@ -64,9 +61,9 @@ TEST(Journal, SortsDesignsThatWereAppendedInAnyOrder) {
 }
 
 TEST(Journal, KeepsTheCompleteDesignsWhereverItsFileIsCutOff) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const auto sizes = write_journal(folder / "j", 3);
-  const std::string whole = bytes_of(folder / "j");
+  const std::string whole = testing::bytes_of(folder / "j");
   for (std::size_t cut = 0; cut <= whole.size(); cut += cut < sizes[0] ? 1 : 173) {
     write_bytes(folder / "cut", whole.substr(0, cut));
     std::size_t complete = 0;
@@ -76,14 +73,14 @@ TEST(Journal, KeepsTheCompleteDesignsWhereverItsFileIsCutOff) {
       ASSERT_EQ(journal.content().data.designs.size(), complete) << "cut at byte " << cut;
       for (int i = static_cast<int>(complete); i < 3; ++i) journal.append(sample_design(i));
     }
-    ASSERT_EQ(bytes_of(folder / "cut"), whole) << "cut at byte " << cut;
+    ASSERT_EQ(testing::bytes_of(folder / "cut"), whole) << "cut at byte " << cut;
   }
 }
 
 TEST(Journal, DropsALastDesignWithAFlippedBit) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const auto sizes = write_journal(folder / "j", 2);
-  std::string bytes = bytes_of(folder / "j");
+  std::string bytes = testing::bytes_of(folder / "j");
   bytes[(sizes[1] + sizes[2]) / 2] ^= 4;
   write_bytes(folder / "j", bytes);
   const auto content = Journal::read(folder / "j");
@@ -92,7 +89,7 @@ TEST(Journal, DropsALastDesignWithAFlippedBit) {
 }
 
 TEST(Journal, RefusesToGoOnWithOtherSettings) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   write_journal(folder / "j", 1);
   Recipe other = sample_recipe();
   other.set("tolerance", 1e-8, "1");
@@ -102,20 +99,20 @@ TEST(Journal, RefusesToGoOnWithOtherSettings) {
 }
 
 TEST(Journal, BelongsToOneProcessAtATime) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const Journal first(folder / "j", sample_recipe(), selection);
   EXPECT_EQ(code_of_opening(folder / "j", sample_recipe(), selection), "dataset.in_use");
 }
 
 TEST(Journal, LeavesAForeignFileAsItIs) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   write_bytes(folder / "j", "notes of mine");
   EXPECT_EQ(code_of_opening(folder / "j", sample_recipe(), selection), "file.unreadable");
-  EXPECT_EQ(bytes_of(folder / "j"), "notes of mine");
+  EXPECT_EQ(testing::bytes_of(folder / "j"), "notes of mine");
 }
 
 TEST(Journal, IsGoneOnceItIsRemoved) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   Journal journal(folder / "j", sample_recipe(), selection);
   journal.remove();
   EXPECT_FALSE(std::filesystem::exists(folder / "j"));

@@ -9,6 +9,7 @@
 #include "supple/base/error.h"
 #include "supple/dataset/dataset_file.h"
 #include "supple/dataset/journal.h"
+#include "support/temporary_folder.h"
 
 namespace supple::dataset {
 namespace {
@@ -56,7 +57,7 @@ TEST(Merge, RefusesMissingDesignsUnlessTheyAreAllowed) {
 }
 
 TEST(Merge, TakesWhatAnUnfinishedDataSetHoldsSoFar) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   {
     Journal journal(journal_path(folder / "data.h5"), sample_recipe(), {0, 4, 0, 1});
     journal.append(sample_design(1));

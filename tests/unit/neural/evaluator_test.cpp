@@ -7,32 +7,25 @@
 #include <string>
 #include <vector>
 
-#include "random_network.h"
 #include "support/expect_error.h"
+#include "support/random_network.h"
 
 namespace supple::neural {
 namespace {
 
-struct Case {
-  EnergyForm form;
-  Activation activation;
-  int width;
-  int parameters;
-};
-
-std::string name_of(const ::testing::TestParamInfo<Case>& info) {
-  return std::string(to_string(info.param.form)) + "_" + std::string(to_string(info.param.activation)) + "_" +
-         std::to_string(info.param.width) + "_" + std::to_string(info.param.parameters);
+NetworkShape shape_of(EnergyForm form, Activation activation, int width, int parameters) {
+  NetworkShape shape;
+  shape.form = form;
+  shape.activation = activation;
+  shape.width = width;
+  shape.parameters = parameters;
+  return shape;
 }
 
-class Evaluations : public ::testing::TestWithParam<Case> {
+class Evaluations : public ::testing::TestWithParam<NetworkShape> {
  protected:
   void SetUp() override {
-    NetworkShape shape;
-    shape.form = GetParam().form;
-    shape.activation = GetParam().activation;
-    shape.width = GetParam().width;
-    shape.parameters = GetParam().parameters;
+    const auto& shape = GetParam();
     network = random_network(shape, 3);
     for (int k = 0; k < shape.parameters; ++k)
       parameters.push_back(network.lower[k] + (0.2 + 0.15 * k) * (network.upper[k] - network.lower[k]));
@@ -142,13 +135,13 @@ TEST_P(Evaluations, SinglePrecisionIsCloseByItsRounding) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Networks, Evaluations,
-                         ::testing::Values(Case{EnergyForm::sum_of_squares, Activation::swish, 40, 4},
-                                           Case{EnergyForm::sum_of_squares, Activation::swish, 8, 1},
-                                           Case{EnergyForm::sum_of_squares, Activation::tanh, 24, 2},
-                                           Case{EnergyForm::sum_of_squares, Activation::sine, 16, 3},
-                                           Case{EnergyForm::softplus, Activation::swish, 32, 2},
-                                           Case{EnergyForm::softplus, Activation::tanh, 16, 1}),
-                         name_of);
+                         ::testing::Values(shape_of(EnergyForm::sum_of_squares, Activation::swish, 40, 4),
+                                           shape_of(EnergyForm::sum_of_squares, Activation::swish, 8, 1),
+                                           shape_of(EnergyForm::sum_of_squares, Activation::tanh, 24, 2),
+                                           shape_of(EnergyForm::sum_of_squares, Activation::sine, 16, 3),
+                                           shape_of(EnergyForm::softplus, Activation::swish, 32, 2),
+                                           shape_of(EnergyForm::softplus, Activation::tanh, 16, 1)),
+                         [](const auto& tested) { return name_of(tested.param); });
 
 TEST(SumOfSquares, EnergyAndStressVanishAtRestAndEnergyIsNowhereNegative) {
   NetworkShape shape;

@@ -1,24 +1,21 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 
-#include "random_network.h"
 #include "supple/base/error.h"
 #include "supple/neural/model.h"
+#include "support/random_network.h"
+#include "support/temporary_folder.h"
 
 namespace supple::neural {
 namespace {
 
-class ModelFile : public testing::Test {
+class ModelFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder = std::filesystem::temp_directory_path() / ("supple-model-test-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder);
-    path = folder / "model.h5";
     NetworkShape shape;
     shape.width = 24;
     shape.parameters = 2;
@@ -33,7 +30,6 @@ class ModelFile : public testing::Test {
     model.provenance.training_seconds = 12.5;
     model.design_split = SplitErrors{{0.01, 0.02, 0.005, 0.1}, {0.02, 0.04, 0.01, 0.2}, 50, 1900};
   }
-  void TearDown() override { std::filesystem::remove_all(folder); }
 
   static std::string content(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
@@ -48,8 +44,8 @@ class ModelFile : public testing::Test {
     }
   }
 
-  std::filesystem::path folder;
-  std::filesystem::path path;
+  testing::TemporaryFolder folder;
+  std::filesystem::path path = folder / "model.h5";
   Model model;
 };
 
@@ -65,7 +61,7 @@ TEST_F(ModelFile, HoldsEverythingThatWasWritten) {
   }
   EXPECT_EQ(back.network.stiffness[2].weights, model.network.stiffness[2].weights);
   EXPECT_EQ(back.network.upper, model.network.upper);
-  EXPECT_EQ(back.strain_range.largest_energy, 0.4);
+  EXPECT_EQ(back.strain_range.largest_relative_energy, 0.4);
   EXPECT_EQ(back.provenance.options, model.provenance.options);
   EXPECT_EQ(back.provenance.designs, 410);
   ASSERT_TRUE(back.design_split.has_value());

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "random_network.h"
 #include "support/expect_error.h"
+#include "support/random_network.h"
 
 namespace supple::neural {
 namespace {

@@ -5,7 +5,7 @@
 
 namespace supple {
 
-enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3 };
+enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3, superseded = 4 };
 
 /// A flag shared between whoever may stop a computation and the computation itself.
 ///
@@ -20,7 +20,8 @@ class CancellationToken {
   StopReason reason() const noexcept { return static_cast<StopReason>(reason_->load(std::memory_order_relaxed)); }
   bool requested() const noexcept { return reason() != StopReason::none; }
 
-  /// Throws Error "job.cancelled", "job.deadline_exceeded" or "server.shutting_down" once a stop is requested.
+  /// Throws Error "job.cancelled", "job.deadline_exceeded", "server.shutting_down" or "design.superseded" once a stop
+  /// is requested.
   void throw_if_requested() const {
     if (requested()) throw_stop();
   }

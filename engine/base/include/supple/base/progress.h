@@ -10,6 +10,8 @@ class ProgressSink {
   virtual ~ProgressSink() = default;
   /// `fraction` in [0, 1] is the estimated share of the work that is done; `stage` names what runs now.
   virtual void report(double fraction, std::string_view stage) = 0;
+  /// An intermediate result in the form that its receiver knows; the latest counts. Most receivers have no use for it.
+  virtual void publish(std::string_view /*partial*/) {}
 };
 
 }  // namespace supple

@@ -18,4 +18,8 @@ Dataset read_finished_or_partial(const std::filesystem::path& path);
 /// named), "dataset.duplicate_design" (design named) and, unless `allow_missing`, "dataset.missing_designs".
 Dataset merge(std::vector<Dataset> parts, bool allow_missing = false);
 
+/// The merged parts that stand in these files, finished or not; designs may be missing. Throws what
+/// `read_finished_or_partial` and `merge` throw.
+Dataset read_parts(const std::vector<std::filesystem::path>& files);
+
 }  // namespace supple::dataset

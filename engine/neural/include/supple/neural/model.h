@@ -33,9 +33,9 @@ struct SplitErrors {
 struct StrainRange {
   double smallest_principal = 0;  ///< least principal Green strain of the training rows
   double largest_principal = 0;   ///< greatest
-  /// Greatest energy density over the design's rest stiffness s of its design (Evaluator::Design::rest_stiffness): what
-  /// lies above is far from every path that was simulated, e.g. strained along a stiff direction.
-  double largest_energy = 0;
+  /// Greatest energy density over the rest stiffness s of its design (Evaluator::Design::rest_stiffness): what lies
+  /// above is far from every path that was simulated, e.g. strained along a stiff direction.
+  double largest_relative_energy = 0;
 };
 
 /// Where a model comes from: enough to make it again.

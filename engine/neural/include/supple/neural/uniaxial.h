@@ -6,6 +6,7 @@
 
 #include "supple/base/execution.h"
 #include "supple/neural/evaluator.h"
+#include "supple/neural/uniaxial_newton.h"
 
 namespace supple::neural {
 
@@ -20,17 +21,11 @@ struct UniaxialState {
   int iterations = 0;   ///< Newton iterations of this state
 };
 
-struct UniaxialOptions {
-  /// A state has converged once |(n^T S n, d^T S n)| <= tolerance * max(|S|, |C| |e| / 1000): n orthogonal to d, S, C
-  /// and e stress, tangent and strain as three components, their Frobenius norms.
-  double tolerance = 1e-10;
-  int max_iterations = 50;
-};
-
 /// States of least energy with E_dd = d^T E d given, d = (cos, sin) of `direction` (rad), each followed from the one
-/// before it in `green_strains` (thesis 4.8 to 4.10). Newton's method on the two free components of strain with a
-/// positive definite model; about 3 to 6 evaluations with tangents a state. The strains along d must be > -1/2 (a
-/// stretch > 0), else "model.invalid_load" is thrown. A state that is not reached has converged = false.
+/// before it in `green_strains` (thesis 4.8 to 4.10), as UniaxialNewton does; about 3 to 6 evaluations with tangents a
+/// state. The strains along d must be > -1/2 (a
+/// stretch > 0), else "model.invalid_load" is thrown. A state that is not reached has converged = false, and numbers
+/// that are not finite where the energy overflowed.
 template <class Real>
 std::vector<UniaxialState> uniaxial_path(const BasicEvaluator<Real>& evaluator,
                                          const typename BasicEvaluator<Real>::Design& design, double direction,

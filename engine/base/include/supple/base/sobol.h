@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace supple {
+
+/// A scrambled Sobol sequence in up to eight dimensions: points that fill the unit cube evenly at every length.
+///
+/// Direction numbers by Joe and Kuo (2008, new-joe-kuo-6); nested uniform scrambling by Owen (1995), with each bit's
+/// flip drawn from a hash of the seed, the dimension and the bits above it, so that point i needs no other. Of the
+/// first 2^m points, each of the 2^m equal intervals of every axis holds one. The same name, seed and index give the
+/// same point on every machine.
+class SobolSequence {
+ public:
+  static constexpr int max_dimensions = 8;
+
+  SobolSequence(std::string_view name, std::uint64_t seed);
+
+  /// Coordinates in (0, 1), 32 bits each. O(32 * 8).
+  std::array<double, max_dimensions> point(std::uint32_t index) const;
+
+ private:
+  std::array<std::uint64_t, max_dimensions> keys_;
+};
+
+}  // namespace supple

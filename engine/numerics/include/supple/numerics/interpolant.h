@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace supple::numerics {
+
+enum class Interpolation {
+  cubic,     ///< twice continuously differentiable spline; natural ends
+  monotone,  ///< once continuously differentiable; between two points never beyond them (Fritsch and Butland 1984)
+  linear,
+};
+std::string_view to_string(Interpolation interpolation);
+
+/// A curve y(x) through points. Without a period it goes on linearly beyond its ends.
+class Interpolant {
+ public:
+  /// n >= 1 points with x strictly increasing and finite; with a period > 0 the last x lies less than it beyond the
+  /// first. Anything else is the caller's mistake and asserts. O(n^3), for n of tens.
+  Interpolant(std::span<const double> x, std::span<const double> y, Interpolation interpolation,
+              std::optional<double> period = std::nullopt);
+
+  /// O(log n).
+  double operator()(double x) const;
+
+ private:
+  std::vector<double> x_;
+  std::vector<double> y_;
+  std::vector<double> slopes_;  ///< dy/dx at the points
+  std::optional<double> period_;
+  bool linear_;
+};
+
+}  // namespace supple::numerics

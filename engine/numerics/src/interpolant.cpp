@@ -1,0 +1,107 @@
+#include "supple/numerics/interpolant.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace supple::numerics {
+namespace {
+
+/// Slopes of the C2 cubic spline: second derivatives agree at every point; at free ends they vanish.
+std::vector<double> spline_slopes(const std::vector<double>& x, const std::vector<double>& y, bool periodic) {
+  const auto n =
+      static_cast<Eigen::Index>(x.size()) - (periodic ? 1 : 0);  // unknowns; the last point repeats the first
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  // An interval of length h and secant s adds its second derivative at either end: (2/h)(3 s - 2 m_0 - m_1) at the
+  // left, (2/h)(m_0 + 2 m_1 - 3 s) at the right.
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    const double h = x[i + 1] - x[i];
+    const double secant = (y[i + 1] - y[i]) / h;
+    const auto left = static_cast<Eigen::Index>(i);
+    const Eigen::Index next = (left + 1) % n;
+    system(left, left) += 2 / h;
+    system(left, next) += 1 / h;
+    system(next, left) += 1 / h;
+    system(next, next) += 2 / h;
+    right[left] += 3 * secant / h;
+    right[next] += 3 * secant / h;
+  }
+  const Eigen::VectorXd slopes = system.partialPivLu().solve(right);
+  std::vector<double> result(slopes.begin(), slopes.end());
+  if (periodic) result.push_back(result.front());
+  return result;
+}
+
+/// A weighted harmonic mean of the secants on both sides, 0 where they differ in sign.
+double monotone_slope(double h0, double s0, double h1, double s1) {
+  if (s0 * s1 <= 0) return 0;
+  const double weight = (h0 + 2 * h1) / (3 * (h0 + h1));
+  return s0 * s1 / (weight * s1 + (1 - weight) * s0);
+}
+
+std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vector<double>& y, bool periodic) {
+  const std::size_t n = x.size();
+  std::vector<double> secants(n - 1);
+  for (std::size_t i = 0; i + 1 < n; ++i) secants[i] = (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
+  std::vector<double> slopes(n);
+  for (std::size_t i = 1; i + 1 < n; ++i)
+    slopes[i] = monotone_slope(x[i] - x[i - 1], secants[i - 1], x[i + 1] - x[i], secants[i]);
+  if (periodic) {
+    slopes[0] = slopes[n - 1] = monotone_slope(x[n - 1] - x[n - 2], secants[n - 2], x[1] - x[0], secants[0]);
+  } else {
+    slopes[0] = secants.front();
+    slopes[n - 1] = secants.back();
+  }
+  return slopes;
+}
+
+}  // namespace
+
+std::string_view to_string(Interpolation interpolation) {
+  switch (interpolation) {
+    case Interpolation::monotone:
+      return "monotone";
+    case Interpolation::linear:
+      return "linear";
+    default:
+      return "cubic";
+  }
+}
+
+Interpolant::Interpolant(std::span<const double> x, std::span<const double> y, Interpolation interpolation,
+                         std::optional<double> period)
+    : x_(x.begin(), x.end()), y_(y.begin(), y.end()), period_(period), linear_(interpolation == Interpolation::linear) {
+  assert(!x_.empty() && x_.size() == y_.size());
+  assert(std::is_sorted(x_.begin(), x_.end(), std::less_equal<>()) && "x increases strictly");
+  if (period_) {
+    assert(x_.back() < x_.front() + *period_);
+    x_.push_back(x_.front() + *period_);
+    y_.push_back(y_.front());
+  }
+  if (x_.size() == 1) {
+    slopes_ = {0};
+  } else if (interpolation == Interpolation::cubic) {
+    slopes_ = spline_slopes(x_, y_, period_.has_value());
+  } else {
+    slopes_ = monotone_slopes(x_, y_, period_.has_value());
+  }
+}
+
+double Interpolant::operator()(double x) const {
+  if (x_.size() == 1) return y_.front();
+  if (period_) x -= *period_ * std::floor((x - x_.front()) / *period_);
+  const auto above = std::upper_bound(x_.begin() + 1, x_.end() - 1, x);
+  const auto i = static_cast<std::size_t>(above - x_.begin()) - 1;
+  const double h = x_[i + 1] - x_[i];
+  const double t = (x - x_[i]) / h;
+  if (linear_) return y_[i] + t * (y_[i + 1] - y_[i]);
+  if (t < 0) return y_[i] + slopes_[i] * (x - x_[i]);
+  if (t > 1) return y_[i + 1] + slopes_[i + 1] * (x - x_[i + 1]);
+  const double u = 1 - t;
+  return u * u * ((1 + 2 * t) * y_[i] + t * h * slopes_[i]) +
+         t * t * ((3 - 2 * t) * y_[i + 1] - u * h * slopes_[i + 1]);
+}
+
+}  // namespace supple::numerics

@@ -1,0 +1,72 @@
+#include "supple/numerics/least_stable_mode.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "supple/base/random.h"
+
+namespace supple::numerics {
+namespace {
+
+/// Shifts to try, relative to the mean diagonal entry, from the least on: a small one separates the modes best.
+constexpr double first_shift = 1e-9;
+constexpr double shift_growth = 4;
+constexpr double last_shift = 1e3;
+
+constexpr int lanczos_steps = 40;
+/// The Ritz value has converged once a step changes it by less, relative.
+constexpr double ritz_tolerance = 1e-6;
+
+double shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky, const CancellationToken& cancellation) {
+  const double scale = diagonal_scale(hessian);
+  double shift = first_shift * scale;
+  while (!cholesky.factorize(hessian, shift) && shift < last_shift * scale) {
+    cancellation.throw_if_requested();
+    shift *= shift_growth;
+  }
+  return shift;
+}
+
+}  // namespace
+
+Mode least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& cholesky,
+                       const CancellationToken& cancellation) {
+  const double shift = shift_until_definite(hessian, cholesky, cancellation);
+  const int steps = static_cast<int>(std::min<Eigen::Index>(lanczos_steps, n));
+  Eigen::MatrixXd basis(n, steps + 1);
+  Eigen::VectorXd diagonal(steps);
+  Eigen::VectorXd off_diagonal(steps);
+  RandomStream random("least_stable_mode", 0);
+  for (Eigen::Index i = 0; i < n; ++i) basis(i, 0) = random.uniform(-1, 1);
+  basis.col(0).normalize();
+
+  double last = 0;
+  int made = 0;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
+  while (made < steps) {
+    cancellation.throw_if_requested();
+    Eigen::VectorXd next = cholesky.solve(basis.col(made));
+    diagonal[made] = basis.col(made).dot(next);
+    // Twice: once is not enough where the first mode dominates.
+    const auto used = basis.leftCols(made + 1);
+    for (int pass = 0; pass < 2; ++pass) next -= used * (used.transpose() * next);
+    off_diagonal[made] = next.norm();
+    ++made;
+    ritz.computeFromTridiagonal(diagonal.head(made), off_diagonal.head(std::max(0, made - 1)));
+    const double largest = ritz.eigenvalues()[made - 1];
+    if (std::abs(largest - last) <= ritz_tolerance * std::abs(largest) || off_diagonal[made - 1] <= 1e-14 * largest)
+      break;
+    last = largest;
+    basis.col(made) = next / off_diagonal[made - 1];
+  }
+  Mode mode;
+  mode.direction = (basis.leftCols(made) * ritz.eigenvectors().col(made - 1)).normalized();
+  Eigen::Index peak = 0;
+  mode.direction.cwiseAbs().maxCoeff(&peak);
+  if (mode.direction[peak] < 0) mode.direction = -mode.direction;
+  mode.curvature = 1 / ritz.eigenvalues()[made - 1] - shift;
+  return mode;
+}
+
+}  // namespace supple::numerics
