@@ -10,10 +10,10 @@
 
 #include "dataset_commands.h"
 #include "exit_code.h"
+#include "model_commands.h"
 #include "stop_signals.h"
 #include "supple/base/error.h"
 #include "supple/lab/dataset_options.h"
-#include "train_command.h"
 
 namespace {
 

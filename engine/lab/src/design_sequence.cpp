@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "supple/base/random.h"
-#include "supple/lab/sobol.h"
+#include "supple/base/sobol.h"
 #include "supple/tiling/family.h"
 
 namespace supple::lab {

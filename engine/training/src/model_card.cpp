@@ -156,7 +156,7 @@ std::string trust_section(const neural::Model& model, const std::vector<Judged>&
       "- Where an answer says `in_range: false`: parameters out of bounds, principal Green strains outside of "
       "[{:.3g}, {:.3g}], or an energy density above {:.3g} of the design's rest stiffness, which no simulated path "
       "reached.\n",
-      range.smallest_principal, range.largest_principal, range.largest_energy);
+      range.smallest_principal, range.largest_principal, range.largest_relative_energy);
   text += "- After buckling a structure has several equilibria; the model knows those that a path from rest meets.\n";
   return text;
 }

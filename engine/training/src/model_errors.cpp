@@ -94,7 +94,7 @@ neural::StrainRange strain_range(const neural::Network& network, const Samples& 
       const double radius = std::hypot(0.5 * (e[0] - e[1]), 0.5 * e[2]);
       range.smallest_principal = std::min(range.smallest_principal, middle - radius);
       range.largest_principal = std::max(range.largest_principal, middle + radius);
-      range.largest_energy = std::max(range.largest_energy, samples.energy[row] / stiffness);
+      range.largest_relative_energy = std::max(range.largest_relative_energy, samples.energy[row] / stiffness);
     }
   }
   return range;

@@ -11,12 +11,13 @@
 #include "supple/dataset/dataset_file.h"
 #include "supple/dataset/journal.h"
 #include "supple/dataset/merge.h"
+#include "support/temporary_folder.h"
 
 namespace supple::lab {
 namespace {
 
 using dataset::Dataset;
-using dataset::TemporaryFolder;
+using testing::TemporaryFolder;
 
 /// Small loads on the coarsest mesh: a design takes about a tenth of a second.
 DatasetOptions quick(std::int64_t designs) {
@@ -61,7 +62,7 @@ class StopAfter : public MakeListener {
   int left_;
 };
 
-class DatasetMaker : public testing::Test {
+class DatasetMaker : public ::testing::Test {
  protected:
   void SetUp() override { set_thread_count(2); }
   void TearDown() override { set_thread_count(0); }

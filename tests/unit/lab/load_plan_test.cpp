@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "supple/base/error.h"
-#include "supple/lab/sobol.h"
+#include "supple/base/sobol.h"
 
 namespace supple::lab {
 namespace {

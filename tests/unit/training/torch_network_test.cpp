@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "random_network.h"
 #include "supple/neural/evaluator.h"
+#include "support/random_network.h"
 
 namespace supple::training {
 namespace {
@@ -17,27 +17,19 @@ using neural::Activation;
 using neural::EnergyForm;
 using torch::Tensor;
 
-struct Case {
-  EnergyForm form;
-  Activation activation;
-};
-
-class TorchNetwork : public testing::TestWithParam<Case> {
- protected:
-  void SetUp() override {
-    neural::NetworkShape shape;
-    shape.form = GetParam().form;
-    shape.activation = GetParam().activation;
-    shape.width = 48;
-    shape.parameters = 3;
-    network = neural::random_network(shape, 11);
-  }
-  neural::Network network;
-};
-
-std::string name_of(const testing::TestParamInfo<Case>& info) {
-  return std::string(to_string(info.param.form)) + "_" + std::string(to_string(info.param.activation));
+neural::NetworkShape shape_of(EnergyForm form, Activation activation) {
+  neural::NetworkShape shape;
+  shape.form = form;
+  shape.activation = activation;
+  shape.width = 48;
+  shape.parameters = 3;
+  return shape;
 }
+
+class TorchNetwork : public testing::TestWithParam<neural::NetworkShape> {
+ protected:
+  neural::Network network = neural::random_network(GetParam(), 11);
+};
 
 Tensor column_tensor(const Eigen::VectorXd& values) {
   auto tensor = torch::empty({values.size()}, torch::kDouble);
@@ -141,11 +133,11 @@ TEST_P(TorchNetwork, WeightsGoToTensorsAndBackUnchanged) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Networks, TorchNetwork,
-                         testing::Values(Case{EnergyForm::sum_of_squares, Activation::swish},
-                                         Case{EnergyForm::sum_of_squares, Activation::tanh},
-                                         Case{EnergyForm::sum_of_squares, Activation::sine},
-                                         Case{EnergyForm::softplus, Activation::swish}),
-                         name_of);
+                         testing::Values(shape_of(EnergyForm::sum_of_squares, Activation::swish),
+                                         shape_of(EnergyForm::sum_of_squares, Activation::tanh),
+                                         shape_of(EnergyForm::sum_of_squares, Activation::sine),
+                                         shape_of(EnergyForm::softplus, Activation::swish)),
+                         [](const auto& tested) { return neural::name_of(tested.param); });
 
 }  // namespace
 }  // namespace supple::training

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "law_samples.h"
 #include "sample_data.h"
 #include "supple/neural/evaluator.h"
 #include "supple/training/model_errors.h"
 #include "support/expect_error.h"
+#include "support/law_samples.h"
+#include "support/temporary_folder.h"
 
 namespace supple::training {
 namespace {
@@ -92,7 +93,7 @@ TEST(Training, TheSameSeedGivesTheSameBitsAndAnotherOthers) {
 }
 
 TEST(Training, AnInterruptedOneGoesOnWithTheSameBits) {
-  const dataset::TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const auto checkpoint = folder / "training.partial";
   const auto options = small_options(8);
   const CancellationToken stop;
@@ -108,7 +109,7 @@ TEST(Training, AnInterruptedOneGoesOnWithTheSameBits) {
 }
 
 TEST(Training, ACheckpointOfOtherOptionsIsRefusedByName) {
-  const dataset::TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const auto checkpoint = folder / "training.partial";
   const CancellationToken stop;
   (void)train(samples(), parts(), small_options(8), checkpoint, stop,

@@ -48,6 +48,9 @@ struct TrainingOptions {
   std::vector<Eigen::Matrix3d> symmetries;
 };
 
+/// Throws "training.invalid_option", which names the first option out of its range.
+void check(const TrainingOptions& options, const Samples& samples);
+
 /// By name, as they are kept with a model and compared when a checkpoint is taken up.
 std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions& options);
 

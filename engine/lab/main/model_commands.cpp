@@ -1,4 +1,4 @@
-#include "train_command.h"
+#include "model_commands.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,6 @@
 
 #include "supple/base/error.h"
 #include "supple/base/threads.h"
-#include "supple/dataset/journal.h"
 #include "supple/dataset/merge.h"
 #include "supple/lab/dataset_options.h"
 #include "supple/training/model_card.h"
@@ -37,13 +36,6 @@ struct TrainArguments {
 std::filesystem::path checkpoint_path(const std::filesystem::path& out) {
   auto path = out;
   return path += ".partial";
-}
-
-dataset::Dataset read_data(const std::vector<std::filesystem::path>& files) {
-  std::vector<dataset::Dataset> parts;
-  parts.reserve(files.size());
-  for (const auto& file : files) parts.push_back(dataset::read_finished_or_partial(file));
-  return dataset::merge(std::move(parts), true);
 }
 
 std::string names_of(const std::vector<std::filesystem::path>& files) {
@@ -78,7 +70,7 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
   training.shape.activation = neural::activation_of(arguments.activation);
   training.optimizer = training::optimizer_of(arguments.optimizer);
   set_thread_count(arguments.threads);
-  const auto data = read_data(arguments.files);
+  const auto data = dataset::read_parts(arguments.files);
   if (!arguments.family.empty() && data.recipe.text("family") != arguments.family)
     throw Error("training.invalid_option",
                 fmt::format("The data set is of the family {}, not {}.", data.recipe.text("family"), arguments.family),
@@ -170,7 +162,7 @@ struct CardArguments {
 
 void write_card(const CardArguments& arguments) {
   const auto model = neural::read_model(arguments.model);
-  const auto data = read_data(arguments.files);
+  const auto data = dataset::read_parts(arguments.files);
   std::ofstream page(arguments.out);
   page << training::model_card(model, data, arguments.image);
   if (!page) throw Error("file.write_failed", "Cannot write " + arguments.out.string() + ".");

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <string>
+
+#include "supple/base/error.h"
+#include "supple/training/trainer.h"
+
+namespace supple::training {
+
+std::string_view to_string(OptimizerKind kind) { return kind == OptimizerKind::soap ? "soap" : "adam"; }
+
+OptimizerKind optimizer_of(std::string_view name) {
+  for (const auto kind : {OptimizerKind::soap, OptimizerKind::adam})
+    if (to_string(kind) == name) return kind;
+  throw Error("training.invalid_option", fmt::format("There is no optimizer {}; the optimizers are soap, adam.", name));
+}
+
+std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions& options) {
+  std::vector<std::pair<std::string, std::string>> all;
+  const auto add = [&](const char* name, const auto& value) { all.emplace_back(name, fmt::format("{}", value)); };
+  const auto& shape = options.shape;
+  add("form", to_string(shape.form));
+  add("activation", to_string(shape.activation));
+  add("width", shape.width);
+  add("strain_layers", shape.strain_layers);
+  add("parameter_layers", shape.parameter_layers);
+  add("trunk_layers", shape.trunk_layers);
+  add("residuals", shape.residuals);
+  add("stiffness_width", shape.stiffness_width);
+  add("epochs", options.epochs);
+  add("chunk_rows", options.chunk_rows);
+  add("batch_chunks", options.batch_chunks);
+  add("learning_rate", options.learning_rate);
+  add("last_learning_rate", options.last_learning_rate);
+  add("largest_gradient", options.largest_gradient);
+  add("energy_weight", options.energy_weight);
+  add("stress_weight", options.stress_weight);
+  add("tangent_weight", options.tangent_weight);
+  add("tangent_begin", options.tangent_begin);
+  add("error_floor", options.error_floor);
+  add("optimizer", to_string(options.optimizer));
+  add("smallest_input_scale", options.smallest_input_scale);
+  add("largest_input_scale", options.largest_input_scale);
+  add("stiffness_steps", options.stiffness_steps);
+  add("patience", options.patience);
+  add("validation_interval", options.validation_interval);
+  add("symmetries", options.symmetries.size());
+  add("seed", options.seed);
+  return all;
+}
+
+void check(const TrainingOptions& options, const Samples& samples) {
+  const auto require = [](bool fine, const char* name, const std::string& range) {
+    if (!fine) throw Error("training.invalid_option", fmt::format("{} must be {}.", name, range), {{name, range}});
+  };
+  require(options.shape.parameters == static_cast<int>(samples.lower.size()), "parameters", "the data set's number");
+  require(options.shape.width >= 16 && options.shape.width % 16 == 0, "width", "a multiple of 16");
+  require(options.epochs >= 1, "epochs", "at least 1");
+  require(options.chunk_rows >= 1, "chunk_rows", "at least 1");
+  require(options.batch_chunks >= 1, "batch_chunks", "at least 1");
+  require(options.learning_rate > 0, "learning_rate", "positive");
+  require(options.last_learning_rate >= 0 && options.last_learning_rate <= options.learning_rate, "last_learning_rate",
+          "from 0 to learning_rate");
+  require(options.largest_gradient > 0, "largest_gradient", "positive");
+  require(options.energy_weight >= 0 && options.stress_weight >= 0 && options.energy_weight + options.stress_weight > 0,
+          "energy_weight", "not negative, nor zero together with stress_weight");
+  require(options.tangent_weight >= 0, "tangent_weight", "not negative");
+  require(options.error_floor > 0, "error_floor", "positive");
+  require(options.smallest_input_scale > 0 && options.largest_input_scale >= options.smallest_input_scale,
+          "largest_input_scale", "at least smallest_input_scale, both positive");
+  require(options.validation_interval >= 1, "validation_interval", "at least 1");
+  require(options.patience >= 0, "patience", "not negative");
+}
+
+}  // namespace supple::training
