@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "supple/numerics/least_stable_mode.h"
+
 namespace supple::microscale {
 namespace {
 
@@ -288,7 +290,8 @@ bool EquilibriumPath::leave_along(const Eigen::VectorXd& mode) { return move_alo
 bool EquilibriumPath::leave_least_stable_mode() {
   if (options_.buckling == Switch::off || counts_.branches_left >= max_branch_changes) return false;
   const numerics::Evaluation evaluation = objective_.evaluate(2);
-  const Mode mode = least_stable_mode(evaluation.hessian, objective_.dimension(), cholesky_, execution_.cancellation);
+  const numerics::Mode mode =
+      numerics::least_stable_mode(evaluation.hessian, objective_.dimension(), cholesky_, execution_.cancellation);
   at_.stable = mode.curvature >= 0;
   return !at_.stable && move_along(objective_.expand(mode.direction));
 }

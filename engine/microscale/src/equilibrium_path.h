@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "cell_objective.h"
-#include "least_stable_mode.h"
 #include "supple/base/execution.h"
 #include "supple/microscale/simulation.h"
 #include "supple/numerics/cholesky.h"

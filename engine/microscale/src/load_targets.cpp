@@ -84,8 +84,9 @@ LoadTargets targets(const UniaxialLoad& load, Faults& faults) {
     if (!in_range(s)) faults.add("uniaxial/stretches/" + std::to_string(i), range() + ", got " + std::to_string(s));
     result.gradients.emplace_back(s * frame.d * frame.d.transpose() + frame.n * frame.n.transpose());
   }
-  // F^T d = s d leaves n^T F free.
-  result.free = {dyad(frame.n, frame.d), dyad(frame.n, frame.n)};
+  // F^T d = s d leaves n^T F free, F d = s d leaves F n.
+  const bool of_space = load.frame == LoadFrame::space;
+  result.free = {of_space ? dyad(frame.n, frame.d) : dyad(frame.d, frame.n), dyad(frame.n, frame.n)};
   return result;
 }
 

@@ -1,5 +1,7 @@
 #include "patch_stability.h"
 
+#include "supple/numerics/least_stable_mode.h"
+
 namespace supple::microscale {
 PatchStability::PatchStability(Eigen::Index displacements)
     : entries_{numerics::HessianEntries(displacements), numerics::HessianEntries(displacements),
@@ -17,7 +19,7 @@ std::optional<PatchStability::Instability> PatchStability::find(const CellModel&
     execution.cancellation.throw_if_requested();
     entries_[a].assemble(n, *matrix_);
     if (cholesky_.factorize(hessian, 0)) continue;
-    const Mode mode = least_stable_mode(hessian, n, cholesky_, execution.cancellation);
+    const numerics::Mode mode = numerics::least_stable_mode(hessian, n, cholesky_, execution.cancellation);
     if (mode.curvature < 0 && (!worst || mode.curvature < worst->curvature))
       worst = Instability{alternations[a], mode.direction, mode.curvature};
   }

@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "cell_model.h"
-#include "least_stable_mode.h"
 #include "supple/base/execution.h"
 
 namespace supple::microscale {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "halfedge_frame.h"
 #include "supple/base/error.h"
 
 namespace supple::surface {
@@ -24,7 +25,7 @@ constexpr double vertex_tolerance = 1e-14;
 constexpr double boundary_angle_tolerance = 1e-14;
 
 /// From where the path enters its face: not at all, over the reference halfedge, or from the halfedge's tail.
-enum class Entry { inside, side, corner };
+enum class Entrance { inside, side, corner };
 
 /// A moving point. Everything is written relative to a reference halfedge of its face: the corners are its tail, its
 /// head and the apex, the plane's first axis runs along it and the second into the face.
@@ -32,7 +33,7 @@ struct State {
   Index halfedge;
   Vector3d weights;  // barycentric, in the order tail, head, apex
   Vector2d direction;
-  Entry entry;
+  Entrance entry;
 };
 
 /// Where the path leaves a face: over side k (from corner k to k + 1), or through corner k.
@@ -47,16 +48,6 @@ double cross(const Vector2d& a, const Vector2d& b) { return a[0] * b[1] - a[1] *
 
 /// The k-th halfedge after h in its face.
 Index following(Index h, int k) { return h - h % 3 + (h + k) % 3; }
-
-Eigen::Matrix<double, 3, 2> halfedge_frame(const TriangleMesh& mesh, Index h) {
-  const auto& p = mesh.positions();
-  const Vector3d& tail = p[mesh.tail(h)];
-  const Vector3d along = (p[mesh.head(h)] - tail).normalized();
-  const Vector3d normal = along.cross(p[mesh.tail(TriangleMesh::previous(h))] - tail).normalized();
-  Eigen::Matrix<double, 3, 2> frame;
-  frame << along, normal.cross(along);
-  return frame;
-}
 
 /// The three sides of the face of h as plane vectors.
 std::array<Vector2d, 3> plane_sides(const TriangleMesh& mesh, Index h) {
@@ -92,9 +83,9 @@ Vector3d cleaned(const Vector3d& weights) {
 }
 
 /// The side that the path leaves its face over, given on which side of the path each corner lies (positive: left).
-int exit_side(Entry entry, const Vector3d& sides_of_corners) {
-  if (entry == Entry::corner) return 1;
-  if (entry == Entry::side) return sides_of_corners[2] > 0 ? 1 : 2;
+int exit_side(Entrance entry, const Vector3d& sides_of_corners) {
+  if (entry == Entrance::corner) return 1;
+  if (entry == Entrance::side) return sides_of_corners[2] > 0 ? 1 : 2;
   int best = 0;
   double best_margin = -std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
@@ -122,7 +113,7 @@ Exit leave_face(const State& state, const std::array<Vector2d, 3>& sides) {
   int corner = -1;
   for (int k = 0; k < 3; ++k) {
     const bool met = std::abs(left[k]) <= vertex_tolerance * longest && ahead[k] > 0;
-    if (met && !(state.entry == Entry::corner && k == 0) && (corner < 0 || ahead[k] < ahead[corner])) corner = k;
+    if (met && !(state.entry == Entrance::corner && k == 0) && (corner < 0 || ahead[k] < ahead[corner])) corner = k;
   }
   if (corner >= 0) return {corner, true, Vector3d::Unit(corner), ahead[corner]};
 
@@ -140,11 +131,11 @@ Exit leave_face(const State& state, const std::array<Vector2d, 3>& sides) {
 State enter_over(const TriangleMesh& mesh, Index over, double weight_of_tail, double weight_of_head,
                  const Vector2d& direction, const Vector2d& side) {
   const Vector2d turned(-direction.dot(side), std::max(0.0, cross(direction, side)));
-  return {mesh.twin(over), {weight_of_head, weight_of_tail, 0}, turned.normalized(), Entry::side};
+  return {mesh.twin(over), {weight_of_head, weight_of_tail, 0}, turned.normalized(), Entrance::side};
 }
 
 State leave_corner(Index outgoing, double angle) {
-  return {outgoing, Vector3d::UnitX(), {std::cos(angle), std::sin(angle)}, Entry::corner};
+  return {outgoing, Vector3d::UnitX(), {std::cos(angle), std::sin(angle)}, Entrance::corner};
 }
 
 /// Turns counterclockwise from `outgoing` by `angle` >= 0 (radians) around its tail. Where the fan ends first, the last
@@ -209,7 +200,7 @@ Departure depart(const TriangleMesh& mesh, const SurfacePoint& start, const Vect
   const int side = side_of(start);
   const Index h = first + std::max(side, 0);
   State state{h, weights_of(start, h), (halfedge_frame(mesh, h).transpose() * tangent).normalized(),
-              side < 0 ? Entry::inside : Entry::side};
+              side < 0 ? Entrance::inside : Entrance::side};
   if (side < 0 || state.direction[1] >= 0) return {state, false};
   if (mesh.twin(h) < 0) return {state, state.direction[1] < -boundary_angle_tolerance};
   return {enter_over(mesh, h, state.weights[0], state.weights[1], state.direction, Vector2d(1, 0)), false};

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "halfedge_frame.h"
+
 namespace supple::surface {
 namespace {
 
@@ -12,16 +14,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Frame = Eigen::Matrix<double, 3, 2>;
-
-/// Orthonormal frame of h's face whose first axis is h.
-Frame halfedge_frame(const TriangleMesh& mesh, std::int32_t h) {
-  const Frame face = tangent_frame(mesh, FaceId(TriangleMesh::face_of(h)));
-  const Vector3d along = (mesh.positions()[mesh.head(h)] - mesh.positions()[mesh.tail(h)]).normalized();
-  const Vector2d d = face.transpose() * along;
-  Matrix2d turn;
-  turn << d.x(), -d.y(), d.y(), d.x();
-  return face * turn;
-}
 
 /// Faces that hold a point: one, two or a vertex's fan, as halfedges of the face (the point's side or corner).
 std::vector<std::int32_t> faces_around(const TriangleMesh& mesh, const SurfacePoint& point) {

@@ -70,7 +70,7 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
   const bool everywhere = is_source || record.everywhere;
   const bool boundary = mesh.is_boundary(v);
   const double arrival = everywhere ? 0 : arrival_angle(*mesh_, record, v);
-  constexpr double pi = std::numbers::pi;
+  using std::numbers::pi;
   const double first = pi - kSectorTolerance;
   const double last = total - pi + kSectorTolerance;
 

@@ -20,7 +20,7 @@ using testing::random_motion;
 constexpr Law laws[] = {Law::neo_hookean, Law::incompressible_plane_stress};
 
 /// A skew frame with a hole, of few enough triangles for dense comparisons.
-tiling::PeriodicMesh frame() {
+tiling::PeriodicMesh skew_frame() {
   const Eigen::Matrix2d skew = (Eigen::Matrix2d() << 1, 0.2, 0, 0.9).finished();
   return draw({"###", "#.#", "###"}, {0.3, 0.5, 0.2}, {0.25, 0.4, 0.35}, skew);
 }
@@ -32,7 +32,7 @@ Material of(Law law) {
 }
 
 TEST(ElasticEnergy, HasTheDerivativesOfItsValueAtModerateAndExtremeStates) {
-  const tiling::PeriodicMesh mesh = frame();
+  const tiling::PeriodicMesh mesh = skew_frame();
   for (const Law law : laws) {
     const ElasticEnergy energy(mesh, of(law));
     RandomStream random("elastic energy", 1);
@@ -50,7 +50,7 @@ TEST(ElasticEnergy, HasTheDerivativesOfItsValueAtModerateAndExtremeStates) {
 }
 
 TEST(ElasticEnergy, OfAUniformDeformationIsTheLawTimesTheSolidArea) {
-  const tiling::PeriodicMesh mesh = frame();
+  const tiling::PeriodicMesh mesh = skew_frame();
   const Material material;
   const double mu = material.youngs_modulus / (2 * (1 + material.poisson_ratio));
   const double lambda = 2 * mu * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
@@ -70,7 +70,7 @@ TEST(ElasticEnergy, OfAUniformDeformationIsTheLawTimesTheSolidArea) {
 }
 
 TEST(ElasticEnergy, KeepsItsDigitsAtTinyStrains) {
-  const tiling::PeriodicMesh mesh = frame();
+  const tiling::PeriodicMesh mesh = skew_frame();
   const ElasticEnergy energy(mesh, Material{});
   RandomStream random("tiny strains", 0);
   const Eigen::VectorXd direction = random_motion(mesh, 0.1, 1, random);
@@ -85,7 +85,7 @@ TEST(ElasticEnergy, KeepsItsDigitsAtTinyStrains) {
 }
 
 TEST(ElasticEnergy, ChangesNothingUnderRotationsAndTranslations) {
-  const tiling::PeriodicMesh mesh = frame();
+  const tiling::PeriodicMesh mesh = skew_frame();
   for (const Law law : laws) {
     const ElasticEnergy energy(mesh, of(law));
     RandomStream random("rotations", 0);
@@ -108,7 +108,7 @@ TEST(ElasticEnergy, ChangesNothingUnderRotationsAndTranslations) {
 }
 
 TEST(ElasticEnergy, IsInfiniteWhereATriangleIsInverted) {
-  const tiling::PeriodicMesh mesh = frame();
+  const tiling::PeriodicMesh mesh = skew_frame();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(2 * mesh.nodes.cols() + 4);
   x[x.size() - 4] = -1.5;
   numerics::EnergySum sum;
@@ -117,7 +117,7 @@ TEST(ElasticEnergy, IsInfiniteWhereATriangleIsInverted) {
 }
 
 TEST(ElasticEnergy, LetsAStepGoShortOfTheFirstInversionAndNotMuchShorter) {
-  const tiling::PeriodicMesh mesh = frame();
+  const tiling::PeriodicMesh mesh = skew_frame();
   const ElasticEnergy energy(mesh, Material{});
   RandomStream random("inversions", 0);
   int bounded = 0;
@@ -168,7 +168,7 @@ TEST(ElasticEnergy, FindsTheLeastJacobianOverWholeTriangles) {
 }
 
 TEST(ElasticEnergy, AlternatingHessiansAreThoseOfTheTwoByTwoPatch) {
-  const tiling::PeriodicMesh mesh = frame();
+  const tiling::PeriodicMesh mesh = skew_frame();
   const tiling::PeriodicMesh patch = tiling::repeat(mesh, 2, 2);
   const ElasticEnergy one(mesh, Material{});
   const ElasticEnergy four(patch, Material{});

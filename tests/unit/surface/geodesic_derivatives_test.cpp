@@ -13,10 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::shared_ptr<const TriangleMesh> share(TriangleMesh mesh) {
-  return std::make_shared<const TriangleMesh>(std::move(mesh));
-}
+using testing::share;
 
 /// The point moved within its face by barycentric differences of sum zero.
 SurfacePoint moved(const SurfacePoint& point, const Vector3d& difference) {

@@ -15,10 +15,7 @@ namespace supple::surface {
 namespace {
 
 using Eigen::Vector3d;
-
-std::shared_ptr<const TriangleMesh> share(TriangleMesh mesh) {
-  return std::make_shared<const TriangleMesh>(std::move(mesh));
-}
+using testing::share;
 
 /// The vertex nearest to a place.
 SurfacePoint vertex_at(const TriangleMesh& mesh, const Vector3d& place) {

@@ -12,10 +12,7 @@ namespace supple::surface {
 namespace {
 
 using Eigen::Vector3d;
-
-std::shared_ptr<const TriangleMesh> share(TriangleMesh mesh) {
-  return std::make_shared<const TriangleMesh>(std::move(mesh));
-}
+using testing::share;
 
 std::set<std::int32_t> faces_of(const TriangleMesh& mesh, const SurfacePoint& point) {
   std::set<std::int32_t> faces{index(point.face)};

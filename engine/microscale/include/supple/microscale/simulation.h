@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "supple/base/effect_switch.h"
 #include "supple/base/execution.h"
 #include "supple/microscale/material.h"
 #include "supple/tiling/mesh.h"
@@ -22,11 +23,16 @@ namespace supple::microscale {
 struct GreenStrainLoad {
   std::vector<Eigen::Vector3d> strains;
 };
-/// F^T d = s d for the direction d = (cos, sin): stretch s along d, the rest of F free (lateral strain and shear at
-/// least energy).
+/// What the direction of a uniaxial load is a direction of.
+enum class LoadFrame {
+  space,     ///< F^T d = s d, as in the thesis's simulations: the stress is uniaxial along F^-1 d of the material
+  material,  ///< F d = s d, as in inverse design (thesis 4.9): the stress is uniaxial along d
+};
+/// Stretch s along the direction d = (cos, sin), the rest of F free (lateral strain and shear at least energy).
 struct UniaxialLoad {
   double direction = 0;  ///< rad
   std::vector<double> stretches;
+  LoadFrame frame = LoadFrame::space;
 };
 /// F = s d d^T + s0 n n^T, n orthogonal to d.
 struct BiaxialLoad {
@@ -38,7 +44,7 @@ using Load = std::variant<GreenStrainLoad, UniaxialLoad, BiaxialLoad>;
 /// Number of states of a load's path.
 int size(const Load& load);
 
-enum class Switch { automatic, on, off };
+using supple::Switch;
 
 struct SimulationOptions {
   Material material{};
