@@ -1,0 +1,109 @@
+#include "equilibria.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace supple::design {
+
+template <class Real>
+Equilibria<Real>::Equilibria(const Evaluator& evaluator, const std::vector<Loading>& loads,
+                             const neural::UniaxialOptions& options)
+    : evaluator_(evaluator) {
+  samples_.reserve(loads.size());
+  for (const Loading& load : loads)
+    samples_.push_back({neural::UniaxialNewton(neural::UniaxialFrame(load.direction), options), load.strain, {}});
+}
+
+template <class Real>
+bool Equilibria<Real>::from_rest(const typename Evaluator::Design& design) {
+  const Equilibrium rest = rest_state(design);
+  for (Sample& sample : samples_) start_from_rest(sample, rest);
+  return run(design);
+}
+
+template <class Real>
+bool Equilibria<Real>::follow(const typename Evaluator::Design& design, const Eigen::VectorXd& change) {
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    samples_[i].newton.go_straight_to(samples_[i].target, sensitivity(i) * change);
+  if (run(design)) return true;
+  const Equilibrium rest = rest_state(design);
+  for (Sample& sample : samples_) {
+    if (sample.newton.converged()) continue;
+    start_from_rest(sample, rest);
+    ++restarts_;
+  }
+  return run(design);
+}
+
+template <class Real>
+Eigen::Matrix2Xd Equilibria<Real>::sensitivity(std::size_t i) const {
+  const Sample& sample = samples_[i];
+  const auto& free = sample.newton.frame().free;
+  const Eigen::Matrix2d h = free.transpose() * sample.state.tangent * free;
+  const Eigen::Matrix2Xd right = free.transpose() * sample.state.stress_by_parameters;
+  Eigen::Matrix2Xd result(2, right.cols());
+  for (Eigen::Index p = 0; p < right.cols(); ++p) result.col(p) = -neural::convex_solve(h, right.col(p));
+  return result;
+}
+
+template <class Real>
+void Equilibria<Real>::start_from_rest(Sample& sample, const Equilibrium& rest) {
+  sample.state = rest;
+  sample.newton.start_from_rest(rest);
+  sample.newton.go_to(sample.target);
+}
+
+template <class Real>
+Equilibrium Equilibria<Real>::rest_state(const typename Evaluator::Design& design) {
+  strains_.setZero(3, 1);
+  evaluator_.evaluate(design, strains_, neural::Order::tangent, workspace_, evaluation_);
+  ++evaluations_;
+  Equilibrium rest;
+  read(0, rest);
+  return rest;
+}
+
+template <class Real>
+bool Equilibria<Real>::run(const typename Evaluator::Design& design) {
+  std::vector<std::size_t> active;
+  Equilibrium trial;
+  while (true) {
+    active.clear();
+    for (std::size_t i = 0; i < samples_.size(); ++i)
+      if (samples_[i].newton.working()) active.push_back(i);
+    if (active.empty()) break;
+    strains_.resize(3, static_cast<Eigen::Index>(active.size()));
+    for (std::size_t k = 0; k < active.size(); ++k)
+      strains_.col(static_cast<Eigen::Index>(k)) = samples_[active[k]].newton.trial();
+    evaluator_.evaluate(design, strains_, neural::Order::tangent, workspace_, evaluation_);
+    evaluations_ += strains_.cols();
+    for (std::size_t k = 0; k < active.size(); ++k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      Sample& sample = samples_[active[k]];
+      trial.strain = strains_.col(column);
+      read(column, trial);
+      if (sample.newton.receive(trial)) std::swap(sample.state, trial);
+      sample.state.converged = sample.newton.converged();
+      sample.state.residual = sample.newton.residual();
+    }
+  }
+  return std::all_of(samples_.begin(), samples_.end(), [](const Sample& s) { return s.newton.converged(); });
+}
+
+template <class Real>
+void Equilibria<Real>::read(Eigen::Index column, Equilibrium& state) const {
+  state.energy_density = evaluation_.energy_density[column];
+  state.stress = evaluation_.stress.col(column);
+  state.tangent = neural::symmetric_matrix(evaluation_.tangent.col(column));
+  // Rows of the evaluation run through the parameters first.
+  const Eigen::Index parameters = evaluation_.stress_by_parameters.rows() / 3;
+  state.stress_by_parameters.resize(3, parameters);
+  for (Eigen::Index row = 0; row < 3; ++row)
+    for (Eigen::Index p = 0; p < parameters; ++p)
+      state.stress_by_parameters(row, p) = evaluation_.stress_by_parameters(row * parameters + p, column);
+}
+
+template class Equilibria<double>;
+template class Equilibria<float>;
+
+}  // namespace supple::design

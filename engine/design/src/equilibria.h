@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "supple/neural/evaluator.h"
+#include "supple/neural/uniaxial_newton.h"
+
+namespace supple::design {
+
+/// A uniaxial load along a direction of the material.
+struct Loading {
+  double direction = 0;  ///< rad
+  double strain = 0;     ///< Green strain along it, > -1/2
+  bool operator==(const Loading&) const = default;
+};
+
+/// One load's state: the strain of least energy with the given component along the load (thesis 4.9c).
+struct Equilibrium : neural::UniaxialPoint {
+  Eigen::Vector3d strain = Eigen::Vector3d::Zero();  ///< E_xx, E_yy, 2 E_xy
+  Eigen::Matrix3Xd stress_by_parameters;  ///< at fixed strain, a column for each; empty where the design has none
+  bool converged = false;
+  double residual = 0;  ///< neural::uniaxial_residual
+};
+
+/// The inner problem of inverse design: equilibria of one design under many loads at once, each network evaluation of
+/// all loads that are still at work together. A load is reached from rest as neural::UniaxialNewton does, or from its
+/// equilibrium at nearby parameters.
+template <class Real>
+class Equilibria {
+ public:
+  using Evaluator = neural::BasicEvaluator<Real>;
+
+  Equilibria(const Evaluator& evaluator, const std::vector<Loading>& loads, const neural::UniaxialOptions& options);
+
+  /// From rest. True if all converged.
+  bool from_rest(const typename Evaluator::Design& design);
+  /// From the present states, which are those of parameters `change` earlier; loads that do not converge so go from
+  /// rest. The present states' designs must have had parameter derivatives. True if all converged.
+  bool follow(const typename Evaluator::Design& design, const Eigen::VectorXd& change);
+
+  std::size_t size() const { return samples_.size(); }
+  const Equilibrium& operator[](std::size_t i) const { return samples_[i].state; }
+  const neural::UniaxialFrame& frame(std::size_t i) const { return samples_[i].newton.frame(); }
+
+  /// How the free strains (E_nn, 2 E_dn) follow the parameters, a column for each; thesis 4.18.
+  Eigen::Matrix2Xd sensitivity(std::size_t i) const;
+
+  /// Remembers the present states, and goes back to them after other parameters were tried in vain.
+  void keep() { kept_ = samples_; }
+  void go_back() { samples_ = kept_; }
+
+  /// Strains that the network was evaluated at so far, with tangents.
+  std::int64_t evaluations() const { return evaluations_; }
+  /// Loads that had to be followed from rest though a nearby state was known.
+  std::int64_t restarts() const { return restarts_; }
+
+ private:
+  struct Sample {
+    neural::UniaxialNewton newton;
+    double target = 0;  ///< E_dd to reach
+    Equilibrium state;
+  };
+
+  static void start_from_rest(Sample& sample, const Equilibrium& rest);
+  Equilibrium rest_state(const typename Evaluator::Design& design);
+  /// Works on all samples that are at work until none is. True if all converged.
+  bool run(const typename Evaluator::Design& design);
+  void read(Eigen::Index column, Equilibrium& state) const;
+
+  const Evaluator& evaluator_;
+  std::vector<Sample> samples_;
+  std::vector<Sample> kept_;
+  typename Evaluator::Workspace workspace_;
+  neural::Evaluation evaluation_;
+  Eigen::Matrix3Xd strains_;
+  std::int64_t evaluations_ = 0;
+  std::int64_t restarts_ = 0;
+};
+
+}  // namespace supple::design

@@ -1,0 +1,135 @@
+#include "supple/design/target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "supple/base/error.h"
+
+namespace supple::design {
+namespace {
+
+constexpr double period = std::numbers::pi;
+constexpr int default_samples = 10;
+constexpr int default_directions = 50;
+
+bool over_directions(Task task) { return task != Task::stress_strain; }
+
+void check_strains(const Target& target, std::vector<Error::Detail>& faults) {
+  const auto [lowest, highest] = strain_limits(target.measure);
+  const auto check = [&faults, low = lowest, high = highest](double strain, const std::string& where) {
+    if (strain > low && strain <= high) return;
+    faults.push_back({where, "must be a strain above " + std::to_string(low) + " and at most " + std::to_string(high) +
+                                 ", got " + std::to_string(strain)});
+  };
+  if (over_directions(target.task)) return check(target.strain, "strain");
+  for (std::size_t i = 0; i < target.control_points.size() && faults.size() < 20; ++i)
+    check(target.control_points[i][0], "target/control_points/" + std::to_string(i) + "/0");
+}
+
+void check(const Target& target) {
+  std::vector<Error::Detail> faults;
+  const auto& points = target.control_points;
+  if (points.size() < 2) faults.push_back({"target/control_points", "must have at least 2 points"});
+  for (std::size_t i = 0; i < points.size() && faults.size() < 20; ++i) {
+    const std::string where = "target/control_points/" + std::to_string(i);
+    if (!points[i].allFinite()) faults.push_back({where, "must be finite"});
+    if (i > 0 && !(points[i][0] > points[i - 1][0]))
+      faults.push_back({where + "/0", "must be greater than the x before it, " + std::to_string(points[i - 1][0])});
+  }
+  if (faults.empty() && over_directions(target.task) && !(points.back()[0] < points.front()[0] + period))
+    faults.push_back({"target/control_points/" + std::to_string(points.size() - 1) + "/0",
+                      "must be less than pi beyond the first x: directions repeat after half a turn"});
+  check_strains(target, faults);
+  const auto check_list = [&](const std::vector<double>& list, const char* name) {
+    if (!list.empty() && list.size() != points.size())
+      faults.push_back({std::string("target/") + name, "must have one entry for each of the " +
+                                                           std::to_string(points.size()) + " control points, got " +
+                                                           std::to_string(list.size())});
+  };
+  check_list(target.weights, "weights");
+  check_list(target.bands, "bands");
+  if (!faults.empty())
+    throw Error("design.invalid_target", faults.front().where + ": " + faults.front().message + ".", faults);
+}
+
+void normalize(SampledTarget& sampled) {
+  const double sum = sampled.weights.sum();
+  const auto n = static_cast<double>(sampled.weights.size());
+  // Weights that vanish at every sample leave nothing to compare with; all samples then count alike.
+  if (sum > 0)
+    sampled.weights /= sum;
+  else
+    sampled.weights.setConstant(1 / n);
+  sampled.scale = std::max(least_scale(sampled.samples.task), std::sqrt(sampled.weights.dot(sampled.y.cwiseAbs2())));
+}
+
+}  // namespace
+
+double least_scale(Task task) { return task == Task::poisson ? 0.1 : 1e-6; }
+
+Eigen::VectorXd SampledTarget::deviations(const Eigen::VectorXd& profile) const {
+  const Eigen::ArrayXd deviation = (profile - y).array();
+  return deviation - deviation.cwiseMin(bands.array()).cwiseMax(-bands.array());
+}
+
+SampledTarget sample_target(const Target& target) {
+  check(target);
+  std::vector<double> x;
+  std::vector<double> y;
+  for (const auto& point : target.control_points) {
+    x.push_back(point[0]);
+    y.push_back(point[1]);
+  }
+  const bool periodic = over_directions(target.task);
+  const std::optional<double> repeats = periodic ? std::optional(period) : std::nullopt;
+  const numerics::Interpolant curve(x, y, target.interpolation, repeats);
+  const auto constant = [&x](double value) { return std::vector<double>(x.size(), value); };
+  const numerics::Interpolant weights(x, target.weights.empty() ? constant(1) : target.weights,
+                                      numerics::Interpolation::linear, repeats);
+  const numerics::Interpolant bands(x, target.bands.empty() ? constant(0) : target.bands,
+                                    numerics::Interpolation::linear, repeats);
+  SampledTarget sampled;
+  sampled.samples = {target.task, target.direction, target.strain, target.measure, {}};
+  const int n = target.samples > 0 ? target.samples : periodic ? default_directions : default_samples;
+  sampled.samples.x.resize(static_cast<std::size_t>(n));
+  sampled.y.resize(n);
+  sampled.weights.resize(n);
+  sampled.bands.resize(n);
+  for (int i = 0; i < n; ++i) {
+    const double share = periodic ? static_cast<double>(i) / n : static_cast<double>(i) / std::max(1, n - 1);
+    const double at = periodic ? period * share : x.front() + (x.back() - x.front()) * share;
+    sampled.samples.x[static_cast<std::size_t>(i)] = at;
+    sampled.y[i] = curve(at);
+    sampled.weights[i] = std::max(0.0, weights(at));
+    sampled.bands[i] = std::max(0.0, bands(at));
+  }
+  normalize(sampled);
+  return sampled;
+}
+
+SampledTarget coarsened(const SampledTarget& target, int samples) {
+  const Eigen::Index n = target.y.size();
+  if (samples >= n) return target;
+  // Directions are periodic, so that the last sample stands before the end; over strain both ends count.
+  const bool periodic = over_directions(target.samples.task);
+  SampledTarget coarse;
+  coarse.samples = target.samples;
+  coarse.samples.x.resize(static_cast<std::size_t>(samples));
+  coarse.y.resize(samples);
+  coarse.weights.resize(samples);
+  coarse.bands.resize(samples);
+  for (int k = 0; k < samples; ++k) {
+    const Eigen::Index i = periodic ? k * n / samples : k * (n - 1) / (samples - 1);
+    coarse.samples.x[static_cast<std::size_t>(k)] = target.samples.x[static_cast<std::size_t>(i)];
+    coarse.y[k] = target.y[i];
+    coarse.weights[k] = target.weights[i];
+    coarse.bands[k] = target.bands[i];
+  }
+  normalize(coarse);
+  return coarse;
+}
+
+}  // namespace supple::design

@@ -1,0 +1,121 @@
+#include "target_residuals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace supple::design {
+namespace {
+
+std::vector<Sample> all_samples(const std::vector<SampledTarget>& targets) {
+  std::vector<Sample> samples;
+  for (const auto& target : targets) {
+    const auto more = samples_of(target.samples);
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  return samples;
+}
+
+std::span<const double> span_of(const Eigen::VectorXd& vector) {
+  return {vector.data(), static_cast<std::size_t>(vector.size())};
+}
+
+}  // namespace
+
+TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::vector<SampledTarget>& targets,
+                                 const std::vector<double>& target_weights, Eigen::VectorXd held,
+                                 std::vector<Eigen::Index> free, double equilibrium_tolerance, Buildable buildable)
+    : evaluator_(evaluator),
+      targets_(targets),
+      samples_(all_samples(targets)),
+      held_(std::move(held)),
+      free_(std::move(free)),
+      buildable_(std::move(buildable)),
+      equilibria_(evaluator, loadings_of(samples_), {.tolerance = equilibrium_tolerance}) {
+  factors_.resize(static_cast<Eigen::Index>(samples_.size()));
+  const double sum = std::accumulate(target_weights.begin(), target_weights.end(), 0.0);
+  Eigen::Index at = 0;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    first_.push_back(static_cast<std::size_t>(at));
+    const double share = target_weights[t] / sum / (targets[t].scale * targets[t].scale);
+    factors_.segment(at, targets[t].weights.size()) = (share * targets[t].weights).cwiseSqrt();
+    at += targets[t].weights.size();
+  }
+}
+
+Eigen::VectorXd TargetResiduals::parameters_of(const Eigen::VectorXd& free) const {
+  Eigen::VectorXd all = held_;
+  for (std::size_t k = 0; k < free_.size(); ++k) all[free_[k]] = free[static_cast<Eigen::Index>(k)];
+  return all;
+}
+
+bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
+  last_ = parameters_of(x);
+  design_ = evaluator_.design(span_of(last_), true);
+  if (buildable_ && !buildable_(last_)) return false;
+  bool converged = false;
+  if (known_) {
+    equilibria_.go_back();
+    converged = equilibria_.follow(*design_, last_ - *known_);
+  } else {
+    converged = equilibria_.from_rest(*design_);
+  }
+  if (!converged) return false;
+  r.resize(factors_.size());
+  for (std::size_t t = 0; t < targets_.size(); ++t) {
+    const Eigen::VectorXd deviations = targets_[t].deviations(values(t));
+    r.segment(static_cast<Eigen::Index>(first_[t]), deviations.size()) = deviations;
+  }
+  r.array() *= factors_.array();
+  return true;
+}
+
+void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
+  equilibria_.keep();
+  known_ = last_;
+  Eigen::MatrixXd derivatives;
+  derivatives_.evaluate(evaluator_, *design_, samples_, equilibria_, derivatives);
+  derivative_evaluations_ += std::count_if(samples_.begin(), samples_.end(),
+                                           [](const Sample& sample) { return sample.task != Task::stress_strain; });
+  jacobian.resize(derivatives.rows(), static_cast<Eigen::Index>(free_.size()));
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    jacobian.col(static_cast<Eigen::Index>(k)) = derivatives.col(free_[k]).cwiseProduct(factors_);
+  // Within its band a deviation does not change.
+  for (std::size_t t = 0; t < targets_.size(); ++t) {
+    const Eigen::VectorXd value = values(t);
+    for (Eigen::Index i = 0; i < value.size(); ++i)
+      if (std::abs(value[i] - targets_[t].y[i]) < targets_[t].bands[i])
+        jacobian.row(static_cast<Eigen::Index>(first_[t]) + i).setZero();
+  }
+}
+
+Eigen::VectorXd TargetResiduals::values(std::size_t target) const {
+  Eigen::VectorXd result(targets_[target].y.size());
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    const std::size_t s = first_[target] + static_cast<std::size_t>(i);
+    const Equilibrium& state = equilibria_[s];
+    result[i] =
+        state.converged ? value_of(samples_[s], equilibria_.frame(s), state) : std::numeric_limits<double>::quiet_NaN();
+  }
+  return result;
+}
+
+std::vector<std::uint8_t> TargetResiduals::in_range(const neural::Model& model, std::size_t target) const {
+  std::vector<std::uint8_t> result(static_cast<std::size_t>(targets_[target].y.size()));
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Equilibrium& state = equilibria_[first_[target] + i];
+    result[i] = state.converged &&
+                neural::in_range(model, span_of(last_), state.strain, state.energy_density, design_->rest_stiffness());
+  }
+  return result;
+}
+
+double TargetResiduals::largest_residual() const {
+  double largest = 0;
+  for (std::size_t i = 0; i < equilibria_.size(); ++i)
+    if (equilibria_[i].converged) largest = std::max(largest, equilibria_[i].residual);
+  return largest;
+}
+
+}  // namespace supple::design

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sampled_profile.h"
+#include "supple/design/inverse_design.h"
+
+namespace supple::design {
+
+/// The outer problem of inverse design as residuals of the parameters that are free: r = sqrt(w) deviation / scale over
+/// all samples of all targets, so that |r| is the relative root mean square deviation.
+class TargetResiduals : public numerics::ResidualFunction {
+ public:
+  /// `held` has the values of parameters that are fixed, at their places.
+  TargetResiduals(const neural::Evaluator& evaluator, const std::vector<SampledTarget>& targets,
+                  const std::vector<double>& target_weights, Eigen::VectorXd held, std::vector<Eigen::Index> free,
+                  double equilibrium_tolerance, Buildable buildable = {});
+
+  bool residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) override;
+  void jacobian(Eigen::MatrixXd& jacobian) override;
+
+  /// The next call of `residuals` starts from rest.
+  void forget() { known_.reset(); }
+
+  Eigen::VectorXd parameters_of(const Eigen::VectorXd& free) const;
+  const Eigen::VectorXd& last_parameters() const { return last_; }
+  /// Values of one target's samples at the last parameters; NaN where there is no equilibrium.
+  Eigen::VectorXd values(std::size_t target) const;
+  /// Whether each sample of a target lies in the model's range, at the last parameters.
+  std::vector<std::uint8_t> in_range(const neural::Model& model, std::size_t target) const;
+  double largest_residual() const;  ///< of the equilibria at the last parameters
+  std::int64_t evaluations() const { return equilibria_.evaluations() + derivative_evaluations_; }
+  std::int64_t restarts() const { return equilibria_.restarts(); }
+
+ private:
+  const neural::Evaluator& evaluator_;
+  const std::vector<SampledTarget>& targets_;
+  std::vector<std::size_t> first_;  ///< sample of each target
+  std::vector<Sample> samples_;
+  Eigen::VectorXd factors_;  ///< of each sample's deviation
+  Eigen::VectorXd held_;
+  std::vector<Eigen::Index> free_;
+  Buildable buildable_;
+  Equilibria<double> equilibria_;
+  ValueDerivatives<double> derivatives_;
+  Eigen::VectorXd last_;                             ///< all parameters of the last call
+  std::optional<neural::Evaluator::Design> design_;  ///< of the last call
+  std::optional<Eigen::VectorXd> known_;             ///< of the states that are kept
+  std::int64_t derivative_evaluations_ = 0;
+};
+
+}  // namespace supple::design

@@ -1,0 +1,102 @@
+#include "supple/design/verification.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numeric>
+
+#include "sampled_profile.h"
+#include "supple/base/threads.h"
+#include "supple/tiling/mesh.h"
+
+namespace supple::design {
+namespace {
+
+/// One path from rest: samples whose strains are passed in this order.
+struct Path {
+  double direction = 0;
+  std::vector<std::size_t> samples;
+};
+
+/// Stress over strain: tension and compression, each away from rest. Directions: one path each.
+std::vector<Path> paths_of(const std::vector<Sample>& samples) {
+  std::vector<Path> paths;
+  if (samples.empty()) return paths;
+  if (samples.front().task != Task::stress_strain) {
+    for (std::size_t i = 0; i < samples.size(); ++i) paths.push_back({samples[i].loading.direction, {i}});
+    return paths;
+  }
+  for (const bool tension : {true, false}) {
+    Path path{samples.front().loading.direction, {}};
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if ((samples[i].loading.strain >= 0) == tension) path.samples.push_back(i);
+    std::sort(path.samples.begin(), path.samples.end(), [&](std::size_t a, std::size_t b) {
+      return std::abs(samples[a].loading.strain) < std::abs(samples[b].loading.strain);
+    });
+    if (!path.samples.empty()) paths.push_back(std::move(path));
+  }
+  return paths;
+}
+
+double value_of(const ProfileSamples& profile, const Sample& sample, const microscale::State& state) {
+  if (state.stopped != microscale::Stop::converged) return std::numeric_limits<double>::quiet_NaN();
+  return profile_value(profile.task, profile.measure, sample.loading.direction, sample.loading.strain, state.stress,
+                       state.tangent);
+}
+
+}  // namespace
+
+Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const ProfileSamples& profile,
+                                 const microscale::SimulationOptions& options, const Execution& execution) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto samples = samples_of(profile);
+  const auto paths = paths_of(samples);
+  auto path_options = options;
+  path_options.tangents = profile.task != Task::stress_strain;
+  path_options.deformed_meshes = false;
+  execution.checkpoint(0, "meshing");
+  const auto cell = tiling::mesh_structure(structure, options.mesh);
+  Eigen::VectorXd y =
+      Eigen::VectorXd::Constant(static_cast<Eigen::Index>(samples.size()), std::numeric_limits<double>::quiet_NaN());
+  std::mutex mutex;
+  std::size_t done = 0;
+  parallel_for(static_cast<int>(paths.size()), [&](int index) {
+    const Path& path = paths[static_cast<std::size_t>(index)];
+    CostLedger bill;
+    const Execution inner{execution.cancellation, nullptr, execution.cost ? &bill : nullptr};
+    microscale::Simulator simulator(cell, path_options, inner);
+    microscale::UniaxialLoad load{path.direction, {}, microscale::LoadFrame::material};
+    for (const std::size_t i : path.samples) load.stretches.push_back(std::sqrt(1 + 2 * samples[i].loading.strain));
+    const auto result = simulator.run(load, inner);
+    const std::lock_guard lock(mutex);
+    for (std::size_t k = 0; k < result.states.size(); ++k)
+      y[static_cast<Eigen::Index>(path.samples[k])] = value_of(profile, samples[path.samples[k]], result.states[k]);
+    if (execution.cost) execution.cost->merge(bill);
+    if (execution.progress)
+      execution.progress->report(static_cast<double>(++done) / static_cast<double>(paths.size()), "verification");
+  });
+  if (execution.cost) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    execution.cost->add_effect("verification", true, "the request asks for it", static_cast<std::int64_t>(paths.size()),
+                               seconds);
+  }
+  return y;
+}
+
+ProfileSamples thinned(const ProfileSamples& samples, int count) {
+  const auto n = static_cast<long>(samples.x.size());
+  if (count >= n) return samples;
+  ProfileSamples few = samples;
+  few.x.clear();
+  const bool over_strain = samples.task == Task::stress_strain;
+  for (long k = 0; k < count; ++k) {
+    const long i = over_strain && count > 1 ? k * (n - 1) / (count - 1) : k * n / count;
+    few.x.push_back(samples.x[static_cast<std::size_t>(i)]);
+  }
+  return few;
+}
+
+}  // namespace supple::design
