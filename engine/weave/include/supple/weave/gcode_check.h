@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "supple/weave/printer_profile.h"
+#include "supple/weave/weave.h"
+
+namespace supple::weave {
+
+/// What G-code must keep to.
+struct GcodeLimits {
+  Eigen::Vector3d bed{250, 210, 210};  ///< positions lie within (0, 0, 0) and this, mm
+  double filament_diameter = 1.75;     ///< mm
+  double bead_area = 0.19635;          ///< of the thickest bead, mm^2
+  double least_bead_area = 0.19635;    ///< of the thinnest one that lies on the bed, mm^2
+  double least_free_area = 0.098;      ///< of the thinnest lifted strand or channel, mm^2
+  double tolerance = 0.1;              ///< share by which beads may be thicker or thinner
+  double cold = 170;                   ///< no extrusion below this temperature, degrees Celsius
+  double print_speed = 1500;           ///< mm/min at most while extruding
+  double travel_speed = 12000;         ///< mm/min at most otherwise
+  double retraction = 0.4;             ///< mm of filament before a travel
+  double free_travel = 1;              ///< mm in the plane that need no retraction
+  double strand_width = 0.5;           ///< mm; channels begin and end within this of a lower strand's centre line
+};
+/// Those of a profile: its bed, speeds and temperatures, and the beads of a layout's strands.
+GcodeLimits limits_of(const PrinterProfile& profile, const Weave& weave);
+
+enum class ViolationKind {
+  malformed_word,   ///< a letter without a number, a number out of range, other bytes
+  unknown_command,  ///< none of those that the checker understands
+  not_homed,        ///< a move before G28
+  outside_bed,      ///< beyond the bed, left of it or above the printer's height
+  y_below_zero,
+  z_below_zero,
+  cold_extrusion,  ///< the nozzle's temperature was not set high enough and waited for
+  over_extrusion,
+  under_extrusion,
+  travel_without_retraction,
+  too_fast,
+  no_speed,  ///< a move before any feed rate, or a feed rate that is not positive
+};
+/// Its name as it is written here.
+std::string_view to_string(ViolationKind kind);
+
+struct Violation {
+  ViolationKind kind = ViolationKind::malformed_word;
+  int line = 0;           ///< from 1
+  std::string message{};  ///< printable ASCII
+};
+
+/// A channel that was recognized.
+struct FoundChannel {
+  int line = 0;                    ///< where it begins
+  Eigen::Vector3d start{0, 0, 0};  ///< feet and apex, mm
+  Eigen::Vector3d apex{0, 0, 0};
+  Eigen::Vector3d end{0, 0, 0};
+  double length = 0;  ///< mm
+};
+
+/// What G-code prints, and what is wrong with it.
+struct GcodeReport {
+  int lines = 0;
+  double extruded_length = 0;  ///< of moves that deposit filament, mm
+  double filament = 0;         ///< deposited: what makes up for a retraction does not count; mm
+  double travel_length = 0;    ///< mm
+  int travels = 0;             ///< runs of moves without extrusion, each from where one bead ends to where one begins
+  int retractions = 0;
+  std::vector<double> heights{};    ///< at which something is printed level, ascending; the first 1000
+  double minutes = 0;               ///< lengths over speeds, and dwells
+  Eigen::Vector3d lowest{0, 0, 0};  ///< corner of the box of all that is printed, mm
+  Eigen::Vector3d highest{0, 0, 0};
+  double channel_length = 0;  ///< of all channels, mm
+  std::vector<FoundChannel> channels{};
+  std::vector<Violation> violations{};  ///< by line; the first 1000
+  int violation_count = 0;              ///< of all
+};
+
+/// Reads any bytes as G-code (RepRap flavour: G0, G1, G4, G21, G28, G80, G90, G91, G92, M18, M82 - M84, M104, M106,
+/// M107, M109, M140, M190; comments, line numbers, checksums) and reports what a printer would do. Shares nothing with
+/// the writer of G-code: what it finds is evidence. Every fault is a violation; nothing is thrown but for memory.
+///
+/// A channel is a bead that rises from a lower strand, printed earlier, and falls to one again, without more.
+/// O(lines), and for each channel the number of strands nearby.
+GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits = {});
+
+}  // namespace supple::weave

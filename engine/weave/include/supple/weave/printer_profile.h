@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+namespace supple::weave {
+
+/// How a strand is printed over another one without touching it: it rises before their crossing and comes down after.
+struct Lift {
+  double height = 0.75;  ///< mm of the nozzle over a strand that lies on the bed
+  double top = 0.75;     ///< fully up within this of the crossing; divided by the sine of the crossing's angle, mm
+  double run = 2;        ///< begins to rise this far from the crossing, later where something is in the way; mm
+  double bridge = 2.5;   ///< stays up where it would come down for less than this, mm
+};
+
+enum class ChannelShape {
+  triangle,  ///< foot, apex, foot
+  arc,       ///< a quarter of a sine wave up, another one down
+};
+
+/// The bridge over a sliding strand, fused on both sides to the strand that it slides across.
+struct Channel {
+  ChannelShape shape = ChannelShape::triangle;
+  double half_width = 1.2;  ///< from the first foot to the crossing, along the bottom strand, mm
+  double longer = 0.2;      ///< the second half is longer by this share: what sags there stays clear of the strand
+  double apex = 1.75;       ///< over the feet, mm
+};
+
+/// A printer, its material and how it prints strands. The defaults are a Prusa i3 MK3S with PLA; speeds in mm/min,
+/// temperatures in degrees Celsius.
+struct PrinterProfile {
+  std::string name = "Prusa i3 MK3S, PLA";
+  Eigen::Vector3d bed{250, 210, 210};  ///< where the nozzle may go, from (0, 0, 0); mm
+  double nozzle_diameter = 0.4;        ///< mm
+  double filament_diameter = 1.75;     ///< mm
+  double nozzle_temperature = 180;
+  double bed_temperature = 60;
+
+  double strand_width = 0.5;          ///< of frames and grips; strands have their own radius; mm
+  std::optional<double> bead_area{};  ///< of every bead, mm^2; else the circle of the strand's width
+  double lifted_flow = 1;             ///< share of the bead's area on lifted parts
+  double channel_flow = 0.5;          ///< the same on channels
+  double strand_height = 0.5;         ///< of the nozzle over the bed, mm
+  double travel_clearance = 1;        ///< of the nozzle over all that is printed, mm
+  double retraction = 0.4;            ///< of the filament around every travel, mm
+  Lift lift{};
+  Channel channel{};
+
+  double strand_speed = 600;
+  double lifted_speed = 600;
+  double channel_speed = 300;
+  double travel_speed = 3000;
+  double retraction_speed = 2100;
+
+  std::string startup_gcode{};  ///< lines after heating and homing: a line that primes the nozzle, say
+  std::string footer_gcode{};   ///< lines before the heaters are switched off
+};
+
+/// Throws "weave.invalid_option", a detail for each value out of its range.
+void validate(const PrinterProfile& profile);
+
+/// Area of the bead of a strand of this radius (mm): the profile's, or pi r^2; mm^2.
+double bead_area(const PrinterProfile& profile, double radius);
+
+/// Millimetres of filament for one millimetre of a bead of this area (mm^2): area / (pi d^2 / 4).
+double filament_per_mm(const PrinterProfile& profile, double area);
+
+}  // namespace supple::weave

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace supple::weave {
+
+/// How a strand goes on where its points end.
+enum class Ends {
+  open,      ///< it ends there
+  closed,    ///< a loop: the last point is followed by the first
+  periodic,  ///< the last point is followed by the first one moved by a translation, and so on for ever
+};
+std::string_view to_string(Ends ends);
+
+/// A planar cubic spline through given points, twice continuously differentiable everywhere (closed and periodic
+/// curves have no seam), by a parameter that is the arc length to a few parts in 10^6 where the points sample a smooth
+/// curve evenly, and to a few in 10^4 where their distances vary tenfold.
+///
+/// A C2 spline in the cumulated chord length (not-a-knot at open ends, periodic otherwise; de Boor 1978, chapter IV) is
+/// refined to pieces that turn by less than 0.06 rad, and the pieces' parameter lengths are replaced by their arc
+/// lengths until these agree. The second derivative is piecewise linear: the third one jumps at the pieces' ends, by
+/// O(piece length) of a smooth curve. What is made of positions and two derivatives is continuous.
+class StrandCurve {
+ public:
+  /// `points` in mm: at least 2 (open), 3 (closed) or 1 (periodic, with its translation), no two neighbours closer than
+  /// 1e-9 times the extent. Throws "weave.invalid_strand", details at "points/i". O(length of the curve).
+  StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends,
+              const Eigen::Vector2d& translation = Eigen::Vector2d::Zero());
+
+  double length() const { return knots_.back(); }  ///< mm; of one loop or period
+  Ends ends() const { return ends_; }
+  const Eigen::Vector2d& translation() const { return translation_; }
+  bool straight() const { return straight_; }
+
+  /// Arc-length coordinates of the points that were given, ascending from 0; mm.
+  const std::vector<double>& point_coordinates() const { return point_coordinates_; }
+
+  /// Position and its derivatives by s, in mm, 1, 1/mm and 1/mm^2.
+  struct Point {
+    Eigen::Vector2d position;
+    Eigen::Vector2d first;
+    Eigen::Vector2d second;
+    Eigen::Vector2d third;  ///< of the piece that begins at s
+  };
+  /// At any s in mm: beyond their ends open curves go on as straight lines, others repeat. O(log pieces).
+  Point at(double s) const;
+
+  /// Coordinates where the curve's pieces begin, and its length; mm.
+  const std::vector<double>& knots() const { return knots_; }
+
+ private:
+  void fit(std::vector<Eigen::Vector2d> values);
+  std::vector<std::size_t> refine();
+  void measure();
+  Point in_piece(std::size_t piece, double t) const;
+  double piece_length(std::size_t piece, double from, double to) const;
+
+  Ends ends_;
+  Eigen::Vector2d translation_;
+  bool straight_ = false;
+  std::vector<double> knots_;
+  std::vector<Eigen::Vector2d> values_;   ///< at the knots
+  std::vector<Eigen::Vector2d> seconds_;  ///< second derivatives at the knots
+  std::vector<double> point_coordinates_;
+};
+
+/// Where two curves meet.
+struct Intersection {
+  double first = 0;   ///< arc-length coordinate on the first curve, mm
+  double second = 0;  ///< on the second
+  double angle = 0;   ///< between the tangents' lines, rad, in [0, pi / 2]
+};
+
+/// All points where `first` meets `second` moved by `shift` (mm), ends included, ascending in the first coordinate; one
+/// period of either. Curves that touch without crossing may be missed. O(pieces of the one times of the other).
+std::vector<Intersection> intersections(const StrandCurve& first, const StrandCurve& second,
+                                        const Eigen::Vector2d& shift);
+
+}  // namespace supple::weave

@@ -1,0 +1,110 @@
+#include "supple/weave/drawing.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace supple::weave {
+namespace {
+
+constexpr double margin = 2;   ///< mm
+constexpr double piece = 0.5;  ///< mm of a curved strand between two points of its picture
+constexpr const char* strand_colour = "#3a6ea5";
+constexpr const char* fused_colour = "#b03030";
+constexpr const char* sliding_colour = "#d08020";
+
+std::string number(double x) {
+  std::ostringstream text;
+  text.precision(6);
+  // Tiny numbers are rounding; minus zero is zero.
+  text << (std::abs(x) < 1e-9 ? 0.0 : x);
+  return text.str();
+}
+
+class Picture {
+ public:
+  void line(const std::vector<Eigen::Vector2d>& points, double width, const char* colour, bool closed = false) {
+    body_ << "<path fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"" << number(width) << "\" d=\"";
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      body_ << (i == 0 ? 'M' : 'L') << number(points[i][0]) << ' ' << number(-points[i][1]);
+      box_.extend(points[i]);
+    }
+    body_ << (closed ? "Z" : "") << "\"/>\n";
+  }
+  void circle(const Eigen::Vector2d& at, double radius, const char* colour, bool filled) {
+    body_ << "<circle cx=\"" << number(at[0]) << "\" cy=\"" << number(-at[1]) << "\" r=\"" << number(radius) << "\" ";
+    if (filled) {
+      body_ << "fill=\"" << colour << "\"/>\n";
+    } else {
+      body_ << "fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"" << number(radius / 3) << "\"/>\n";
+    }
+    box_.extend(at);
+  }
+  std::string text() const {
+    const Eigen::AlignedBox2d box = box_.isEmpty() ? Eigen::AlignedBox2d(Eigen::Vector2d(0, 0)) : box_;
+    const Eigen::Vector2d size = box.sizes() + Eigen::Vector2d::Constant(2 * margin);
+    std::ostringstream svg;
+    svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"" << number(box.min()[0] - margin) << ' '
+        << number(-box.max()[1] - margin) << ' ' << number(size[0]) << ' ' << number(size[1]) << "\" width=\""
+        << number(size[0]) << "mm\" height=\"" << number(size[1]) << "mm\">\n"
+        << body_.str() << "</svg>\n";
+    return svg.str();
+  }
+
+ private:
+  std::ostringstream body_;
+  Eigen::AlignedBox2d box_;
+};
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve) {
+  const int count = curve.straight() ? 1 : std::max(4, static_cast<int>(std::ceil(curve.length() / piece)));
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(static_cast<std::size_t>(count) + 1);
+  for (int i = 0; i < count; ++i) points.push_back(curve.at(curve.length() * i / count).position);
+  // By name: at its length a loop begins again, and so would the picture of a periodic strand.
+  points.emplace_back(curve.ends() == Ends::open ? curve.at(curve.length()).position
+                                                 : Eigen::Vector2d(points.front() + curve.translation()));
+  return points;
+}
+
+std::string to_svg(const Weave& weave) {
+  Picture picture;
+  if (weave.lattice) {
+    const Eigen::Matrix2d& a = *weave.lattice;
+    const Eigen::Vector2d origin =
+        weave.strands.empty() ? Eigen::Vector2d(0, 0) : weave.strands[0].curve.at(0).position;
+    picture.line({origin, origin + a.col(0), origin + a.col(0) + a.col(1), origin + a.col(1)}, 0.1, "#999999", true);
+  }
+  for (const Strand& strand : weave.strands) picture.line(polyline(strand.curve), 2 * strand.radius, strand_colour);
+  for (const Crossing& crossing : weave.crossings) {
+    const Eigen::Vector2d at = rest_position(weave, crossing.members.front());
+    const auto slider =
+        std::find_if(crossing.members.begin(), crossing.members.end(), [](const auto& m) { return m.slides; });
+    const double radius = 1.6 * weave.strands[static_cast<std::size_t>(crossing.members.front().strand)].radius;
+    if (slider == crossing.members.end()) {
+      picture.circle(at, radius, fused_colour, true);
+      continue;
+    }
+    picture.circle(at, radius, sliding_colour, false);
+    const Eigen::Vector2d t =
+        weave.strands[static_cast<std::size_t>(slider->strand)].curve.at(slider->coordinate).first;
+    picture.line({at - 2 * radius * t, at + 2 * radius * t}, radius / 3, sliding_colour);
+  }
+  return picture.text();
+}
+
+std::string to_svg(const std::vector<std::vector<Eigen::Vector3d>>& strands, double width) {
+  Picture picture;
+  for (const auto& strand : strands) {
+    std::vector<Eigen::Vector2d> flat;
+    flat.reserve(strand.size());
+    for (const Eigen::Vector3d& p : strand) flat.emplace_back(p.head<2>());
+    picture.line(flat, width, strand_colour);
+  }
+  return picture.text();
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,38 @@
+#include "supple/weave/equilibrium.h"
+
+#include <string>
+#include <vector>
+
+#include "faults.h"
+
+namespace supple::weave {
+
+std::string_view to_string(Stop stop) {
+  switch (stop) {
+    case Stop::converged:
+      return "converged";
+    case Stop::iteration_limit:
+      return "iteration_limit";
+    case Stop::step_too_small:
+      break;
+  }
+  return "step_too_small";
+}
+
+void validate(const EquilibriumOptions& options) {
+  Faults faults;
+  faults.require(options.segments >= 1 && options.segments <= 64, "segments", "must lie within [1, 64]");
+  faults.require(options.tolerance >= 1e-12 && options.tolerance <= 1e-1, "tolerance", "must lie within [1e-12, 0.1]");
+  faults.require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
+                 "must lie within [1, 10000]");
+  faults.require(options.load_steps >= 1 && options.load_steps <= 10'000, "load_steps", "must lie within [1, 10000]");
+  faults.require(options.least_distance >= 0 && options.least_distance <= 1e3, "least_distance",
+                 "must lie within [0, 1000] mm");
+  faults.require(options.barrier_range > 0 && options.barrier_range <= 1e3, "barrier_range",
+                 "must lie within (0, 1000] mm");
+  faults.require(options.sliding_regularization >= 0 && options.sliding_regularization <= 1e3, "sliding_regularization",
+                 "must lie within [0, 1000] N/mm");
+  faults.throw_if_any("weave.invalid_option");
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,111 @@
+#include "gcode_channels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+namespace supple::weave {
+namespace {
+
+constexpr double least_rise = 0.2;   ///< mm from the feet to the apex
+constexpr double same_height = 0.1;  ///< mm between the feet, and from a foot to the strand below
+constexpr double same_level = 1e-4;  ///< mm; less is no rise and no fall
+constexpr double largest = 1e9;      ///< mm; what lies farther away is in no grid
+
+/// Beads in grids of cells as large as they are: each bead is found from few cells, whatever its length.
+class Grid {
+ public:
+  explicit Grid(double reach) : reach_(reach), smallest_(std::max(1.0, reach)) {}
+
+  void insert(const Bead& bead, int number) {
+    const Eigen::Vector2d from = bead.from.head<2>();
+    const Eigen::Vector2d to = bead.to.head<2>();
+    if (from.cwiseAbs().maxCoeff() > largest || to.cwiseAbs().maxCoeff() > largest) return;
+    const double cells = (to - from).norm() / smallest_;
+    const int level = cells > 1 ? static_cast<int>(std::ceil(std::log2(cells))) : 0;
+    levels_ = std::max(levels_, level + 1);
+    cells_[key(level, (from + to) / 2, 0, 0)].push_back(number);
+  }
+
+  /// Whether `good` holds for a bead whose middle is near enough to the point that the bead may be.
+  template <typename Test>
+  bool any(const Eigen::Vector2d& point, Test&& good) const {
+    if (point.cwiseAbs().maxCoeff() > largest) return false;
+    for (int level = 0; level < levels_; ++level) {
+      // Half a bead and the reach are at most one and a half cells.
+      for (int i = -2; i <= 2; ++i) {
+        for (int j = -2; j <= 2; ++j) {
+          const auto cell = cells_.find(key(level, point, i, j));
+          if (cell != cells_.end() && std::any_of(cell->second.begin(), cell->second.end(), good)) return true;
+        }
+      }
+    }
+    return false;
+  }
+  double reach() const { return reach_; }
+
+ private:
+  std::uint64_t key(int level, const Eigen::Vector2d& at, int i, int j) const {
+    const double size = std::ldexp(smallest_, level);
+    const auto x = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(at[0] / size)) + i);
+    const auto y = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(at[1] / size)) + j);
+    // Collisions cost time, not truth: each bead is tested.
+    return (x * 0x9e3779b97f4a7c15ULL) ^ (y * 0xc2b2ae3d27d4eb4fULL) ^ (static_cast<std::uint64_t>(level) << 58U);
+  }
+
+  double reach_;
+  double smallest_;
+  int levels_ = 0;
+  std::unordered_map<std::uint64_t, std::vector<int>> cells_;
+};
+
+double distance(const Eigen::Vector2d& point, const Bead& bead) {
+  const Eigen::Vector2d from = bead.from.head<2>();
+  const Eigen::Vector2d along = bead.to.head<2>() - from;
+  const double square = along.squaredNorm();
+  const double share = square > 0 ? std::clamp((point - from).dot(along) / square, 0.0, 1.0) : 0;
+  return (from + share * along - point).norm();
+}
+
+/// Up and then down, and nothing else.
+bool is_hump(const std::vector<Bead>& beads, std::size_t begin, std::size_t end) {
+  const auto rise = [&](std::size_t i) { return beads[i].to[2] - beads[i].from[2]; };
+  if (end - begin < 2 || rise(begin) <= same_level || rise(end - 1) >= -same_level) return false;
+  if (std::abs(beads[end - 1].to[2] - beads[begin].from[2]) > same_height) return false;
+  bool falling = false;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (rise(i) < -same_level) falling = true;
+    if (falling && rise(i) > same_level) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<FoundChannel> find_channels(const std::vector<Bead>& beads, double strand_width) {
+  std::vector<FoundChannel> found;
+  Grid grid(strand_width);
+  for (std::size_t begin = 0, end = 0; begin < beads.size(); begin = end) {
+    while (end < beads.size() && beads[end].run == beads[begin].run) ++end;
+    const auto stands = [&](const Eigen::Vector3d& foot) {
+      return grid.any(foot.head<2>(), [&](int i) {
+        const Bead& lower = beads[static_cast<std::size_t>(i)];
+        return std::max(lower.from[2], lower.to[2]) <= foot[2] + same_height &&
+               distance(foot.head<2>(), lower) <= grid.reach();
+      });
+    };
+    if (is_hump(beads, begin, end) && stands(beads[begin].from) && stands(beads[end - 1].to)) {
+      FoundChannel channel{beads[begin].line, beads[begin].from, beads[begin].from, beads[end - 1].to, 0};
+      for (std::size_t i = begin; i < end; ++i) {
+        if (beads[i].to[2] > channel.apex[2]) channel.apex = beads[i].to;
+        channel.length += (beads[i].to - beads[i].from).norm();
+      }
+      if (channel.apex[2] - std::max(channel.start[2], channel.end[2]) >= least_rise) found.push_back(channel);
+    }
+    for (std::size_t i = begin; i < end; ++i) grid.insert(beads[i], static_cast<int>(i));
+  }
+  return found;
+}
+
+}  // namespace supple::weave

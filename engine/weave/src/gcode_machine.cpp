@@ -1,0 +1,275 @@
+#include "gcode_machine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+namespace supple::weave {
+namespace {
+
+constexpr std::size_t most_violations = 1000;
+constexpr double slack = 1e-6;           ///< mm: positions are rounded when written
+constexpr double extruder_slack = 1e-4;  ///< mm: less filament is rounding
+constexpr double largest_blob = 0.02;    ///< mm of filament that may be too much or missing at one place
+constexpr double speed_slack = 1e-3;     ///< share: speeds are rounded too
+constexpr double slowest = 0.01;         ///< mm/min; less is not moving
+constexpr const char* axes = "XYZ";
+
+std::string readable(double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return text.data();
+}
+
+const GcodeWord* find(const std::vector<GcodeWord>& words, char letter) {
+  const auto at = std::find_if(words.begin(), words.end(), [&](const GcodeWord& w) { return w.letter == letter; });
+  return at == words.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+void GcodeMachine::violate(ViolationKind kind, int line, std::string message) {
+  ++report_.violation_count;
+  if (report_.violations.size() < most_violations) report_.violations.push_back({kind, line, std::move(message)});
+}
+
+void GcodeMachine::obey(const GcodeLine& line, int number_of_line) {
+  line_ = number_of_line;
+  for (const std::string& fault : line.faults) violate(ViolationKind::malformed_word, line_, fault);
+  if (line.words.empty()) return;
+  const GcodeWord& first = line.words.front();
+  if (std::strchr("GMT", first.letter) == nullptr) {
+    violate(ViolationKind::malformed_word, line_,
+            std::string("a line must begin with a command, not with ") + first.letter);
+    return;
+  }
+  command(first, {line.words.begin() + 1, line.words.end()});
+}
+
+void GcodeMachine::command(const GcodeWord& command, const std::vector<GcodeWord>& parameters) {
+  const bool whole = command.has_value && command.value >= 0 && command.value == std::floor(command.value);
+  if (!whole || command.letter == 'T') {
+    violate(ViolationKind::unknown_command, line_, command.letter + (command.has_value ? readable(command.value) : ""));
+    return;
+  }
+  const int code = static_cast<int>(command.value);
+  if (command.letter == 'G')
+    general_command(code, parameters);
+  else
+    machine_command(code, parameters);
+}
+
+void GcodeMachine::general_command(int code, const std::vector<GcodeWord>& parameters) {
+  switch (code) {
+    case 0:
+    case 1:
+      return move(parameters);
+    case 4:
+      return dwell(parameters);
+    case 21:
+    case 80:
+      return;
+    case 28:
+      return home(parameters);
+    case 90:
+    case 91:
+      absolute_ = absolute_extrusion_ = code == 90;
+      return;
+    case 92:
+      return set_position(parameters);
+    default:
+      violate(ViolationKind::unknown_command, line_, "G" + std::to_string(code));
+  }
+}
+
+void GcodeMachine::machine_command(int code, const std::vector<GcodeWord>& parameters) {
+  switch (code) {
+    case 18:
+    case 84:
+      // Without current the carriage can be pushed anywhere.
+      homed_ = {false, false, false};
+      reported_home_ = false;
+      return;
+    case 82:
+    case 83:
+      absolute_extrusion_ = code == 82;
+      return;
+    case 104:
+    case 109:
+      return set_temperature(parameters, true, code == 109);
+    case 140:
+    case 190:
+      return set_temperature(parameters, false, code == 190);
+    case 106:
+    case 107:
+      return;
+    default:
+      violate(ViolationKind::unknown_command, line_, "M" + std::to_string(code));
+  }
+}
+
+void GcodeMachine::check_parameters(const std::vector<GcodeWord>& parameters, const char* allowed) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const GcodeWord& word = parameters[i];
+    const std::string letter(1, word.letter);
+    if (std::strchr(allowed, word.letter) == nullptr)
+      violate(ViolationKind::malformed_word, line_, letter + " means nothing here");
+    else if (!word.has_value)
+      violate(ViolationKind::malformed_word, line_, letter + " has no number");
+    else if (find(parameters, word.letter) != &word)
+      violate(ViolationKind::malformed_word, line_, letter + " is there twice");
+  }
+}
+
+void GcodeMachine::home(const std::vector<GcodeWord>& parameters) {
+  const bool all = std::none_of(parameters.begin(), parameters.end(),
+                                [](const GcodeWord& w) { return std::strchr(axes, w.letter) != nullptr; });
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!all && find(parameters, axes[axis]) == nullptr) continue;
+    position_[axis] = 0;
+    offset_[axis] = 0;
+    homed_[static_cast<std::size_t>(axis)] = true;
+  }
+  moved_ = true;
+}
+
+void GcodeMachine::set_position(const std::vector<GcodeWord>& parameters) {
+  check_parameters(parameters, "XYZE");
+  const bool all = parameters.empty();
+  for (int axis = 0; axis < 3; ++axis) {
+    const GcodeWord* word = find(parameters, axes[axis]);
+    if (all || (word != nullptr && word->has_value)) offset_[axis] = position_[axis] - (all ? 0 : word->value);
+  }
+  const GcodeWord* word = find(parameters, 'E');
+  if (all || (word != nullptr && word->has_value)) extruder_ = all ? 0 : word->value;
+}
+
+void GcodeMachine::set_temperature(const std::vector<GcodeWord>& parameters, bool nozzle, bool waits) {
+  check_parameters(parameters, "SRT");
+  const GcodeWord* word = find(parameters, 'S');
+  if (word == nullptr && waits) word = find(parameters, 'R');
+  if (word == nullptr || !word->has_value) {
+    violate(ViolationKind::malformed_word, line_, "a temperature is missing");
+    return;
+  }
+  if (!nozzle) return;
+  temperature_ = waits ? word->value : std::min(temperature_, word->value);
+  if (temperature_ >= limits_.cold) reported_cold_ = false;
+}
+
+void GcodeMachine::dwell(const std::vector<GcodeWord>& parameters) {
+  check_parameters(parameters, "SP");
+  const GcodeWord* seconds = find(parameters, 'S');
+  const GcodeWord* milliseconds = find(parameters, 'P');
+  if (seconds != nullptr) report_.minutes += std::max(0.0, seconds->value) / 60;
+  if (milliseconds != nullptr) report_.minutes += std::max(0.0, milliseconds->value) / 60'000;
+}
+
+void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
+  check_parameters(parameters, "XYZEF");
+  if (const GcodeWord* f = find(parameters, 'F'); f != nullptr && f->has_value) {
+    if (f->value >= slowest)
+      speed_ = f->value;
+    else
+      violate(ViolationKind::no_speed, line_, "F" + readable(f->value) + " is no speed");
+  }
+  Eigen::Vector3d target = position_;
+  for (int axis = 0; axis < 3; ++axis) {
+    const GcodeWord* word = find(parameters, axes[axis]);
+    if (word == nullptr || !word->has_value) continue;
+    target[axis] = absolute_ ? word->value + offset_[axis] : position_[axis] + word->value;
+    if (!homed_[static_cast<std::size_t>(axis)] && !reported_home_) {
+      reported_home_ = true;
+      violate(ViolationKind::not_homed, line_, std::string("moves along ") + axes[axis] + " before G28");
+    }
+  }
+  double pushed = 0;
+  if (const GcodeWord* e = find(parameters, 'E'); e != nullptr && e->has_value) {
+    pushed = absolute_extrusion_ ? e->value - extruder_ : e->value;
+    extruder_ += pushed;
+  }
+  check_position(target);
+  if (pushed < 0 && retracted() < extruder_slack) ++report_.retractions;
+  const double length = (target - position_).norm();
+  if (pushed > 0 && length > 0 && retracted() > largest_blob)
+    violate(ViolationKind::under_extrusion, line_,
+            "begins to extrude with " + readable(retracted()) + " mm retracted: the bead has a gap");
+  filament_ += pushed;
+  const double deposited = filament_ - most_filament_;
+  most_filament_ = std::max(most_filament_, filament_);
+  if (length > 0 || pushed != 0) check_speed(deposited > extruder_slack && length > 0);
+  if (speed_ > 0) report_.minutes += (length > 0 ? length : std::abs(pushed)) / speed_;
+  if (deposited > 0) {
+    report_.filament += deposited;
+    extrude_to(target, deposited);
+  } else if (length > 0) {
+    travel_to(target);
+  }
+  position_ = target;
+}
+
+void GcodeMachine::check_position(const Eigen::Vector3d& target) {
+  const auto at = [&] { return readable(target[0]) + ", " + readable(target[1]) + ", " + readable(target[2]) + " mm"; };
+  if (target == position_) return;
+  if (target[1] < -slack) violate(ViolationKind::y_below_zero, line_, "goes to " + at());
+  if (target[2] < -slack) violate(ViolationKind::z_below_zero, line_, "goes to " + at());
+  const bool inside = target[0] >= -slack && target[0] <= limits_.bed[0] + slack &&
+                      target[1] <= limits_.bed[1] + slack && target[2] <= limits_.bed[2] + slack;
+  if (!inside)
+    violate(ViolationKind::outside_bed, line_,
+            "goes to " + at() + "; the bed ends at " + readable(limits_.bed[0]) + ", " + readable(limits_.bed[1]) +
+                ", " + readable(limits_.bed[2]) + " mm");
+}
+
+void GcodeMachine::check_speed(bool extrudes) {
+  if (speed_ <= 0) {
+    if (!reported_speed_) violate(ViolationKind::no_speed, line_, "moves before any feed rate is given");
+    reported_speed_ = true;
+    return;
+  }
+  const double limit = extrudes ? limits_.print_speed : limits_.travel_speed;
+  if (speed_ > limit * (1 + speed_slack))
+    violate(ViolationKind::too_fast, line_,
+            readable(speed_) + " mm/min, at most " + readable(limit) +
+                (extrudes ? " while extruding" : " while travelling"));
+}
+
+void GcodeMachine::extrude_to(const Eigen::Vector3d& target, double deposited) {
+  if (temperature_ < limits_.cold && !reported_cold_) {
+    reported_cold_ = true;
+    violate(ViolationKind::cold_extrusion, line_,
+            "the nozzle has reached " + readable(temperature_) + " degrees for certain, at least " +
+                readable(limits_.cold) + " are needed");
+  }
+  if (target == position_) {
+    if (deposited > largest_blob)
+      violate(ViolationKind::over_extrusion, line_, readable(deposited) + " mm of filament while the nozzle rests");
+    return;
+  }
+  if (moved_) {
+    ++run_;
+    ++report_.travels;
+  }
+  moved_ = false;
+  travelled_ = 0;
+  reported_travel_ = false;
+  report_.extruded_length += (target - position_).norm();
+  beads_.push_back({line_, run_, position_, target, deposited});
+}
+
+void GcodeMachine::travel_to(const Eigen::Vector3d& target) {
+  moved_ = true;
+  report_.travel_length += (target - position_).norm();
+  travelled_ += (target - position_).head<2>().norm();
+  // Before the first bead nothing can ooze that matters.
+  if (beads_.empty() || reported_travel_ || travelled_ <= limits_.free_travel) return;
+  if (retracted() >= limits_.retraction - extruder_slack) return;
+  reported_travel_ = true;
+  violate(ViolationKind::travel_without_retraction, line_,
+          readable(travelled_) + " mm with " + readable(retracted()) + " mm retracted, at least " +
+              readable(limits_.retraction) + " are needed");
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,116 @@
+#include "gcode_words.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+namespace supple::weave {
+namespace {
+
+constexpr std::size_t most_words = 32;
+constexpr std::size_t most_faults = 4;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+std::string shown(char c) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), c > ' ' && c <= '~' ? "'%c'" : "byte 0x%02x", static_cast<unsigned char>(c));
+  return text.data();
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string_view line) : line_(line) {}
+
+  GcodeLine read() {
+    while (at_ < line_.size()) {
+      const char c = line_[at_];
+      if (c == ';') break;
+      if (c == ' ' || c == '\t' || c == '%') {
+        ++at_;
+      } else if (c == '(') {
+        const std::size_t end = line_.find(')', at_);
+        at_ = end == std::string_view::npos ? line_.size() : end + 1;
+      } else if (c == '*') {
+        checksum();
+      } else if (is_letter(c)) {
+        word();
+      } else {
+        fault("unexpected " + shown(c));
+        ++at_;
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void fault(const std::string& message) {
+    if (result_.faults.size() < most_faults) result_.faults.push_back(message);
+  }
+
+  void checksum() {
+    std::size_t digits = 0;
+    for (++at_; at_ < line_.size() && is_digit(line_[at_]); ++at_) ++digits;
+    if (digits == 0 || digits > 3) fault("a checksum must have one to three digits");
+  }
+
+  void word() {
+    GcodeWord word{upper(line_[at_++])};
+    std::size_t begin = at_;
+    const bool negative = begin < line_.size() && line_[begin] == '-';
+    if (negative || (begin < line_.size() && line_[begin] == '+')) ++begin;
+    // Only digits and points are left to the library, which would also take "inf" and "nan".
+    std::size_t end = begin;
+    while (end < line_.size() && (is_digit(line_[end]) || line_[end] == '.')) ++end;
+    const std::string_view digits = line_.substr(begin, end - begin);
+    word.has_value = end > at_;
+    at_ = end;
+    if (word.has_value) {
+      const auto read =
+          std::from_chars(digits.data(), digits.data() + digits.size(), word.value, std::chars_format::fixed);
+      if (read.ec == std::errc::invalid_argument || read.ptr != digits.data() + digits.size()) {
+        fault(std::string(1, word.letter) + " is followed by something that is not a number");
+        return;
+      }
+      if (read.ec != std::errc() || !(word.value <= largest_gcode_value)) {
+        fault(std::string(1, word.letter) + " is out of range");
+        return;
+      }
+      if (negative) word.value = -word.value;
+    }
+    if (word.letter == 'N' && result_.words.empty()) {
+      if (!word.has_value || word.value != std::floor(word.value)) fault("a line number must be a whole number");
+      return;
+    }
+    if (result_.words.size() < most_words)
+      result_.words.push_back(word);
+    else
+      fault("more than " + std::to_string(most_words) + " words");
+  }
+
+  std::string_view line_;
+  std::size_t at_ = 0;
+  GcodeLine result_;
+};
+
+}  // namespace
+
+GcodeLine read_gcode_line(std::string_view line) { return Reader(line).read(); }
+
+std::string_view next_gcode_line(std::string_view text, std::size_t& begin) {
+  const std::size_t end = text.find_first_of("\r\n", begin);
+  const std::string_view line = text.substr(begin, end == std::string_view::npos ? end : end - begin);
+  if (end == std::string_view::npos) {
+    begin = text.size();
+  } else {
+    begin = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
+  }
+  return line;
+}
+
+}  // namespace supple::weave

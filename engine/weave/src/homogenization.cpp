@@ -1,0 +1,159 @@
+#include "supple/weave/homogenization.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <utility>
+
+#include "faults.h"
+#include "supple/base/error.h"
+#include "supple/base/threads.h"
+#include "weave_run.h"
+
+namespace supple::weave {
+namespace {
+
+constexpr double newtons_per_metre = 1000;  ///< in a N/mm
+constexpr double largest_strain = 2;
+constexpr double smallest_strain = -0.5;
+
+void check(const Weave& weave, const EquilibriumOptions& options) {
+  validate(weave);
+  validate(options);
+  if (!weave.lattice)
+    throw Error("weave.not_periodic", "The weave has no lattice; only periodic cells are homogenized.");
+}
+
+void check(const HomogenizationOptions& options) {
+  Faults faults;
+  faults.require(options.strain >= smallest_strain && options.strain <= largest_strain && options.strain != 0, "strain",
+                 "must lie within [-0.5, 2] and not be 0");
+  faults.require(!options.directions.empty(), "directions", "must not be empty");
+  for (std::size_t i = 0; i < options.directions.size(); ++i)
+    faults.require(std::isfinite(options.directions[i]), "directions/" + std::to_string(i), "must be finite, in rad");
+  faults.require(!options.thickness || (*options.thickness > 0 && std::isfinite(*options.thickness)), "thickness",
+                 "must be positive, in mm");
+  for (std::size_t i = 0; i < options.deformed.size(); ++i)
+    faults.require(
+        options.deformed[i] >= 0 && static_cast<std::size_t>(options.deformed[i]) < options.directions.size(),
+        "deformed/" + std::to_string(i), "must be the index of a direction");
+  faults.throw_if_any("weave.invalid_option");
+}
+
+CellState state_of(WeaveRun& run, const Weave& weave, bool arrived, bool lines) {
+  WeaveObjective& objective = run.objective();
+  const RodModel& model = run.model();
+  const EquilibriumPath& path = run.path();
+  CellState state;
+  const Eigen::VectorXd gradient = objective.full_gradient();
+  const Eigen::VectorXd& q = objective.q();
+  const double area = weave.lattice->determinant();
+  const Eigen::Matrix2d f = model.deformation_gradient(q);
+  state.deformation_gradient = f;
+  // The dyads are orthonormal: the derivative by F has these components along them.
+  for (int k = 0; k < 4; ++k)
+    state.nominal_stress +=
+        newtons_per_metre / area * gradient[model.strain() + k] * model.dyads()[static_cast<std::size_t>(k)];
+  state.cauchy_stress = state.nominal_stress * f.transpose() / f.determinant();
+  state.energy_density = newtons_per_metre * path.energy() / area;
+  state.sliding.reserve(model.sliders().size());
+  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) state.sliding.push_back(q[model.slider(i)]);
+  if (lines) state.strands = polylines(model, q);
+  state.out_of_plane = run.spatial();
+  state.stable = path.stable();
+  state.stopped = path.stopped();
+  if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
+  state.residual = path.residual();
+  state.tolerance = path.tolerance();
+  state.iterations = run.iterations();
+  state.load_steps = run.load_steps();
+  state.branches = run.branches();
+  return state;
+}
+
+Prescription::Entry strain_entry(int component, double change) {
+  return {Prescription::Entry::Kind::strain, component, 0, change};
+}
+
+DirectionalResponse respond(const Weave& weave, const HomogenizationOptions& options, int index,
+                            const Execution& execution) {
+  const double direction = options.directions[static_cast<std::size_t>(index)];
+  const bool lines = std::find(options.deformed.begin(), options.deformed.end(), index) != options.deformed.end();
+  // F^T d = stretch d: of the components along d d^T, d n^T, n d^T, n n^T the first two are given.
+  Prescription prescription;
+  prescription.held = {strain_entry(0, options.strain), strain_entry(1, 0)};
+  if (!options.shear_free) prescription.held.push_back(strain_entry(2, 0));
+  WeaveRun run(weave, prescription, direction, options.equilibrium, execution);
+  const bool arrived = run.advance_to(1);
+  run.bill_effects();
+  DirectionalResponse response;
+  response.direction = direction;
+  response.state = state_of(run, weave, arrived, lines);
+  if (response.state.stopped != Stop::converged) return response;
+  const Eigen::Vector2d d(std::cos(direction), std::sin(direction));
+  const Eigen::Vector2d n(-d[1], d[0]);
+  response.youngs_modulus = d.dot(response.state.cauchy_stress * d) / options.strain;
+  // N/m are 10^-3 N/mm.
+  if (options.thickness) response.youngs_modulus_mpa = response.youngs_modulus / newtons_per_metre / *options.thickness;
+  response.poisson_ratio = -(n.dot(response.state.deformation_gradient * n) - 1) / options.strain;
+  return response;
+}
+
+/// Adds the directions' bills. The ledger keeps the latest reason; of an effect that ran somewhere it is to say why.
+void add_bills(const std::vector<CostLedger>& bills, CostLedger& total) {
+  for (const CostLedger& bill : bills) total.merge(bill);
+  for (const CostLedger& bill : bills)
+    for (const CostLedger::Effect& effect : bill.effects())
+      if (effect.ran) total.add_effect(effect.name, true, effect.why);
+}
+
+}  // namespace
+
+std::vector<double> directions_over_half_turn(int count) {
+  std::vector<double> directions;
+  directions.reserve(static_cast<std::size_t>(std::max(0, count)));
+  for (int k = 0; k < count; ++k) directions.push_back(std::numbers::pi * k / count);
+  return directions;
+}
+
+std::vector<DirectionalResponse> homogenize(const Weave& weave, const HomogenizationOptions& options,
+                                            const Execution& execution) {
+  check(weave, options.equilibrium);
+  check(options);
+  const auto n = static_cast<int>(options.directions.size());
+  std::vector<DirectionalResponse> responses(options.directions.size());
+  std::vector<CostLedger> bills(execution.cost ? options.directions.size() : 0);
+  std::mutex reporting;
+  int done = 0;
+  parallel_for(n, [&](int i) {
+    execution.cancellation.throw_if_requested();
+    const auto k = static_cast<std::size_t>(i);
+    responses[k] = respond(weave, options, i, {execution.cancellation, nullptr, bills.empty() ? nullptr : &bills[k]});
+    const std::lock_guard lock(reporting);
+    ++done;
+    if (execution.progress) execution.progress->report(static_cast<double>(done) / n, "directions");
+  });
+  if (execution.cost) add_bills(bills, *execution.cost);
+  return responses;
+}
+
+CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gradient,
+                      const EquilibriumOptions& options, const Execution& execution, bool lines) {
+  check(weave, options);
+  if (!deformation_gradient.allFinite() || !(deformation_gradient.determinant() > 0))
+    throw Error("weave.invalid_load", "The deformation gradient must be finite and of positive determinant.",
+                {{"deformation_gradient", "must be finite and of positive determinant"}});
+  Prescription prescription;
+  // Along the axes the dyads are the matrix' entries, row by row.
+  for (int k = 0; k < 4; ++k)
+    prescription.held.push_back(strain_entry(k, deformation_gradient(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
+  WeaveRun run(weave, prescription, 0, options, execution);
+  const bool arrived = run.advance_to(1);
+  run.bill_effects();
+  return state_of(run, weave, arrived, lines);
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,150 @@
+#include "supple/weave/layout_warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <utility>
+
+namespace supple::weave {
+namespace {
+
+constexpr double small_angle = 0.2;  ///< rad
+/// Places of a strand this close, relative to its length, are one.
+constexpr double near_share = 1e-6;
+
+/// Counts cases and keeps the first one.
+struct Cases {
+  std::size_t count = 0;
+  std::size_t first = 0;
+
+  void add(std::size_t index) {
+    if (count++ == 0) first = index;
+  }
+};
+
+void tell(const Cases& cases, const std::string& what, const char* things, std::vector<std::string>& warnings) {
+  if (cases.count == 0) return;
+  warnings.push_back(std::to_string(cases.count) + " " + things + " " + what + "; the first is " +
+                     std::to_string(cases.first) + ".");
+}
+
+const Strand& strand_of(const Weave& weave, const CrossingMember& member) {
+  return weave.strands[static_cast<std::size_t>(member.strand)];
+}
+
+/// Disjoint sets of strands that crossings connect.
+class Parts {
+ public:
+  explicit Parts(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  std::size_t find(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) { parent_[find(a)] = find(b); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+void warn_of_parts(const Weave& weave, std::vector<std::string>& warnings) {
+  Parts parts(weave.strands.size());
+  std::vector<bool> crosses(weave.strands.size(), false);
+  for (const Crossing& crossing : weave.crossings) {
+    for (const CrossingMember& member : crossing.members) {
+      crosses[static_cast<std::size_t>(member.strand)] = true;
+      parts.join(static_cast<std::size_t>(member.strand), static_cast<std::size_t>(crossing.members.front().strand));
+    }
+  }
+  Cases loose;
+  std::set<std::size_t> roots;
+  for (std::size_t s = 0; s < crosses.size(); ++s) {
+    if (crosses[s]) {
+      roots.insert(parts.find(s));
+    } else {
+      loose.add(s);
+    }
+  }
+  tell(loose, "have no crossing: nothing connects them", "strands", warnings);
+  if (roots.size() > 1)
+    warnings.push_back("The strands with crossings form " + std::to_string(roots.size()) +
+                       " parts that nothing connects.");
+}
+
+double angle_between(const Weave& weave, const CrossingMember& a, const CrossingMember& b) {
+  const Eigen::Vector2d u = strand_of(weave, a).curve.at(a.coordinate).first.normalized();
+  const Eigen::Vector2d v = strand_of(weave, b).curve.at(b.coordinate).first.normalized();
+  return std::asin(std::min(1.0, std::abs(u[0] * v[1] - u[1] * v[0])));
+}
+
+void warn_of_angles(const Weave& weave, std::vector<std::string>& warnings) {
+  Cases flat;
+  for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
+    const auto& members = weave.crossings[c].members;
+    bool small = false;
+    for (std::size_t i = 0; i < members.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k) small = small || angle_between(weave, members[i], members[k]) < small_angle;
+    if (small) flat.add(c);
+  }
+  tell(flat, "have strands that meet at less than 0.2 rad", "crossings", warnings);
+}
+
+/// Coordinates of crossings on every strand, ascending, with the crossings' indices.
+std::vector<std::vector<std::pair<double, std::size_t>>> places_of(const Weave& weave) {
+  std::vector<std::vector<std::pair<double, std::size_t>>> places(weave.strands.size());
+  for (std::size_t c = 0; c < weave.crossings.size(); ++c)
+    for (const CrossingMember& member : weave.crossings[c].members)
+      places[static_cast<std::size_t>(member.strand)].emplace_back(member.coordinate, c);
+  for (auto& list : places) std::sort(list.begin(), list.end());
+  return places;
+}
+
+void warn_of_distances(const Weave& weave, std::vector<std::string>& warnings) {
+  const auto places = places_of(weave);
+  std::set<std::size_t> near;
+  for (std::size_t s = 0; s < places.size(); ++s) {
+    const auto& list = places[s];
+    const double diameter = 2 * weave.strands[s].radius;
+    for (std::size_t i = 1; i < list.size(); ++i)
+      if (list[i].first - list[i - 1].first < diameter) near.insert(list[i - 1].second);
+    if (weave.strands[s].curve.ends() != Ends::open && list.size() > 1 &&
+        list.front().first + weave.strands[s].curve.length() - list.back().first < diameter)
+      near.insert(list.back().second);
+  }
+  tell({near.size(), near.empty() ? 0 : *near.begin()}, "lie closer to the next one of a strand than its diameter",
+       "crossings", warnings);
+}
+
+void warn_of_missing_crossings(const Weave& weave, std::vector<std::string>& warnings) {
+  const auto places = places_of(weave);
+  const auto is_place = [&](const CrossingMember& member) {
+    const auto& list = places[static_cast<std::size_t>(member.strand)];
+    const double length = strand_of(weave, member).curve.length();
+    const double near = near_share * length;
+    const bool loop = strand_of(weave, member).curve.ends() != Ends::open;
+    return std::any_of(list.begin(), list.end(), [&](const auto& place) {
+      const double apart = std::abs(place.first - member.coordinate);
+      return apart <= near || (loop && length - apart <= near);
+    });
+  };
+  Cases missing;
+  for (const Crossing& found : find_crossings(weave.strands, weave.lattice))
+    if (!std::all_of(found.members.begin(), found.members.end(), is_place))
+      missing.add(static_cast<std::size_t>(found.members.front().strand));
+  if (missing.count > 0)
+    warnings.push_back("Strands cross at " + std::to_string(missing.count) +
+                       " places without a crossing; the first is on strand " + std::to_string(missing.first) + ".");
+}
+
+}  // namespace
+
+std::vector<std::string> layout_warnings(const Weave& weave) {
+  std::vector<std::string> warnings;
+  warn_of_parts(weave, warnings);
+  warn_of_missing_crossings(weave, warnings);
+  warn_of_angles(weave, warnings);
+  warn_of_distances(weave, warnings);
+  return warnings;
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,93 @@
+#include "supple/weave/printer_profile.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "faults.h"
+
+namespace supple::weave {
+namespace {
+
+constexpr std::size_t longest_text = 20'000;
+constexpr double largest_bed = 10'000;     ///< mm
+constexpr double largest_length = 100;     ///< mm; of beads, lifts and channels
+constexpr double largest_speed = 100'000;  ///< mm/min
+constexpr double largest_temperature = 500;
+
+std::string number(double value) {
+  std::string text = std::to_string(value);
+  if (text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  return text;
+}
+
+/// Within [least, most], or (0, most] where `least` is 0 and `positive`.
+void check_range(Faults& faults, double value, const char* where, double least, double most, const char* unit,
+                 bool positive = false) {
+  faults.require(value >= least && value <= most && !(positive && value <= 0), where,
+                 std::string("must lie within ") + (positive ? "(" : "[") + number(least) + ", " + number(most) + "] " +
+                     unit + ", got " + number(value));
+}
+
+bool printable(const std::string& text) {
+  if (text.size() > longest_text) return false;
+  for (const char c : text)
+    if (c != '\n' && (c < ' ' || c > '~')) return false;
+  return true;
+}
+
+}  // namespace
+
+void validate(const PrinterProfile& profile) {
+  Faults faults;
+  const auto length = [&](double value, const char* where) {
+    check_range(faults, value, where, 0, largest_length, "mm", true);
+  };
+  const auto speed = [&](double value, const char* where) {
+    check_range(faults, value, where, 0, largest_speed, "mm/min", true);
+  };
+  faults.require(profile.name.find('\n') == std::string::npos && printable(profile.name), "name",
+                 "must be one line of printable ASCII");
+  faults.require(profile.bed.allFinite() && profile.bed.minCoeff() > 0 && profile.bed.maxCoeff() <= largest_bed, "bed",
+                 "must lie within (0, " + std::to_string(static_cast<int>(largest_bed)) + "] mm in x, y and z");
+  length(profile.nozzle_diameter, "nozzle_diameter");
+  length(profile.filament_diameter, "filament_diameter");
+  check_range(faults, profile.nozzle_temperature, "nozzle_temperature", 0, largest_temperature, "degrees");
+  check_range(faults, profile.bed_temperature, "bed_temperature", 0, largest_temperature, "degrees");
+  length(profile.strand_width, "strand_width");
+  if (profile.bead_area) check_range(faults, *profile.bead_area, "bead_area", 0, largest_length, "mm^2", true);
+  check_range(faults, profile.lifted_flow, "lifted_flow", 0, 2, "", true);
+  check_range(faults, profile.channel_flow, "channel_flow", 0, 2, "", true);
+  length(profile.strand_height, "strand_height");
+  length(profile.travel_clearance, "travel_clearance");
+  check_range(faults, profile.retraction, "retraction", 0, largest_length, "mm");
+  length(profile.lift.height, "lift/height");
+  length(profile.lift.top, "lift/top");
+  check_range(faults, profile.lift.run, "lift/run", profile.lift.top, largest_length, "mm", true);
+  check_range(faults, profile.lift.bridge, "lift/bridge", 0, largest_length, "mm");
+  length(profile.channel.half_width, "channel/half_width");
+  check_range(faults, profile.channel.longer, "channel/longer", 0, 2, "");
+  length(profile.channel.apex, "channel/apex");
+  speed(profile.strand_speed, "strand_speed");
+  speed(profile.lifted_speed, "lifted_speed");
+  speed(profile.channel_speed, "channel_speed");
+  speed(profile.travel_speed, "travel_speed");
+  speed(profile.retraction_speed, "retraction_speed");
+  const std::string text = "must be printable ASCII of at most " + std::to_string(longest_text) + " characters";
+  faults.require(printable(profile.startup_gcode), "startup_gcode", text);
+  faults.require(printable(profile.footer_gcode), "footer_gcode", text);
+  faults.throw_if_any("weave.invalid_option");
+}
+
+double bead_area(const PrinterProfile& profile, double radius) {
+  return profile.bead_area.value_or(std::numbers::pi * radius * radius);
+}
+
+double filament_per_mm(const PrinterProfile& profile, double area) {
+  return area / (std::numbers::pi * profile.filament_diameter * profile.filament_diameter / 4);
+}
+
+}  // namespace supple::weave

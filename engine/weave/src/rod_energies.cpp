@@ -1,0 +1,374 @@
+#include "rod_energies.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace supple::weave {
+namespace {
+
+constexpr int rest_slots = SliderSlots::most;
+
+bool of_kind(const Turn& turn, TurnKind kind) { return (turn.joint >= 0) == (kind == TurnKind::jointed); }
+
+/// The gradient and the lower triangle of the Hessian of an element by its slots: n of its shape, then the sliders.
+template <int n>
+struct Local {
+  static constexpr int size = n + rest_slots;
+  std::array<double, size> gradient{};
+  std::array<double, size*(size + 1) / 2> hessian{};
+  double& at(int i, int j) { return hessian[i * (i + 1) / 2 + j]; }
+  double operator()(int i, int j) const { return hessian[i * (i + 1) / 2 + j]; }
+};
+
+/// Derivatives of w / (2 L) sum_k (f_k - R_k)^2 for features f of the shape and rest values R and L of the sliders.
+/// `rests` may be null for a constant rest value.
+template <int n, std::size_t count>
+double quadratic_energy(double weight, const std::array<Jet<n>, count>& features,
+                        const std::array<const RestJet*, count>& rests, const std::array<double, count>& constants,
+                        const RestJet& length, bool slides, Local<n>& local) {
+  const double inverse_length = 1 / length.value;
+  const double w = weight * inverse_length;
+  double value = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Jet<n>& f = features[k];
+    const double offset = f.value - (rests[k] ? rests[k]->value : constants[k]);
+    value += 0.5 * w * offset * offset;
+    int entry = 0;
+    for (int i = 0; i < n; ++i) {
+      local.gradient[i] += w * offset * f.first[i];
+      const double scaled = w * f.first[i];
+      for (int j = 0; j <= i; ++j, ++entry) local.hessian[entry] += w * offset * f.second[entry] + scaled * f.first[j];
+    }
+    if (!slides) continue;
+    for (int u = 0; u < rest_slots; ++u) {
+      const double du = rests[k] ? rests[k]->first[u] : 0;
+      local.gradient[n + u] -= w * offset * du + 0.5 * w * inverse_length * offset * offset * length.first[u];
+      for (int i = 0; i < n; ++i)
+        local.at(n + u, i) -= w * f.first[i] * (du + inverse_length * offset * length.first[u]);
+      for (int v = 0; v <= u; ++v) {
+        const double dv = rests[k] ? rests[k]->first[v] : 0;
+        const double second = rests[k] ? rests[k]->hessian(u, v) : 0;
+        local.at(n + u, n + v) += w * (du * dv - offset * second) +
+                                  w * inverse_length * offset * (du * length.first[v] + dv * length.first[u]) +
+                                  0.5 * w * inverse_length * offset * offset *
+                                      (2 * inverse_length * length.first[u] * length.first[v] - length.hessian(u, v));
+      }
+    }
+  }
+  return value;
+}
+
+}  // namespace
+
+StretchEnergy::StretchEnergy(const RodModel& model, const Numbering& numbering) : model_(model), numbering_(numbering) {
+  elements_.reserve(model.edges().size());
+  for (const Edge& edge : model.edges()) {
+    Element element{&edge, RestLength(model, edge), {}};
+    link_edge(model, edge, 0, element.links);
+    element.rest.slots().link(model, model.dimension(), element.links);
+    elements_.push_back(std::move(element));
+  }
+}
+
+void StretchEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  const int n = model_.dimension();
+  for (const Element& element : elements_) {
+    const Eigen::Vector3d e = model_.edge_vector(*element.edge, x);
+    const RestJet rest = element.rest.at(model_, x);
+    const double stiffness = model_.stiffness(element.edge->strand).stretch;
+    const double l = e.norm();
+    const double rest_length = rest.value;
+    const double strain = (l - rest_length) / rest_length;
+    sum.value += 0.5 * stiffness * strain * strain * rest_length;
+    if (order < 1) continue;
+    const Eigen::Vector3d t = e / l;
+    const double by_rest = -0.5 * stiffness * strain * (2 + strain);  // dE / dL = -EA / 2 (l^2 / L^2 - 1)
+    std::array<double, 3 + rest_slots> gradient{};
+    for (int c = 0; c < n; ++c) gradient[c] = stiffness * strain * t[c];
+    for (int u = 0; u < rest_slots; ++u) gradient[n + u] = by_rest * rest.first[u];
+    const double across = stiffness * strain / l;
+    const double along = stiffness / rest_length - across;
+    const double mixed = -stiffness * l / (rest_length * rest_length);
+    const double by_rest_twice = stiffness * l * l / (rest_length * rest_length * rest_length);
+    const auto hessian = [&](int i, int j) {
+      if (i < n) return along * t[i] * t[j] + (i == j ? across : 0);
+      if (j < n) return mixed * t[j] * rest.first[i - n];
+      return by_rest_twice * rest.first[i - n] * rest.first[j - n] + by_rest * rest.hessian(i - n, j - n);
+    };
+    scatter(element.links, numbering_, order, gradient, hessian, sum);
+  }
+}
+
+PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, const Numbering& numbering, TurnKind kind)
+    : model_(model), numbering_(numbering), kind_(kind) {
+  elements_.reserve(model.turns().size());
+  for (const Turn& turn : model.turns()) {
+    if (!of_kind(turn, kind)) continue;
+    Element element{&turn, rest_frame(model, turn).col(0).head<2>(), RestTurn(model, turn), {}};
+    for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 2)}) {
+      if (edge >= 0) {
+        link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, element.links);
+      } else {
+        link_joint(model, turn.joint, slot, element.links);
+      }
+    }
+    element.rest.slots().link(model, 4, element.links);
+    elements_.push_back(std::move(element));
+  }
+}
+
+namespace {
+
+/// The direction of an edge or a joint in the plane, by slots `first` and on.
+template <typename T>
+Vector2<T> planar_direction(const RodModel& model, int edge, const Turn& turn, const Eigen::Vector2d& tangent,
+                            int first, const Eigen::VectorXd& x) {
+  using std::cos;
+  using std::sin;
+  const auto variable = [=](double at, int index) {
+    if constexpr (std::is_same_v<T, double>) {
+      return at;
+    } else {
+      return T::variable(at, first + index);
+    }
+  };
+  if (edge >= 0) {
+    const Eigen::Vector3d e = model.edge_vector(model.edges()[static_cast<std::size_t>(edge)], x);
+    return {variable(e[0], 0), variable(e[1], 1)};
+  }
+  const T angle = variable(x[model.joint(turn.joint)], 0);
+  const T c = cos(angle);
+  const T s = sin(angle);
+  return {tangent[0] * c - tangent[1] * s, tangent[0] * s + tangent[1] * c};
+}
+
+template <typename T>
+T planar_turn(const Vector2<T>& e, const Vector2<T>& f) {
+  using std::sqrt;
+  return 2.0 * cross(e, f) * inverse(sqrt(dot(e, e) * dot(f, f)) + dot(e, f));
+}
+
+}  // namespace
+
+void PlanarBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  for (const Element& element : elements_) {
+    const Turn& turn = *element.turn;
+    const RestTurnValue rest = element.rest.at(model_, x);
+    const double stiffness = model_.stiffness(turn.strand).bend;
+    if (order < 1) {
+      const double k = planar_turn(planar_direction<double>(model_, turn.in, turn, element.tangent, 0, x),
+                                   planar_direction<double>(model_, turn.out, turn, element.tangent, 2, x));
+      const double offset = k - rest.curvature.value;
+      sum.value += 0.5 * stiffness / rest.length.value * offset * offset;
+      continue;
+    }
+    using J = Jet<4>;
+    const J k = planar_turn(planar_direction<J>(model_, turn.in, turn, element.tangent, 0, x),
+                            planar_direction<J>(model_, turn.out, turn, element.tangent, 2, x));
+    Local<4> local;
+    sum.value += quadratic_energy<4, 1>(stiffness, {k}, {&rest.curvature}, {0}, rest.length,
+                                        !element.rest.slots().empty(), local);
+    scatter(element.links, numbering_, order, local.gradient, local, sum);
+  }
+}
+
+SpatialTurns::SpatialTurns(const RodModel& model, const Numbering& numbering, const Chart& chart, TurnKind kind)
+    : model_(model), numbering_(numbering), chart_(chart), kind_(kind) {
+  elements_.reserve(model.turns().size());
+  for (std::size_t i = 0; i < model.turns().size(); ++i) {
+    const Turn& turn = model.turns()[i];
+    if (!of_kind(turn, kind)) continue;
+    Element element{i, &turn, rest_frame(model, turn), RestTurn(model, turn), {}};
+    for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 4)}) {
+      if (edge >= 0) {
+        link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, element.links);
+        element.links.push_back({model.angle(edge), slot + 3, 1});
+      } else {
+        link_joint(model, turn.joint, slot, element.links);
+      }
+    }
+    element.rest.slots().link(model, 8, element.links);
+    elements_.push_back(std::move(element));
+  }
+}
+
+namespace {
+
+/// One side of a turn: its tangent, the reference directors d1 and d2, the angle from these to the material directors,
+/// and those.
+template <typename T>
+struct Side {
+  Vector3<T> tangent;
+  Vector3<T> d1;
+  Vector3<T> d2;
+  T angle;
+  Vector3<T> m1;
+  Vector3<T> m2;
+};
+
+template <typename T>
+T variable(double at, int index) {
+  if constexpr (std::is_same_v<T, double>) {
+    return at;
+  } else {
+    return T::variable(at, index);
+  }
+}
+
+Vector3<double> plain(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+/// d - (d . t) / (1 + t0 . t) (t0 + t): see `transport` of the chart.
+template <typename T, typename S>
+Vector3<T> carried(const Vector3<S>& d, const Vector3<S>& from, const Vector3<T>& to) {
+  const T along = dot(to, d) * inverse(1.0 + dot(to, from));
+  return {d.x - along * (from.x + to.x), d.y - along * (from.y + to.y), d.z - along * (from.z + to.z)};
+}
+
+template <typename T>
+Side<T> edge_side(const RodModel& model, const Chart& chart, int edge, const Eigen::VectorXd& x) {
+  using std::cos;
+  using std::sin;
+  const auto index = static_cast<std::size_t>(edge);
+  const Eigen::Vector3d e = model.edge_vector(model.edges()[index], x);
+  const Vector3<T> vector{variable<T>(e[0], 0), variable<T>(e[1], 1), variable<T>(e[2], 2)};
+  Side<T> side;
+  side.tangent = inverse(norm(vector)) * vector;
+  side.d1 = carried(plain(chart.director[index]), plain(chart.tangent[index]), side.tangent);
+  side.d2 = cross(side.tangent, side.d1);
+  side.angle = variable<T>(x[model.angle(edge)], 3);
+  const T c = cos(side.angle);
+  const T n = sin(side.angle);
+  side.m1 = c * side.d1 + n * side.d2;
+  side.m2 = c * side.d2 - n * side.d1;
+  return side;
+}
+
+/// Cayley's rotation by w of v.
+template <typename T>
+Vector3<T> turned(const Vector3<T>& w, const T& factor, const Vector3<double>& v) {
+  const Vector3<T> once = cross(w, v);
+  const Vector3<T> twice = cross(w, once);
+  return {v.x + factor * (once.x + 0.5 * twice.x), v.y + factor * (once.y + 0.5 * twice.y),
+          v.z + factor * (once.z + 0.5 * twice.z)};
+}
+
+template <typename T>
+Side<T> joint_side(const RodModel& model, const Chart& chart, int joint, const Eigen::Matrix3d& frame,
+                   const Eigen::VectorXd& x) {
+  const Eigen::Matrix3d at = chart.joint[static_cast<std::size_t>(joint)] * frame;
+  const int dof = model.joint(joint);
+  const Vector3<T> w{variable<T>(x[dof], 0), variable<T>(x[dof + 1], 1), variable<T>(x[dof + 2], 2)};
+  const T factor = inverse(1.0 + 0.25 * dot(w, w));
+  Side<T> side;
+  side.tangent = turned(w, factor, plain(at.col(0)));
+  side.d1 = side.m1 = turned(w, factor, plain(at.col(1)));
+  side.d2 = side.m2 = turned(w, factor, plain(at.col(2)));
+  side.angle = T(0.0);
+  return side;
+}
+
+/// The variables of one side of a turn, and of both.
+constexpr int side_variables = 4;
+using SideJet = Jet<side_variables>;
+using TurnJet = Jet<2 * side_variables>;
+
+/// A number of one side among the variables of both, where its own begin with `first`.
+TurnJet widen(const SideJet& narrow, int first) {
+  TurnJet wide(narrow.value);
+  int entry = 0;
+  for (int i = 0; i < side_variables; ++i) {
+    wide.first[first + i] = narrow.first[i];
+    for (int j = 0; j <= i; ++j, ++entry)
+      wide.second[(first + i) * (first + i + 1) / 2 + first + j] = narrow.second[entry];
+  }
+  return wide;
+}
+Vector3<TurnJet> widen(const Vector3<SideJet>& v, int first) {
+  return {widen(v.x, first), widen(v.y, first), widen(v.z, first)};
+}
+
+/// Either side of a turn. A side depends on its own variables alone: jets are widened once it is made.
+template <typename T>
+Side<T> side(const RodModel& model, const Chart& chart, int edge, const Turn& turn, const Eigen::Matrix3d& frame,
+             int first, const Eigen::VectorXd& x) {
+  if constexpr (std::is_same_v<T, double>) {
+    return edge >= 0 ? edge_side<double>(model, chart, edge, x)
+                     : joint_side<double>(model, chart, turn.joint, frame, x);
+  } else {
+    const Side<SideJet> own =
+        edge >= 0 ? edge_side<SideJet>(model, chart, edge, x) : joint_side<SideJet>(model, chart, turn.joint, frame, x);
+    return {widen(own.tangent, first), widen(own.d1, first), widen(own.d2, first),
+            widen(own.angle, first),   widen(own.m1, first), widen(own.m2, first)};
+  }
+}
+
+/// Curvatures about the second and minus the first material director, averaged over the two sides.
+template <typename T>
+std::array<T, 2> curvatures(const Side<T>& in, const Side<T>& out) {
+  const Vector3<T> binormal = inverse(1.0 + dot(in.tangent, out.tangent)) * cross(in.tangent, out.tangent);
+  return {dot(binormal, in.m2 + out.m2), -dot(binormal, in.m1 + out.m1)};
+}
+
+double value_of(double x) { return x; }
+template <int n>
+double value_of(const Jet<n>& x) {
+  return x.value;
+}
+
+template <typename T>
+T twist(const Side<T>& in, const Side<T>& out, double near) {
+  using std::atan2;
+  const Vector3<T> along = carried(in.d1, in.tangent, out.tangent);
+  const T reference = -atan2(dot(along, out.d2), dot(along, out.d1));
+  const double turns = std::round((near - value_of(reference)) / (2 * std::numbers::pi));
+  return reference + 2 * std::numbers::pi * turns + (out.angle - in.angle);
+}
+
+}  // namespace
+
+void SpatialBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  for (const Element& element : elements_) {
+    const Turn& turn = *element.turn;
+    const RestTurnValue rest = element.rest.at(model_, x);
+    const double stiffness = model_.stiffness(turn.strand).bend;
+    if (order < 1) {
+      const auto [k1, k2] = curvatures(side<double>(model_, chart_, turn.in, turn, element.frame, 0, x),
+                                       side<double>(model_, chart_, turn.out, turn, element.frame, 4, x));
+      const double offset = k1 - rest.curvature.value;
+      sum.value += 0.5 * stiffness / rest.length.value * (offset * offset + k2 * k2);
+      continue;
+    }
+    using J = TurnJet;
+    const std::array<J, 2> k = curvatures(side<J>(model_, chart_, turn.in, turn, element.frame, 0, x),
+                                          side<J>(model_, chart_, turn.out, turn, element.frame, 4, x));
+    Local<8> local;
+    sum.value += quadratic_energy<8, 2>(stiffness, k, {&rest.curvature, nullptr}, {0, 0}, rest.length,
+                                        !element.rest.slots().empty(), local);
+    scatter(element.links, numbering_, order, local.gradient, local, sum);
+  }
+}
+
+void TwistEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  for (const Element& element : elements_) {
+    const Turn& turn = *element.turn;
+    const RestTurnValue rest = element.rest.at(model_, x);
+    const double stiffness = model_.stiffness(turn.strand).twist;
+    const double near = chart_.twist[element.index];
+    if (order < 1) {
+      const double m = twist(side<double>(model_, chart_, turn.in, turn, element.frame, 0, x),
+                             side<double>(model_, chart_, turn.out, turn, element.frame, 4, x), near);
+      sum.value += 0.5 * stiffness / rest.length.value * (m - turn.rest_twist) * (m - turn.rest_twist);
+      continue;
+    }
+    using J = TurnJet;
+    const J m = twist(side<J>(model_, chart_, turn.in, turn, element.frame, 0, x),
+                      side<J>(model_, chart_, turn.out, turn, element.frame, 4, x), near);
+    Local<8> local;
+    sum.value += quadratic_energy<8, 1>(stiffness, {m}, {nullptr}, {turn.rest_twist}, rest.length,
+                                        !element.rest.slots().empty(), local);
+    scatter(element.links, numbering_, order, local.gradient, local, sum);
+  }
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "supple/weave/weave.h"
+
+namespace supple::weave {
+
+/// A place of a strand that must be a node: where it is held or loaded.
+struct Anchor {
+  int strand = 0;
+  double coordinate = 0;  ///< mm
+  bool clamped = false;   ///< its direction is a joint's of its own, to be held or turned
+};
+
+struct ModelOptions {
+  bool spatial = false;  ///< three-dimensional, with twist; otherwise in the plane
+  /// Pieces of rod between neighbouring crossings, ends and anchors of a strand; more where a curved strand turns far.
+  int segments = 2;
+  /// Of macroscopic deformation gradients: F = sum_k f_k D_k with D = d d^T, d n^T, n d^T, n n^T, for d at this angle.
+  double direction = 0;
+};
+
+/// The coordinate of a node on its strand: start + sum of shares of the sliders' displacements, mm. A crossing's is its
+/// own slider; nodes between two crossings divide what is between them in constant proportions, so that no strand runs
+/// through a node.
+struct MaterialCoordinate {
+  double start = 0;
+  std::array<int, 2> slider{-1, -1};
+  std::array<double, 2> share{0, 0};
+};
+
+struct Edge {
+  int strand = 0;
+  int tail = 0;  ///< nodes
+  int head = 0;
+  Eigen::Vector2i shift{0, 0};  ///< cells between the tail's copy and the head's
+  MaterialCoordinate from;
+  MaterialCoordinate to;
+};
+
+/// A strand bends and twists at a node: between two edges, or between an edge and the direction of a rigid joint.
+struct Turn {
+  int strand = 0;
+  int in = -1;     ///< edge that ends at the node; -1: the joint's direction comes before the edge `out`
+  int out = -1;    ///< edge that begins there; -1: the edge `in` comes before the joint's direction
+  int joint = -1;  ///< -1 for none
+  MaterialCoordinate at;
+  double rest_twist = 0;            ///< rad
+  bool naturally_straight = false;  ///< bent into its curve rather than made so: it rests straight
+};
+
+/// A crossing that a strand slides through.
+struct Slider {
+  int crossing = 0;
+  int member = 0;
+  int strand = 0;
+  double start = 0;                                       ///< coordinate at rest, mm
+  double low = -std::numeric_limits<double>::infinity();  ///< of the displacement, mm
+  double high = std::numeric_limits<double>::infinity();
+};
+
+/// Two neighbouring places of a strand of which at least one slides: `to` stays ahead of `from`.
+struct Gap {
+  int strand = 0;
+  MaterialCoordinate from;
+  MaterialCoordinate to;
+  bool at_end = false;  ///< one of the two is the strand's end, not a crossing
+};
+
+/// A weave cut into nodes, edges and turns: an Eulerian-on-Lagrangian discretization (Cirio et al. 2014) of discrete
+/// elastic rods (Bergou et al. 2008).
+///
+/// The degrees of freedom, in this order: node positions (mm; 2 or 3 each), sliders (mm), in space the edges' angles
+/// between reference and material directors (rad), joints (rad; 1 angle, in space the 3 components of a rotation
+/// relative to the chart), and for lattices the 4 components f_k of the deformation gradient.
+class RodModel {
+ public:
+  /// `weave` must be valid and outlive the model. O(nodes).
+  RodModel(const Weave& weave, const std::vector<Anchor>& anchors, const ModelOptions& options);
+
+  const Weave& weave() const { return *weave_; }
+  bool spatial() const { return options_.spatial; }
+  int dimension() const { return options_.spatial ? 3 : 2; }
+  const ModelOptions& options() const { return options_; }
+
+  const std::vector<Eigen::Vector2d>& nodes() const { return nodes_; }  ///< rest positions
+  const std::vector<Edge>& edges() const { return edges_; }
+  std::vector<Turn>& turns() { return turns_; }
+  const std::vector<Turn>& turns() const { return turns_; }
+  const std::vector<Slider>& sliders() const { return sliders_; }
+  const std::vector<Gap>& gaps() const { return gaps_; }
+  int joints() const { return joints_; }
+  int crossing_node(int crossing) const { return crossing_node_[static_cast<std::size_t>(crossing)]; }
+  int anchor_node(std::size_t anchor) const { return anchor_node_[anchor]; }
+  /// Of a crossing or a clamped anchor; -1 for none.
+  int crossing_joint(int crossing) const { return crossing_joint_[static_cast<std::size_t>(crossing)]; }
+  int anchor_joint(std::size_t anchor) const { return anchor_joint_[anchor]; }
+  /// Edges of straight strands that nothing keeps from spinning about themselves: one of each strand.
+  const std::vector<int>& spinning_edges() const { return spinning_; }
+  const Stiffness& stiffness(int strand) const { return stiffness_[static_cast<std::size_t>(strand)]; }
+  const StrandCurve& curve(int strand) const { return weave_->strands[static_cast<std::size_t>(strand)].curve; }
+
+  int position(int node) const { return node * dimension(); }
+  int slider(int index) const { return first_slider_ + index; }
+  int angle(int edge) const { return first_angle_ + edge; }
+  int joint(int index) const { return first_joint_ + index * (spatial() ? 3 : 1); }
+  int strain() const { return strain_; }
+  int size() const { return size_; }
+
+  /// At rest.
+  Eigen::VectorXd rest_state() const;
+  /// F for the strain components of q.
+  Eigen::Matrix2d deformation_gradient(const Eigen::VectorXd& q) const;
+  /// The four dyads D_k.
+  const std::array<Eigen::Matrix2d, 4>& dyads() const { return dyads_; }
+  /// Displacement of a slider's coordinate, evaluated.
+  double coordinate(const MaterialCoordinate& c, const Eigen::VectorXd& q) const;
+  /// Edge vector in the state q; z is 0 in the plane.
+  Eigen::Vector3d edge_vector(const Edge& edge, const Eigen::VectorXd& q) const;
+
+ private:
+  friend class ModelBuilder;
+  const Weave* weave_;
+  ModelOptions options_;
+  std::vector<Stiffness> stiffness_;
+  std::vector<Eigen::Vector2d> nodes_;
+  std::vector<Edge> edges_;
+  std::vector<Turn> turns_;
+  std::vector<Slider> sliders_;
+  std::vector<Gap> gaps_;
+  std::vector<int> crossing_node_, crossing_joint_, anchor_node_, anchor_joint_, spinning_;
+  std::array<Eigen::Matrix2d, 4> dyads_;
+  int joints_ = 0;
+  int first_slider_ = 0, first_angle_ = 0, first_joint_ = 0, strain_ = 0, size_ = 0;
+};
+
+}  // namespace supple::weave

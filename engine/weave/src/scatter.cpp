@@ -1,0 +1,43 @@
+#include "scatter.h"
+
+#include <algorithm>
+
+namespace supple::weave {
+
+void link_edge(const RodModel& model, const Edge& edge, int first, Links& links) {
+  for (int c = 0; c < model.dimension(); ++c) {
+    links.push_back({model.position(edge.head) + c, first + c, 1});
+    links.push_back({model.position(edge.tail) + c, first + c, -1});
+  }
+  if (edge.shift.isZero()) return;
+  const Eigen::Vector2d translation = *model.weave().lattice * edge.shift.cast<double>();
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2d moved = model.dyads()[static_cast<std::size_t>(k)] * translation;
+    for (int c = 0; c < 2; ++c) links.push_back({model.strain() + k, first + c, moved[c]});
+  }
+}
+
+void link_joint(const RodModel& model, int joint, int first, Links& links) {
+  for (int c = 0; c < (model.spatial() ? 3 : 1); ++c) links.push_back({model.joint(joint) + c, first + c, 1});
+}
+
+void SliderSlots::add(const MaterialCoordinate& c) {
+  for (const int slider : c.slider) {
+    if (slider < 0 || std::find(slider_.begin(), slider_.begin() + count_, slider) != slider_.begin() + count_)
+      continue;
+    slider_[static_cast<std::size_t>(count_++)] = slider;
+  }
+}
+
+double SliderSlots::share(const MaterialCoordinate& c, int i) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < 2; ++k)
+    if (c.slider[k] >= 0 && c.slider[k] == slider_[static_cast<std::size_t>(i)]) sum += c.share[k];
+  return sum;
+}
+
+void SliderSlots::link(const RodModel& model, int first, Links& links) const {
+  for (int i = 0; i < count_; ++i) links.push_back({model.slider(slider_[static_cast<std::size_t>(i)]), first + i, 1});
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <vector>
+
+#include "rod_model.h"
+#include "supple/numerics/energy.h"
+
+namespace supple::weave {
+
+/// Which unknown a degree of freedom is: -1 where it is held. Gradients have an entry for every degree of freedom (held
+/// ones receive the reactions), Hessians for unknowns only.
+using Numbering = std::vector<int>;
+
+/// A local variable ("slot") of an element is a sum of coefficients times degrees of freedom.
+struct Link {
+  int dof = 0;
+  int slot = 0;
+  double coefficient = 0;
+};
+using Links = std::vector<Link>;
+
+/// Slots first, first + 1, ... are the components of an edge's vector.
+void link_edge(const RodModel& model, const Edge& edge, int first, Links& links);
+/// Slots first, ... are the joint's unknowns.
+void link_joint(const RodModel& model, int joint, int first, Links& links);
+
+/// The sliders that a few material coordinates depend on; slot first + i is the i-th of them.
+class SliderSlots {
+ public:
+  static constexpr int most = 3;
+  void add(const MaterialCoordinate& c);
+  bool empty() const { return count_ == 0; }
+  /// Of the i-th slider in c.
+  double share(const MaterialCoordinate& c, int i) const;
+  int count() const { return count_; }
+  void link(const RodModel& model, int first, Links& links) const;
+
+ private:
+  std::array<int, most> slider_{-1, -1, -1};
+  int count_ = 0;
+};
+
+/// Adds an element's gradient (order 1) and Hessian (2) to the sum. gradient[slot]; hessian(i, j) for slots i >= j.
+template <typename Gradient, typename HessianOf>
+void scatter(const Links& links, const Numbering& numbering, int order, const Gradient& gradient,
+             const HessianOf& hessian, numerics::EnergySum& sum) {
+  if (order < 1) return;
+  for (const Link& a : links) sum.gradient[a.dof] += a.coefficient * gradient[static_cast<std::size_t>(a.slot)];
+  if (order < 2) return;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Link& a = links[i];
+    const int row = numbering[static_cast<std::size_t>(a.dof)];
+    if (row < 0) continue;
+    for (std::size_t j = 0; j <= i; ++j) {
+      const Link& b = links[j];
+      const int column = numbering[static_cast<std::size_t>(b.dof)];
+      if (column < 0) continue;
+      const double entry =
+          a.coefficient * b.coefficient * (a.slot >= b.slot ? hessian(a.slot, b.slot) : hessian(b.slot, a.slot));
+      // Of two links to one unknown both orders count.
+      sum.hessian.add(row, column, row == column && i != j ? 2 * entry : entry);
+    }
+  }
+}
+
+}  // namespace supple::weave

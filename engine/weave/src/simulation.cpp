@@ -1,0 +1,159 @@
+#include "supple/weave/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "faults.h"
+#include "weave_run.h"
+
+namespace supple::weave {
+namespace {
+
+constexpr int most_states = 10'000;
+
+void check_place(const Weave& weave, int strand, double coordinate, const std::string& where, Faults& faults) {
+  const bool known = strand >= 0 && strand < static_cast<int>(weave.strands.size());
+  faults.require(known, where + "/strand", "names no strand");
+  if (!known) return;
+  const double length = weave.strands[static_cast<std::size_t>(strand)].curve.length();
+  faults.require(coordinate >= 0 && coordinate <= length, where + "/coordinate",
+                 "must lie within [0, " + std::to_string(length) + "] mm");
+}
+
+void check(const Weave& weave, const SheetLoad& load) {
+  Faults faults;
+  faults.require(!weave.lattice, "lattice", "is for periodic cells; a sheet has none");
+  faults.require(!load.supports.empty(), "supports", "must not be empty: nothing would hold the sheet");
+  faults.require(load.states >= 1 && load.states <= most_states, "states", "must lie within [1, 10000]");
+  for (std::size_t i = 0; i < load.supports.size(); ++i) {
+    const Support& support = load.supports[i];
+    const std::string where = "supports/" + std::to_string(i);
+    check_place(weave, support.strand, support.coordinate, where, faults);
+    faults.require(support.displacement.allFinite() && support.rotation.allFinite(), where,
+                   "moves by numbers that must be finite");
+  }
+  for (std::size_t i = 0; i < load.forces.size(); ++i) {
+    const std::string where = "forces/" + std::to_string(i);
+    check_place(weave, load.forces[i].strand, load.forces[i].coordinate, where, faults);
+    faults.require(load.forces[i].force.allFinite(), where + "/force", "must be finite, in N");
+  }
+  faults.throw_if_any("weave.invalid_load");
+}
+
+Prescription prescribe(const SheetLoad& load) {
+  using Kind = Prescription::Entry::Kind;
+  Prescription result;
+  result.anchors.reserve(load.supports.size() + load.forces.size());
+  for (const Support& support : load.supports) {
+    const auto anchor = static_cast<int>(result.anchors.size());
+    result.anchors.push_back({support.strand, support.coordinate, support.clamped});
+    for (int c = 0; c < 3; ++c) {
+      if (support.held[static_cast<std::size_t>(c)])
+        result.held.push_back({Kind::position, anchor, c, support.displacement[c]});
+      if (support.clamped) result.held.push_back({Kind::joint, anchor, c, support.rotation[c]});
+    }
+    result.leaves_plane = result.leaves_plane || (support.held[2] && support.displacement[2] != 0) ||
+                          (support.clamped && !support.rotation.head<2>().isZero());
+  }
+  for (const PointForce& force : load.forces) {
+    result.forces.push_back({static_cast<int>(result.anchors.size()), force.force});
+    result.anchors.push_back({force.strand, force.coordinate, false});
+    result.leaves_plane = result.leaves_plane || force.force[2] != 0;
+  }
+  return result;
+}
+
+/// A clamp needs a joint, which a strand that slides through its crossing has not; and what is held is held once.
+void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& prescription,
+                 const EquilibriumOptions& options) {
+  const RodModel model(weave, prescription.anchors, {.spatial = false, .segments = options.segments});
+  Faults faults;
+  for (std::size_t i = 0; i < load.supports.size(); ++i)
+    faults.require(!load.supports[i].clamped || model.anchor_joint(i) >= 0,
+                   "supports/" + std::to_string(i) + "/clamped", "must be false where the strand slides");
+  for (std::size_t i = 0; i < load.supports.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (model.anchor_node(i) == model.anchor_node(k))
+        for (std::size_t c = 0; c < 3; ++c)
+          faults.require(!(load.supports[i].held[c] && load.supports[k].held[c]), "supports/" + std::to_string(i),
+                         "holds what supports/" + std::to_string(k) + " holds already");
+  faults.throw_if_any("weave.invalid_load");
+}
+
+SheetState state_of(WeaveRun& run, const SheetLoad& load) {
+  WeaveObjective& objective = run.objective();
+  const RodModel& model = run.model();
+  const int dimension = model.dimension();
+  SheetState state;
+  const Eigen::VectorXd gradient = objective.full_gradient();
+  const Eigen::VectorXd& q = objective.q();
+  state.share = run.share();
+  state.energy = run.path().energy();
+  state.strands = polylines(model, q);
+  state.crossings.reserve(model.weave().crossings.size());
+  for (int c = 0; c < static_cast<int>(model.weave().crossings.size()); ++c) {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    position.head(dimension) = q.segment(model.position(model.crossing_node(c)), dimension);
+    state.crossings.push_back(position);
+  }
+  state.sliding.reserve(model.sliders().size());
+  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) state.sliding.push_back(q[model.slider(i)]);
+  state.reactions.reserve(load.supports.size());
+  for (std::size_t i = 0; i < load.supports.size(); ++i) {
+    Eigen::Vector3d reaction = Eigen::Vector3d::Zero();
+    for (int c = 0; c < dimension; ++c)
+      if (load.supports[i].held[static_cast<std::size_t>(c)])
+        reaction[c] = gradient[model.position(model.anchor_node(i)) + c];
+    state.reactions.push_back(reaction);
+  }
+  // The minimized energy has the forces' potential in it; what the weave stores has not.
+  for (std::size_t i = 0; i < load.forces.size(); ++i) {
+    const int node = model.position(model.anchor_node(load.supports.size() + i));
+    for (int c = 0; c < dimension; ++c) state.energy += run.share() * load.forces[i].force[c] * q[node + c];
+  }
+  state.out_of_plane = run.spatial();
+  state.stable = run.path().stable();
+  state.stopped = run.path().stopped();
+  state.residual = run.path().residual();
+  state.tolerance = run.path().tolerance();
+  return state;
+}
+
+}  // namespace
+
+SimulationResult simulate(const Weave& weave, const SheetLoad& load, const EquilibriumOptions& options,
+                          const Execution& execution) {
+  validate(weave);
+  validate(options);
+  check(weave, load);
+  const Prescription prescription = prescribe(load);
+  check_nodes(weave, load, prescription, options);
+  WeaveRun run(weave, prescription, 0, options, execution);
+  SimulationResult result;
+  result.states.reserve(static_cast<std::size_t>(load.states));
+  int iterations = 0;
+  int load_steps = 0;
+  int branches = 0;
+  for (int k = 1; k <= load.states; ++k) {
+    execution.checkpoint(static_cast<double>(k - 1) / load.states, "states");
+    const bool arrived = run.advance_to(k == load.states ? 1 : static_cast<double>(k) / load.states);
+    SheetState state = state_of(run, load);
+    if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
+    state.iterations = run.iterations() - std::exchange(iterations, run.iterations());
+    state.load_steps = run.load_steps() - std::exchange(load_steps, run.load_steps());
+    state.branches = run.branches() - std::exchange(branches, run.branches());
+    result.unknowns = std::max(result.unknowns, static_cast<int>(run.objective().dimension()));
+    result.states.push_back(std::move(state));
+    if (arrived) continue;
+    result.message = "The path could not be followed beyond " + std::to_string(run.share()) +
+                     " of the loads: the load step was halved down to its limit without convergence (" +
+                     std::string(to_string(result.states.back().stopped)) + ").";
+    break;
+  }
+  run.bill_effects();
+  return result;
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,110 @@
+#include "sliding_energies.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace supple::weave {
+namespace {
+
+/// A step may close this share of a distance: the barrier then still acts in the next one.
+constexpr double share_of_way = 0.95;
+/// A barrier begins no farther from its limit than this share of the way to it at rest.
+constexpr double share_of_range = 0.5;
+
+}  // namespace
+
+Barrier barrier(double distance, double range, double stiffness) {
+  if (!(distance > 0)) return {std::numeric_limits<double>::infinity(), 0, 0};
+  if (distance >= range) return {};
+  const double c = distance - range;
+  const double log = std::log(distance / range);
+  return {-stiffness * c * c * log, -stiffness * (2 * c * log + c * c / distance),
+          -stiffness * (2 * log + 4 * c / distance - c * c / (distance * distance))};
+}
+
+double BarrierEnergy::distance(const Element& element, const Eigen::VectorXd& x) {
+  double d = element.offset;
+  for (const Link& link : element.links) d += link.coefficient * x[link.dof];
+  return d;
+}
+
+void BarrierEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  for (const Element& element : elements_) {
+    const Barrier b = barrier(distance(element, x), element.range, stiffness_);
+    if (b.value == 0) continue;
+    sum.value += b.value;
+    scatter(
+        element.links, numbering_, order, std::array{b.first}, [&](int, int) { return b.second; }, sum);
+  }
+}
+
+double BarrierEnergy::largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
+  double largest = std::numeric_limits<double>::infinity();
+  for (const Element& element : elements_) {
+    double speed = 0;
+    for (const Link& link : element.links) speed += link.coefficient * step[link.dof];
+    if (speed < 0) largest = std::min(largest, share_of_way * distance(element, x) / -speed);
+  }
+  return largest;
+}
+
+int BarrierEnergy::near(const Eigen::VectorXd& x) const {
+  return static_cast<int>(
+      std::count_if(elements_.begin(), elements_.end(), [&](const Element& e) { return distance(e, x) < e.range; }));
+}
+
+double BarrierEnergy::smallest(const Eigen::VectorXd& x) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Element& element : elements_) least = std::min(least, distance(element, x));
+  return least;
+}
+
+SlidingLimits::SlidingLimits(const RodModel& model, const Numbering& numbering, double range, double stiffness)
+    : BarrierEnergy(numbering, stiffness) {
+  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) {
+    const Slider& slider = model.sliders()[static_cast<std::size_t>(i)];
+    const int dof = model.slider(i);
+    if (std::isfinite(slider.high) && slider.high > 0)
+      elements_.push_back({slider.high, std::min(range, share_of_range * slider.high), {{dof, 0, -1}}});
+    if (std::isfinite(slider.low) && slider.low < 0)
+      elements_.push_back({-slider.low, std::min(range, share_of_range * -slider.low), {{dof, 0, 1}}});
+  }
+}
+
+CrossingContact::CrossingContact(const RodModel& model, const Numbering& numbering, double least, double range,
+                                 double stiffness)
+    : BarrierEnergy(numbering, stiffness) {
+  elements_.reserve(model.gaps().size());
+  for (const Gap& gap : model.gaps()) {
+    const double at_rest = gap.to.start - gap.from.start;
+    const double kept = gap.at_end ? 0 : std::min(least, share_of_range * at_rest);
+    Element element{at_rest - kept, std::min(range, share_of_range * (at_rest - kept)), {}};
+    for (const auto& [place, sign] : {std::pair(&gap.to, 1.0), std::pair(&gap.from, -1.0)})
+      if (place->slider[0] >= 0) element.links.push_back({model.slider(place->slider[0]), 0, sign});
+    elements_.push_back(std::move(element));
+  }
+}
+
+SlidingRegularizer::SlidingRegularizer(const RodModel& model, const Numbering& numbering, double stiffness)
+    : model_(model), numbering_(numbering), stiffness_(stiffness) {}
+
+void SlidingRegularizer::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  for (int i = 0; i < static_cast<int>(model_.sliders().size()); ++i) {
+    const int dof = model_.slider(i);
+    sum.value += 0.5 * stiffness_ * x[dof] * x[dof];
+    if (order >= 1) sum.gradient[dof] += stiffness_ * x[dof];
+    const int unknown = numbering_[static_cast<std::size_t>(dof)];
+    if (order >= 2 && unknown >= 0) sum.hessian.add(unknown, unknown, stiffness_);
+  }
+}
+
+void PointForces::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+  for (const Load& load : loads_) {
+    sum.value -= share_ * load.force * x[load.dof];
+    if (order >= 1) sum.gradient[load.dof] -= share_ * load.force;
+  }
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,262 @@
+#include "supple/weave/toolpath.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "channel_path.h"
+#include "faults.h"
+#include "print_order.h"
+#include "strand_path.h"
+#include "toolpath_statistics.h"
+
+namespace supple::weave {
+namespace {
+
+constexpr double same_nozzle_position = 1e-6;  ///< mm
+constexpr double largest_length = 1000;        ///< mm; of overruns, margins and grips
+constexpr std::size_t most_grips = 100;
+constexpr int most_points = 2'000'000;
+
+/// Times that the nozzle goes along a grip to fill it.
+double passes_of(const Grip& grip, const PrinterProfile& profile) {
+  return std::max(1.0, std::floor(grip.width / profile.strand_width + 1e-6));
+}
+
+void check(const ToolpathOptions& options, const Weave& weave, const PrinterProfile& profile) {
+  Faults faults;
+  const auto length = [&](double value, const std::string& where, double least = 0) {
+    faults.require(value >= least && value <= largest_length, where,
+                   "must lie within [" + mm(least) + ", " + mm(largest_length) + "], got " + std::to_string(value));
+  };
+  const auto overrun = [&](const Overrun& o, const std::string& where) {
+    length(o.start, where + "/start");
+    length(o.end, where + "/end");
+  };
+  faults.require(!options.origin || options.origin->allFinite(), "origin", "must be finite, in mm");
+  overrun(options.overrun, "overrun");
+  for (const auto& [strand, o] : options.overruns) {
+    const std::string where = "overruns/" + std::to_string(strand);
+    faults.require(strand >= 0 && strand < static_cast<int>(weave.strands.size()), where, "names no strand");
+    overrun(o, where);
+  }
+  length(options.loop_overlap, "loop_overlap");
+  if (options.frame) {
+    length(options.frame->margin, "frame/margin");
+    length(options.frame->lead_in, "frame/lead_in");
+  }
+  faults.require(options.grips.size() <= most_grips, "grips", "must be at most " + std::to_string(most_grips));
+  double passes = 0;
+  for (std::size_t g = 0; g < options.grips.size(); ++g) {
+    const Grip& grip = options.grips[g];
+    const std::string where = "grips/" + std::to_string(g);
+    const bool finite = grip.from.allFinite() && grip.to.allFinite();
+    faults.require(finite, where, "must be finite, in mm");
+    if (finite) length((grip.to - grip.from).norm(), where, 0.1);
+    length(grip.width, where + "/width");
+    passes += passes_of(grip, profile);
+  }
+  faults.require(
+      !(2 * passes > most_points), "grips",
+      "must be printed in fewer passes of the profile's strand_width together than " + std::to_string(most_points / 2));
+  length(options.chord_error, "chord_error", 1e-4);
+  faults.throw_if_any("weave.invalid_option");
+}
+
+/// Runs of extruded lines, before placement: travels are put between them.
+class Builder {
+ public:
+  explicit Builder(const PrinterProfile& profile) : profile_(profile) {}
+
+  void extrude(Move move) {
+    if (moves_.empty() || (moves_.back().points.back() - move.points.front()).norm() > same_nozzle_position)
+      travel(move.points.front());
+    for (const Eigen::Vector3d& p : move.points) top_ = std::max(top_, p[2]);
+    moves_.push_back(std::move(move));
+  }
+
+  Eigen::Vector2d position() const {
+    return moves_.empty() ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(moves_.back().points.back().head<2>());
+  }
+  bool empty() const { return moves_.empty(); }
+  std::vector<Move> take() { return std::move(moves_); }
+
+ private:
+  /// Up above all that is printed, across, and down. The first travel's beginning is not known before placement.
+  void travel(const Eigen::Vector3d& to) {
+    const Eigen::Vector3d from = moves_.empty() ? to : moves_.back().points.back();
+    const double height = std::max({top_, from[2], to[2]}) + profile_.travel_clearance;
+    Move move{
+        MoveKind::travel, {from, {from[0], from[1], height}, {to[0], to[1], height}, to}, 0, profile_.travel_speed};
+    moves_.push_back(std::move(move));
+  }
+
+  const PrinterProfile& profile_;
+  double top_ = 0;
+  std::vector<Move> moves_;
+};
+
+/// The box of all strands between their ends.
+Eigen::AlignedBox2d layout_box(const std::vector<StrandPath>& paths, const std::vector<Overrun>& overruns,
+                               const Weave& weave) {
+  Eigen::AlignedBox2d box;
+  for (std::size_t s = 0; s < paths.size(); ++s) {
+    const StrandCurve& curve = weave.strands[s].curve;
+    if (curve.ends() == Ends::open && overruns[s].start + overruns[s].end > 0 && curve.straight()) {
+      box.extend(curve.at(0).position);
+      box.extend(curve.at(curve.length()).position);
+    } else {
+      for (const Eigen::Vector3d& p : paths[s].points) box.extend(Eigen::Vector2d(p.head<2>()));
+    }
+  }
+  return box;
+}
+
+void add_supports(const Eigen::AlignedBox2d& box, const PrinterProfile& profile, const ToolpathOptions& options,
+                  Builder& builder) {
+  const double z = profile.strand_height;
+  const auto line = [&](const std::vector<Eigen::Vector2d>& points) {
+    Move move{MoveKind::support, {}, bead_area(profile, profile.strand_width / 2), profile.strand_speed};
+    for (const Eigen::Vector2d& p : points) move.points.emplace_back(p[0], p[1], z);
+    builder.extrude(std::move(move));
+  };
+  if (options.frame) {
+    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(options.frame->margin);
+    const Eigen::Vector2d a = box.min() - margin;
+    const Eigen::Vector2d b = box.max() + margin;
+    line({{a[0] - options.frame->lead_in, a[1]}, {b[0], a[1]}, {b[0], b[1]}, {a[0], b[1]}, {a[0], a[1]}});
+  }
+  for (const Grip& grip : options.grips) {
+    const Eigen::Vector2d along = (grip.to - grip.from).normalized();
+    const Eigen::Vector2d aside = profile.strand_width * Eigen::Vector2d(along[1], -along[0]);
+    const auto passes = static_cast<int>(passes_of(grip, profile));
+    std::vector<Eigen::Vector2d> points;
+    for (int i = 0; i < passes; ++i) {
+      points.emplace_back((i % 2 == 0 ? grip.from : grip.to) + i * aside);
+      points.emplace_back((i % 2 == 0 ? grip.to : grip.from) + i * aside);
+    }
+    line(points);
+  }
+}
+
+/// A strand, from the end that is nearer to the nozzle; runs of lifted and of flat segments.
+void add_strand(int number, const Strand& strand, StrandPath path, const PrinterProfile& profile, Builder& builder) {
+  if (strand.curve.ends() == Ends::open && !builder.empty()) {
+    const Eigen::Vector2d at = builder.position();
+    if ((path.points.back().head<2>() - at).norm() < (path.points.front().head<2>() - at).norm()) {
+      std::reverse(path.points.begin(), path.points.end());
+      std::reverse(path.lifted.begin(), path.lifted.end());
+    }
+  }
+  const double area = bead_area(profile, strand.radius);
+  for (std::size_t i = 0; i < path.lifted.size();) {
+    const bool lifted = path.lifted[i] != 0;
+    Move move{lifted ? MoveKind::lifted : MoveKind::strand,
+              {path.points[i]},
+              lifted ? area * profile.lifted_flow : area,
+              lifted ? profile.lifted_speed : profile.strand_speed,
+              number};
+    for (; i < path.lifted.size() && (path.lifted[i] != 0) == lifted; ++i) move.points.push_back(path.points[i + 1]);
+    builder.extrude(std::move(move));
+  }
+}
+
+/// Moves everything to its place; the nozzle comes from above (0, 0).
+void place(std::vector<Move>& moves, const ToolpathOptions& options, const PrinterProfile& profile) {
+  Eigen::AlignedBox2d box;
+  for (const Move& move : moves)
+    if (move.kind != MoveKind::travel)
+      for (const Eigen::Vector3d& p : move.points) box.extend(Eigen::Vector2d(p.head<2>()));
+  const Eigen::Vector2d shift =
+      options.origin ? *options.origin : Eigen::Vector2d(profile.bed.head<2>() / 2 - box.center());
+  for (Move& move : moves)
+    for (Eigen::Vector3d& p : move.points) p.head<2>() += shift;
+  std::vector<Eigen::Vector3d>& first = moves.front().points;
+  first[0] = Eigen::Vector3d(0, 0, first[1][2]);
+  first[1] = first[0];
+  first.erase(first.begin());
+}
+
+void check_bed(const Toolpath& path, const PrinterProfile& profile) {
+  PrintFaults faults;
+  Eigen::AlignedBox3d box;
+  for (const Move& move : path.moves)
+    for (const Eigen::Vector3d& p : move.points) box.extend(p);
+  constexpr std::array axes{"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = axis < 2 ? path.statistics.lowest[axis] : 0;
+    const double high = axis < 2 ? path.statistics.highest[axis] : box.max()[axis];
+    if (low < 0 || high > profile.bed[axis])
+      faults.add("bed", std::string("reaches from 0 to ") + mm(profile.bed[axis]) + " in " +
+                            axes[static_cast<std::size_t>(axis)] + ", and the nozzle would go from " + mm(low) +
+                            " to " + mm(high));
+  }
+  faults.throw_if_any();
+}
+
+}  // namespace
+
+std::string_view to_string(MoveKind kind) {
+  switch (kind) {
+    case MoveKind::strand:
+      return "strand";
+    case MoveKind::lifted:
+      return "lifted";
+    case MoveKind::channel:
+      return "channel";
+    case MoveKind::support:
+      return "support";
+    case MoveKind::travel:
+      break;
+  }
+  return "travel";
+}
+
+Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const ToolpathOptions& options) {
+  validate(weave);
+  validate(profile);
+  check(options, weave, profile);
+  PrintFaults faults;
+  if (weave.lattice) faults.add("lattice", "makes the layout periodic; only finite ones can be printed");
+  double length = 0;
+  for (std::size_t s = 0; s < weave.strands.size(); ++s) {
+    if (weave.strands[s].curve.ends() == Ends::periodic)
+      faults.add(strand_name(static_cast<int>(s)), "goes on for ever; only open and closed strands can be printed");
+    length += weave.strands[s].curve.length();
+  }
+  const double least_step = std::sqrt(options.chord_error);
+  if (length / least_step > most_points)
+    faults.add("strands", "are " + mm(length) + " long together; at most " + mm(most_points * least_step) +
+                              " can be printed at this chord_error");
+  faults.throw_if_any();
+
+  const std::vector<SlidingCrossing> crossings = sliding_crossings(weave, faults);
+  faults.throw_if_any();
+  const std::vector<int> order = print_order(static_cast<int>(weave.strands.size()), crossings, options.order);
+  std::vector<Overrun> overruns(weave.strands.size(), options.overrun);
+  for (const auto& [strand, overrun] : options.overruns) overruns[static_cast<std::size_t>(strand)] = overrun;
+  std::vector<StrandPath> paths = strand_paths(weave, crossings, profile, options, overruns, faults);
+  const auto channels = channel_paths(weave, crossings, profile, overruns, faults);
+  faults.throw_if_any();
+
+  Builder builder(profile);
+  add_supports(layout_box(paths, overruns, weave), profile, options, builder);
+  for (const int s : order)
+    add_strand(s, weave.strands[static_cast<std::size_t>(s)], std::move(paths[static_cast<std::size_t>(s)]), profile,
+               builder);
+  for (std::size_t c = 0; c < crossings.size(); ++c) {
+    const double radius = weave.strands[static_cast<std::size_t>(crossings[c].bottom)].radius;
+    builder.extrude({MoveKind::channel, channels[c], profile.channel_flow * bead_area(profile, radius),
+                     profile.channel_speed, crossings[c].bottom, crossings[c].crossing});
+  }
+  Toolpath result{builder.take(), {}};
+  place(result.moves, options, profile);
+  result.statistics = statistics(result.moves, profile);
+  check_bed(result, profile);
+  return result;
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,166 @@
+#include "weave_run.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace supple::weave {
+
+WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double direction,
+                   const EquilibriumOptions& options, const Execution& execution)
+    : weave_(weave), prescription_(prescription), options_(options), execution_(execution) {
+  energy_.barrier_range = options.barrier_range;
+  energy_.least_distance = options.least_distance;
+  energy_.sliding_regularization = options.sliding_regularization;
+  model_options_.segments = options.segments;
+  model_options_.direction = direction;
+  start(options.out_of_plane == Switch::on || (options.out_of_plane == Switch::automatic && prescription.leaves_plane));
+}
+
+std::vector<bool> WeaveRun::held_of(const RodModel& model) const {
+  std::vector<bool> held = free_but_for_gauges(model);
+  for (const Prescription::Entry& entry : prescription_.held) {
+    int dof = -1;
+    switch (entry.kind) {
+      case Prescription::Entry::Kind::position:
+        if (entry.component < model.dimension())
+          dof = model.position(model.anchor_node(static_cast<std::size_t>(entry.index))) + entry.component;
+        break;
+      case Prescription::Entry::Kind::joint: {
+        const int joint = model.anchor_joint(static_cast<std::size_t>(entry.index));
+        if (model.spatial()) {
+          dof = model.joint(joint) + entry.component;
+        } else if (entry.component == 2) {
+          dof = model.joint(joint);
+        }
+        break;
+      }
+      case Prescription::Entry::Kind::strain:
+        dof = model.strain() + entry.index;
+        break;
+    }
+    if (dof >= 0) held[static_cast<std::size_t>(dof)] = true;
+  }
+  return held;
+}
+
+LoadStep WeaveRun::step_to(double share) const {
+  const RodModel& model = *model_;
+  LoadStep step{Eigen::VectorXd::Zero(model.size()), share};
+  const double part = share - share_;
+  for (const Prescription::Entry& entry : prescription_.held) {
+    switch (entry.kind) {
+      case Prescription::Entry::Kind::position:
+        if (entry.component < model.dimension())
+          step.change[model.position(model.anchor_node(static_cast<std::size_t>(entry.index))) + entry.component] +=
+              part * entry.change;
+        break;
+      case Prescription::Entry::Kind::joint: {
+        const int joint = model.joint(model.anchor_joint(static_cast<std::size_t>(entry.index)));
+        if (model.spatial()) {
+          step.change[joint + entry.component] += part * entry.change;
+        } else if (entry.component == 2) {
+          step.change[joint] += part * entry.change;
+        }
+        break;
+      }
+      case Prescription::Entry::Kind::strain:
+        step.change[model.strain() + entry.index] += part * entry.change;
+        break;
+    }
+  }
+  return step;
+}
+
+void WeaveRun::start(bool spatial) {
+  model_options_.spatial = spatial;
+  model_ = std::make_unique<RodModel>(weave_, prescription_.anchors, model_options_);
+  Eigen::VectorXd q = model_->rest_state();
+  Chart chart = spatial ? flat_chart(*model_, q) : Chart{};
+  std::vector<PointForces::Load> forces;
+  for (const Prescription::Force& force : prescription_.forces)
+    for (int c = 0; c < model_->dimension(); ++c)
+      if (force.force[c] != 0)
+        forces.push_back(
+            {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
+  objective_ = std::make_unique<WeaveObjective>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
+                                                std::move(forces), execution_.cost);
+  path_ = std::make_unique<EquilibriumPath>(*objective_, options_, execution_);
+}
+
+bool WeaveRun::advance_to(double share) {
+  const double before = share_;
+  const bool arrived = path_->advance(step_to(share));
+  share_ = arrived ? share : before + path_->reached() * (share - before);
+  return leave_plane_if_unstable() && arrived;
+}
+
+bool WeaveRun::leave_plane_if_unstable() {
+  if (spatial() || options_.out_of_plane != Switch::automatic || path_->stopped() != Stop::converged) return true;
+  ModelOptions spatial_options = model_options_;
+  spatial_options.spatial = true;
+  auto spatial = std::make_unique<RodModel>(weave_, prescription_.anchors, spatial_options);
+  SpatialState state = lift(*model_, objective_->q(), *spatial);
+  const std::vector<bool> held = held_of(*spatial);
+  const auto mode = out_of_plane_mode(*spatial, state, held, energy_, execution_);
+  if (!mode) return true;
+  buckled_out_ = true;
+  iterations_ = iterations();
+  load_steps_ = load_steps();
+  branches_ = branches();
+  path_.reset();
+  objective_.reset();
+  start(true);
+  objective_->set_state(std::move(state.q), std::move(state.chart));
+  path_->resume_at(share_);
+  return path_->leave_along(*mode) || path_->settle();
+}
+
+void WeaveRun::bill_effects() const {
+  CostLedger* cost = execution_.cost;
+  if (!cost) return;
+  const bool asked = options_.out_of_plane == Switch::on;
+  cost->add_effect("out_of_plane", spatial(),
+                   options_.out_of_plane == Switch::off ? "switched off by the request"
+                   : asked                              ? "switched on by the request"
+                   : prescription_.leaves_plane         ? "something is held or loaded out of the plane"
+                   : buckled_out_ ? "a planar equilibrium was unstable against a mode out of its plane"
+                                  : "planar equilibria were stable against all modes out of the plane");
+  if (!spatial()) cost->add_effect("twist", false, "strands in the plane do not twist");
+  if (model_->joints() == 0) cost->add_effect("joint_bend", false, "no crossing is fused");
+  if (model_->sliders().empty()) {
+    cost->add_effect("sliding_regularizer", false, "nothing slides");
+  } else {
+    const Eigen::VectorXd& q = objective_->q();
+    const int limits = objective_->limits()->near(q);
+    const int near = objective_->contact()->near(q);
+    cost->add_effect("at_sliding_limits", limits > 0,
+                     limits > 0 ? "sliders came within the barrier's range of their limits"
+                                : "no slider came within the barrier's range of its limits",
+                     limits);
+    cost->add_effect("crossings_in_contact", near > 0,
+                     near > 0 ? "neighbouring crossings came within the barrier's range"
+                              : "no neighbouring crossings came within the barrier's range",
+                     near);
+  }
+  if (branches() == 0)
+    cost->add_effect("buckling", false,
+                     options_.buckling == Switch::off ? "switched off by the request"
+                                                      : "the tangent stiffness stayed positive definite");
+}
+
+std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q) {
+  std::vector<std::vector<Eigen::Vector3d>> lines(model.weave().strands.size());
+  for (const Edge& edge : model.edges()) {
+    auto& line = lines[static_cast<std::size_t>(edge.strand)];
+    if (line.empty()) {
+      Eigen::Vector3d first = Eigen::Vector3d::Zero();
+      first.head(model.dimension()) = q.segment(model.position(edge.tail), model.dimension());
+      line.push_back(first);
+    }
+    const Eigen::Vector3d next = line.back() + model.edge_vector(edge, q);
+    line.push_back(next);
+  }
+  return lines;
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "equilibrium_path.h"
+#include "out_of_plane.h"
+#include "supple/base/execution.h"
+#include "supple/weave/equilibrium.h"
+
+namespace supple::weave {
+
+/// What is prescribed of a weave, planar or spatial alike.
+struct Prescription {
+  struct Entry {
+    enum class Kind { position, joint, strain } kind = Kind::position;
+    int index = 0;      ///< anchor (position, joint) or strain component
+    int component = 0;  ///< 0, 1, 2; of a joint's rotation 2 is about z
+    double change = 0;  ///< mm, rad or 1; over the whole path
+  };
+  std::vector<Anchor> anchors;
+  std::vector<Entry> held;
+  struct Force {
+    int anchor = 0;
+    Eigen::Vector3d force{0, 0, 0};  ///< N
+  };
+  std::vector<Force> forces;
+  bool leaves_plane = false;  ///< something is held away from it or pushed out of it
+};
+
+/// A weave on its way along one load path: in the plane first, in space from where that is called for.
+class WeaveRun {
+ public:
+  /// All arguments but `options` outlive the run.
+  WeaveRun(const Weave& weave, const Prescription& prescription, double direction, const EquilibriumOptions& options,
+           const Execution& execution);
+
+  /// Follows the path to this share (0, 1] of the whole. False where it could not; the state is the last equilibrium.
+  bool advance_to(double share);
+
+  const RodModel& model() const { return *model_; }
+  WeaveObjective& objective() { return *objective_; }
+  const EquilibriumPath& path() const { return *path_; }
+  bool spatial() const { return model_->spatial(); }
+  int iterations() const { return iterations_ + path_->iterations(); }
+  int load_steps() const { return load_steps_ + path_->load_steps(); }
+  int branches() const { return branches_ + path_->branches_left(); }
+  double share() const { return share_; }
+
+  /// The effects that ran and those that did not, and why, for the bill.
+  void bill_effects() const;
+
+ private:
+  std::vector<bool> held_of(const RodModel& model) const;
+  LoadStep step_to(double share) const;
+  void start(bool spatial);
+  /// Where the planar equilibrium is unstable out of its plane, goes on in space. False where that search failed.
+  bool leave_plane_if_unstable();
+
+  const Weave& weave_;
+  const Prescription& prescription_;
+  EquilibriumOptions options_;
+  Execution execution_;
+  EnergyOptions energy_;
+  ModelOptions model_options_;
+  std::unique_ptr<RodModel> model_;
+  std::unique_ptr<WeaveObjective> objective_;
+  std::unique_ptr<EquilibriumPath> path_;
+  double share_ = 0;
+  int iterations_ = 0;
+  int load_steps_ = 0;
+  int branches_ = 0;
+  bool buckled_out_ = false;
+};
+
+/// Deformed polylines of all strands, closed ones with their first point at the end again, in the cell of the first
+/// node of each; mm.
+std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q);
+
+}  // namespace supple::weave

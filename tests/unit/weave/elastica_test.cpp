@@ -1,0 +1,254 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "equilibrium_path.h"
+#include "layouts.h"
+
+namespace supple::weave {
+namespace {
+
+using std::numbers::pi;
+
+/// A rod whose one end is clamped at the origin, along x; so slender that its stretch, which the elastica has not, is
+/// below the errors that are measured.
+struct Cantilever {
+  Weave weave;
+  RodModel model;
+  std::vector<bool> held;
+
+  Cantilever(double length, int segments, bool spatial)
+      : weave{.strands = {line({0, 0}, {length, 0}, 0.03)}},
+        model(weave, {{.strand = 0, .coordinate = 0, .clamped = true}}, {.spatial = spatial, .segments = segments}),
+        held(static_cast<std::size_t>(model.size()), false) {
+    for (int c = 0; c < model.dimension(); ++c) hold(model.position(model.anchor_node(0)) + c);
+    for (int c = 0; c < (spatial ? 3 : 1); ++c) hold(model.joint(0) + c);
+  }
+  void hold(int dof) { held[static_cast<std::size_t>(dof)] = true; }
+  int tip() const { return model.edges().back().head; }
+  Chart chart() const { return model.spatial() ? flat_chart(model, model.rest_state()) : Chart{}; }
+};
+
+/// Tip angle of the inextensible cantilever under a transverse dead load P L^2 / EI = `load`, and the tip's position
+/// over L: theta'' = -load cos(theta), theta(0) = 0, theta'(1) = 0, by shooting with Runge-Kutta's method.
+Eigen::Vector2d elastica_tip(double load) {
+  const auto shoot = [load](double curvature, Eigen::Vector2d& tip) {
+    constexpr int steps = 4000;
+    Eigen::Vector4d y(0, curvature, 0, 0);
+    const auto rate = [load](const Eigen::Vector4d& v) {
+      return Eigen::Vector4d(v[1], -load * std::cos(v[0]), std::cos(v[0]), std::sin(v[0]));
+    };
+    const double h = 1.0 / steps;
+    for (int i = 0; i < steps; ++i) {
+      const Eigen::Vector4d a = rate(y);
+      const Eigen::Vector4d b = rate(y + h / 2 * a);
+      const Eigen::Vector4d c = rate(y + h / 2 * b);
+      y += h / 6 * (a + 2 * b + 2 * c + rate(y + h * c));
+    }
+    tip = y.tail<2>();
+    return y[1];
+  };
+  double low = 0;
+  double high = load;
+  Eigen::Vector2d tip;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (shoot(middle, tip) < 0 ? low : high) = middle;
+  }
+  return tip;
+}
+
+TEST(Elastica, OfACantileverIsApproachedWithTheSquareOfTheSegmentsLength) {
+  const double length = 20;
+  const double load = 5;  // P L^2 / EI: the tip turns by more than 60 degrees
+  const Eigen::Vector2d exact = elastica_tip(load) * length;
+  for (const bool spatial : {false, true}) {
+    double last = 0;
+    for (const int segments : {16, 32, 64}) {
+      Cantilever rod(length, segments, spatial);
+      const double force = load * rod.model.stiffness(0).bend / (length * length);
+      WeaveObjective objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
+                               {{rod.model.position(rod.tip()) + 1, force}});
+      const EquilibriumOptions options{.segments = segments, .tolerance = 1e-8};
+      EquilibriumPath path(objective, options, {});
+      ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(rod.model.size()), 1}));
+      EXPECT_LE(path.residual(), path.tolerance());
+      const Eigen::Vector2d tip = objective.q().segment<2>(rod.model.position(rod.tip()));
+      const double error = (tip - exact).norm() / length;
+      if (last > 0) {
+        EXPECT_NEAR(std::log2(last / error), 2, 0.25) << segments << (spatial ? " in space" : " in the plane");
+      }
+      last = error;
+    }
+    EXPECT_LT(last, 1e-3);
+  }
+}
+
+TEST(Elastica, IsFoundWithQuadraticConvergenceAtTheEnd) {
+  for (const bool spatial : {false, true}) {
+    Cantilever rod(20, 16, spatial);
+    const double force = 3 * rod.model.stiffness(0).bend / 400;
+    WeaveObjective objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
+                             {{rod.model.position(rod.tip()) + 1, force}});
+    const EquilibriumOptions options{.segments = 16, .tolerance = 1e-10};
+    EquilibriumPath path(objective, options, {});
+    ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(rod.model.size()), 1}));
+    const auto& history = path.history();
+    ASSERT_GE(history.size(), 4U);
+    // Each of the last steps squares the residual, up to a constant that does not grow, until rounding ends it.
+    const double before = history[history.size() - 3].gradient_norm;
+    const double then = history[history.size() - 2].gradient_norm;
+    const double last = history.back().gradient_norm;
+    EXPECT_LT(then, 0.1 * before);
+    EXPECT_LT(last, std::max(1e-9, 100 * then * std::pow(then / before, 1.0)));
+  }
+}
+
+/// Least stable curvature of a rod on two hinges at a compression (mm), straight.
+double hinged_curvature(int segments, double compression, double length) {
+  Weave weave{.strands = {line({0, 0}, {length, 0})}};
+  const RodModel model(weave, {{.strand = 0, .coordinate = 0}, {.strand = 0, .coordinate = length}},
+                       {.segments = segments});
+  std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
+  Eigen::VectorXd q = model.rest_state();
+  for (std::size_t a = 0; a < 2; ++a)
+    for (int c = 0; c < 2; ++c) held[static_cast<std::size_t>(model.position(model.anchor_node(a)) + c)] = true;
+  for (int i = 0; i < static_cast<int>(model.nodes().size()); ++i) q[model.position(i)] *= 1 - compression / length;
+  WeaveObjective objective(model, q, {}, held, {});
+  numerics::ShiftedCholesky cholesky;
+  return cholesky.factorize(objective.evaluate(2).hessian, 0) ? 1 : -1;
+}
+
+TEST(Euler, BucklingLoadIsApproachedWithTheSquareOfTheSegmentsLength) {
+  const double length = 30;
+  const Stiffness stiffness = circular(0.25, {});
+  const double exact = pi * pi * stiffness.bend / (length * length);
+  double last = 0;
+  for (const int segments : {6, 12, 24}) {
+    // P = EA compression / length, by bisection for where the straight rod loses its stability.
+    double low = 0;
+    double high = 3 * exact * length / stiffness.stretch;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (low + high);
+      (hinged_curvature(segments, middle, length) > 0 ? low : high) = middle;
+    }
+    const double strain = low / length;
+    // The load at which a compressible rod buckles: P (1 - P / EA) = Euler's load.
+    const double load = stiffness.stretch * strain * (1 - strain);
+    const double error = std::abs(load / exact - 1);
+    if (last > 0) {
+      EXPECT_NEAR(std::log2(last / error), 2, 0.2) << segments;
+    }
+    last = error;
+  }
+  EXPECT_LT(last, 2e-3);
+}
+
+TEST(Euler, BucklingIsFoundDeliberatelyAndCarriesItsLoad) {
+  const double length = 30;
+  Weave weave{.strands = {line({0, 0}, {length, 0})}};
+  const RodModel model(weave, {{.strand = 0, .coordinate = 0}, {.strand = 0, .coordinate = length}}, {.segments = 24});
+  std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
+  for (std::size_t a = 0; a < 2; ++a)
+    for (int c = 0; c < 2; ++c) held[static_cast<std::size_t>(model.position(model.anchor_node(a)) + c)] = true;
+  for (const Switch buckling : {Switch::automatic, Switch::off}) {
+    WeaveObjective objective(model, model.rest_state(), {}, held, {});
+    const EquilibriumOptions options{.segments = 24, .buckling = buckling};
+    EquilibriumPath path(objective, options, {});
+    LoadStep step{Eigen::VectorXd::Zero(model.size()), 1};
+    const int pushed = model.position(model.anchor_node(1));
+    step.change[pushed] = -0.6;  // 2 %
+    ASSERT_TRUE(path.advance(step));
+    const double reaction = -objective.full_gradient()[pushed];
+    const double euler = pi * pi * model.stiffness(0).bend / (length * length);
+    EXPECT_EQ(path.stable(), buckling != Switch::off);
+    if (buckling == Switch::off) {
+      EXPECT_NEAR(reaction, model.stiffness(0).stretch * 0.02, 1e-6 * reaction) << "the straight rod is kept";
+    } else {
+      // Just beyond buckling the load rises by half the end's relative approach (Timoshenko and Gere 1961).
+      EXPECT_NEAR(reaction / euler, 1 + 0.02 / 2, 6e-3);
+      EXPECT_GE(path.branches_left(), 1);
+    }
+  }
+}
+
+TEST(PureBending, OfACurvedStrandUnrollsItByTheMomentOverItsStiffness) {
+  // A clamped arc with a couple at its end changes its curvature evenly by M / EI.
+  const double radius = 8;
+  const double sweep = 2.0;
+  const double moment = 0.8;
+  const Stiffness stiffness = circular(0.25, {});
+  const double length = radius * sweep;
+  const double curvature = 1 / radius - moment / stiffness.bend;
+  // The clamped tangent at (radius, 0) points up; the centre lies to the left.
+  const Eigen::Vector2d exact(radius - (1 - std::cos(curvature * length)) / curvature,
+                              std::sin(curvature * length) / curvature);
+  double last = 0;
+  for (const int segments : {8, 16, 32}) {
+    Weave weave{.strands = {arc(radius, sweep, 40)}};
+    const double end = weave.strands[0].curve.length();
+    const RodModel model(
+        weave, {{.strand = 0, .coordinate = 0, .clamped = true}, {.strand = 0, .coordinate = end, .clamped = true}},
+        {.segments = segments});
+    std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
+    for (int c = 0; c < 2; ++c) held[static_cast<std::size_t>(model.position(model.anchor_node(0)) + c)] = true;
+    held[static_cast<std::size_t>(model.joint(model.anchor_joint(0)))] = true;
+    WeaveObjective objective(model, model.rest_state(), {}, held, {}, {{model.joint(model.anchor_joint(1)), -moment}});
+    const EquilibriumOptions options{.segments = segments, .tolerance = 1e-9};
+    EquilibriumPath path(objective, options, {});
+    ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(model.size()), 1}));
+    const Eigen::Vector2d tip = objective.q().segment<2>(model.position(model.anchor_node(1)));
+    const double error = (tip - exact).norm() / length;
+    if (last > 0) {
+      EXPECT_NEAR(std::log2(last / error), 2, 0.3) << segments;
+    }
+    last = error;
+  }
+  EXPECT_LT(last, 6e-4);
+}
+
+/// Least stable curvature's sign of a naturally straight rod bent to a ring and twisted by `twist` in all.
+bool ring_is_stable(int segments, double twist) {
+  const double radius = 10;
+  Weave weave{.strands = {circle(radius, {0, 0}, 64)}};
+  RodModel model(weave, {{.strand = 0, .coordinate = 0}}, {.spatial = true, .segments = segments});
+  Eigen::VectorXd q = model.rest_state();
+  Chart chart = flat_chart(model, q);
+  const auto n = static_cast<double>(model.turns().size());
+  for (Turn& turn : model.turns()) {
+    turn.rest_twist = -twist / n;
+    turn.naturally_straight = true;
+  }
+  std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
+  WeaveObjective objective(model, q, chart, held, {});
+  // Six rigid motions and the spin of the whole section cost nothing: what is below them is unstable.
+  const auto evaluation = objective.evaluate(2);
+  numerics::ShiftedCholesky cholesky;
+  return cholesky.factorize(evaluation.hessian, 1e-6);
+}
+
+TEST(Michell, RingsUnderTwistBuckleAtTheKnownTwistWithSecondOrder) {
+  // 2 pi sqrt(3) EI / GJ for a naturally straight rod of circular section (Michell 1889; Zajac 1962).
+  const Stiffness stiffness = circular(0.25, {});
+  const double exact = 2 * pi * std::sqrt(3.0) * stiffness.bend / stiffness.twist;
+  double last = 0;
+  for (const int segments : {16, 32, 64}) {
+    double low = 0.5 * exact;
+    double high = 1.5 * exact;
+    for (int i = 0; i < 24; ++i) {
+      const double middle = 0.5 * (low + high);
+      (ring_is_stable(segments, middle) ? low : high) = middle;
+    }
+    const double error = std::abs(low / exact - 1);
+    if (last > 0) {
+      EXPECT_NEAR(std::log2(last / error), 2, 0.35) << segments << ' ' << low / exact;
+    }
+    last = error;
+  }
+  EXPECT_LT(last, 1e-2);
+}
+
+}  // namespace
+}  // namespace supple::weave

@@ -1,0 +1,317 @@
+#include "supple/weave/homogenization.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "layouts.h"
+#include "supple/base/threads.h"
+#include "supple/weave/patterns.h"
+#include "support/expect_error.h"
+
+namespace supple::weave {
+namespace {
+
+using std::numbers::pi;
+
+DirectionalResponse along(const Weave& weave, double degrees, double strain, bool shear_free = true) {
+  HomogenizationOptions options;
+  options.strain = strain;
+  options.directions = {degrees * pi / 180};
+  options.shear_free = shear_free;
+  options.equilibrium.out_of_plane = Switch::off;
+  DirectionalResponse response = homogenize(weave, options).front();
+  EXPECT_EQ(response.state.stopped, Stop::converged) << degrees;
+  EXPECT_LE(response.state.residual, response.state.tolerance) << degrees;
+  return response;
+}
+
+TEST(RegularWeave, AlongItsStrandsHasTheirStiffnessOverTheirDistanceWhateverTheCrossings) {
+  const double strain = 0.05;
+  const double exact = 1000 * circular(0.25, {}).stretch / 4;  // N/m; nothing contracts laterally
+  for (const Connection connection : {Connection::fused, Connection::slides_x, Connection::slides_y}) {
+    const Weave weave = regular_weave(uniform_block(connection));
+    for (const double degrees : {0.0, 90.0})
+      EXPECT_NEAR(along(weave, degrees, strain).youngs_modulus, exact, 1e-6 * exact) << degrees;
+  }
+}
+
+TEST(RegularWeave, AtFortyFiveDegreesIsStiffWhereItIsFusedAndSoftWhereItSlides) {
+  // The more of the 2x2 cell's crossings are fused, the stiffer.
+  ConnectionBlock block = uniform_block(Connection::slides_x);
+  double last = along(regular_weave(block), 45, 0.1).youngs_modulus;
+  EXPECT_LT(std::abs(last), 1e-2);
+  for (const auto& [row, column] : {std::pair(0, 0), std::pair(1, 1), std::pair(0, 1), std::pair(1, 0)}) {
+    block[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] = Connection::fused;
+    const double now = along(regular_weave(block), 45, 0.1).youngs_modulus;
+    EXPECT_GE(now, last - 1e-2) << row << column;
+    last = now;
+  }
+  EXPECT_GT(last, 1000);
+}
+
+TEST(RegularWeave, FusedInShearBendsItsStrandsAsFixedBeams) {
+  // Small strain at 45 degrees. A shear angle g bends each of the joint's four half strands of length a / 2, clamped at
+  // the joint and free of moment at midspan, by (a / 2)(g / 2): energy per joint 4 * 3 EI / 2 / (a/2)^3 * (a g / 4)^2 =
+  // 3 EI g^2 / a. With cells a^2, g = 2 e at a strain (e, -e) and lateral contraction: G = 6 EI / a^3.
+  const double a = 4;
+  const Stiffness s = circular(0.25, {});
+  const double g = 6 * s.bend / (a * a * a);
+  const double stretch = s.stretch / a;  // E along the strands; Poisson's ratio there is 0
+  const double exact = 1000 / (1 / (4 * g) + 1 / (2 * stretch));
+  double last = 0;
+  for (const int segments : {4, 8, 16}) {
+    HomogenizationOptions options;
+    options.strain = 1e-6;
+    options.directions = {pi / 4};
+    options.equilibrium.segments = segments;
+    options.equilibrium.tolerance = 1e-9;
+    const double error =
+        std::abs(homogenize(regular_weave(uniform_block(Connection::fused)), options)[0].youngs_modulus / exact - 1);
+    if (last > 0) {
+      EXPECT_NEAR(std::log2(last / error), 2, 0.3) << segments << " error " << error;
+    }
+    last = error;
+  }
+  EXPECT_LT(last, 1e-2);
+}
+
+TEST(InterlacingSquares, OfTypeOneAreStiffAndNearlyIsotropic) {
+  const Weave weave = interlacing_squares(SquareType::all_fused);
+  double least = 1e300;
+  double most = 0;
+  for (const double degrees : {0.0, 30.0, 45.0, 60.0, 90.0, 135.0}) {
+    const double e = along(weave, degrees, 0.1).youngs_modulus;
+    least = std::min(least, e);
+    most = std::max(most, e);
+  }
+  EXPECT_GT(least, 500);
+  EXPECT_LT(most / least, 2.2);
+}
+
+/// How many of the squares' sliders are at the ends of their 2.1 mm, but for the barriers' range.
+int sliders_at_limit(const DirectionalResponse& response) {
+  int count = 0;
+  for (const double u : response.state.sliding) count += std::abs(std::abs(u) - 2.1) < 0.1 ? 1 : 0;
+  return count;
+}
+
+TEST(InterlacingSquares, OfTypeTwoHaveNoStiffnessInXUntilTheirSlidersLock) {
+  const Weave weave = interlacing_squares(SquareType::all_slide_x);
+  // Geometry: two sliders in a row give 2 * 2.1 mm in a period of 18 mm, 23.3 %, less the barriers' range of 0.1 mm.
+  EXPECT_LT(std::abs(along(weave, 0, 0.10).youngs_modulus), 1e-2);
+  EXPECT_LT(std::abs(along(weave, 0, 0.22).youngs_modulus), 1e-2);
+  EXPECT_GT(along(weave, 0, 0.24).youngs_modulus, 10);
+  const DirectionalResponse locked = along(weave, 0, 0.30);
+  EXPECT_GT(locked.youngs_modulus, 100);
+  // Sides buckle, by which some sliders come free again, and which ones is a matter of rounding; two in a row carry the
+  // load, at their limits.
+  EXPECT_GE(sliders_at_limit(locked), 2);
+  // Where no branch is left for another, none comes free.
+  HomogenizationOptions straight;
+  straight.strain = 0.30;
+  straight.directions = {0};
+  straight.equilibrium.out_of_plane = Switch::off;
+  straight.equilibrium.buckling = Switch::off;
+  const DirectionalResponse unbuckled = homogenize(weave, straight).front();
+  EXPECT_EQ(unbuckled.state.stopped, Stop::converged);
+  EXPECT_GE(sliders_at_limit(unbuckled), 4);
+  EXPECT_GT(along(weave, 90, 0.10).youngs_modulus, 300) << "in y nothing slides";
+}
+
+TEST(InterlacingSquares, OfTypeThreeAreOrthotropic) {
+  const Weave weave = interlacing_squares(SquareType::slide_both_ways);
+  const double x = along(weave, 0, 0.1).youngs_modulus;
+  EXPECT_NEAR(along(weave, 90, 0.1).youngs_modulus / x, 1, 1e-3);
+  EXPECT_NEAR(along(weave, 30, 0.1).youngs_modulus / along(weave, 150, 0.1).youngs_modulus, 1, 1e-3);
+  EXPECT_LT(along(weave, 45, 0.1).youngs_modulus, 0.6 * x);
+  EXPECT_LT(x, 0.4 * along(interlacing_squares(SquareType::all_fused), 0, 0.1).youngs_modulus);
+}
+
+TEST(InterlacingSquares, OfTypeFourDifferBetweenTheirDiagonals) {
+  const Weave weave = interlacing_squares(SquareType::one_corner_fused);
+  const double one = along(weave, 45, 0.1).youngs_modulus;
+  const double other = along(weave, 135, 0.1).youngs_modulus;
+  EXPECT_GT(std::abs(one / other - 1), 0.05);
+  EXPECT_GT(one, 1.3 * along(interlacing_squares(SquareType::slide_both_ways), 45, 0.1).youngs_modulus);
+}
+
+TEST(InterlacingCircles, AreOrthotropicWhereFusedAndAsymmetricAboutTheDiagonalWhereTheySlide) {
+  const Weave fused = interlacing_circles(CircleType::all_fused);
+  EXPECT_NEAR(along(fused, 45, 0.1).youngs_modulus / along(fused, 135, 0.1).youngs_modulus, 1, 1e-3);
+  EXPECT_NEAR(along(fused, 0, 0.1).youngs_modulus / along(fused, 90, 0.1).youngs_modulus, 1, 1e-3);
+  const Weave sliding = interlacing_circles(CircleType::all_slide);
+  EXPECT_GT(along(sliding, 45, 0.1).youngs_modulus / along(sliding, 135, 0.1).youngs_modulus, 1.1);
+  EXPECT_LT(along(sliding, 0, 0.1).youngs_modulus, 0.5 * along(fused, 0, 0.1).youngs_modulus);
+}
+
+TEST(Homogenization, LeavesLateralStressAndShearFreeAndImposesTheStrainExactly) {
+  const Weave weave = interlacing_squares(SquareType::one_corner_fused);
+  const double direction = 0.7;
+  const DirectionalResponse response = along(weave, direction * 180 / pi, 0.1);
+  const Eigen::Vector2d d(std::cos(direction), std::sin(direction));
+  const Eigen::Vector2d n(-d[1], d[0]);
+  EXPECT_LT((response.state.deformation_gradient.transpose() * d - 1.1 * d).norm(), 1e-14);
+  const double sigma = d.dot(response.state.cauchy_stress * d);
+  EXPECT_LT(std::abs(n.dot(response.state.cauchy_stress * n)), 1e-4 * sigma);
+  EXPECT_LT(std::abs(n.dot(response.state.cauchy_stress * d)), 1e-4 * sigma);
+  EXPECT_LT(std::abs(d.dot(response.state.cauchy_stress * n)), 1e-4 * sigma);
+  // The published variant holds the shear: it can only be stiffer.
+  const DirectionalResponse published = along(weave, direction * 180 / pi, 0.1, false);
+  EXPECT_GT(published.youngs_modulus, response.youngs_modulus * 1.001);
+  EXPECT_LT(std::abs(n.dot(published.state.deformation_gradient * d)), 1e-14);
+}
+
+TEST(Homogenization, StressIsTheDerivativeOfTheEnergy) {
+  const Weave weave = interlacing_circles(CircleType::all_slide);
+  Eigen::Matrix2d f;
+  f << 1.08, 0.03, -0.02, 0.97;
+  EquilibriumOptions options;
+  options.tolerance = 1e-9;
+  options.out_of_plane = Switch::off;
+  const CellState at = deform_cell(weave, f, options);
+  EXPECT_LT((at.deformation_gradient - f).norm(), 1e-15);
+  const double h = 1e-5;
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      Eigen::Matrix2d more = f;
+      Eigen::Matrix2d less = f;
+      more(i, j) += h;
+      less(i, j) -= h;
+      const double slope =
+          (deform_cell(weave, more, options).energy_density - deform_cell(weave, less, options).energy_density) /
+          (2 * h);
+      EXPECT_NEAR(at.nominal_stress(i, j), slope, 1e-5 * at.nominal_stress.norm()) << i << j;
+    }
+  }
+  // Angular momentum: the Cauchy stress is symmetric.
+  EXPECT_NEAR(at.cauchy_stress(0, 1), at.cauchy_stress(1, 0), 1e-7 * at.cauchy_stress.norm());
+}
+
+TEST(Homogenization, CostsNothingUnderARotationOfTheCell) {
+  Eigen::Matrix2d f;
+  f << std::cos(0.4), -std::sin(0.4), std::sin(0.4), std::cos(0.4);
+  for (const Weave& weave : {interlacing_circles(CircleType::all_fused), interlacing_squares(SquareType::all_fused)}) {
+    const CellState state = deform_cell(weave, f);
+    EXPECT_EQ(state.stopped, Stop::converged);
+    EXPECT_LT(state.energy_density, 1e-9);
+  }
+}
+
+TEST(Homogenization, DoesNotDependOnWhichCellOfTheSheetIsTaken) {
+  // A doubled cell of the same weave, without what buckles: the same modulus.
+  const Weave one = interlacing_circles(CircleType::all_fused);
+  Weave two;
+  two.lattice = *one.lattice * Eigen::Vector2d(2, 1).asDiagonal();
+  two.strands = {circle(5.5, {0, 0}, 64), circle(5.5, {10, 0}, 64)};
+  two.crossings = find_crossings(two.strands, two.lattice);
+  EXPECT_EQ(two.crossings.size(), 8U);
+  const double expected = along(one, 20, 0.05).youngs_modulus;
+  EXPECT_NEAR(along(two, 20, 0.05).youngs_modulus, expected, 1e-6 * expected);
+}
+
+TEST(Homogenization, GivesTheSameBitsOnOneThreadAndOnTwoAndMegapascalsForAThickness) {
+  HomogenizationOptions options;
+  options.directions = directions_over_half_turn(12);
+  options.thickness = 0.5;
+  const Weave weave = interlacing_squares(SquareType::slide_both_ways);
+  set_thread_count(1);
+  const auto one = homogenize(weave, options);
+  set_thread_count(2);
+  const auto two = homogenize(weave, options);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].youngs_modulus, two[i].youngs_modulus);
+    EXPECT_DOUBLE_EQ(one[i].youngs_modulus_mpa, one[i].youngs_modulus / 500);
+  }
+}
+
+TEST(Homogenization, SaysWhichEffectsRanAndWhy) {
+  const auto effects = [](const Weave& weave, double strain) {
+    CostLedger ledger;
+    Execution execution;
+    execution.cost = &ledger;
+    HomogenizationOptions options;
+    options.strain = strain;
+    options.directions = {0};
+    homogenize(weave, options, execution);
+    std::map<std::string, bool> ran;
+    for (const auto& effect : ledger.effects()) {
+      ran[effect.name] = effect.ran;
+      EXPECT_FALSE(effect.why.empty()) << effect.name;
+    }
+    return ran;
+  };
+  auto fused = effects(interlacing_circles(CircleType::all_fused), 0.02);
+  EXPECT_TRUE(fused.at("joint_bend"));
+  EXPECT_FALSE(fused.at("sliding_regularizer"));
+  EXPECT_FALSE(fused.at("twist"));
+  EXPECT_FALSE(fused.at("out_of_plane"));
+  auto sliding = effects(regular_weave(uniform_block(Connection::slides_x)), 0.02);
+  EXPECT_FALSE(sliding.at("joint_bend"));
+  EXPECT_TRUE(sliding.at("sliding_regularizer"));
+  EXPECT_FALSE(sliding.at("at_sliding_limits"));
+  EXPECT_TRUE(effects(interlacing_squares(SquareType::all_slide_x), 0.26).at("at_sliding_limits"));
+}
+
+TEST(Homogenization, RefusesOptionsOutOfRangeAndWeavesWithoutALattice) {
+  const auto refused = [](const char* code, const Weave& weave, HomogenizationOptions options) {
+    return ::supple::testing::expect_error(code, [&] { homogenize(weave, options); });
+  };
+  const Weave weave = regular_weave(uniform_block(Connection::fused));
+  EXPECT_EQ(::supple::testing::places(refused("weave.invalid_option", weave, {.strain = 0, .directions = {0}})),
+            std::vector<std::string>{"strain"});
+  refused("weave.invalid_option", weave, {.directions = {}});
+  refused("weave.invalid_option", weave, {.directions = {NAN}});
+  refused("weave.invalid_option", weave, {.equilibrium = {.segments = 0}, .directions = {0}});
+  refused("weave.not_periodic", wavy(), {.directions = {0}});
+  ::supple::testing::expect_error("weave.invalid_load",
+                                  [&] { deform_cell(weave, Eigen::Vector2d(1, -1).asDiagonal()); });
+}
+
+TEST(Homogenize, FillsTheStrandsOfTheDirectionsThatAreAskedFor) {
+  HomogenizationOptions options;
+  options.directions = {0, 0.5, 1};
+  options.deformed = {2, 0};
+  const Weave weave = regular_weave(uniform_block(Connection::fused));
+  const auto responses = homogenize(weave, options);
+  EXPECT_TRUE(responses[1].state.strands.empty());
+  for (const std::size_t i : {0U, 2U}) {
+    ASSERT_EQ(responses[i].state.strands.size(), 4U);
+    // A periodic strand ends one deformed translation from where it begins.
+    const auto& strand = responses[i].state.strands.front();
+    const Eigen::Vector2d period = responses[i].state.deformation_gradient * weave.lattice->col(0);
+    EXPECT_NEAR(((strand.back() - strand.front()).head<2>() - period).norm(), 0, 1e-9);
+  }
+  options.deformed = {3, -1};
+  const auto error = ::supple::testing::expect_error("weave.invalid_option", [&] { homogenize(weave, options); });
+  EXPECT_EQ(::supple::testing::places(error), (std::vector<std::string>{"deformed/0", "deformed/1"}));
+}
+
+CostLedger::Effect at_limits(const std::vector<double>& directions) {
+  HomogenizationOptions options;
+  options.strain = 0.3;
+  options.directions = directions;
+  CostLedger ledger;
+  Execution execution;
+  execution.cost = &ledger;
+  homogenize(interlacing_squares(SquareType::all_slide_x), options, execution);
+  const auto found = std::find_if(ledger.effects().begin(), ledger.effects().end(),
+                                  [](const CostLedger::Effect& effect) { return effect.name == "at_sliding_limits"; });
+  return found == ledger.effects().end() ? CostLedger::Effect{} : *found;
+}
+
+TEST(Homogenize, BillsWhyAnEffectRanWhereItRanInSomeDirections) {
+  // The squares' horizontal sides slide: along x to their limits, along y not at all.
+  EXPECT_FALSE(at_limits({pi / 2}).ran);
+  const CostLedger::Effect both = at_limits({0, pi / 2});
+  EXPECT_TRUE(both.ran);
+  EXPECT_EQ(both.why, "sliders came within the barrier's range of their limits");
+  EXPECT_EQ(both.count, at_limits({0}).count);
+}
+
+}  // namespace
+}  // namespace supple::weave

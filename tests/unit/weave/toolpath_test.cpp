@@ -1,0 +1,304 @@
+#include "supple/weave/toolpath.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "layouts.h"
+#include "supple/weave/gcode.h"
+#include "supple/weave/gcode_check.h"
+#include "supple/weave/patterns.h"
+#include "support/expect_error.h"
+
+namespace supple::weave {
+namespace {
+
+using ::supple::testing::expect_error;
+using ::supple::testing::places;
+
+/// A strand along y that slides across one along x, both through their middles.
+Weave sliding_cross(double half = 10) {
+  Weave weave;
+  weave.strands = {line({-half, 0}, {half, 0}), line({0, -half}, {0, half})};
+  weave.crossings = find_crossings(weave.strands);
+  weave.crossings[0].members[1].slides = true;
+  return weave;
+}
+
+std::vector<const Move*> of_kind(const Toolpath& path, MoveKind kind) {
+  std::vector<const Move*> found;
+  for (const Move& move : path.moves)
+    if (move.kind == kind) found.push_back(&move);
+  return found;
+}
+
+double highest(const Move& move) {
+  double z = 0;
+  for (const Eigen::Vector3d& p : move.points) z = std::max(z, p[2]);
+  return z;
+}
+
+TEST(Toolpath, WeldsFusedStrandsInOneLayerWithoutTravelsThatDrag) {
+  const Toolpath path = toolpath(regular_sheet(3, 3, uniform_block(Connection::fused)));
+  EXPECT_TRUE(of_kind(path, MoveKind::lifted).empty());
+  EXPECT_EQ(path.statistics.heights, std::vector<double>{0.5});
+  EXPECT_NEAR(path.statistics.extruded_length, 6 * 12, 1e-9);
+  EXPECT_NEAR(path.statistics.filament, 6 * 12 * 0.25 * 0.25 / (0.875 * 0.875), 1e-9);
+  EXPECT_EQ(path.statistics.travels, 6);
+  for (const Move* travel : of_kind(path, MoveKind::travel))
+    for (std::size_t i = 1; i < travel->points.size(); ++i) {
+      const Eigen::Vector3d& a = travel->points[i - 1];
+      const Eigen::Vector3d& b = travel->points[i];
+      // Across only above everything.
+      EXPECT_TRUE((a - b).head<2>().norm() < 1e-9 || (a[2] >= 1.5 - 1e-9 && b[2] >= 1.5 - 1e-9));
+    }
+}
+
+TEST(Toolpath, PrintsTheLowerStrandThenTheSlidingOneThenTheChannel) {
+  const Weave weave = sliding_cross();
+  const PrinterProfile profile;
+  const Toolpath path = toolpath(weave, profile);
+  std::vector<std::pair<MoveKind, int>> kinds;
+  for (const Move& move : path.moves)
+    if (move.kind != MoveKind::travel) kinds.emplace_back(move.kind, move.strand);
+  const std::vector<std::pair<MoveKind, int>> expected{{MoveKind::strand, 0},
+                                                       {MoveKind::strand, 1},
+                                                       {MoveKind::lifted, 1},
+                                                       {MoveKind::strand, 1},
+                                                       {MoveKind::channel, 0}};
+  EXPECT_EQ(kinds, expected);
+
+  const Eigen::Vector2d centre = profile.bed.head<2>() / 2;
+  const Move& lifted = *of_kind(path, MoveKind::lifted)[0];
+  ASSERT_EQ(lifted.points.size(), 4U);
+  const std::vector<double> along{2, 0.75, -0.75, -2};
+  const double sign = lifted.points[0][1] > centre[1] ? 1 : -1;
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(lifted.points[i][1] - centre[1], sign * along[i], 1e-9);
+    EXPECT_NEAR(lifted.points[i][2], i == 0 || i == 3 ? 0.5 : 1.25, 1e-9);
+  }
+
+  const Move& channel = *of_kind(path, MoveKind::channel)[0];
+  EXPECT_EQ(channel.crossing, 0);
+  EXPECT_EQ(channel.speed, 300);
+  ASSERT_EQ(channel.points.size(), 3U);
+  EXPECT_LT((channel.points[0] - Eigen::Vector3d(centre[0] - 1.2, centre[1], 0.5)).norm(), 1e-9);
+  EXPECT_LT((channel.points[1] - Eigen::Vector3d(centre[0], centre[1], 2.25)).norm(), 1e-9);
+  EXPECT_LT((channel.points[2] - Eigen::Vector3d(centre[0] + 1.44, centre[1], 0.5)).norm(), 1e-9);
+}
+
+TEST(Toolpath, DrawsArcsThroughTheSameFeetAndApexAsTriangles) {
+  PrinterProfile profile;
+  profile.channel.shape = ChannelShape::arc;
+  const Move channel = *of_kind(toolpath(sliding_cross(), profile), MoveKind::channel)[0];
+  EXPECT_GT(channel.points.size(), 10U);
+  EXPECT_NEAR(highest(channel), 2.25, 1e-9);
+  EXPECT_NEAR((channel.points.front() - channel.points.back()).norm(), 1.2 * 2.2, 1e-9);
+}
+
+TEST(Toolpath, TurnsTheLongerHalfOfAChannelToWhereThereIsRoom) {
+  Weave weave = sliding_cross();
+  weave.strands[0] = line({-10, 0}, {1.3, 0});
+  weave.crossings[0].members[0].coordinate = 10;
+  const Move channel = *of_kind(toolpath(weave), MoveKind::channel)[0];
+  EXPECT_NEAR(channel.points[0][0] - channel.points[1][0], 1.2, 1e-9);
+  EXPECT_NEAR(channel.points[1][0] - channel.points[2][0], 1.44, 1e-9);
+}
+
+TEST(Toolpath, ComesDownAtFusedCrossingsAndStaysUpBetweenNearOnesThatSlide) {
+  Weave weave;
+  weave.strands.push_back(line({-12, 0}, {12, 0}));
+  for (const double x : {-8.0, -4.0, 0.0, 4.0, 8.0}) weave.strands.push_back(line({x, -6}, {x, 6}));
+  weave.crossings = find_crossings(weave.strands);
+  for (const std::size_t c : {0U, 1U, 3U, 4U}) weave.crossings[c].members[0].slides = true;
+  const Toolpath path = toolpath(weave);
+  const auto lifted = of_kind(path, MoveKind::lifted);
+  ASSERT_EQ(lifted.size(), 2U) << "one across the two crossings on either side of the fused one";
+  EXPECT_NEAR((lifted[0]->points.front() - lifted[0]->points.back()).norm(), 8, 1e-9);
+}
+
+TEST(Toolpath, ClosesLoopsAndBeginsThemOnTheBed) {
+  Weave weave = interlacing_circles_sheet(CircleType::all_slide, 2, 2);
+  PrinterProfile profile;
+  profile.lift.bridge = 1;
+  profile.lift.run = 1.5;
+  const Toolpath path = toolpath(weave, profile);
+  Eigen::Vector3d begin{0, 0, 0};
+  int strand = -1;
+  int loops = 0;
+  for (std::size_t i = 0; i < path.moves.size(); ++i) {
+    const Move& move = path.moves[i];
+    if (move.kind != MoveKind::strand && move.kind != MoveKind::lifted) continue;
+    if (move.strand != strand) {
+      strand = move.strand;
+      begin = move.points.front();
+      EXPECT_EQ(move.kind, MoveKind::strand);
+    }
+    const bool last = i + 1 == path.moves.size() || path.moves[i + 1].strand != strand;
+    if (!last) continue;
+    EXPECT_LT((move.points.back() - begin).norm(), 1e-6);
+    ++loops;
+  }
+  EXPECT_EQ(loops, 4);
+  EXPECT_NEAR(toolpath(interlacing_circles_sheet(CircleType::all_fused, 2, 2)).statistics.strand_length,
+              4 * 2 * std::numbers::pi * 8, 0.2);
+}
+
+TEST(Toolpath, KeepsCurvedStrandsWithinTheChordError) {
+  Weave weave;
+  weave.strands.push_back(circle(20));
+  ToolpathOptions options;
+  options.origin = Eigen::Vector2d(100, 100);
+  for (const double error : {0.05, 0.005, 0.0005}) {
+    options.chord_error = error;
+    const Toolpath path = toolpath(weave, {}, options);
+    for (const Move* move : of_kind(path, MoveKind::strand))
+      for (std::size_t i = 1; i < move->points.size(); ++i) {
+        const Eigen::Vector3d middle = (move->points[i - 1] + move->points[i]) / 2;
+        EXPECT_LT(20 - (middle.head<2>() - *options.origin).norm(), 1.05 * error);
+      }
+  }
+}
+
+TEST(Toolpath, PrintsStrandsOnBeyondTheirEndsAndFramesAndGripsAround) {
+  ToolpathOptions options;
+  options.origin = Eigen::Vector2d(50, 40);
+  options.overrun = {5, 3};
+  options.overruns[1] = {0, 1};
+  options.frame = Frame{2, 4};
+  options.grips.push_back({{-6, 20}, {-6, 0}, 2});
+  const Toolpath path = toolpath(regular_sheet(2, 2, uniform_block(Connection::fused), 10), {}, options);
+  EXPECT_NEAR(path.statistics.strand_length, 3 * 28 + 21, 1e-9);
+  EXPECT_NEAR(path.statistics.support_length, 4 * 24 + 4 + 4 * 20 + 3 * 0.5, 1e-9);
+  EXPECT_NEAR(path.statistics.lowest[0], 50 - 7.5, 1e-9) << "the grip's last pass, to the right of its direction";
+  EXPECT_NEAR(path.statistics.lowest[1], 40 - 5, 1e-9);
+}
+
+TEST(Toolpath, TakesARequestedOrderThatPutsLowerStrandsFirst) {
+  const Weave weave = sliding_cross();
+  ToolpathOptions options;
+  options.order = {0, 1};
+  EXPECT_NO_THROW(toolpath(weave, {}, options));
+  options.order = {1, 0};
+  EXPECT_EQ(places(expect_error("weave.not_printable", [&] { toolpath(weave, {}, options); })),
+            std::vector<std::string>{"crossings/0"});
+  options.order = {0, 0};
+  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(weave, {}, options); })),
+            std::vector<std::string>{"order"});
+}
+
+TEST(Toolpath, RefusesStrandsThatWouldLieBelowEachOther) {
+  // Two along x, two along y; each slides across the next one of the four.
+  Weave weave;
+  weave.strands = {line({-10, -5}, {10, -5}), line({5, -10}, {5, 10}), line({10, 5}, {-10, 5}),
+                   line({-5, 10}, {-5, -10})};
+  weave.crossings = find_crossings(weave.strands);
+  for (Crossing& c : weave.crossings) {
+    const int a = c.members[0].strand;
+    const int b = c.members[1].strand;
+    c.members[(a + 1) % 4 == b ? 0 : 1].slides = true;
+  }
+  const Error error = expect_error("weave.not_printable", [&] { toolpath(weave); });
+  EXPECT_EQ(error.details().size(), 4U);
+}
+
+TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
+  const auto fault = [](const Weave& weave, const PrinterProfile& profile = {}) {
+    const Error error = expect_error("weave.not_printable", [&] { toolpath(weave, profile); });
+    return error.details().empty() ? Error::Detail{} : error.details()[0];
+  };
+  // Too near to the lifted strand's end, and to the end of the one below.
+  Weave weave = sliding_cross();
+  weave.strands[1] = line({0, -10}, {0, 1});
+  EXPECT_EQ(fault(weave).where, "crossings/0");
+  EXPECT_NE(fault(weave).message.find("lifted 0.9375 mm"), std::string::npos) << fault(weave).message;
+  weave = sliding_cross();
+  weave.strands[0] = line({-10, 0}, {1, 0});
+  EXPECT_NE(fault(weave).message.find("1.0000 mm to the end of strands/0"), std::string::npos) << fault(weave).message;
+  // Neighbours that slide where the feet must be.
+  weave.strands = {line({-10, 0}, {10, 0}), line({0, -10}, {0, 10}), line({1.5, -10}, {1.5, 10})};
+  weave.crossings = find_crossings(weave.strands);
+  for (Crossing& crossing : weave.crossings) crossing.members[1].slides = true;
+  EXPECT_NE(fault(weave).message.find("strand that slides at crossings/"), std::string::npos) << fault(weave).message;
+  // Channels too low or too narrow for what is in them.
+  PrinterProfile profile;
+  profile.channel.apex = 1;
+  EXPECT_NE(fault(sliding_cross(), profile).message.find("channel/apex must be at least"), std::string::npos);
+  profile.channel.half_width = 0.2;
+  EXPECT_NE(fault(sliding_cross(), profile).message.find("channel/half_width"), std::string::npos);
+  // Two that slide through each other.
+  weave.strands = {line({-10, 0}, {10, 0}), line({0, -10}, {0, 10}), line({-10, -10}, {10, 10})};
+  weave.crossings = find_crossings(weave.strands);
+  weave.crossings[0].members[0].slides = weave.crossings[0].members[1].slides = true;
+  EXPECT_NE(fault(weave).message.find("2 strands that slide"), std::string::npos);
+  // Nearly parallel.
+  weave.strands = {line({-10, 0}, {10, 0}), line({-10, -1}, {10, 1})};
+  weave.crossings = find_crossings(weave.strands);
+  weave.crossings[0].members[0].slides = true;
+  EXPECT_NE(fault(weave).message.find("10 degrees"), std::string::npos);
+}
+
+TEST(Toolpath, RefusesPeriodicLayoutsAndWhatIsLargerThanTheBed) {
+  EXPECT_EQ(places(expect_error("weave.not_printable", [] { toolpath(interlacing_squares(SquareType::all_fused)); })),
+            std::vector<std::string>{"lattice"});
+  const Weave sheet = regular_sheet(20, 20, uniform_block(Connection::fused), 12);
+  EXPECT_EQ(places(expect_error("weave.not_printable", [&] { toolpath(sheet); })), std::vector<std::string>{"bed"});
+  ToolpathOptions options;
+  options.origin = Eigen::Vector2d(5, -1);
+  const Weave small = regular_sheet(2, 2, uniform_block(Connection::fused));
+  const Error error = expect_error("weave.not_printable", [&] { toolpath(small, {}, options); });
+  EXPECT_NE(std::string(error.what()).find(" in y, "), std::string::npos);
+}
+
+TEST(Toolpath, RefusesProfilesAndOptionsOutOfRange) {
+  PrinterProfile profile;
+  profile.filament_diameter = 0;
+  profile.lift.run = 0.1;
+  profile.startup_gcode = "G1 X1\t";
+  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile); })),
+            (std::vector<std::string>{"filament_diameter", "lift/run", "startup_gcode"}));
+  ToolpathOptions options;
+  options.overrun.start = -1;
+  options.overruns[7] = {};
+  options.chord_error = 0;
+  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), {}, options); })),
+            (std::vector<std::string>{"overrun/start", "overruns/7", "chord_error"}));
+}
+
+TEST(Toolpath, DrawsEachMoveInItsPicture) {
+  const Toolpath path = toolpath(sliding_cross());
+  const std::string svg = to_svg(path);
+  std::size_t drawn = 0;
+  for (std::size_t at = svg.find("<path"); at != std::string::npos; at = svg.find("<path", at + 1)) ++drawn;
+  EXPECT_EQ(drawn, path.moves.size());
+  EXPECT_NE(svg.find("class=\"channel\""), std::string::npos);
+}
+
+TEST(Gcode, OfWavyStrandsThatSlidePassesTheCheckAndIsTheSameEachTime) {
+  const Weave weave = wavy();
+  const PrinterProfile profile;
+  const Toolpath path = toolpath(weave, profile);
+  const std::string gcode = to_gcode(path, profile);
+  EXPECT_EQ(gcode, to_gcode(toolpath(weave, profile), profile));
+  const GcodeReport report = check_gcode(gcode, limits_of(profile, weave));
+  EXPECT_EQ(report.violation_count, 0);
+  for (const Violation& v : report.violations) ADD_FAILURE() << v.line << ": " << v.message;
+  EXPECT_EQ(static_cast<int>(report.channels.size()), path.statistics.channels);
+  EXPECT_GT(report.channels.size(), 0U);
+}
+
+TEST(Gcode, CarriesTheProfilesTemperaturesAndOwnLines) {
+  PrinterProfile profile;
+  profile.nozzle_temperature = 205;
+  profile.startup_gcode = "G92 E0 ; mine";
+  profile.footer_gcode = "M106 S255";
+  const std::string gcode = to_gcode(toolpath(sliding_cross(), profile), profile);
+  EXPECT_NE(gcode.find("M109 S205 "), std::string::npos);
+  EXPECT_LT(gcode.find("G28"), gcode.find("; mine"));
+  EXPECT_LT(gcode.find("M106 S255\n"), gcode.find("M104 S0"));
+}
+
+}  // namespace
+}  // namespace supple::weave
