@@ -49,6 +49,7 @@ class Process {
       : options_(options), signals_(signals), metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;
     services_.version = SUPPLE_VERSION;
+    services_.web = options.web;
     services_.metrics = &metrics_;
     server_ = std::make_unique<http::Server>(
         options.http, routes::make_router(services_), routes::problem_response,

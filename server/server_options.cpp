@@ -8,13 +8,13 @@
 namespace supple {
 namespace {
 
-/// Where an installed server finds its models: share/supple/models beside the folder of the program. Empty where there
-/// is no such folder.
-std::string installed_models() {
+/// Where an installed server finds its models and its web editor: in share/supple beside the folder of the program.
+/// Empty where there is no such folder.
+std::string installed_folder(const std::string& name) {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   if (error) return {};
-  auto folder = program.parent_path().parent_path() / "share" / "supple" / "models";
+  auto folder = program.parent_path().parent_path() / "share" / "supple" / name;
   return std::filesystem::is_directory(folder, error) ? folder.string() : std::string();
 }
 
@@ -56,7 +56,8 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   options.jobs.workers = cores;
   options.jobs.immediate = 2 * cores;
 
-  options.models = installed_models();
+  options.models = installed_folder("models");
+  options.web = installed_folder("web");
 
   CLI::App app(
       "Answers requests for geodesics on triangle meshes, for simulations of periodic structures and for what neural "
@@ -69,6 +70,8 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
       ->check(CLI::Range(0, 65535));
   app.add_option("--data", options.data, "Folder of meshes, jobs and results; made if it does not exist");
   app.add_option("--models", options.models, "Folder of neural models (*.h5); it is looked at every two seconds")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--web", options.web, "Folder of the built web editor, which is read once and served at /")
       ->check(CLI::ExistingDirectory);
   app.add_option("--workers", options.jobs.workers, "Jobs that run at the same time")->check(CLI::Range(1, 1024));
   app.add_option("--immediate", options.jobs.immediate, "Immediate computations that run at the same time")

@@ -16,6 +16,7 @@ struct ServerOptions {
   routes::RouteLimits limits;
   std::string data = "data";
   std::string models;                    ///< folder; none where empty
+  std::string web;                       ///< folder of the built web editor; none where empty
   int threads = 0;                       ///< compute threads; 0: one for each core
   std::int64_t mesh_memory = 2LL << 30;  ///< bytes
   double grace = 10;                     ///< seconds that running computations get at the end

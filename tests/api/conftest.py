@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from pathlib import Path
 from typing import Callable, Iterator, List
@@ -11,7 +12,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "clients" / "python"))
 
-from contract import Contract  # noqa: E402
+from contract import Contract, ROOT  # noqa: E402
 from harness import Api, MODEL_MAKER, SERVER, ServerProcess, make_model  # noqa: E402
 from shapes import flat_grid, sphere  # noqa: E402
 
@@ -36,6 +37,24 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
     yield process
     assert process.running(), f"the server died during the tests:\n{process.log_text()[-4000:]}"
     assert process.terminate() == 0
+
+
+@pytest.fixture(scope="session")
+def design_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+    """One server with two of the shipped models, ih29 and ih67: designs need models that mean something."""
+    folder = tmp_path_factory.mktemp("designs")
+    (folder / "models").mkdir()
+    for name in ("ih29.h5", "ih67.h5"):
+        shutil.copy(ROOT / "models" / name, folder / "models")
+    process = ServerProcess(folder / "data", "--models", str(folder / "models")).start()
+    yield process
+    assert process.running(), f"the server died during the tests:\n{process.log_text()[-4000:]}"
+    assert process.terminate() == 0
+
+
+@pytest.fixture
+def designs(design_server: ServerProcess, contract: Contract) -> Api:
+    return Api(design_server, contract)
 
 
 @pytest.fixture

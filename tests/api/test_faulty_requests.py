@@ -12,7 +12,8 @@ import pytest
 from harness import Api, pointers, problem_code
 
 COMPUTATIONS = ["/v1/geodesics", "/v1/geodesic-fields", "/v1/karcher-means", "/v1/exponential-maps"]
-ALL = [*COMPUTATIONS, "/v1/structures", "/v1/simulations"]
+WEAVES = ["/v1/weave-layouts", "/v1/weave-homogenizations", "/v1/weave-simulations", "/v1/weave-toolpaths", "/v1/gcode-reports"]
+ALL = [*COMPUTATIONS, "/v1/structures", "/v1/simulations", *WEAVES]
 JSON = {"Content-Type": "application/json"}
 CORNER = {"vertex": 0}
 
@@ -25,6 +26,11 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
         "/v1/karcher-means": {"mesh": mesh, "points": [CORNER, {"vertex": 1}]},
         "/v1/exponential-maps": {"mesh": mesh, "start": CORNER, "tangent": [0.1, 0.05, 0.0]},
         "/v1/structures": {"family": "IH01"},
+        "/v1/weave-layouts": {"weave": {"pattern": "regular"}},
+        "/v1/weave-homogenizations": {"weave": {"pattern": "regular"}},
+        "/v1/weave-simulations": {"weave": {"pattern": "actuated_rings"}, "supports": [{"at": {"crossing": 0}}]},
+        "/v1/weave-toolpaths": {"weave": {"pattern": "regular", "sheet": {"columns": 1, "rows": 1}}},
+        "/v1/gcode-reports": {"gcode": "G28"},
         "/v1/simulations": {"family": "IH01", "load": {"green_strain": [[0.01, 0.0, 0.0]]}},
     }[path]
 
@@ -82,8 +88,8 @@ def test_each_missing_field_is_pointed_to(api: Api, grid_mesh: str, path: str) -
 def test_a_field_of_the_wrong_type_is_pointed_to(api: Api, grid_mesh: str, path: str, wrong: Any) -> None:
     document = minimal(path, grid_mesh)
     for name in document:
-        if name in ("mesh", "family") and isinstance(wrong, str):
-            continue  # a string is the right type; it names nothing
+        if name in ("mesh", "family", "gcode") and isinstance(wrong, str):
+            continue  # a string is the right type; it names nothing, or is full of violations
         broken = json.dumps({**document, name: wrong}).encode()
         response = api.post(path, body=broken, headers=JSON, faulty=True)
         assert (response.status_code, problem_code(response)) == (400, "request.invalid"), (name, response.text)

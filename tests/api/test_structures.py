@@ -188,3 +188,57 @@ def test_a_mesh_of_too_many_nodes_is_refused_with_the_limit(api: Api) -> None:
 def test_a_deadline_ends_the_meshing(api: Api) -> None:
     response = api.post(STRUCTURES, {"family": "IH50", "mesh": {"mesh_size": 0.2}, "deadline": 0.001})
     assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded")
+
+
+def link(family: str, **query: Any) -> str:
+    return f"/v1/families/{family}/structure" + ("?" + "&".join(f"{k}={v}" for k, v in query.items()) if query else "")
+
+
+@pytest.mark.parametrize("file_format, media_type",
+                         [("svg", "image/svg+xml"), ("dxf", "image/vnd.dxf"), ("stl", "model/stl")])
+def test_a_link_gives_the_file_that_a_request_gives(api: Api, file_format: str, media_type: str) -> None:
+    response = api.get(link("IH21", parameters="0.12,0.7", cells="3,1", format=file_format, height="2.5"))
+    assert response.status_code == 200, response.text
+    assert response.headers["Content-Type"] == media_type
+    assert "max-age=" in response.headers["Cache-Control"]
+    request = {"family": "IH21", "parameters": [0.12, 0.7], "cells": [3, 1], "height": 2.5}
+    assert response.content == file_of(api, request, media_type).content
+
+
+def test_a_link_without_a_query_is_the_picture_of_the_default(api: Api) -> None:
+    response = api.get(link("IH01"), headers={"Prefer": "respond-async", "Accept": "image/png"})
+    assert (response.status_code, response.headers["Content-Type"]) == (200, "image/svg+xml")
+    assert response.content == file_of(api, {"family": "IH01"}, "image/svg+xml").content
+
+
+@pytest.mark.parametrize("name, text", [
+    ("parameters", ""), ("parameters", "0.1,"), ("parameters", "0.1,nan"), ("parameters", "0.1,inf"), ("parameters", "a"),
+    ("parameters", "0.1%200.5"), ("parameters", ",".join(["0"] * 33)), ("parameters", "0." + "0" * 1000),
+    ("cells", "2"), ("cells", "2,"), ("cells", "0,1"), ("cells", "2,101"), ("cells", "2,2,2"), ("cells", "-1,2"),
+    ("cells", "1.5,2"), ("format", "png"), ("format", ""), ("height", "0"), ("height", "1001"), ("height", "nan"),
+    ("height", "tall"), ("parameter", "0.1"), ("PARAMETERS", "0.1"),
+])
+def test_a_bad_query_is_refused_by_the_name_of_its_parameter(api: Api, name: str, text: str) -> None:
+    response = api.get(link("IH21", **{name: text}), faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid_parameter")
+    assert pointers(response) == [f"query {name}"] and name in response.json()["detail"]
+    assert "Cache-Control" not in response.headers
+
+
+def test_all_bad_parts_of_a_query_are_named_at_once(api: Api) -> None:
+    response = api.get(link("IH21", cells="0,0", format="png", hieght="2"), faulty=True)
+    assert sorted(pointers(response)) == ["query cells", "query format", "query hieght"]
+
+
+def test_a_link_to_parameters_out_of_bounds_names_them(api: Api) -> None:
+    response = api.get(link("IH21", parameters="0.12,0.95"))
+    assert (response.status_code, problem_code(response)) == (422, "tiling.parameter_out_of_bounds")
+    assert pointers(response) == ["query parameters/1"]
+    response = api.get(link("IH21", parameters="0.12"))
+    assert (response.status_code, problem_code(response)) == (422, "tiling.parameter_count")
+    assert pointers(response) == ["query parameters"]
+
+
+def test_a_link_to_an_unknown_family_is_not_found(api: Api) -> None:
+    response = api.get(link("IH99", cells="2,2"))
+    assert (response.status_code, problem_code(response)) == (404, "tiling.family_not_found")

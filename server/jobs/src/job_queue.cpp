@@ -70,14 +70,28 @@ struct JobQueue::Job final : ProgressSink {
     queue.changed_.notify_all();
   }
 
+  /// The latest result is not left out: what was published within the period waits for the next report.
+  void publish(std::string_view text) override {
+    const std::lock_guard lock(queue.mutex_);
+    partial = text;
+    const auto now = Clock::now();
+    if (now - last_published < progress_period) return;
+    last_published = now;
+    ++version;
+    queue.changed_.notify_all();
+  }
+
   JobQueue& queue;
   Computation computation;
   store::JobRecord record;
   CancellationToken token;
   std::unique_ptr<Watchdog::Guard> watch;
   Clock::time_point last_report{};  // of the computing thread alone
+  Clock::time_point last_published{};
   double progress = 0;
   std::string stage;
+  std::string partial;
+  std::uint64_t in_session = 0;
   std::uint64_t version = 1;
   bool visible = false;          // in the store, and clients may ask for it
   bool dismissed = false;        // by a client: however its computation ends, that is its state
@@ -111,26 +125,47 @@ JobQueue::~JobQueue() { shut_down(0); }
 Result JobQueue::run_now(const Computation& computation, std::function<bool()> hung_up) {
   const CancellationToken token;
   std::uint64_t ticket = 0;
+  std::uint64_t in_session = 0;
   {
     const std::lock_guard lock(mutex_);
     if (refusing_) throw_shutting_down();
     ticket = ++next_immediate_;
     immediate_.emplace(ticket, token);
+    in_session = enter_session(computation.session, token);
   }
   struct Leave {
     JobQueue& queue;
     std::uint64_t ticket;
+    const std::string& session;
+    std::uint64_t in_session;
     ~Leave() {
       const std::lock_guard lock(queue.mutex_);
       queue.immediate_.erase(ticket);
+      queue.leave_session(session, in_session);
       if (queue.refusing_) queue.changed_.notify_all();
     }
-  } const leave{*this, ticket};
+  } const leave{*this, ticket, computation.session, in_session};
   const Watchdog::Guard watch(watchdog_, {token, Clock::now() + duration(computation.deadline), std::move(hung_up)});
   const ComputeSlots::Slot slot(slots_, token);
   Execution execution;
   execution.cancellation = token;
   return computation.run(execution);
+}
+
+std::uint64_t JobQueue::enter_session(const std::string& session, const CancellationToken& token) {
+  if (session.empty()) return 0;
+  const auto number = ++next_in_session_;
+  const auto [entry, is_new] = sessions_.try_emplace(session, number, token);
+  if (!is_new) {
+    entry->second.second.request(StopReason::superseded);
+    entry->second = {number, token};
+  }
+  return number;
+}
+
+void JobQueue::leave_session(const std::string& session, std::uint64_t number) {
+  const auto entry = sessions_.find(session);
+  if (entry != sessions_.end() && entry->second.first == number) sessions_.erase(entry);
 }
 
 JobQueue::JobPointer JobQueue::enqueue(Computation computation, bool visible) {
@@ -146,6 +181,7 @@ JobQueue::JobPointer JobQueue::enqueue(Computation computation, bool visible) {
   if (refusing_) throw_shutting_down();
   if (queue_.size() >= options_.max_queue) throw queue_full(options_.max_queue);
   if (visible) publish(*job);
+  job->in_session = enter_session(job->computation.session, job->token);
   jobs_.emplace(job->record.id, job);
   queue_.push_back(job);
   work_.notify_one();
@@ -189,7 +225,7 @@ JobQueue::JobPointer JobQueue::find(const std::string& id) const {
   return found != jobs_.end() && found->second->visible ? found->second : nullptr;
 }
 
-JobStatus JobQueue::status_of(const Job& job) { return {job.record, job.progress, job.stage}; }
+JobStatus JobQueue::status_of(const Job& job) { return {job.record, job.progress, job.stage, job.partial}; }
 
 JobStatus JobQueue::status(const std::string& id) const {
   {
@@ -358,6 +394,7 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
   job->result = std::move(result);
   job->failure = failure;
   jobs_.erase(record.id);
+  leave_session(job->computation.session, job->in_session);
   changed_.notify_all();
   auto watch = std::move(job->watch);
   lock.unlock();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
 
@@ -18,6 +20,12 @@ void write_rows(JsonWriter& out, const Matrix& matrix) {
   out.begin_array();
   for (decltype(matrix.rows()) i = 0; i < matrix.rows(); ++i) out.numbers(matrix.row(i).transpose().eval());
   out.end_array();
+}
+
+/// The field "lattice": translations are columns in the engine and rows on the wire.
+inline void write_lattice(JsonWriter& out, const Eigen::Matrix2d& lattice) {
+  out.key("lattice");
+  write_rows(out, lattice.transpose().eval());
 }
 
 }  // namespace supple::json

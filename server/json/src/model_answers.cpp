@@ -103,7 +103,7 @@ std::string write_model(const neural::Model& model, const std::string& sha256) {
       .begin_object()
       .field("smallest_principal", model.strain_range.smallest_principal)
       .field("largest_principal", model.strain_range.largest_principal)
-      .field("largest_relative_energy", model.strain_range.largest_energy)
+      .field("largest_relative_energy", model.strain_range.largest_relative_energy)
       .end_object();
   out.key("errors").begin_object();
   write_split(out, "design_split", model.design_split);

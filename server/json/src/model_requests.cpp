@@ -1,7 +1,5 @@
 #include "supple/json/model_requests.h"
 
-#include <limits>
-
 #include "document.h"
 #include "request_parts.h"
 
@@ -16,7 +14,6 @@ constexpr double largest_uniaxial_strain = 7.5;
 constexpr double least_tolerance = 1e-14;
 constexpr double largest_tolerance = 1e-2;
 constexpr int most_iterations = 10'000;
-constexpr double any = std::numeric_limits<double>::max();
 
 /// The parameters of one design.
 void read_design(const Document& value, const std::string& pointer, Faults& faults, std::vector<double>& design) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,10 @@ namespace supple::json {
 
 /// The values of an effect's switch, in the order of the enumerations that stand for them.
 inline const std::vector<std::string_view> switch_names{"automatic", "on", "off"};
+
+/// Where any number will do.
+inline constexpr double any = std::numeric_limits<double>::max();
+inline constexpr int largest_index = std::numeric_limits<int>::max();
 
 /// The stretches that a load may have.
 inline constexpr double least_stretch = 0.2;

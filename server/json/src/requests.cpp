@@ -121,9 +121,9 @@ surface::TriangleSoup parse_mesh_arrays(std::string_view body, const Limits& lim
                            setting);
     }
   };
-  constexpr auto any = std::numeric_limits<std::size_t>::max();
-  const auto* vertices = fields.array("vertices", true, 0, any, "");
-  const auto* faces = fields.array("faces", true, 0, any, "");
+  constexpr auto unlimited = std::numeric_limits<std::size_t>::max();
+  const auto* vertices = fields.array("vertices", true, 0, unlimited, "");
+  const auto* faces = fields.array("faces", true, 0, unlimited, "");
   check_count(vertices, mesh_limits.vertices, "The number of vertices", "--max-vertices");
   check_count(faces, mesh_limits.faces, "The number of faces", "--max-faces");
   const auto is_triple = [](const Document& value, auto is_entry) {

@@ -17,11 +17,6 @@ void write_polygon(JsonWriter& out, tiling::Polygon polygon, const tiling::Place
   out.end_array();
 }
 
-void write_lattice(JsonWriter& out, const Eigen::Matrix2d& lattice) {
-  out.key("lattice");
-  write_rows(out, lattice.transpose().eval());
-}
-
 template <class Value>
 void write_bound(JsonWriter& out, std::string_view name, const std::vector<tiling::Parameter>& parameters,
                  Value tiling::Parameter::*value) {

@@ -1,7 +1,6 @@
 #include "supple/json/structure_requests.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "document.h"
 #include "request_parts.h"
@@ -16,7 +15,6 @@ constexpr double least_corner_size = 0.01;
 constexpr int most_cells = 100;
 constexpr double least_height = 1e-3;
 constexpr double largest_height = 1000;
-constexpr double any = std::numeric_limits<double>::max();
 
 bool is_family_character(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -95,6 +93,7 @@ microscale::UniaxialLoad read_uniaxial(Fields& fields, const Limits& limits) {
   read_states(fields, "stretches", limits, load.stretches, [&](const auto& entry, const auto& pointer, auto& state) {
     return read_number(entry, pointer, fields.faults(), state, least_stretch, largest_stretch);
   });
+  fields.choice("frame", load.frame, {"space", "material"});
   return load;
 }
 

@@ -34,8 +34,8 @@ http::Response finished(store::Result result) {
 
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation) {
   const auto preference = http::parse_preference(request.header("Prefer"), services.limits.max_wait);
+  if (!preference.respond_async && !preference.wait) return answer_immediately(services, request, computation);
   const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
-  if (!preference.respond_async && !preference.wait) return finished(services.jobs->run_now(computation, hung_up));
   http::Response response;
   if (preference.wait && *preference.wait > 0) {
     auto outcome = services.jobs->run_within(std::move(computation), *preference.wait, hung_up);
@@ -46,6 +46,11 @@ http::Response answer_computation(Services& services, const http::Request& reque
     response.set_header("Preference-Applied", preference.respond_async ? "respond-async" : "wait=0");
   }
   return response;
+}
+
+http::Response answer_immediately(Services& services, const http::Request& request,
+                                  const jobs::Computation& computation) {
+  return finished(services.jobs->run_now(computation, [peer = request.peer] { return peer.hung_up(); }));
 }
 
 std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const std::string& id) {

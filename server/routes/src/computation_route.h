@@ -15,6 +15,10 @@ namespace supple::routes {
 /// Answers a computation as the request's Prefer header asks for: immediately, or with 202 and a job.
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation);
 
+/// Answers a computation with 200, whatever the request prefers.
+http::Response answer_immediately(Services& services, const http::Request& request,
+                                  const jobs::Computation& computation);
+
 /// The mesh of a computation. Throws "mesh.not_found" with a pointer to the field.
 std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const std::string& id);
 

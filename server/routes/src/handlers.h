@@ -14,9 +14,16 @@ void add_karcher_mean_route(http::Router& router, Services& services);
 void add_exponential_map_route(http::Router& router, Services& services);
 void add_structure_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);
+void add_design_routes(http::Router& router, Services& services);
 void add_model_routes(http::Router& router, Services& services);
+void add_weave_routes(http::Router& router, Services& services);
+void add_weave_toolpath_routes(http::Router& router, Services& services);
 void add_job_routes(http::Router& router, Services& services);
 void add_service_routes(http::Router& router, Services& services);
+/// The files of a folder as they are now, each at its path, and index.html also at "/". What is not there is not found,
+/// whatever a path looks like: the folder is not looked at again. Throws std::runtime_error where it cannot be read or
+/// has no index.html.
+void add_web_routes(http::Router& router, const std::string& folder);
 
 /// Throws "server.not_ready" until the store is open and the models are read, "server.shutting_down" at the end.
 void require_ready(const Services& services);

@@ -39,7 +39,7 @@ http::Response list(Services& services, const http::Request& request) {
   return json_response(out.take());
 }
 
-http::Response show(Services& services, const http::Request& request) {
+http::Response show_job(Services& services, const http::Request& request) {
   require_ready(services);
   const auto status = services.jobs->status(job_parameter(request));
   auto response = json_response(write_job(status));
@@ -64,7 +64,7 @@ http::Response result(Services& services, const http::Request& request) {
   return response;
 }
 
-http::Response remove(Services& services, const http::Request& request) {
+http::Response remove_job(Services& services, const http::Request& request) {
   require_ready(services);
   if (const auto dismissed = services.jobs->remove(job_parameter(request))) return json_response(write_job(*dismissed));
   http::Response response;
@@ -155,6 +155,7 @@ std::string write_job(const jobs::JobStatus& status) {
   out.field("deadline", record.deadline);
   if (record.state == JobState::successful) out.field("result", "/v1/jobs/" + record.id + "/result");
   if (!record.error.empty()) out.key("error").raw(record.error);
+  if (!status.partial.empty() && !is_finished(status)) out.key("partial").raw(status.partial);
   out.end_object();
   return out.take();
 }
@@ -164,8 +165,8 @@ void add_job_routes(http::Router& router, Services& services) {
     return [&services, handler](const http::Request& request) { return handler(services, request); };
   };
   router.add({"GET", "/v1/jobs", with(list), {}});
-  router.add({"GET", "/v1/jobs/{job}", with(show), {}});
-  router.add({"DELETE", "/v1/jobs/{job}", with(remove), {}});
+  router.add({"GET", "/v1/jobs/{job}", with(show_job), {}});
+  router.add({"DELETE", "/v1/jobs/{job}", with(remove_job), {}});
   router.add({"GET", "/v1/jobs/{job}/result", with(result), {}});
   router.add({"GET", "/v1/jobs/{job}/events", with(events), {}});
 }

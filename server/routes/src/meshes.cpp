@@ -71,7 +71,7 @@ http::Response list(const Services& services, const http::Request& request) {
   return json_response(out.take());
 }
 
-http::Response show(const Services& services, const http::Request& request) {
+http::Response show_mesh(const Services& services, const http::Request& request) {
   require_ready(services);
   const auto record = services.store->mesh(mesh_parameter(request));
   if (!record) throw_not_found(mesh_parameter(request));
@@ -99,7 +99,7 @@ http::Response content(const Services& services, const http::Request& request) {
   return response;
 }
 
-http::Response remove(Services& services, const http::Request& request) {
+http::Response remove_mesh(Services& services, const http::Request& request) {
   require_ready(services);
   const auto& id = mesh_parameter(request);
   if (services.jobs->mesh_in_use(id)) throw Error("mesh.in_use", "Unfinished jobs use the mesh " + id + ".");
@@ -121,8 +121,8 @@ void add_mesh_routes(http::Router& router, Services& services) {
   };
   router.add({"POST", "/v1/meshes", with(create), {services.limits.max_body, "--max-body"}});
   router.add({"GET", "/v1/meshes", with_const(list), {}});
-  router.add({"GET", "/v1/meshes/{mesh}", with_const(show), {}});
-  router.add({"DELETE", "/v1/meshes/{mesh}", with(remove), {}});
+  router.add({"GET", "/v1/meshes/{mesh}", with_const(show_mesh), {}});
+  router.add({"DELETE", "/v1/meshes/{mesh}", with(remove_mesh), {}});
   router.add({"GET", "/v1/meshes/{mesh}/content", with_const(content), {}});
 }
 

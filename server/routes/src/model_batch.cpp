@@ -169,20 +169,22 @@ class Batch {
 
 }  // namespace
 
-void check_designs(const store::LoadedModel& model, const json::EvaluationRequest& request) {
+void check_designs(const store::LoadedModel& model, std::span<const std::vector<double>> designs,
+                   const std::function<std::string(std::size_t)>& pointer) {
   constexpr std::size_t most_details = 20;
-  const auto& designs = request.designs;
   const auto expected = static_cast<std::size_t>(model.evaluator.shape().parameters);
   const std::string wanted = std::to_string(expected) + (expected == 1 ? " number" : " numbers");
   std::vector<Error::Detail> details;
-  for (std::size_t i = 0; i < designs.size() && details.size() < most_details; ++i) {
-    if (designs[i].size() == expected) continue;
-    details.push_back(
-        {"/parameters/" + std::to_string(i), "must be " + wanted + ", not " + std::to_string(designs[i].size())});
-  }
-  if (!details.empty()) {
+  for (std::size_t i = 0; i < designs.size() && details.size() < most_details; ++i)
+    if (designs[i].size() != expected)
+      details.push_back({pointer(i), "must be " + wanted + ", not " + std::to_string(designs[i].size())});
+  if (!details.empty())
     throw Error("model.parameter_count", "A design of the model " + model.model.id + " is " + wanted + ".", details);
-  }
+}
+
+void check_evaluation(const store::LoadedModel& model, const json::EvaluationRequest& request) {
+  const auto& designs = request.designs;
+  check_designs(model, designs, [](std::size_t i) { return "/parameters/" + std::to_string(i); });
   const auto strains = static_cast<std::size_t>(request.strains.cols());
   if (designs.size() != 1 && designs.size() != strains) {
     const std::string text = "There are " + std::to_string(designs.size()) + " designs for " + std::to_string(strains) +

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "supple/base/execution.h"
@@ -16,11 +19,16 @@ struct ModelBatch {
   std::vector<std::uint8_t> in_range;
 };
 
-/// Throws "model.parameter_count", with a pointer to each design at fault, and "model.design_count".
-void check_designs(const store::LoadedModel& model, const json::EvaluationRequest& request);
+/// Throws "model.parameter_count" unless each design has as many numbers as the model has parameters; `pointer` says
+/// where in the request the design of an index stands.
+void check_designs(const store::LoadedModel& model, std::span<const std::vector<double>> designs,
+                   const std::function<std::string(std::size_t)>& pointer);
 
-/// Evaluates a request that has passed `check_designs`, in parallel; equal designs that follow one another are prepared
-/// once. Throws "model.not_finite".
+/// Throws what `check_designs` throws, and "model.design_count" unless there is one design, or one for each strain.
+void check_evaluation(const store::LoadedModel& model, const json::EvaluationRequest& request);
+
+/// Evaluates a request that has passed `check_evaluation`, in parallel; equal designs that follow one another are
+/// prepared once. Throws "model.not_finite".
 ModelBatch evaluate(const store::LoadedModel& model, const json::EvaluationRequest& request,
                     const Execution& execution);
 

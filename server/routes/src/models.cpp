@@ -28,7 +28,7 @@ http::Response list(const Services& services) {
   return json_response(out.take());
 }
 
-http::Response show(const Services& services, const http::Request& request) {
+http::Response show_model(const Services& services, const http::Request& request) {
   require_ready(services);
   const auto model = model_of(services, request);
   if (matches(request.header("If-None-Match"), model->sha256)) return not_modified(model->sha256);
@@ -79,20 +79,12 @@ store::Result compute_uniaxial(const store::LoadedModel& model, const json::Unia
   return json_result(json::write_uniaxial(version_of(model), request, states, in_range, bill));
 }
 
-void check_parameters(const store::LoadedModel& model, const std::vector<double>& parameters) {
-  const auto expected = static_cast<std::size_t>(model.evaluator.shape().parameters);
-  if (parameters.size() == expected) return;
-  const std::string text = "The model " + model.model.id + " has " + std::to_string(expected) + " parameters, not " +
-                           std::to_string(parameters.size()) + ".";
-  throw Error("model.parameter_count", text, {{"/parameters", text}});
-}
-
 http::Response answer_evaluation(Services& services, const http::Request& http_request) {
   require_ready(services);
   auto model = model_of(services, http_request);
   auto request = std::make_shared<const json::EvaluationRequest>(
       json::parse_evaluation(json_body(http_request), services.limits.json));
-  check_designs(*model, *request);
+  check_evaluation(*model, *request);
   jobs::Computation computation{"model-evaluations", {}, request->deadline, {}};
   computation.run = [request, model = std::move(model), metrics = services.metrics](const Execution& execution) {
     return compute_evaluation(*model, *request, *metrics, execution);
@@ -104,7 +96,7 @@ http::Response answer_uniaxial(Services& services, const http::Request& http_req
   require_ready(services);
   auto model = model_of(services, http_request);
   auto request = json::parse_uniaxial(json_body(http_request), services.limits.json);
-  check_parameters(*model, request.parameters);
+  check_designs(*model, {&request.parameters, 1}, [](std::size_t) { return "/parameters"; });
   jobs::Computation computation{"model-uniaxial", {}, request.deadline, {}};
   computation.run = [request = std::move(request), model = std::move(model), metrics = services.metrics](
                         const Execution& execution) { return compute_uniaxial(*model, request, *metrics, execution); };
@@ -116,7 +108,8 @@ http::Response answer_uniaxial(Services& services, const http::Request& http_req
 void add_model_routes(http::Router& router, Services& services) {
   const http::BodyLimit json{services.limits.max_json, "--max-json"};
   router.add({"GET", "/v1/models", [&services](const http::Request&) { return list(services); }, {}});
-  router.add({"GET", "/v1/models/{model}", [&services](const http::Request& r) { return show(services, r); }, {}});
+  router.add(
+      {"GET", "/v1/models/{model}", [&services](const http::Request& r) { return show_model(services, r); }, {}});
   router.add({"POST", "/v1/models/{model}/evaluations",
               [&services](const http::Request& r) { return answer_evaluation(services, r); }, json});
   router.add({"POST", "/v1/models/{model}/uniaxial",

@@ -18,8 +18,12 @@ http::Router make_router(Services& services) {
   add_structure_routes(router, services);
   add_simulation_route(router, services);
   add_model_routes(router, services);
+  add_design_routes(router, services);
+  add_weave_routes(router, services);
+  add_weave_toolpath_routes(router, services);
   add_job_routes(router, services);
   add_service_routes(router, services);
+  if (!services.web.empty()) add_web_routes(router, services.web);
   return router;
 }
 

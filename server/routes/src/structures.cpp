@@ -3,6 +3,7 @@
 
 #include "computation_route.h"
 #include "handlers.h"
+#include "structure_query.h"
 #include "structure_spec.h"
 #include "supple/json/structure_answers.h"
 #include "supple/tiling/export.h"
@@ -10,18 +11,15 @@
 namespace supple::routes {
 namespace {
 
-/// The media types of a structure's files, and what writes them.
-struct FileFormat {
-  std::string_view media_type;
-  std::string (*write)(const tiling::Structure&, const tiling::ExportOptions&);
-};
-constexpr FileFormat file_formats[] = {{"image/svg+xml", tiling::write_svg},
-                                       {"image/vnd.dxf", tiling::write_dxf},
-                                       {"application/dxf", tiling::write_dxf},
-                                       {"model/stl", tiling::write_stl}};
+constexpr StructureFormat file_formats[] = {{"image/svg+xml", tiling::write_svg},
+                                            {"image/vnd.dxf", tiling::write_dxf},
+                                            {"application/dxf", tiling::write_dxf},
+                                            {"model/stl", tiling::write_stl}};
+/// How long a file behind a link may be kept: it changes only with the version of the server.
+constexpr const char* link_cache_control = "public, max-age=3600";
 
 /// Null for JSON. Throws "http.not_acceptable".
-const FileFormat* negotiate_format(const http::Request& request) {
+const StructureFormat* negotiate_format(const http::Request& request) {
   std::vector<std::string_view> offered{"application/json"};
   for (const auto& format : file_formats) offered.push_back(format.media_type);
   const auto type = http::negotiate(request.header("Accept"), offered);
@@ -30,16 +28,16 @@ const FileFormat* negotiate_format(const http::Request& request) {
                 "A structure is sent as application/json, image/svg+xml, image/vnd.dxf, application/dxf or model/stl.");
   }
   const auto* const found = std::find_if(std::begin(file_formats), std::end(file_formats),
-                                         [&](const FileFormat& format) { return format.media_type == *type; });
+                                         [&](const StructureFormat& format) { return format.media_type == *type; });
   return found == std::end(file_formats) ? nullptr : found;
 }
 
-store::Result write_file(const json::StructureRequest& request, const tiling::Structure& structure,
-                         const FileFormat& format, const Execution& outer) {
+store::Result write_file(const tiling::ExportOptions& files, const tiling::Structure& structure,
+                         const StructureFormat& format, const Execution& outer) {
   store::Result result;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const StageTimer timer(execution.cost, "export");
-    result.body = format.write(structure, request.files);
+    result.body = format.write(structure, files);
   });
   result.content_type = format.media_type;
   result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
@@ -68,6 +66,31 @@ store::Result describe(const json::StructureRequest& request, const tiling::Stru
   return json_result(json::write_structure(structure, mesh ? &*mesh : nullptr, svg ? &*svg : nullptr, bill));
 }
 
+/// The structure that a link names: what is wrong with its parameters is told of the query's.
+tiling::Structure linked_structure(const std::string& family, const std::optional<std::vector<double>>& parameters) {
+  try {
+    return make_structure({family, parameters});
+  } catch (const Error& error) {
+    auto details = error.details();
+    for (auto& detail : details) detail.where = "query " + detail.where.substr(detail.where.find_first_not_of('/'));
+    throw Error(error.code(), error.what(), std::move(details));
+  }
+}
+
+http::Response link(Services& services, const http::Request& http_request) {
+  require_ready(services);
+  const auto& family = http_request.path_parameters.at("family");
+  tiling::family(family);  // in the path: whatever the query says, an unknown one is not found
+  const auto query = read_structure_query(http_request, services.limits.json);
+  jobs::Computation computation{"structures", {}, services.limits.json.default_deadline, {}};
+  computation.run = [query, structure = linked_structure(family, query.parameters)](const Execution& execution) {
+    return write_file(query.files, structure, query.format, execution);
+  };
+  auto response = answer_immediately(services, http_request, computation);
+  response.set_header("Cache-Control", link_cache_control);
+  return response;
+}
+
 }  // namespace
 
 void add_structure_routes(http::Router& router, Services& services) {
@@ -83,6 +106,10 @@ void add_structure_routes(http::Router& router, Services& services) {
                 return json_response(json::write_family(preset_structures()[index]));
               },
               {}});
+  router.add({"GET",
+              "/v1/families/{family}/structure",
+              [&services](const http::Request& request) { return link(services, request); },
+              {}});
   const auto handler = [&services](const http::Request& http_request) {
     require_ready(services);
     const auto* const format = negotiate_format(http_request);
@@ -91,7 +118,8 @@ void add_structure_routes(http::Router& router, Services& services) {
     jobs::Computation computation{"structures", {}, request.deadline, {}};
     computation.run = [request = std::move(request), structure = std::move(structure),
                        format](const Execution& execution) {
-      return format ? write_file(request, structure, *format, execution) : describe(request, structure, execution);
+      return format ? write_file(request.files, structure, *format, execution)
+                    : describe(request, structure, execution);
     };
     return answer_computation(services, http_request, std::move(computation));
   };

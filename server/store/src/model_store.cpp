@@ -154,8 +154,9 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
     auto model = neural::read_model(path);
     auto description = options_.describe(model, hash);
     neural::Evaluator evaluator(model.network);
-    loaded = std::make_shared<const LoadedModel>(
-        LoadedModel{std::move(model), std::move(evaluator), std::move(hash), std::move(description)});
+    design::Candidates candidates(model.network);
+    loaded = std::make_shared<const LoadedModel>(LoadedModel{
+        std::move(model), std::move(evaluator), std::move(candidates), std::move(hash), std::move(description)});
   } catch (const std::exception& error) {
     // A damaged file may ask for any size: memory that it cannot have is one of its faults.
     reason = error.what();

@@ -122,6 +122,45 @@ TEST_F(JobQueueTest, RemovesAFinishedJob) {
   EXPECT_EQ(code_of([&] { queue().remove(id); }), "job.not_found");
 }
 
+TEST_F(JobQueueTest, ReplacesWhatStillRunsInTheSameSession) {
+  const auto in_session = [](Computation computation, const std::string& session) {
+    computation.session = session;
+    return computation;
+  };
+  const auto job = queue().submit(in_session(endless(), "a")).record.id;
+  wait_until_started();
+  std::string immediate;
+  std::thread caller([&] { immediate = code_of([&] { queue().run_now(in_session(endless(), "b"), {}); }); });
+  wait_until_started(2);
+  EXPECT_EQ(queue().run_now(in_session(answering("c"), "c"), {}).body, "c") << "other sessions are left alone";
+  EXPECT_EQ(queue().run_now(in_session(answering("new"), "b"), {}).body, "new");
+  caller.join();
+  EXPECT_EQ(immediate, "design.superseded");
+  EXPECT_EQ(queue().status(job).record.state, JobState::running);
+  EXPECT_EQ(queue().run_now(in_session(answering("newer"), "a"), {}).body, "newer");
+  const auto status = wait_until_finished(job);
+  EXPECT_EQ(status.record.state, JobState::failed);
+  EXPECT_EQ(status.record.error_status, 409);
+  EXPECT_EQ(queue().run_now(in_session(answering("alone"), "a"), {}).body, "alone") << "nothing is left to replace";
+}
+
+TEST_F(JobQueueTest, ShowsWhatARunningJobHasPublished) {
+  std::atomic<bool> go_on{false};
+  const auto id = queue()
+                      .submit(computation([&](const Execution& execution) {
+                        execution.progress->publish("{\"step\":1}");
+                        execution.progress->publish("{\"step\":2}");
+                        while (!go_on) execution.checkpoint(0.5, "waiting");
+                        return store::Result{"text/plain", {}, "done"};
+                      }))
+                      .record.id;
+  for (int i = 0; i < 1000 && queue().status(id).partial != "{\"step\":2}"; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(queue().status(id).partial, "{\"step\":2}");
+  go_on = true;
+  wait_until_finished(id);
+}
+
 TEST_F(JobQueueTest, FailsARunningJobAtItsDeadline) {
   const auto id = queue().submit(endless(0.05)).record.id;
   const auto status = wait_until_finished(id);

@@ -2,41 +2,21 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "supple/problem/problem.h"
+#include "support/expect_error.h"
 
 namespace supple::json {
 namespace {
 
 using Pointers = std::vector<std::string>;
 
-Error error_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {"", ""};
-}
-
-Pointers pointers(const Error& error) {
-  Pointers result;
-  for (const auto& detail : error.details()) result.push_back(detail.where);
-  return result;
-}
-
 Pointers faults_of_evaluation(const std::string& body) {
-  const auto error = error_of([&] { parse_evaluation(body, {}); });
-  EXPECT_EQ(error.code(), "request.invalid") << error.what();
-  return pointers(error);
+  return testing::places(testing::expect_error("request.invalid", [&] { parse_evaluation(body, {}); }));
 }
 
 Pointers faults_of_uniaxial(const std::string& fields) {
-  const auto error = error_of([&] { parse_uniaxial("{\"parameters\":[1],\"direction\":0," + fields + "}", {}); });
-  EXPECT_EQ(error.code(), "request.invalid") << error.what();
-  return pointers(error);
+  return testing::places(testing::expect_error(
+      "request.invalid", [&] { parse_uniaxial("{\"parameters\":[1],\"direction\":0," + fields + "}", {}); }));
 }
 
 TEST(EvaluationRequests, ReadEveryFieldAndDoubleTheShear) {
@@ -115,8 +95,8 @@ TEST(UniaxialRequests, PointToEachFieldAtFault) {
   EXPECT_EQ(faults_of_uniaxial(R"("stretches":[])"), Pointers{"/stretches"});
   EXPECT_EQ(faults_of_uniaxial(R"("stretches":[1],"accuracy":{"tolerance":1,"max_iterations":0,"steps":3})"),
             (Pointers{"/accuracy/tolerance", "/accuracy/max_iterations", "/accuracy/steps"}));
-  const auto missing = error_of([] { parse_uniaxial(R"({"stretches":[1]})", {}); });
-  EXPECT_EQ(pointers(missing), (Pointers{"/parameters", "/direction"}));
+  const auto missing = testing::expect_error("request.invalid", [] { parse_uniaxial(R"({"stretches":[1]})", {}); });
+  EXPECT_EQ(testing::places(missing), (Pointers{"/parameters", "/direction"}));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Two triangles with a common side that fill the periodic unit square: one corner node, three midpoints.
@@ -63,7 +63,7 @@ TEST(StructureAnswers, PlaceTilesAndKeepThemCounterclockwise) {
 TEST(SimulationAnswers, SayNullWhereAStateHasNoNumber) {
   microscale::SimulationResult result;
   result.states.resize(1);
-  result.states[0].residual = none;
+  result.states[0].residual = not_a_number;
   result.states[0].smallest_gap = infinite;
   const auto answer = simulation_answer({}, result);
   const auto& state = answer["states"][0];
@@ -77,7 +77,7 @@ TEST(SimulationAnswers, SayNullWhereAStateHasNoNumber) {
 TEST(SimulationAnswers, RefuseAStressThatIsNotFinite) {
   microscale::SimulationResult result;
   result.states.resize(1);
-  result.states[0].stress[1] = none;
+  result.states[0].stress[1] = not_a_number;
   try {
     simulation_answer({}, result);
     FAIL() << "nothing was thrown";

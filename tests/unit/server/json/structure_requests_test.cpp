@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "supple/problem/problem.h"
+#include "support/expect_error.h"
 
 namespace supple::json {
 namespace {
@@ -14,26 +13,9 @@ using microscale::GreenStrainLoad;
 using microscale::UniaxialLoad;
 using Pointers = std::vector<std::string>;
 
-Error error_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {"", ""};
-}
-
-Pointers pointers(const Error& error) {
-  Pointers result;
-  for (const auto& detail : error.details()) result.push_back(detail.where);
-  return result;
-}
-
 Pointers faults_of_simulation(const std::string& fields) {
-  const auto error = error_of([&] { parse_simulation("{\"family\":\"IH01\"," + fields + "}", {}); });
-  EXPECT_EQ(error.code(), "request.invalid") << error.what();
-  return pointers(error);
+  return testing::places(
+      testing::expect_error("request.invalid", [&] { parse_simulation("{\"family\":\"IH01\"," + fields + "}", {}); }));
 }
 
 Pointers faults_of_load(const std::string& load) { return faults_of_simulation("\"load\":" + load); }
@@ -68,21 +50,21 @@ TEST(StructureRequests, LeaveParametersAndMeshOpenWhereTheyAreNotGiven) {
 }
 
 TEST(StructureRequests, PointToEachFieldAtFault) {
-  const auto error = error_of([] {
+  const auto error = testing::expect_error("request.invalid", [] {
     parse_structure(
         R"({"family":"","parameters":[1,"x"],"cells":[0,2],"height":0,"mesh":{"mesh_size":3,"mesh_region":"all","corner":1},"svg":1})",
         {});
   });
   EXPECT_EQ(error.code(), "request.invalid");
-  EXPECT_EQ(pointers(error), (Pointers{"/family", "/parameters/1", "/cells", "/height", "/mesh/mesh_size",
-                                       "/mesh/mesh_region", "/mesh/corner", "/svg"}));
+  EXPECT_EQ(testing::places(error), (Pointers{"/family", "/parameters/1", "/cells", "/height", "/mesh/mesh_size",
+                                              "/mesh/mesh_region", "/mesh/corner", "/svg"}));
 }
 
 TEST(StructureRequests, RefuseCellsThatAreNoPairOfCounts) {
   for (const char* cells : {"[1]", "[1,2,3]", "[1,101]", "[1.5,2]", "2", "[\"1\",1]"}) {
-    const auto error =
-        error_of([&] { parse_structure(R"({"family":"IH01","cells":)" + std::string(cells) + "}", {}); });
-    EXPECT_EQ(pointers(error), Pointers{"/cells"}) << cells;
+    const auto error = testing::expect_error(
+        "request.invalid", [&] { parse_structure(R"({"family":"IH01","cells":)" + std::string(cells) + "}", {}); });
+    EXPECT_EQ(testing::places(error), Pointers{"/cells"}) << cells;
   }
 }
 
@@ -183,7 +165,7 @@ TEST(SimulationRequests, RefuseMoreStatesThanTheLimitAndNameTheSetting) {
   } catch (const problem::ProblemError& error) {
     EXPECT_EQ(error.code(), "request.limit_exceeded");
     EXPECT_EQ(error.problem().limit->setting, "--max-states");
-    EXPECT_EQ(pointers(error), Pointers{"/load/uniaxial/stretches"});
+    EXPECT_EQ(testing::places(error), Pointers{"/load/uniaxial/stretches"});
   }
 }
 

@@ -28,6 +28,8 @@ struct Computation {
   std::string mesh;       ///< empty where it works on none
   double deadline = 600;  ///< seconds from now
   std::function<store::Result(const Execution&)> run;
+  /// An unfinished computation of the same session is stopped with "design.superseded"; empty: of none.
+  std::string session{};
 };
 
 /// A job as a client sees it: its record, and how far it is.
@@ -35,6 +37,7 @@ struct JobStatus {
   store::JobRecord record;
   double progress = 0;  ///< in [0, 1]
   std::string stage;
+  std::string partial{};  ///< JSON of an intermediate result while it runs; empty where there is none
 };
 
 struct QueueOptions {
@@ -102,6 +105,9 @@ class JobQueue {
   struct Job;
   using JobPointer = std::shared_ptr<Job>;
 
+  /// Under the mutex: stops what else runs in the session and takes its place. Returns the number to leave it with.
+  std::uint64_t enter_session(const std::string& session, const CancellationToken& token);
+  void leave_session(const std::string& session, std::uint64_t number);
   JobPointer enqueue(Computation computation, bool visible);
   void publish(Job& job);
   void work();
@@ -126,6 +132,9 @@ class JobQueue {
   std::deque<JobPointer> queue_;
   std::map<std::string, JobPointer> jobs_;  // unfinished ones, those not yet visible to clients included
   std::map<std::uint64_t, CancellationToken> immediate_;
+  /// The latest unfinished computation of each session, with a number that tells it from later ones.
+  std::map<std::string, std::pair<std::uint64_t, CancellationToken>> sessions_;
+  std::uint64_t next_in_session_ = 0;
   std::uint64_t next_immediate_ = 0;
   std::size_t running_ = 0;
   bool refusing_ = false;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/effect_switch.h"
 #include "supple/json/limits.h"
 #include "supple/surface/geodesic_field.h"
 #include "supple/surface/karcher_mean.h"
@@ -26,7 +27,7 @@ struct PointSpec {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
 };
 
-enum class Switch { automatic, on, off };
+using supple::Switch;
 
 struct GeodesicsRequest {
   struct Pair {

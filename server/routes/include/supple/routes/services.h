@@ -30,6 +30,7 @@ struct RouteLimits {
 struct Services {
   RouteLimits limits;
   std::string version;
+  std::string web;  ///< folder of the built web editor; none where empty
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   metrics::Metrics* metrics = nullptr;
   store::Store* store = nullptr;

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "supple/design/candidates.h"
 #include "supple/neural/evaluator.h"
 #include "supple/neural/model.h"
 
@@ -22,6 +23,7 @@ namespace supple::store {
 struct LoadedModel {
   neural::Model model;
   neural::Evaluator evaluator;
+  design::Candidates candidates;
   std::string sha256;       ///< of the file, hexadecimal
   std::string description;  ///< the JSON that clients get
 };

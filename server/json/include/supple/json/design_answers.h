@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "supple/design/inverse_design.h"
+#include "supple/json/answers.h"
+#include "supple/json/design_requests.h"
+
+/// The answers of inverse design as JSON text; they throw like those of answers.h.
+namespace supple::json {
+
+/// Which model a design is of.
+struct DesignModel {
+  std::string family;
+  std::string id;
+  std::string sha256;
+};
+
+/// A profile by simulation beside the model's.
+struct VerifiedProfile {
+  std::vector<double> x;
+  Eigen::VectorXd simulated;  ///< NaN where the simulation did not get there
+  Eigen::VectorXd model;
+};
+
+/// One region's answer.
+struct FoundDesigns {
+  std::string name;                     ///< of the region; empty where it has none
+  std::vector<DesignModel> models;      ///< of the spaces that were searched
+  std::vector<design::Design> ranking;  ///< best first, at least one
+  std::optional<VerifiedProfile> verified;
+};
+
+std::string write_design(const DesignRequest& request, const std::vector<FoundDesigns>& found, const Bill& bill);
+/// What the job's events carry while it runs.
+std::string write_partial_design(const std::string& name, const DesignModel& model,
+                                 const design::DesignProgress& progress);
+std::string write_profile(const DesignModel& model, const ProfileRequest& request, const design::Profile& profile,
+                          const Bill& bill);
+
+}  // namespace supple::json

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "supple/design/inverse_design.h"
+#include "supple/json/limits.h"
+
+/// The requests of inverse design as types; they are read like those of requests.h and throw the same. Whether targets
+/// make sense and parameters fit the family is not asked here.
+namespace supple::json {
+
+/// What one design is to do, and where to look.
+struct RegionSpec {
+  std::string name;            ///< empty where it has none
+  std::string family = "any";  ///< or "any"
+  std::string model;           ///< instead of a family; empty where it is not given
+  design::DesignProblem problem;
+};
+
+struct DesignRequest {
+  bool several = false;             ///< "regions" rather than one problem
+  std::vector<RegionSpec> regions;  ///< at least one
+  bool verify = false;
+  int verified_samples = 12;
+  design::DesignOptions options;
+  std::string session;  ///< empty where it is not given
+  double deadline = 0;  ///< seconds; set also where the request leaves it out
+};
+DesignRequest parse_design(std::string_view body, const Limits& limits);
+
+struct ProfileRequest {
+  std::string family;  ///< exactly one of family and model is not empty
+  std::string model;
+  std::vector<double> parameters;
+  design::ProfileSamples samples;
+  double equilibrium_tolerance = 1e-10;
+  double deadline = 0;
+};
+ProfileRequest parse_profile(std::string_view body, const Limits& limits);
+
+}  // namespace supple::json

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "supple/json/answers.h"
+#include "supple/json/weave_requests.h"
+
+/// The answers about weaves as JSON text; they throw like those of answers.h.
+namespace supple::json {
+
+/// `svg` is null where it was not asked for.
+std::string write_weave_layout(const weave::Weave& weave, const std::vector<std::string>& warnings,
+                               const std::string* svg, const Bill& bill);
+
+/// Numbers of directions that did not converge are null where the contract says so.
+std::string write_weave_homogenization(const WeaveHomogenizationRequest& request, const weave::Weave& weave,
+                                       const std::vector<weave::DirectionalResponse>& responses, const Bill& bill);
+
+/// Where supports ended up: those of a box are several.
+struct HeldPlace {
+  int support = 0;  ///< index of the request's
+  int strand = 0;
+  double coordinate = 0;  ///< mm
+};
+
+/// `places` has an entry for each support of the engine.
+std::string write_weave_simulation(const WeaveSimulationRequest& request, const weave::Weave& weave,
+                                   const std::vector<HeldPlace>& places, const weave::SimulationResult& result,
+                                   const Bill& bill);
+
+}  // namespace supple::json

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "supple/json/limits.h"
+#include "supple/weave/homogenization.h"
+#include "supple/weave/patterns.h"
+#include "supple/weave/simulation.h"
+
+/// The requests about weaves as types; they are read like those of requests.h and throw the same. Whether strands meet
+/// and indices exist is not asked here. Lengths are in mm.
+namespace supple::json {
+
+struct StrandSpec {
+  std::vector<Eigen::Vector2d> points;
+  weave::Ends ends = weave::Ends::open;
+  Eigen::Vector2d translation{0, 0};
+  std::optional<double> radius;  ///< the weave's without it
+};
+
+/// How far a member may slide; as `WeaveSpec::sliding_share` says where nothing is given.
+struct SlidingRange {
+  std::optional<double> backward;  ///< infinity for no limit
+  std::optional<double> forward;
+};
+
+struct MemberSpec {
+  int strand = 0;
+  double coordinate = 0;
+  Eigen::Vector2i shift{0, 0};
+  bool slides = false;
+  SlidingRange range;
+};
+
+struct LayoutSpec {
+  std::vector<StrandSpec> strands;
+  std::optional<std::vector<std::vector<MemberSpec>>> crossings;  ///< found without it
+  std::optional<Eigen::Matrix2d> lattice;
+};
+
+struct SheetSpec {
+  int columns = 1;
+  int rows = 1;
+  int fused_border = 0;  ///< of regular weaves
+};
+
+struct RegularSpec {
+  weave::ConnectionBlock connections = weave::uniform_block(weave::Connection::fused);
+  double pitch = 4;
+  std::optional<SheetSpec> sheet;
+};
+
+/// Lengths that are not given are the engine's defaults, which differ between cell and sheet.
+struct SquaresSpec {
+  weave::SquareType type = weave::SquareType::all_fused;
+  double side = 12;
+  std::optional<double> overlap;
+  std::optional<SheetSpec> sheet;
+};
+
+struct CirclesSpec {
+  weave::CircleType type = weave::CircleType::all_fused;
+  std::optional<double> radius;
+  std::optional<double> distance;
+  std::optional<SheetSpec> sheet;
+};
+
+struct RingsSpec {};
+
+/// A crossing that is connected otherwise than the pattern has it.
+struct CrossingOverride {
+  int crossing = 0;
+  std::vector<int> slides;  ///< members
+  SlidingRange range;
+};
+
+/// The field "weave", the same in every request that has one.
+struct WeaveSpec {
+  std::variant<LayoutSpec, RegularSpec, SquaresSpec, CirclesSpec, RingsSpec> source;
+  double radius = 0.25;
+  weave::Material material;
+  std::vector<CrossingOverride> overrides;
+  std::optional<double> sliding_share;
+};
+
+struct WeaveLayoutRequest {
+  WeaveSpec weave;
+  bool svg = false;
+  double deadline = 0;  ///< seconds; set also where the request leaves it out
+};
+WeaveLayoutRequest parse_weave_layout(std::string_view body, const Limits& limits);
+
+struct WeaveHomogenizationRequest {
+  WeaveSpec weave;
+  weave::HomogenizationOptions options;
+  double deadline = 0;
+};
+WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, const Limits& limits);
+
+/// Where something is held or pulled.
+struct StrandCoordinate {
+  int strand = 0;
+  double coordinate = 0;
+};
+struct StrandShare {
+  int strand = 0;
+  double share = 0;  ///< of the strand's length
+};
+struct AtCrossing {
+  int crossing = 0;
+};
+struct InBox {
+  Eigen::Vector2d lower{0, 0};
+  Eigen::Vector2d upper{0, 0};
+};
+using PlaceSpec = std::variant<StrandCoordinate, StrandShare, AtCrossing, InBox>;
+
+struct WeaveSupportSpec {
+  PlaceSpec at;
+  weave::Support support;  ///< without its place
+};
+
+struct WeaveForceSpec {
+  PlaceSpec at;
+  Eigen::Vector3d force{0, 0, 0};  ///< N; shared by a box' places
+};
+
+enum class DeformedStrands { none, json, obj, vtu };
+
+struct WeaveSimulationRequest {
+  WeaveSpec weave;
+  std::vector<WeaveSupportSpec> supports;
+  std::vector<WeaveForceSpec> forces;
+  int states = 1;
+  weave::EquilibriumOptions options;
+  DeformedStrands deformed = DeformedStrands::json;
+  double deadline = 0;
+};
+WeaveSimulationRequest parse_weave_simulation(std::string_view body, const Limits& limits);
+
+}  // namespace supple::json

@@ -1,0 +1,236 @@
+#include "supple/json/design_requests.h"
+
+#include <limits>
+#include <numbers>
+
+#include "document.h"
+#include "request_parts.h"
+
+namespace supple::json {
+namespace {
+
+// The ranges of api/openapi.yaml.
+constexpr double largest_design_parameter = 1000;
+constexpr double largest_value = 1e6;
+constexpr double largest_angle = 1000;
+constexpr double least_strain = -0.5;
+constexpr double largest_profile_strain = 7.5;
+constexpr std::size_t most_control_points = 64;
+constexpr std::size_t most_further_targets = 8;
+constexpr std::size_t most_regions = 20;
+constexpr int most_target_samples = 500;
+constexpr int most_profile_samples = 1000;
+constexpr std::size_t longest_name = 100;
+constexpr int default_strains = 31;
+constexpr int default_directions = 50;
+constexpr double default_range[2] = {-0.1, 0.2};
+
+const std::vector<std::string_view> task_names{"stress_strain", "stiffness", "poisson"};
+const std::vector<std::string_view> measure_names{"green", "engineering"};
+
+void read_text(Fields& fields, std::string_view name, std::string& out, std::size_t longest) {
+  const auto* value = fields.optional(name);
+  if (!value) return;
+  if (!value->is_string() || value->get_ref<const std::string&>().size() > longest) {
+    return fields.faults().add(fields.at(name), "must be a string of at most " + std::to_string(longest) + " bytes");
+  }
+  out = value->get<std::string>();
+}
+
+void read_session(Fields& fields, std::string& out) {
+  const auto* value = fields.optional("session");
+  if (!value) return;
+  constexpr std::size_t longest = 64;
+  if (value->is_string()) out = value->get<std::string>();
+  const auto allowed = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  if (out.empty() || out.size() > longest || !std::all_of(out.begin(), out.end(), allowed)) {
+    fields.faults().add(fields.at("session"), "must be 1 to 64 letters, digits, \"_\" or \"-\"");
+  }
+}
+
+void read_parameters(Fields& fields, std::string_view name, std::vector<double>& out) {
+  const auto* entries = fields.array(name, false, 1, neural::max_parameters, "");
+  if (!entries) return;
+  out.resize(entries->size());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    read_number((*entries)[k], fields.at(name) + "/" + std::to_string(k), fields.faults(), out[k],
+                -largest_design_parameter, largest_design_parameter);
+  }
+}
+
+void read_fixed(Fields& fields, std::vector<std::optional<double>>& out) {
+  const auto* entries = fields.array("fixed", false, 1, neural::max_parameters, "");
+  if (!entries) return;
+  for (std::size_t k = 0; k < entries->size(); ++k) {
+    const auto& entry = (*entries)[k];
+    double value = 0;
+    out.emplace_back();
+    if (entry.is_null()) continue;
+    if (read_number(entry, fields.at("fixed") + "/" + std::to_string(k), fields.faults(), value,
+                    -largest_design_parameter, largest_design_parameter)) {
+      out.back() = value;
+    }
+  }
+}
+
+/// Weights or bands.
+void read_list(Fields& fields, std::string_view name, std::vector<double>& out) {
+  const auto* entries = fields.array(name, false, 2, most_control_points, "");
+  if (!entries) return;
+  out.resize(entries->size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    read_number((*entries)[i], fields.at(name) + "/" + std::to_string(i), fields.faults(), out[i], 0, largest_value);
+  }
+}
+
+void read_spline(Fields& fields, design::Target& target) {
+  const auto* value = fields.required("target");
+  if (!value) return;
+  Fields spline(*value, fields.at("target"), fields.faults());
+  if (const auto* points = spline.array("control_points", true, 2, most_control_points, "")) {
+    for (std::size_t i = 0; i < points->size(); ++i) {
+      Eigen::Vector2d point = Eigen::Vector2d::Zero();
+      read_components((*points)[i], spline.at("control_points") + "/" + std::to_string(i), fields.faults(), point,
+                      -largest_value, largest_value);
+      target.control_points.push_back(point);
+    }
+  }
+  spline.choice("interpolation", target.interpolation, {"cubic", "monotone", "linear"});
+  read_list(spline, "weights", target.weights);
+  read_list(spline, "bands", target.bands);
+  spline.finish();
+}
+
+/// What targets and profiles have in common.
+template <class Samples>
+void read_samples(Fields& fields, Samples& out, design::StrainMeasure& measure) {
+  fields.required("task");
+  fields.choice("task", out.task, task_names);
+  fields.number("direction", out.direction, -largest_angle, largest_angle);
+  fields.number("strain", out.strain, least_strain, largest_profile_strain, true);
+  fields.choice("strain_measure", measure, measure_names);
+}
+
+design::Target read_target(Fields& fields) {
+  design::Target target;
+  read_samples(fields, target, target.measure);
+  read_spline(fields, target);
+  if (fields.present("samples")) fields.integer("samples", target.samples, 2, most_target_samples);
+  fields.number("weight", target.weight, 0, largest_value, true);
+  return target;
+}
+
+RegionSpec read_region(Fields& fields) {
+  RegionSpec region;
+  read_text(fields, "name", region.name, longest_name);
+  region.problem.targets.push_back(read_target(fields));
+  if (const auto* further = fields.array("also", false, 0, most_further_targets, "")) {
+    for (std::size_t i = 0; i < further->size(); ++i) {
+      Fields inner((*further)[i], fields.at("also") + "/" + std::to_string(i), fields.faults());
+      region.problem.targets.push_back(read_target(inner));
+      inner.finish();
+    }
+  }
+  read_text(fields, "family", region.family, longest_name);
+  read_text(fields, "model", region.model, longest_name);
+  if (fields.present("family") && fields.present("model")) {
+    fields.faults().add(fields.at("model"), "must not stand beside \"family\"");
+  }
+  std::vector<double> initial;
+  read_parameters(fields, "initial", initial);
+  if (!initial.empty()) {
+    region.problem.initial =
+        Eigen::Map<const Eigen::VectorXd>(initial.data(), static_cast<Eigen::Index>(initial.size()));
+  }
+  read_fixed(fields, region.problem.fixed);
+  return region;
+}
+
+void read_options(Fields& fields, DesignRequest& request) {
+  nested(fields, "accuracy", [&](Fields& accuracy) {
+    auto& options = request.options;
+    accuracy.number("tolerance", options.tolerance, 1e-12, 1e-2);
+    accuracy.number("equilibrium_tolerance", options.equilibrium_tolerance, 1e-14, 1e-4);
+    accuracy.integer("max_iterations", options.max_iterations, 1, 1000);
+    accuracy.integer("starts", options.starts, 1, 64);
+    if (accuracy.present("candidates")) accuracy.integer("candidates", options.candidates, 1, 4096);
+    accuracy.integer("verified_samples", request.verified_samples, 2, 200);
+  });
+  nested(fields, "effects", [&](Fields& effects) {
+    effects.choice("multi_start", request.options.multi_start, switch_names);
+    effects.choice("envelope", request.options.envelope, switch_names);
+  });
+}
+
+}  // namespace
+
+DesignRequest parse_design(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  DesignRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  request.several = fields.present("regions");
+  if (request.several) {
+    if (const auto* regions = fields.array("regions", true, 1, most_regions, "")) {
+      for (std::size_t i = 0; i < regions->size(); ++i) {
+        Fields inner((*regions)[i], fields.at("regions") + "/" + std::to_string(i), faults);
+        request.regions.push_back(read_region(inner));
+        inner.finish();
+      }
+    }
+  } else {
+    request.regions.push_back(read_region(fields));
+  }
+  fields.boolean("verify", request.verify);
+  read_options(fields, request);
+  read_session(fields, request.session);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  ProfileRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  read_samples(fields, request.samples, request.samples.measure);
+  read_text(fields, "family", request.family, longest_name);
+  read_text(fields, "model", request.model, longest_name);
+  if (document.is_object() && fields.present("family") == fields.present("model")) {
+    faults.add("", "must have exactly one of \"family\" and \"model\"");
+  }
+  fields.required("parameters");
+  read_parameters(fields, "parameters", request.parameters);
+  const bool over_strain = request.samples.task == design::Task::stress_strain;
+  Eigen::Vector2d range(default_range[0], default_range[1]);
+  int samples = over_strain ? default_strains : default_directions;
+  if (const auto* value = fields.optional("range")) {
+    read_components(*value, fields.at("range"), faults, range, -largest_angle, largest_angle);
+    if (!over_strain) faults.add(fields.at("range"), "directions cover half a turn; leave it out or give \"x\"");
+  }
+  fields.integer("samples", samples, 2, most_profile_samples);
+  fields.numbers("x", request.samples.x, false, 1, most_profile_samples);
+  if (fields.present("x") && (fields.present("range") || fields.present("samples"))) {
+    faults.add(fields.at("x"), "must not stand beside \"range\" or \"samples\"");
+  }
+  if (!fields.present("x")) {
+    request.samples.x.resize(static_cast<std::size_t>(samples));
+    for (int i = 0; i < samples; ++i) {
+      request.samples.x[static_cast<std::size_t>(i)] =
+          over_strain ? range[0] + (range[1] - range[0]) * i / (samples - 1) : std::numbers::pi * i / samples;
+    }
+  }
+  nested(fields, "accuracy", [&](Fields& accuracy) {
+    accuracy.number("equilibrium_tolerance", request.equilibrium_tolerance, 1e-14, 1e-4);
+  });
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+}  // namespace supple::json

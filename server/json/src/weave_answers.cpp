@@ -1,0 +1,242 @@
+#include "supple/json/weave_answers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "answer_parts.h"
+#include "supple/weave/drawing.h"
+#include "supple/weave/export.h"
+
+namespace supple::json {
+namespace {
+
+using weave::CellState;
+using weave::DirectionalResponse;
+using weave::Weave;
+
+template <class Points>
+void write_points(JsonWriter& out, const Points& points) {
+  out.begin_array();
+  for (const auto& point : points) out.numbers(point);
+  out.end_array();
+}
+
+void write_strand(JsonWriter& out, const weave::Strand& strand) {
+  out.begin_object().field("ends", weave::to_string(strand.curve.ends()));
+  out.key("translation").numbers(strand.curve.translation());
+  out.field("length", strand.curve.length()).field("radius", strand.radius).key("polyline");
+  write_points(out, weave::polyline(strand.curve));
+  out.end_object();
+}
+
+/// As a request may give it.
+void write_member(JsonWriter& out, const weave::CrossingMember& member) {
+  out.begin_object().field("strand", member.strand).field("coordinate", member.coordinate);
+  out.key("shift").begin_array().integer(member.shift[0]).integer(member.shift[1]).end_array();
+  out.field("slides", member.slides);
+  if (member.slides) {
+    write_number_or_null(out, "backward", member.backward);
+    write_number_or_null(out, "forward", member.forward);
+  }
+  out.end_object();
+}
+
+void write_sliders(JsonWriter& out, const Weave& weave) {
+  out.key("sliders").begin_array();
+  for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
+    const auto& members = weave.crossings[c].members;
+    for (std::size_t m = 0; m < members.size(); ++m)
+      if (members[m].slides) out.begin_object().field("crossing", c).field("member", m).end_object();
+  }
+  out.end_array();
+}
+
+template <class Polylines>
+void write_polylines(JsonWriter& out, const Polylines& strands) {
+  out.key("strands").begin_array();
+  for (const auto& strand : strands) write_points(out, strand);
+  out.end_array();
+}
+
+/// The largest of the residuals over what was allowed, keeping what is no number.
+class LargestResidual {
+ public:
+  void add(double residual, double tolerance) {
+    const double relative = residual / tolerance;
+    if (!(relative <= largest_)) largest_ = relative;
+  }
+  double value() const { return largest_; }
+
+ private:
+  double largest_ = 0;
+};
+
+void write_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, const LargestResidual& residual) {
+  out.key("accuracy").begin_object().field("segments", options.segments).field("tolerance", options.tolerance);
+  write_number_or_null(out, "residual", residual.value());
+}
+
+/// An array with write(response) for each direction.
+template <class Write>
+void write_each(JsonWriter& out, std::string_view name, const std::vector<DirectionalResponse>& responses,
+                Write write) {
+  out.key(name).begin_array();
+  for (const auto& response : responses) write(response);
+  out.end_array();
+}
+
+void write_moduli(JsonWriter& out, bool with_thickness, const std::vector<DirectionalResponse>& responses) {
+  const auto number_or_null = [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); };
+  write_each(out, "youngs_modulus", responses, [&](const auto& r) { number_or_null(r.youngs_modulus); });
+  if (with_thickness)
+    write_each(out, "youngs_modulus_mpa", responses, [&](const auto& r) { number_or_null(r.youngs_modulus_mpa); });
+  write_each(out, "poisson_ratio", responses, [&](const auto& r) { number_or_null(r.poisson_ratio); });
+}
+
+void write_cell_states(JsonWriter& out, const std::vector<DirectionalResponse>& responses) {
+  const auto write_matrix = [&](std::string_view name, Eigen::Matrix2d CellState::*matrix) {
+    write_each(out, name, responses, [&](const auto& r) { write_rows(out, r.state.*matrix); });
+  };
+  const auto write_integer = [&](std::string_view name, int CellState::*count) {
+    write_each(out, name, responses, [&](const auto& r) { out.integer(r.state.*count); });
+  };
+  write_matrix("deformation_gradient", &CellState::deformation_gradient);
+  write_matrix("nominal_stress", &CellState::nominal_stress);
+  write_matrix("cauchy_stress", &CellState::cauchy_stress);
+  write_each(out, "energy_density", responses, [&](const auto& r) { out.number(r.state.energy_density); });
+  write_each(out, "stopped", responses, [&](const auto& r) { out.string(weave::to_string(r.state.stopped)); });
+  write_each(out, "residual", responses,
+             [&](const auto& r) { std::isfinite(r.state.residual) ? out.number(r.state.residual) : out.null(); });
+  write_each(out, "out_of_plane", responses, [&](const auto& r) { out.boolean(r.state.out_of_plane); });
+  write_each(out, "stable", responses, [&](const auto& r) { out.boolean(r.state.stable); });
+  write_integer("iterations", &CellState::iterations);
+  write_integer("load_steps", &CellState::load_steps);
+  write_integer("branches", &CellState::branches);
+}
+
+std::string message_about(const std::vector<DirectionalResponse>& responses) {
+  const auto lost = std::count_if(responses.begin(), responses.end(), [](const DirectionalResponse& r) {
+    return r.state.stopped != weave::Stop::converged;
+  });
+  if (lost == 0) return {};
+  return std::to_string(lost) + " of " + std::to_string(responses.size()) +
+         " directions could not be followed to the strain; `stopped` says why.";
+}
+
+void write_deformed(JsonWriter& out, DeformedStrands deformed, const Weave& weave, const weave::SheetState& state) {
+  switch (deformed) {
+    case DeformedStrands::none:
+      return;
+    case DeformedStrands::json:
+      return write_polylines(out, state.strands);
+    case DeformedStrands::obj:
+      out.field("obj", weave::write_obj(state.strands));
+      return;
+    case DeformedStrands::vtu:
+      out.field("vtu", weave::write_vtu(weave, state.strands));
+  }
+}
+
+void write_sheet_state(JsonWriter& out, DeformedStrands deformed, const Weave& weave, const weave::SheetState& state) {
+  out.begin_object().field("share", state.share).field("energy", state.energy).key("crossings");
+  write_points(out, state.crossings);
+  out.key("sliding").numbers(state.sliding).key("reactions");
+  write_points(out, state.reactions);
+  out.field("out_of_plane", state.out_of_plane).field("stable", state.stable);
+  out.field("stopped", weave::to_string(state.stopped));
+  write_number_or_null(out, "residual", state.residual);
+  out.field("iterations", state.iterations).field("load_steps", state.load_steps).field("branches", state.branches);
+  write_deformed(out, deformed, weave, state);
+  out.end_object();
+}
+
+}  // namespace
+
+std::string write_weave_layout(const Weave& weave, const std::vector<std::string>& warnings, const std::string* svg,
+                               const Bill& bill) {
+  JsonWriter out;
+  out.begin_object().key("strands").begin_array();
+  for (const auto& strand : weave.strands) write_strand(out, strand);
+  out.end_array().key("crossings").begin_array();
+  for (const auto& crossing : weave.crossings) {
+    out.begin_object().key("position").numbers(weave::rest_position(weave, crossing.members.front()));
+    out.key("members").begin_array();
+    for (const auto& member : crossing.members) write_member(out, member);
+    out.end_array().end_object();
+  }
+  out.end_array();
+  if (weave.lattice) {
+    write_lattice(out, *weave.lattice);
+  } else {
+    out.key("lattice").null();
+  }
+  out.key("material")
+      .begin_object()
+      .field("youngs_modulus", weave.material.youngs_modulus)
+      .field("poisson_ratio", weave.material.poisson_ratio)
+      .end_object();
+  out.key("warnings").begin_array();
+  for (const auto& warning : warnings) out.string(warning);
+  out.end_array();
+  if (svg) out.field("svg", *svg);
+  write_bill(out, bill);
+  out.end_object();
+  return out.take();
+}
+
+std::string write_weave_homogenization(const WeaveHomogenizationRequest& request, const Weave& weave,
+                                       const std::vector<DirectionalResponse>& responses, const Bill& bill) {
+  const auto& options = request.options;
+  JsonWriter out;
+  out.begin_object().field("strain", options.strain).key("directions").numbers(options.directions);
+  write_moduli(out, options.thickness.has_value(), responses);
+  write_cell_states(out, responses);
+  out.field("message", message_about(responses));
+  write_sliders(out, weave);
+  out.key("cells").begin_array();
+  for (const int index : options.deformed) {
+    const auto& state = responses[static_cast<std::size_t>(index)].state;
+    out.begin_object().field("direction", index);
+    write_lattice(out, state.deformation_gradient * *weave.lattice);
+    write_polylines(out, state.strands);
+    out.key("sliding").numbers(state.sliding).end_object();
+  }
+  out.end_array();
+  LargestResidual residual;
+  for (const auto& response : responses) residual.add(response.state.residual, response.state.tolerance);
+  write_accuracy(out, options.equilibrium, residual);
+  out.end_object();
+  write_bill(out, bill);
+  out.end_object();
+  return out.take();
+}
+
+std::string write_weave_simulation(const WeaveSimulationRequest& request, const Weave& weave,
+                                   const std::vector<HeldPlace>& places, const weave::SimulationResult& result,
+                                   const Bill& bill) {
+  JsonWriter out;
+  out.begin_object().key("supports").begin_array();
+  for (const auto& place : places) {
+    const auto& curve = weave.strands[static_cast<std::size_t>(place.strand)].curve;
+    out.begin_object()
+        .field("support", place.support)
+        .field("strand", place.strand)
+        .field("coordinate", place.coordinate);
+    out.key("position").numbers(curve.at(place.coordinate).position).end_object();
+  }
+  out.end_array();
+  write_sliders(out, weave);
+  out.key("states").begin_array();
+  for (const auto& state : result.states) write_sheet_state(out, request.deformed, weave, state);
+  out.end_array().field("message", result.message);
+  LargestResidual residual;
+  for (const auto& state : result.states) residual.add(state.residual, state.tolerance);
+  write_accuracy(out, request.options, residual);
+  out.field("unknowns", result.unknowns).end_object();
+  write_bill(out, bill);
+  out.end_object();
+  return out.take();
+}
+
+}  // namespace supple::json

@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "computation_route.h"
+#include "handlers.h"
+#include "structure_spec.h"
+#include "supple/design/verification.h"
+#include "supple/json/design_answers.h"
+
+namespace supple::routes {
+namespace {
+
+using Model = std::shared_ptr<const store::LoadedModel>;
+
+json::DesignModel name_of(const store::LoadedModel& model) {
+  return {model.model.family, model.model.id, model.sha256};
+}
+
+/// Of two models of a family the one that errs less on designs that it has not seen.
+bool better(const store::LoadedModel& a, const store::LoadedModel& b) {
+  if (!a.model.design_split || !b.model.design_split) return a.model.design_split && !b.model.design_split;
+  return a.model.design_split->gradient.mean < b.model.design_split->gradient.mean;
+}
+
+/// The best model of each family, in the order of their ids.
+std::vector<Model> models_by_family(const Services& services) {
+  std::vector<Model> best;
+  for (const auto& model : services.models->models()) {
+    const auto same = std::find_if(best.begin(), best.end(),
+                                   [&](const Model& other) { return other->model.family == model->model.family; });
+    if (same == best.end()) {
+      best.push_back(model);
+    } else if (better(*model, **same)) {
+      *same = model;
+    }
+  }
+  return best;
+}
+
+/// The model of a family. Throws "design.no_model" with a pointer to the field.
+Model model_of_family(const Services& services, const std::string& family, const std::string& folder) {
+  const auto models = models_by_family(services);
+  std::string known;
+  for (const auto& model : models) {
+    if (model->model.family == family) return model;
+    known += (known.empty() ? "" : ", ") + model->model.family;
+  }
+  const std::string text = "No model of the family " + family.substr(0, 100) +
+                           " is loaded; there are models of: " + (known.empty() ? "none" : known) + ".";
+  throw Error("design.no_model", text, {{folder + "family", text}});
+}
+
+Model model_by_id(const Services& services, const std::string& id, const std::string& folder) {
+  try {
+    return services.models->get(id);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.what(), {{folder + "model", error.what()}});
+  }
+}
+
+/// One region with the models that it is searched in.
+struct Region {
+  json::RegionSpec spec;
+  std::vector<Model> models;
+  std::string folder;  ///< "/" or "/regions/3/"
+};
+
+std::vector<Model> models_of(const Services& services, const json::RegionSpec& spec, const std::string& folder) {
+  if (!spec.model.empty()) return {model_by_id(services, spec.model, folder)};
+  if (spec.family != "any") return {model_of_family(services, spec.family, folder)};
+  if (spec.problem.initial || !spec.problem.fixed.empty()) {
+    const std::string field = spec.problem.initial ? "initial" : "fixed";
+    throw Error("design.needs_family",
+                "The field " + field + " needs a family or a model: each has its own parameters.",
+                {{folder + field, "needs \"family\" or \"model\""}});
+  }
+  auto models = models_by_family(services);
+  if (models.empty())
+    throw Error("design.no_model", "No model is loaded.", {{folder + "family", "no model is loaded"}});
+  return models;
+}
+
+/// Throws "design.invalid_target" with pointers.
+void check_targets(const Region& region) {
+  const auto& targets = region.spec.problem.targets;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    try {
+      design::sample_target(targets[t]);
+    } catch (const Error& error) {
+      throw moved(error, t == 0 ? region.folder : region.folder + "also/" + std::to_string(t - 1) + "/");
+    }
+  }
+}
+
+/// Moves a stretch of progress to its place among the regions.
+class RegionProgress : public ProgressSink {
+ public:
+  RegionProgress(ProgressSink& outer, double first, double share) : outer_(outer), first_(first), share_(share) {}
+  void report(double fraction, std::string_view stage) override { outer_.report(first_ + share_ * fraction, stage); }
+  void publish(std::string_view partial) override { outer_.publish(partial); }
+
+ private:
+  ProgressSink& outer_;
+  double first_;
+  double share_;
+};
+
+/// Nothing where the parameters give no valid structure, which the design's message then says: bounds are a box, and
+/// tiles in its corners can be too small or closed.
+std::optional<tiling::Structure> structure_of(const store::LoadedModel& model, design::Design& best) {
+  const std::vector<double> parameters(best.parameters.begin(), best.parameters.end());
+  try {
+    return make_structure({model.model.family, parameters});
+  } catch (const Error& error) {
+    if (error.code().rfind("tiling.", 0) != 0) throw;
+    best.message += (best.message.empty() ? "" : " ") + ("There is no such structure: " + std::string(error.what()));
+    return std::nullopt;
+  }
+}
+
+/// All simulated values are missing where there is no structure.
+json::VerifiedProfile verify(const Region& region, const json::DesignRequest& request, const design::Design& best,
+                             const std::optional<tiling::Structure>& structure, const Execution& execution) {
+  const auto& model = *region.models[best.space];
+  const std::vector<double> parameters(best.parameters.begin(), best.parameters.end());
+  const auto samples = design::thinned(best.profiles.front().target.samples, request.verified_samples);
+  microscale::SimulationOptions options;
+  options.material.youngs_modulus = model.model.provenance.youngs_modulus;
+  options.material.poisson_ratio = model.model.provenance.poisson_ratio;
+  json::VerifiedProfile verified;
+  verified.x = samples.x;
+  verified.simulated = structure ? design::simulate_profile(*structure, samples, options, execution)
+                                 : Eigen::VectorXd::Constant(static_cast<Eigen::Index>(samples.x.size()),
+                                                             std::numeric_limits<double>::quiet_NaN());
+  verified.model = design::evaluate_profile(model.model, model.evaluator, parameters, samples,
+                                            request.options.equilibrium_tolerance, {execution.cancellation})
+                       .y;
+  return verified;
+}
+
+design::Buildable buildable(const std::string& id) {
+  return [&family = tiling::family(id)](const Eigen::VectorXd& parameters) {
+    try {
+      tiling::make_structure(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  };
+}
+
+json::FoundDesigns search(const Region& region, const json::DesignRequest& request, const Execution& execution) {
+  json::FoundDesigns found;
+  found.name = region.spec.name;
+  std::vector<design::DesignSpace> spaces;
+  spaces.reserve(region.models.size());
+  for (const auto& model : region.models) {
+    found.models.push_back(name_of(*model));
+    spaces.push_back({model->model, model->evaluator, model->candidates, buildable(model->model.family)});
+  }
+  design::OnProgress progress;
+  if (execution.progress)
+    progress = [&](const design::DesignProgress& news) {
+      execution.progress->publish(json::write_partial_design(found.name, found.models[news.space], news));
+    };
+  try {
+    found.ranking = design::find_designs(spaces, region.spec.problem, request.options, execution, progress);
+  } catch (const Error& error) {
+    if (error.code().rfind("design.", 0) != 0 || error.details().empty()) throw;
+    throw moved(error, region.folder);
+  }
+  auto& best = found.ranking.front();
+  const auto structure = structure_of(*region.models[best.space], best);
+  if (request.verify) found.verified = verify(region, request, best, structure, execution);
+  return found;
+}
+
+store::Result compute_design(const std::vector<Region>& regions, const json::DesignRequest& request,
+                             metrics::Metrics& metrics, const Execution& outer) {
+  std::vector<json::FoundDesigns> found;
+  found.reserve(regions.size());
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+      const double share = 1 / static_cast<double>(regions.size());
+      std::optional<RegionProgress> progress;
+      if (execution.progress) progress.emplace(*execution.progress, share * static_cast<double>(i), share);
+      Execution inner = execution;
+      inner.progress = progress ? &*progress : nullptr;
+      found.push_back(search(regions[i], request, inner));
+    }
+    if (!request.verify) execution.cost->add_effect("verification", false, "the request does not ask for it");
+  });
+  for (const auto& region : found)
+    for (const auto& design : region.ranking)
+      metrics.count_evaluations(region.models[design.space].id, design.evaluations);
+  return json_result(json::write_design(request, found, bill));
+}
+
+http::Response answer_design(Services& services, const http::Request& http_request) {
+  require_ready(services);
+  auto request =
+      std::make_shared<json::DesignRequest>(json::parse_design(json_body(http_request), services.limits.json));
+  auto regions = std::make_shared<std::vector<Region>>();
+  for (std::size_t i = 0; i < request->regions.size(); ++i) {
+    Region region;
+    region.folder = request->several ? "/regions/" + std::to_string(i) + "/" : "/";
+    region.spec = request->regions[i];
+    region.models = models_of(services, region.spec, region.folder);
+    check_targets(region);
+    regions->push_back(std::move(region));
+  }
+  jobs::Computation computation{"designs", {}, request->deadline, {}, request->session};
+  computation.run = [request, regions, metrics = services.metrics](const Execution& execution) {
+    return compute_design(*regions, *request, *metrics, execution);
+  };
+  return answer_computation(services, http_request, std::move(computation));
+}
+
+store::Result compute_profile(const store::LoadedModel& model, const json::ProfileRequest& request,
+                              metrics::Metrics& metrics, const Execution& outer) {
+  design::Profile profile;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    profile = design::evaluate_profile(model.model, model.evaluator, request.parameters, request.samples,
+                                       request.equilibrium_tolerance, execution);
+    execution.checkpoint(1, "");
+  });
+  metrics.count_evaluations(model.model.id, profile.y.size());
+  return json_result(json::write_profile(name_of(model), request, profile, bill));
+}
+
+http::Response answer_profile(Services& services, const http::Request& http_request) {
+  require_ready(services);
+  auto request = json::parse_profile(json_body(http_request), services.limits.json);
+  auto model = request.model.empty() ? model_of_family(services, request.family, "/")
+                                     : model_by_id(services, request.model, "/");
+  const auto expected = static_cast<std::size_t>(model->evaluator.shape().parameters);
+  if (request.parameters.size() != expected) {
+    const std::string text = "The family " + model->model.family + " has " + std::to_string(expected) +
+                             " parameters, not " + std::to_string(request.parameters.size()) + ".";
+    throw Error("design.parameter_count", text, {{"/parameters", text}});
+  }
+  jobs::Computation computation{"profiles", {}, request.deadline, {}};
+  computation.run = [request = std::move(request), model = std::move(model),
+                     metrics = services.metrics](const Execution& execution) {
+    try {
+      return compute_profile(*model, request, *metrics, execution);
+    } catch (const Error& error) {
+      if (error.code() != "model.invalid_load") throw;
+      throw moved(error, "/");
+    }
+  };
+  return answer_computation(services, http_request, std::move(computation));
+}
+
+}  // namespace
+
+void add_design_routes(http::Router& router, Services& services) {
+  const http::BodyLimit json{services.limits.max_json, "--max-json"};
+  router.add({"POST", "/v1/designs", [&services](const http::Request& r) { return answer_design(services, r); }, json});
+  router.add(
+      {"POST", "/v1/profiles", [&services](const http::Request& r) { return answer_profile(services, r); }, json});
+}
+
+}  // namespace supple::routes

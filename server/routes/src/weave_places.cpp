@@ -1,0 +1,139 @@
+#include <charconv>
+#include <limits>
+#include <utility>
+
+#include "weave_spec.h"
+
+namespace supple::routes {
+namespace {
+
+using weave::Weave;
+using Place = json::StrandCoordinate;
+
+Error no_place(const std::string& where, const std::string& message) {
+  return {"weave.invalid_load", where.substr(1) + " " + message, {{where, message}}};
+}
+
+/// A crossing is held by a strand that does not slide through it, where there is one: that one can be clamped too.
+Place place_of(const weave::Crossing& crossing) {
+  for (const auto& member : crossing.members)
+    if (!member.slides) return {member.strand, member.coordinate};
+  return {crossing.members.front().strand, crossing.members.front().coordinate};
+}
+
+/// Crossings within the box, and ends of strands there that are no crossings.
+std::vector<Place> places_in(const json::InBox& box, const Weave& weave) {
+  const auto inside = [&](const Eigen::Vector2d& at) {
+    return (at.array() >= box.lower.array()).all() && (at.array() <= box.upper.array()).all();
+  };
+  std::vector<Place> places;
+  std::vector<std::array<bool, 2>> crossed(weave.strands.size(), {false, false});
+  for (const auto& crossing : weave.crossings) {
+    for (const auto& member : crossing.members) {
+      const auto s = static_cast<std::size_t>(member.strand);
+      const double near = 1e-6 * weave.strands[s].curve.length();
+      if (member.coordinate <= near) crossed[s][0] = true;
+      if (member.coordinate >= weave.strands[s].curve.length() - near) crossed[s][1] = true;
+    }
+    if (inside(weave::rest_position(weave, crossing.members.front()))) places.push_back(place_of(crossing));
+  }
+  for (std::size_t s = 0; s < weave.strands.size(); ++s) {
+    const auto& curve = weave.strands[s].curve;
+    if (curve.ends() != weave::Ends::open) continue;
+    const std::array<double, 2> ends{0, curve.length()};
+    for (std::size_t end = 0; end < 2; ++end)
+      if (!crossed[s][end] && inside(curve.at(ends[end]).position)) places.push_back({static_cast<int>(s), ends[end]});
+  }
+  return places;
+}
+
+class Finder {
+ public:
+  Finder(const Weave& weave, std::string where) : weave_(weave), where_(std::move(where)) {}
+
+  std::vector<Place> operator()(const json::StrandCoordinate& at) const {
+    check_strand(at.strand);
+    return {at};
+  }
+  std::vector<Place> operator()(const json::StrandShare& at) const {
+    check_strand(at.strand);
+    return {{at.strand, at.share * weave_.strands[static_cast<std::size_t>(at.strand)].curve.length()}};
+  }
+  std::vector<Place> operator()(const json::AtCrossing& at) const {
+    if (static_cast<std::size_t>(at.crossing) >= weave_.crossings.size())
+      throw no_place(where_ + "/crossing", "names no crossing: there are " + std::to_string(weave_.crossings.size()));
+    return {place_of(weave_.crossings[static_cast<std::size_t>(at.crossing)])};
+  }
+  std::vector<Place> operator()(const json::InBox& box) const {
+    auto places = places_in(box, weave_);
+    if (places.empty()) throw no_place(where_ + "/box", "holds no crossing and no end of a strand");
+    return places;
+  }
+
+ private:
+  void check_strand(int strand) const {
+    if (static_cast<std::size_t>(strand) >= weave_.strands.size())
+      throw no_place(where_ + "/strand", "names no strand: there are " + std::to_string(weave_.strands.size()));
+  }
+
+  const Weave& weave_;
+  std::string where_;
+};
+
+std::vector<Place> find_places(const json::PlaceSpec& at, const Weave& weave, const std::string& where) {
+  return std::visit(Finder(weave, where + "/at"), at);
+}
+
+/// "supports/7 and what follows" with the 7 replaced.
+template <class Number>
+std::string renumbered(const std::string& text, const std::string& name, Number number) {
+  const std::size_t at = text.find(name);
+  if (at == std::string::npos) return text;
+  const char* const digits = text.data() + at + name.size();
+  std::size_t index = 0;
+  const auto end = std::from_chars(digits, text.data() + text.size(), index).ptr;
+  if (end == digits) return text;
+  return text.substr(0, at + name.size()) + std::to_string(number(index)) + std::string(end);
+}
+
+}  // namespace
+
+PlacedLoad place_load(const json::WeaveSimulationRequest& request, const Weave& weave) {
+  PlacedLoad placed;
+  placed.load.states = request.states;
+  for (std::size_t i = 0; i < request.supports.size(); ++i) {
+    const auto& spec = request.supports[i];
+    for (const auto& place : find_places(spec.at, weave, "/supports/" + std::to_string(i))) {
+      auto& support = placed.load.supports.emplace_back(spec.support);
+      support.strand = place.strand;
+      support.coordinate = place.coordinate;
+      placed.places.push_back({static_cast<int>(i), place.strand, place.coordinate});
+    }
+  }
+  for (std::size_t i = 0; i < request.forces.size(); ++i) {
+    const auto& spec = request.forces[i];
+    const auto places = find_places(spec.at, weave, "/forces/" + std::to_string(i));
+    for (const auto& place : places) {
+      placed.load.forces.push_back({place.strand, place.coordinate, spec.force / static_cast<double>(places.size())});
+      placed.force_of.push_back(static_cast<int>(i));
+    }
+  }
+  return placed;
+}
+
+Error moved_to_request(const Error& error, const PlacedLoad& placed) {
+  const auto support = [&](std::size_t i) { return placed.places.at(i).support; };
+  const auto force = [&](std::size_t i) { return placed.force_of.at(i); };
+  auto details = error.details();
+  for (auto& detail : details) {
+    detail.message = renumbered(detail.message, "supports/", support);
+    detail.where = renumbered(renumbered(detail.where, "supports/", support), "forces/", force);
+    if (detail.where == "lattice") detail.where = "weave";
+    detail.where = "/" + detail.where;
+  }
+  std::string sentence = error.what();
+  if (!details.empty()) sentence = details.front().where.substr(1) + " " + details.front().message;
+  return {error.code(), sentence, std::move(details)};
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,166 @@
+#include "weave_spec.h"
+
+#include <Eigen/LU>
+#include <limits>
+#include <utility>
+
+#include "structure_spec.h"
+
+namespace supple::routes {
+namespace {
+
+using weave::Weave;
+
+/// Calls make() and moves what it says about `field` to the field's place.
+template <class Make>
+auto with_pointers(const std::string& folder, Make make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    throw moved(error, folder);
+  }
+}
+
+/// Patterns know columns and rows as numbers of their own; on the wire they are a sheet's.
+Error pattern_fault(const Error& error) {
+  auto details = error.details();
+  for (auto& detail : details) {
+    if (detail.where == "columns") detail.where = "sheet/columns";
+    if (detail.where == "radius") detail.where = "circle_radius";
+    detail.where = "/weave/" + detail.where;
+  }
+  return {error.code(), error.what(), std::move(details)};
+}
+
+Weave lay_out(const json::LayoutSpec& spec, double radius) {
+  Weave weave;
+  weave.lattice = spec.lattice;
+  weave.strands.reserve(spec.strands.size());
+  for (std::size_t s = 0; s < spec.strands.size(); ++s) {
+    const auto& strand = spec.strands[s];
+    weave.strands.push_back(with_pointers("/weave/strands/" + std::to_string(s) + "/", [&] {
+      return weave::Strand{weave::StrandCurve(strand.points, strand.ends, strand.translation),
+                           strand.radius.value_or(radius)};
+    }));
+  }
+  if (!spec.crossings) {
+    // Finding them needs a lattice that has cells.
+    if (weave.lattice && !(weave.lattice->determinant() > 0))
+      throw Error("weave.invalid_layout", "The lattice must be of positive determinant.",
+                  {{"/weave/lattice", "must be of positive determinant"}});
+    weave.crossings = with_pointers("/weave/", [&] { return weave::find_crossings(weave.strands, weave.lattice); });
+    return weave;
+  }
+  for (const auto& members : *spec.crossings) {
+    auto& crossing = weave.crossings.emplace_back();
+    for (const auto& member : members)
+      crossing.members.push_back({member.strand, member.coordinate, member.shift, member.slides});
+  }
+  return weave;
+}
+
+Weave lay_out(const json::RegularSpec& spec) {
+  if (!spec.sheet) return weave::regular_weave(spec.connections, spec.pitch);
+  return weave::regular_sheet(spec.sheet->columns, spec.sheet->rows, spec.connections, spec.pitch,
+                              spec.sheet->fused_border);
+}
+
+Weave lay_out(const json::SquaresSpec& spec) {
+  const auto& sheet = spec.sheet;
+  if (!sheet)
+    return spec.overlap ? weave::interlacing_squares(spec.type, spec.side, *spec.overlap)
+                        : weave::interlacing_squares(spec.type, spec.side);
+  return spec.overlap
+             ? weave::interlacing_squares_sheet(spec.type, sheet->columns, sheet->rows, spec.side, *spec.overlap)
+             : weave::interlacing_squares_sheet(spec.type, sheet->columns, sheet->rows, spec.side);
+}
+
+Weave lay_out(const json::CirclesSpec& spec) {
+  constexpr double cell_radius = 5.5;
+  constexpr double cell_distance = 10;
+  constexpr double sheet_radius = 8;
+  constexpr double sheet_distance = 14.4;
+  if (!spec.sheet)
+    return weave::interlacing_circles(spec.type, spec.radius.value_or(cell_radius),
+                                      spec.distance.value_or(cell_distance));
+  return weave::interlacing_circles_sheet(spec.type, spec.sheet->columns, spec.sheet->rows,
+                                          spec.radius.value_or(sheet_radius), spec.distance.value_or(sheet_distance));
+}
+
+Weave lay_out(const json::RingsSpec&) { return weave::actuated_rings(); }
+
+Weave lay_out(const json::WeaveSpec& spec) {
+  if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) return lay_out(*layout, spec.radius);
+  try {
+    Weave weave = std::visit(
+        [&](const auto& source) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(source)>, json::LayoutSpec>)
+            return Weave{};
+          else
+            return lay_out(source);
+        },
+        spec.source);
+    for (auto& strand : weave.strands) strand.radius = spec.radius;
+    return weave;
+  } catch (const Error& error) {
+    throw pattern_fault(error);
+  }
+}
+
+void apply(const json::SlidingRange& range, weave::CrossingMember& member) {
+  if (range.backward) member.backward = *range.backward;
+  if (range.forward) member.forward = *range.forward;
+}
+
+Error invalid_override(std::size_t index, const std::string& field, const std::string& message) {
+  const std::string where = "/weave/overrides/" + std::to_string(index) + "/" + field;
+  return {"weave.invalid_layout", where.substr(1) + " " + message, {{where, message}}};
+}
+
+void override_connections(const std::vector<json::CrossingOverride>& overrides, Weave& weave) {
+  for (std::size_t i = 0; i < overrides.size(); ++i) {
+    const auto crossing = static_cast<std::size_t>(overrides[i].crossing);
+    if (crossing >= weave.crossings.size())
+      throw invalid_override(i, "crossing", "names no crossing: there are " + std::to_string(weave.crossings.size()));
+    auto& members = weave.crossings[crossing].members;
+    for (auto& member : members) member.slides = false;
+    for (std::size_t k = 0; k < overrides[i].slides.size(); ++k) {
+      const auto member = static_cast<std::size_t>(overrides[i].slides[k]);
+      if (member >= members.size())
+        throw invalid_override(i, "slides/" + std::to_string(k),
+                               "names no member: the crossing has " + std::to_string(members.size()));
+      members[member].slides = true;
+      members[member].backward = members[member].forward = std::numeric_limits<double>::infinity();
+    }
+  }
+}
+
+/// Loops slide a share of the way unless the request says otherwise; other strands as far as their neighbours let them.
+std::optional<double> sliding_share(const json::WeaveSpec& spec) {
+  if (spec.sliding_share) return spec.sliding_share;
+  const bool loops =
+      std::holds_alternative<json::SquaresSpec>(spec.source) || std::holds_alternative<json::CirclesSpec>(spec.source);
+  return loops ? std::optional(weave::sliding_share) : std::nullopt;
+}
+
+}  // namespace
+
+Weave make_weave(const json::WeaveSpec& spec) {
+  Weave weave = lay_out(spec);
+  weave.material = spec.material;
+  override_connections(spec.overrides, weave);
+  with_pointers("/weave/", [&] { validate(weave); });
+  if (const auto share = sliding_share(spec)) limit_sliding(weave, *share);
+  // What crossings say themselves counts before the share.
+  if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source); layout && layout->crossings)
+    for (std::size_t c = 0; c < weave.crossings.size(); ++c)
+      for (std::size_t m = 0; m < weave.crossings[c].members.size(); ++m)
+        apply((*layout->crossings)[c][m].range, weave.crossings[c].members[m]);
+  for (const auto& change : spec.overrides)
+    for (const int member : change.slides)
+      apply(change.range,
+            weave.crossings[static_cast<std::size_t>(change.crossing)].members[static_cast<std::size_t>(member)]);
+  return weave;
+}
+
+}  // namespace supple::routes

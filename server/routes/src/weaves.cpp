@@ -1,0 +1,160 @@
+#include <memory>
+
+#include "computation_route.h"
+#include "handlers.h"
+#include "supple/weave/drawing.h"
+#include "supple/weave/layout_warnings.h"
+#include "weave_spec.h"
+
+namespace supple::routes {
+namespace {
+
+using weave::Weave;
+
+/// Throws "http.not_acceptable".
+bool wants_picture(const http::Request& request) {
+  const auto type = http::negotiate(request.header("Accept"), {"application/json", svg_type});
+  if (!type) throw Error("http.not_acceptable", "A layout is sent as application/json or image/svg+xml.");
+  return *type == svg_type;
+}
+
+store::Result draw(const Weave& weave, const Execution& outer) {
+  store::Result result;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    const StageTimer timer(execution.cost, "export");
+    result.body = to_svg(weave);
+  });
+  result.content_type = svg_type;
+  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
+  return result;
+}
+
+store::Result describe(const Weave& weave, bool with_svg, const Execution& outer) {
+  std::vector<std::string> warnings;
+  std::string svg;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    {
+      execution.checkpoint(0, "warnings");
+      const StageTimer timer(execution.cost, "warnings");
+      warnings = layout_warnings(weave);
+    }
+    if (with_svg) {
+      execution.checkpoint(0.5, "export");
+      const StageTimer timer(execution.cost, "export");
+      svg = to_svg(weave);
+    }
+    execution.checkpoint(1, "");
+  });
+  return json_result(json::write_weave_layout(weave, warnings, with_svg ? &svg : nullptr, bill));
+}
+
+/// About how many points the deformed polylines of one state have.
+double deformed_points(const Weave& weave, int segments) {
+  std::size_t places = 2 * weave.strands.size();
+  for (const auto& crossing : weave.crossings) places += crossing.members.size();
+  return static_cast<double>(places) * segments;
+}
+
+/// Throws "request.limit_exceeded" where the deformed strands would be too large an answer.
+void check_deformed(const Weave& weave, int segments, std::size_t states, const json::Limits& limits) {
+  const double points = deformed_points(weave, segments) * static_cast<double>(states);
+  if (points > static_cast<double>(limits.max_deformed))
+    problem::throw_limit("request.limit_exceeded", "The number of points of deformed strands, over all states,",
+                         static_cast<double>(limits.max_deformed), points, "", "/deformed");
+}
+
+/// Options of the engine by their place in the request.
+Error option_fault(const Error& error) {
+  auto details = error.details();
+  for (auto& detail : details) {
+    const bool direct = detail.where == "strain" || detail.where == "thickness" ||
+                        detail.where.rfind("directions", 0) == 0 || detail.where.rfind("deformed", 0) == 0;
+    detail.where = (direct ? "/" : "/accuracy/") + detail.where;
+  }
+  return {error.code(), error.what(), std::move(details)};
+}
+
+store::Result homogenize(const json::WeaveHomogenizationRequest& request, const Weave& weave, const Execution& outer) {
+  std::vector<weave::DirectionalResponse> responses;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    try {
+      responses = weave::homogenize(weave, request.options, execution);
+    } catch (const Error& error) {
+      if (error.code() != "weave.invalid_option") throw;
+      throw option_fault(error);
+    }
+    execution.checkpoint(1, "");
+  });
+  return json_result(json::write_weave_homogenization(request, weave, responses, bill));
+}
+
+store::Result simulate(const json::WeaveSimulationRequest& request, const Weave& weave, const PlacedLoad& placed,
+                       const Execution& outer) {
+  weave::SimulationResult result;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    try {
+      result = weave::simulate(weave, placed.load, request.options, execution);
+    } catch (const Error& error) {
+      if (error.code() == "weave.invalid_load") throw moved_to_request(error, placed);
+      if (error.code() == "weave.invalid_option") throw option_fault(error);
+      throw;
+    }
+    execution.checkpoint(1, "");
+  });
+  return json_result(json::write_weave_simulation(request, weave, placed.places, result, bill));
+}
+
+http::Response answer_layout(Services& services, const http::Request& http_request) {
+  require_ready(services);
+  const bool picture = wants_picture(http_request);
+  const auto request = json::parse_weave_layout(json_body(http_request), services.limits.json);
+  jobs::Computation computation{"weave-layouts", {}, request.deadline, {}};
+  computation.run = [weave = std::make_shared<const Weave>(make_weave(request.weave)), picture,
+                     svg = request.svg](const Execution& execution) {
+    return picture ? draw(*weave, execution) : describe(*weave, svg, execution);
+  };
+  return answer_computation(services, http_request, std::move(computation));
+}
+
+http::Response answer_homogenization(Services& services, const http::Request& http_request) {
+  require_ready(services);
+  auto request = json::parse_weave_homogenization(json_body(http_request), services.limits.json);
+  auto weave = std::make_shared<const Weave>(make_weave(request.weave));
+  if (!weave->lattice) {
+    const auto* const why = "The weave has no lattice; only periodic cells are homogenized.";
+    throw Error("weave.not_periodic", why, {{"/weave", why}});
+  }
+  check_deformed(*weave, request.options.equilibrium.segments, request.options.deformed.size(), services.limits.json);
+  jobs::Computation computation{"weave-homogenizations", {}, request.deadline, {}};
+  computation.run = [request = std::move(request), weave = std::move(weave)](const Execution& execution) {
+    return homogenize(request, *weave, execution);
+  };
+  return answer_computation(services, http_request, std::move(computation));
+}
+
+http::Response answer_simulation(Services& services, const http::Request& http_request) {
+  require_ready(services);
+  auto request = json::parse_weave_simulation(json_body(http_request), services.limits.json);
+  auto weave = std::make_shared<const Weave>(make_weave(request.weave));
+  auto placed = std::make_shared<const PlacedLoad>(place_load(request, *weave));
+  if (request.deformed != json::DeformedStrands::none)
+    check_deformed(*weave, request.options.segments, static_cast<std::size_t>(request.states), services.limits.json);
+  jobs::Computation computation{"weave-simulations", {}, request.deadline, {}};
+  computation.run = [request = std::move(request), weave = std::move(weave), placed = std::move(placed)](
+                        const Execution& execution) { return simulate(request, *weave, *placed, execution); };
+  return answer_computation(services, http_request, std::move(computation));
+}
+
+}  // namespace
+
+void add_weave_routes(http::Router& router, Services& services) {
+  const http::BodyLimit json{services.limits.max_json, "--max-json"};
+  const auto add = [&](const char* path, http::Response (*answer)(Services&, const http::Request&)) {
+    router.add({"POST", path, [&services, answer](const http::Request& r) { return answer(services, r); }, json});
+  };
+  add("/v1/weave-layouts", answer_layout);
+  add("/v1/weave-homogenizations", answer_homogenization);
+  add("/v1/weave-simulations", answer_simulation);
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,93 @@
+#include "supple/json/design_answers.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace supple::json {
+namespace {
+
+using nlohmann::json;
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+FoundDesigns found() {
+  design::Design design;
+  design.space = 1;
+  design.parameters = Eigen::Vector2d(0.125, 0.5);
+  design.error = {0.25, 2};
+  design.iterations = 7;
+  design.starts = 3;
+  design.message = "The closest.";
+  design.residual = 1e-11;
+  design::DesignProfile profile;
+  profile.target.samples = {design::Task::stiffness, 0.3, 0.05, design::StrainMeasure::green, {0, 1}};
+  profile.target.y = Eigen::Vector2d(1, 2);
+  profile.initial = Eigen::Vector2d(missing, 3);
+  profile.achieved = Eigen::Vector2d(4, 5);
+  profile.in_range = {1, 0};
+  profile.reached = {0, 1};
+  design.profiles = {profile};
+  return {"", {{"IH29", "ih29", "aa"}, {"IH21", "ih21", "bb"}}, {design}, std::nullopt};
+}
+
+json written(const FoundDesigns& designs, bool several = false) {
+  DesignRequest request;
+  request.several = several;
+  return json::parse(write_design(request, {designs}, {}));
+}
+
+TEST(DesignAnswers, NameTheModelOfTheBestDesign) {
+  const auto answer = written(found());
+  EXPECT_EQ(answer["family"], "IH21");
+  EXPECT_EQ(answer["model"], "ih21");
+  EXPECT_EQ(answer["sha256"], "bb");
+  EXPECT_EQ(answer["parameters"], (json{0.125, 0.5}));
+  EXPECT_EQ(answer["ranking"][0]["family"], "IH21");
+  EXPECT_EQ(answer["structure"]["stl"], "/v1/families/IH21/structure?parameters=0.125,0.5&format=stl");
+  EXPECT_EQ(answer["accuracy"]["residual"], 1e-11);
+  EXPECT_EQ(answer["error"], (json{{"relative_rms", 0.25}, {"max", 2.0}}));
+}
+
+TEST(DesignAnswers, HaveNullWhereThereIsNoEquilibrium) {
+  const auto profile = written(found())["profile"];
+  EXPECT_TRUE(profile["initial"][0].is_null());
+  EXPECT_EQ(profile["initial"][1], 3);
+  EXPECT_EQ(profile["strain"], 0.05);
+  EXPECT_FALSE(profile.contains("direction")) << "a profile over directions has none";
+  EXPECT_TRUE(profile["envelope"].is_null() && profile["verified"].is_null());
+  EXPECT_EQ(profile["in_range"], (json{true, false}));
+}
+
+TEST(DesignAnswers, CompareWithTheSimulationWhereItGotTo) {
+  auto designs = found();
+  designs.verified = VerifiedProfile{{0, 1, 2}, Eigen::Vector3d(3, 4, missing), Eigen::Vector3d(3, 5, 6)};
+  const auto verified = written(designs)["profile"]["verified"];
+  EXPECT_NEAR(verified["relative_rms"].get<double>(), 0.2, 1e-15);
+  EXPECT_TRUE(verified["y"][2].is_null());
+}
+
+TEST(DesignAnswers, StandInRegionsWithTheirNames) {
+  auto designs = found();
+  designs.name = "heel";
+  const auto answer = written(designs, true);
+  EXPECT_EQ(answer["regions"][0]["name"], "heel");
+  EXPECT_FALSE(answer.contains("family"));
+}
+
+TEST(DesignAnswers, PartialOnesCarryTheProfileSoFar) {
+  const Eigen::Vector2d parameters(0.1, 0.2);
+  const Eigen::VectorXd values = Eigen::Vector2d(1, 2);
+  const Eigen::VectorXd all = parameters;
+  const design::ProfileSamples samples{design::Task::poisson, 0, 0.05, design::StrainMeasure::green, {0, 1.5}};
+  const auto partial =
+      json::parse(write_partial_design("", {"IH21", "ih21", "bb"}, {0, all, samples, values, {0.5, 1}, 4}));
+  EXPECT_EQ(partial["achieved"], (json{1.0, 2.0}));
+  EXPECT_EQ(partial["x"], (json{0.0, 1.5}));
+  EXPECT_EQ(partial["iteration"], 4);
+  EXPECT_FALSE(partial.contains("name"));
+}
+
+}  // namespace
+}  // namespace supple::json

@@ -1,0 +1,115 @@
+#include "supple/json/design_requests.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "support/expect_error.h"
+
+namespace supple::json {
+namespace {
+
+using Pointers = std::vector<std::string>;
+using design::StrainMeasure;
+using design::Task;
+
+const std::string target = R"("target":{"control_points":[[0,0],[0.1,1]]})";
+
+Pointers faults_of_design(const std::string& fields) {
+  return testing::places(testing::expect_error("request.invalid", [&] { parse_design("{" + fields + "}", {}); }));
+}
+
+Pointers faults_of_profile(const std::string& fields) {
+  return testing::places(testing::expect_error("request.invalid", [&] { parse_profile("{" + fields + "}", {}); }));
+}
+
+TEST(DesignRequests, ReadEveryField) {
+  const auto request = parse_design(
+      R"({"name":"heel","task":"poisson","strain":0.1,"strain_measure":"engineering",
+          "target":{"control_points":[[0,0.1],[1,-0.2]],"interpolation":"monotone","weights":[1,2],"bands":[0.1,0]},
+          "samples":24,"weight":3,"also":[{"task":"stress_strain","direction":0.5,
+          "target":{"control_points":[[-0.1,-1],[0.2,2]]}}],"model":"ih21","initial":[0.15,0.6],"fixed":[null,0.6],
+          "verify":true,"accuracy":{"tolerance":1e-4,"equilibrium_tolerance":1e-8,"max_iterations":9,"starts":3,
+          "candidates":40,"verified_samples":5},"effects":{"multi_start":"on","envelope":"off"},"session":"tab-1",
+          "deadline":9})",
+      {});
+  EXPECT_FALSE(request.several);
+  ASSERT_EQ(request.regions.size(), 1U);
+  const auto& region = request.regions[0];
+  EXPECT_EQ(region.name, "heel");
+  EXPECT_EQ(region.model, "ih21");
+  ASSERT_EQ(region.problem.targets.size(), 2U);
+  const auto& main = region.problem.targets[0];
+  EXPECT_EQ(main.task, Task::poisson);
+  EXPECT_EQ(main.strain, 0.1);
+  EXPECT_EQ(main.measure, StrainMeasure::engineering);
+  EXPECT_EQ(main.control_points[1], Eigen::Vector2d(1, -0.2));
+  EXPECT_EQ(main.interpolation, numerics::Interpolation::monotone);
+  EXPECT_EQ(main.weights, (std::vector<double>{1, 2}));
+  EXPECT_EQ(main.bands, (std::vector<double>{0.1, 0}));
+  EXPECT_EQ(main.samples, 24);
+  EXPECT_EQ(main.weight, 3);
+  EXPECT_EQ(region.problem.targets[1].direction, 0.5);
+  EXPECT_EQ(*region.problem.initial, Eigen::Vector2d(0.15, 0.6));
+  EXPECT_EQ(region.problem.fixed, (std::vector<std::optional<double>>{std::nullopt, 0.6}));
+  EXPECT_TRUE(request.verify);
+  EXPECT_EQ(request.verified_samples, 5);
+  EXPECT_EQ(request.options.tolerance, 1e-4);
+  EXPECT_EQ(request.options.equilibrium_tolerance, 1e-8);
+  EXPECT_EQ(request.options.max_iterations, 9);
+  EXPECT_EQ(request.options.starts, 3);
+  EXPECT_EQ(request.options.candidates, 40);
+  EXPECT_EQ(request.options.multi_start, Switch::on);
+  EXPECT_EQ(request.options.envelope, Switch::off);
+  EXPECT_EQ(request.session, "tab-1");
+  EXPECT_EQ(request.deadline, 9);
+}
+
+TEST(DesignRequests, ReadRegions) {
+  const auto request = parse_design(
+      "{\"regions\":[{\"name\":\"a\",\"task\":\"stiffness\"," + target + "},{\"task\":\"poisson\"," + target + "}]}",
+      {});
+  EXPECT_TRUE(request.several);
+  ASSERT_EQ(request.regions.size(), 2U);
+  EXPECT_EQ(request.regions[0].name, "a");
+  EXPECT_EQ(request.regions[1].family, "any");
+}
+
+TEST(DesignRequests, PointToEachFieldAtFault) {
+  EXPECT_EQ(faults_of_design(""), (Pointers{"/task", "/target"}));
+  EXPECT_EQ(
+      faults_of_design(R"("task":"bend","target":{"control_points":[[0,0]],"weights":[-1,1]},"samples":1,"weight":0)"),
+      (Pointers{"/task", "/target/control_points", "/target/weights/0", "/samples", "/weight"}));
+  EXPECT_EQ(faults_of_design("\"task\":\"poisson\"," + target + R"(,"strain":-0.5,"session":"a b","fixed":["x"])"),
+            (Pointers{"/strain", "/fixed/0", "/session"}));
+  EXPECT_EQ(faults_of_design("\"task\":\"poisson\"," + target + R"(,"family":"IH21","model":"ih21")"),
+            Pointers{"/model"});
+  EXPECT_EQ(faults_of_design("\"regions\":[{\"task\":\"poisson\"}],\"task\":\"poisson\""),
+            (Pointers{"/regions/0/target", "/task"}));
+  EXPECT_EQ(
+      faults_of_design("\"task\":\"poisson\"," + target + R"(,"also":[{"task":"poisson"}],"accuracy":{"starts":0})"),
+      (Pointers{"/also/0/target", "/accuracy/starts"}));
+}
+
+TEST(ProfileRequests, SpreadTheirSamples) {
+  const auto strains = parse_profile(R"({"task":"stress_strain","family":"IH21","parameters":[1],"samples":4})", {});
+  EXPECT_EQ(strains.samples.x.size(), 4U);
+  EXPECT_DOUBLE_EQ(strains.samples.x.front(), -0.1);
+  EXPECT_DOUBLE_EQ(strains.samples.x.back(), 0.2);
+  const auto angles = parse_profile(R"({"task":"poisson","model":"ih21","parameters":[1]})", {});
+  ASSERT_EQ(angles.samples.x.size(), 50U);
+  EXPECT_DOUBLE_EQ(angles.samples.x[1], std::numbers::pi / 50);
+  const auto given = parse_profile(R"({"task":"poisson","model":"ih21","parameters":[1],"x":[3,1]})", {});
+  EXPECT_EQ(given.samples.x, (std::vector<double>{3, 1}));
+}
+
+TEST(ProfileRequests, PointToEachFieldAtFault) {
+  EXPECT_EQ(faults_of_profile(R"("task":"poisson")"), (Pointers{"", "/parameters"}));
+  EXPECT_EQ(faults_of_profile(R"("task":"poisson","family":"IH21","parameters":[1],"range":[0,1])"),
+            Pointers{"/range"});
+  EXPECT_EQ(faults_of_profile(R"("task":"stress_strain","family":"IH21","parameters":[1],"x":[0],"samples":3)"),
+            Pointers{"/x"});
+}
+
+}  // namespace
+}  // namespace supple::json
