@@ -19,6 +19,9 @@ void add_simulate_command(CLI::App& program, const GlobalOptions& options);
 void add_model_commands(CLI::App& program, const GlobalOptions& options);
 void add_evaluate_command(CLI::App& program, const GlobalOptions& options);
 void add_uniaxial_command(CLI::App& program, const GlobalOptions& options);
+void add_design_command(CLI::App& program, const GlobalOptions& options);
+void add_profile_command(CLI::App& program, const GlobalOptions& options);
+void add_weave_commands(CLI::App& program, const GlobalOptions& options);
 void add_job_commands(CLI::App& program, const GlobalOptions& options);
 
 }  // namespace supple::cli

@@ -10,6 +10,7 @@ enum class ExitCode : int {
   server_error = 3,  ///< the server answered 5xx
   unreachable = 4,   ///< no server answered, or the connection broke
   local_file = 5,    ///< a local file cannot be read or written
+  violations = 6,    ///< a G-code file is not as it must be
   interrupted = 130  ///< Ctrl-C; the job on the server was cancelled
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "failure.h"
 #include "numbers.h"
@@ -80,6 +81,10 @@ void add_load_options(CLI::App& command, LoadArguments& arguments) {
   command.add_option("--stretches", arguments.stretches,
                      "Stretches along the direction in their order: 1.05,1.1 or first:last:n");
   command.add_option("--orthogonal", arguments.orthogonal, "Stretches orthogonal to it, as many or one");
+  command
+      .add_option("--frame", arguments.frame,
+                  "What --uniaxial is a direction of: space (the default), or the material, as of models and designs")
+      ->check(CLI::IsMember({"space", "material"}));
   auto* const strain = command.add_option("--green-strain", arguments.green_strain,
                                           "Impose Green strains xx,yy,xy;xx,yy,xy or those in the lines of a file");
   uniaxial->excludes(biaxial)->excludes(strain);
@@ -88,8 +93,11 @@ void add_load_options(CLI::App& command, LoadArguments& arguments) {
 
 nlohmann::json load_of(const LoadArguments& arguments) {
   if (!arguments.uniaxial.empty()) {
-    return {{"uniaxial", {{"direction", parse_direction(arguments.uniaxial)}, {"stretches", stretches_of(arguments)}}}};
+    nlohmann::json load = {{"direction", parse_direction(arguments.uniaxial)}, {"stretches", stretches_of(arguments)}};
+    if (!arguments.frame.empty()) load["frame"] = arguments.frame;
+    return {{"uniaxial", std::move(load)}};
   }
+  if (!arguments.frame.empty()) throw Failure(ExitCode::usage, "--frame belongs to --uniaxial");
   if (!arguments.biaxial.empty()) {
     return {
         {"biaxial", {{"direction", parse_direction(arguments.biaxial)}, {"stretches", biaxial_stretches(arguments)}}}};

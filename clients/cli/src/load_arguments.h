@@ -10,6 +10,7 @@ namespace supple::cli {
 /// The options that say how a structure is loaded.
 struct LoadArguments {
   std::string uniaxial;      ///< direction in rad
+  std::string frame;         ///< of the uniaxial direction: space or material
   std::string biaxial;       ///< direction in rad
   std::string stretches;     ///< along the direction
   std::string orthogonal;    ///< stretches orthogonal to it, or one for all

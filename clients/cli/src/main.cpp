@@ -15,8 +15,8 @@
 namespace {
 
 constexpr auto description =
-    "Geodesics on triangle meshes, simulations of periodic structures and neural models of them, answered by a "
-    "supple-server";
+    "Geodesics on triangle meshes; simulations of periodic structures, neural models and designs of them; "
+    "weaves of elastic strands; answered by a supple-server";
 
 constexpr auto footer =
     R"(Meshes:   an id, the beginning of one, or a mesh file (OBJ, OFF, PLY, STL), which is uploaded first
@@ -31,13 +31,16 @@ Examples:
   supple structure IH21 --svg tiling.svg
   supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv
   supple evaluate ih21 --parameters 0.15,0.65 --strain 0.05,0,0 --derivatives 2
+  supple design --task stress_strain --family any --target "0,0;0.1,0.6;0.2,0.9" --plot curve.svg
+  supple weave homogenize squares --type 2 --plot squares.svg
+  supple weave print regular --sheet 20x20 --frame 2 -o sheet.gcode
   supple job list
 
 Exit status:
   0  done                                     3  the server failed (5xx)
   1  the command line cannot be understood    4  no server answered
   2  the server refused the request (4xx)     5  a local file cannot be read or written
-  130  Ctrl-C; the computation was cancelled on the server)";
+  6  a G-code file has violations           130  Ctrl-C; the computation was cancelled on the server)";
 
 int run(int argument_count, char** arguments) {
   using supple::cli::ExitCode;
@@ -64,6 +67,9 @@ int run(int argument_count, char** arguments) {
   supple::cli::add_model_commands(program, options);
   supple::cli::add_evaluate_command(program, options);
   supple::cli::add_uniaxial_command(program, options);
+  supple::cli::add_design_command(program, options);
+  supple::cli::add_profile_command(program, options);
+  supple::cli::add_weave_commands(program, options);
   supple::cli::add_job_commands(program, options);
   try {
     program.parse(argument_count, arguments);

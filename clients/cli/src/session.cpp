@@ -33,6 +33,17 @@ bool looks_like_file(const std::string& mesh) {
   return std::filesystem::is_regular_file(mesh, ignored);
 }
 
+/// What runs now, and how close the best design so far comes where the job looks for one.
+std::string stage_of(const nlohmann::json& job) {
+  if (job.at("state") != "running") return "waiting";
+  auto stage = job.at("stage").get<std::string>();
+  if (const auto partial = job.find("partial"); partial != job.end()) {
+    stage += fmt::format("  {} off by {:.3g} %", partial->at("family").get<std::string>(),
+                         100 * partial->at("error").at("relative_rms").get<double>());
+  }
+  return stage;
+}
+
 /// Sleeps, but not past Ctrl-C.
 void pause(std::chrono::milliseconds duration) {
   const auto end = std::chrono::steady_clock::now() + duration;
@@ -104,7 +115,7 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
     const nlohmann::json job = http_.get(job_path).json();
     const auto state = job.at("state").get<std::string>();
     if (state != "accepted" && state != "running") break;
-    bar.show(job.at("progress").get<double>(), state == "running" ? job.at("stage").get<std::string>() : "waiting");
+    bar.show(job.at("progress").get<double>(), stage_of(job));
     pause(interval);
     interval = std::min(2 * interval, longest_poll);
     if (InterruptWatch::interrupted()) {

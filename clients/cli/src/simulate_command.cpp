@@ -67,7 +67,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, states_as_csv(states));
   if (!arguments.vtu_file.empty()) {
     for (std::size_t i = 0; i < states.size(); ++i) {
-      write_file(vtu_file(arguments.vtu_file, i, states.size()), states.at(i).at("vtu").get<std::string>());
+      write_file(state_file(arguments.vtu_file, i, states.size(), ".vtu"), states.at(i).at("vtu").get<std::string>());
     }
   }
   if (arguments.csv_file == "-") return;

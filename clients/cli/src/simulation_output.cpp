@@ -34,11 +34,11 @@ std::string states_as_csv(const nlohmann::json& states) {
   return text;
 }
 
-std::string vtu_file(const std::string& file, std::size_t state, std::size_t states) {
+std::string state_file(const std::string& file, std::size_t state, std::size_t states, const char* extension) {
   if (states == 1) return file;
   const std::filesystem::path path(file);
-  const auto extension = path.has_extension() ? path.extension().string() : ".vtu";
-  return (path.parent_path() / fmt::format("{}-{:04}{}", path.stem().string(), state, extension)).string();
+  const auto end = path.has_extension() ? path.extension().string() : extension;
+  return (path.parent_path() / fmt::format("{}-{:04}{}", path.stem().string(), state, end)).string();
 }
 
 void print_simulation(const nlohmann::json& answer) {

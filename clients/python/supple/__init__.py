@@ -1,4 +1,5 @@
-"""Geodesics on triangle meshes, simulations of periodic structures and neural models of them, answered by a supple-server.
+"""Geodesics on triangle meshes; simulations, neural models and designs of periodic structures; weaves of elastic strands;
+answered by a supple-server.
 
 ::
 
@@ -15,6 +16,11 @@
 
         model = client.model("ih21")
         model.evaluate([0.15, 0.65], [[0.05, 0, 0], [0.1, 0, 0]]).stress
+
+        wanted = supple.Target("stress_strain", [(0, 0), (0.1, 0.6), (0.2, 0.9)])
+        client.design(wanted).parameters
+
+        client.weave_homogenization(supple.Weave.squares(2), strain=0.3).youngs_modulus
 
 Points are vertex indices, `(face, (a, b, c))`, `Vertex` or `SurfacePoint`. Lengths are in mesh units, those of structures in
 millimetres, stresses in MPa, angles in radians, times in seconds. Failures are the exceptions of `supple.errors`.
@@ -34,20 +40,35 @@ from .answers import (
     Path,
 )
 from .client import Client
+from .design_answers import (
+    Design,
+    DesignCandidate,
+    DesignError,
+    DesignProfile,
+    DesignResult,
+    PartialDesign,
+    ProfileCurve,
+    RegionDesigns,
+    Verification,
+)
+from .designs import DesignOptions, Region, Target
 from .errors import (
     ConnectionFailed,
     DeadlineExceeded,
     Fault,
+    InvalidDesign,
     InvalidMesh,
     InvalidPoint,
     InvalidRequest,
     InvalidStructure,
+    InvalidWeave,
     JobCancelled,
     NotFound,
     ProblemError,
     RequestTimeout,
     ServerBusy,
     ServerError,
+    Superseded,
     SuppleError,
 )
 from .jobs import Job, JobStatus
@@ -57,6 +78,20 @@ from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, 
 from .points import PointLike, SurfacePoint, Vertex
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
 from .tilings import CellMesh, Family, Structure, Tile
+from .weave_answers import (
+    Crossing,
+    CrossingMember,
+    DeformedCell,
+    HeldPlace,
+    LaidStrand,
+    SheetState,
+    WeaveHomogenization,
+    WeaveLayout,
+    WeaveSimulation,
+)
+from .weave_print_answers import FoundChannel, GcodeReport, PrintMove, PrintStatistics, Violation, WeaveToolpath
+from .weave_printing import Grip, PrintOptions
+from .weaves import Force, Place, Strand, Support, Weave, WeaveOptions
 
 __version__ = "0.1.0"
 
@@ -66,8 +101,17 @@ __all__ = [
     "Client",
     "ConnectionFailed",
     "Cost",
+    "Crossing",
+    "CrossingMember",
     "DeadlineExceeded",
+    "DeformedCell",
     "DeformedPatch",
+    "Design",
+    "DesignCandidate",
+    "DesignError",
+    "DesignOptions",
+    "DesignProfile",
+    "DesignResult",
     "Effect",
     "ErrorStatistics",
     "Evaluation",
@@ -75,40 +119,69 @@ __all__ = [
     "Family",
     "Fault",
     "Field",
+    "Force",
+    "FoundChannel",
+    "GcodeReport",
     "Geodesic",
     "Gradient",
     "GreenStrain",
+    "Grip",
+    "HeldPlace",
     "Hessian",
+    "InvalidDesign",
     "InvalidMesh",
     "InvalidPoint",
     "InvalidRequest",
     "InvalidStructure",
+    "InvalidWeave",
     "Job",
     "JobCancelled",
     "JobStatus",
     "KarcherMean",
     "KarcherStep",
+    "LaidStrand",
     "Load",
     "Mesh",
     "MeshInfo",
     "Model",
     "ModelInfo",
     "NotFound",
+    "PartialDesign",
     "PatchMesh",
     "Path",
+    "Place",
     "PointLike",
+    "PrintMove",
+    "PrintOptions",
+    "PrintStatistics",
     "ProblemError",
+    "ProfileCurve",
+    "Region",
+    "RegionDesigns",
     "RequestTimeout",
     "ServerBusy",
     "ServerError",
+    "SheetState",
     "Simulation",
     "SplitErrors",
     "State",
+    "Strand",
     "Structure",
+    "Superseded",
     "SuppleError",
+    "Support",
     "SurfacePoint",
+    "Target",
     "Tile",
     "Uniaxial",
     "UniaxialCurve",
+    "Verification",
     "Vertex",
+    "Violation",
+    "Weave",
+    "WeaveHomogenization",
+    "WeaveLayout",
+    "WeaveOptions",
+    "WeaveSimulation",
+    "WeaveToolpath",
 ]

@@ -10,8 +10,10 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import simulations, tilings
+from . import designs, simulations, tilings
 from .answers import MeshInfo, mesh_info_from_wire
+from .design_answers import DesignResult, ProfileCurve, RegionDesigns
+from .designs import DesignOptions, Region, Target
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
 from .jobs import Job, JobStatus, Progress, run, status_from_wire, submit
 from .loads import Load
@@ -20,11 +22,12 @@ from .models import Model, model_info_from_wire
 from .simulations import Simulation
 from .tilings import Family, Structure
 from .transport import Answer, Transport
+from .weave_calls import WeaveCalls
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 
 
-class Client:
+class Client(WeaveCalls):
     """Speaks to one supple-server.
 
     ::
@@ -242,6 +245,142 @@ class Client:
     def model(self, model_id: str) -> Model:
         """A neural model by its id, such as "ih21". Raises `NotFound`."""
         return Model(self._transport, model_info_from_wire(self._transport.request("GET", f"/v1/models/{model_id}").json()))
+
+    def design(
+        self,
+        target: Target,
+        *,
+        family: Optional[str] = None,
+        model: Optional[str] = None,
+        also: Sequence[Target] = (),
+        initial: Optional[Sequence[float]] = None,
+        fixed: Optional[Sequence[Optional[float]]] = None,
+        verify: bool = False,
+        options: Optional[DesignOptions] = None,
+        session: Optional[str] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> DesignResult:
+        """Tiling parameters whose response follows a target profile.
+
+        Args:
+            target: the profile that is wanted.
+            family: id of the family to search; None searches every family that has a model.
+            model: or id of the model.
+            also: further targets of the same design.
+            initial: parameters to start from, shape (p,); with a family or model.
+            fixed: parameters that keep their value, None for those to be found, shape (p,); with a family or model.
+            verify: whether the design found is simulated at its native scale too; that takes seconds to minutes.
+            session: a newer request of the same session replaces this one while it runs (`Superseded`).
+
+        A target that no design reaches is no exception: see `Design.reached` and `Design.message`. Raises `InvalidDesign`.
+        """
+        problem = Region(target, None, family, model, also, initial, fixed)
+        return run(self._transport, designs.design(problem, options, verify, session, deadline), timeout, progress)
+
+    def start_design(
+        self,
+        target: Target,
+        *,
+        family: Optional[str] = None,
+        model: Optional[str] = None,
+        also: Sequence[Target] = (),
+        initial: Optional[Sequence[float]] = None,
+        fixed: Optional[Sequence[Optional[float]]] = None,
+        verify: bool = False,
+        options: Optional[DesignOptions] = None,
+        session: Optional[str] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[DesignResult]:
+        """`design` as a job, whose `status().partial` is the best design so far."""
+        problem = Region(target, None, family, model, also, initial, fixed)
+        return submit(self._transport, designs.design(problem, options, verify, session, deadline))
+
+    def design_regions(
+        self,
+        regions: Sequence[Region],
+        *,
+        verify: bool = False,
+        options: Optional[DesignOptions] = None,
+        session: Optional[str] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> RegionDesigns:
+        """A design for each part of a product, for example forefoot, midfoot and heel of a sole; see `design`."""
+        computation = designs.design_regions(regions, options, verify, session, deadline)
+        return run(self._transport, computation, timeout, progress)
+
+    def start_design_regions(
+        self,
+        regions: Sequence[Region],
+        *,
+        verify: bool = False,
+        options: Optional[DesignOptions] = None,
+        session: Optional[str] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[RegionDesigns]:
+        """`design_regions` as a job."""
+        return submit(self._transport, designs.design_regions(regions, options, verify, session, deadline))
+
+    def profile(
+        self,
+        task: str,
+        parameters: Sequence[float],
+        *,
+        family: Optional[str] = None,
+        model: Optional[str] = None,
+        direction: Optional[float] = None,
+        strain: Optional[float] = None,
+        strain_measure: Optional[str] = None,
+        x: Optional[ArrayLike] = None,
+        limits: Optional[Tuple[float, float]] = None,
+        samples: Optional[int] = None,
+        equilibrium_tolerance: Optional[float] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> ProfileCurve:
+        """The profile of given parameters, as the neural model of their family has it.
+
+        Args:
+            task, direction, strain, strain_measure: what the profile shows, as in `Target`.
+            parameters: of the design, shape (p,), dimensionless.
+            family, model: whose parameters they are; one of the two.
+            x: strains or angles in radians, shape (n,), in any order.
+            limits: or first and last strain; (-0.1, 0.2) on the server's side. Directions cover half a turn.
+            samples: number of evenly spaced samples. 31 on the server's side, 50 over directions.
+            equilibrium_tolerance: relative residual of an equilibrium. 1e-10 on the server's side.
+        """
+        computation = designs.profile(
+            task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
+            equilibrium_tolerance, deadline,
+        )
+        return run(self._transport, computation, timeout, progress)
+
+    def start_profile(
+        self,
+        task: str,
+        parameters: Sequence[float],
+        *,
+        family: Optional[str] = None,
+        model: Optional[str] = None,
+        direction: Optional[float] = None,
+        strain: Optional[float] = None,
+        strain_measure: Optional[str] = None,
+        x: Optional[ArrayLike] = None,
+        limits: Optional[Tuple[float, float]] = None,
+        samples: Optional[int] = None,
+        equilibrium_tolerance: Optional[float] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[ProfileCurve]:
+        """`profile` as a job."""
+        computation = designs.profile(
+            task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
+            equilibrium_tolerance, deadline,
+        )
+        return submit(self._transport, computation)
 
     def jobs(self, state: Optional[str] = None) -> Iterator[JobStatus]:
         """The server's jobs, the newest first; only those in `state` where one is given."""

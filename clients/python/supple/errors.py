@@ -10,8 +10,11 @@
           InvalidMesh          the mesh is faulty; `faults` names the elements
           InvalidPoint         a surface point does not lie on the mesh
           InvalidStructure     a tiling's parameters give no structure
+          InvalidDesign        no design problem, or one that no design has equilibria for
+          InvalidWeave         strands, crossings or loads that do not fit together
         NotFound               no such mesh, job, family or model                      (also a LookupError)
         JobCancelled           the job was cancelled before it finished
+          Superseded           a newer request of the same session took its place
         DeadlineExceeded       the server's deadline for the computation passed
         ServerBusy             too much to do at present; try again later
         ServerError            the server failed (5xx)
@@ -83,12 +86,24 @@ class InvalidStructure(InvalidRequest):
     """A tiling's parameters give no structure, or none that can be meshed."""
 
 
+class InvalidDesign(InvalidRequest):
+    """A target or what is given with it makes no design problem, or no design has equilibria at all of its samples."""
+
+
+class InvalidWeave(InvalidRequest):
+    """Strands, crossings or loads of a weave do not fit together; `faults` names them."""
+
+
 class NotFound(ProblemError, LookupError):
     """No such mesh, job, family of tilings or model."""
 
 
 class JobCancelled(ProblemError):
     """The job was cancelled before it finished."""
+
+
+class Superseded(JobCancelled):
+    """A newer request of the same session took the place of this one."""
 
 
 class DeadlineExceeded(ProblemError):
@@ -104,6 +119,7 @@ class ServerError(ProblemError):
 
 
 _BY_CODE: Mapping[str, Type[ProblemError]] = {
+    "design.superseded": Superseded,
     "job.cancelled": JobCancelled,
     "job.dismissed": JobCancelled,
     "job.deadline_exceeded": DeadlineExceeded,
@@ -125,6 +141,10 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
         return InvalidPoint
     if code.startswith("tiling."):
         return InvalidStructure
+    if code.startswith("design."):
+        return InvalidDesign
+    if code.startswith("weave."):
+        return InvalidWeave
     return InvalidRequest
 
 

@@ -7,6 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar
 
+from .design_answers import PartialDesign, partial_from_wire
 from .errors import RequestTimeout, SuppleError
 from .transport import Answer, Transport
 
@@ -33,6 +34,7 @@ class JobStatus:
         progress: share of the work that is done, in [0, 1].
         stage: what runs now; empty where nothing does.
         created: when the job was accepted, RFC 3339 in UTC.
+        partial: the best design so far while designs are being searched for; None elsewhere.
     """
 
     id: str
@@ -42,6 +44,7 @@ class JobStatus:
     progress: float
     stage: str
     created: str
+    partial: Optional[PartialDesign] = None
 
     @property
     def finished(self) -> bool:
@@ -49,6 +52,7 @@ class JobStatus:
 
 
 def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
+    partial = document.get("partial")
     return JobStatus(
         id=str(document["id"]),
         state=str(document["state"]),
@@ -57,6 +61,7 @@ def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
         progress=float(document["progress"]),
         stage=str(document["stage"]),
         created=str(document["created"]),
+        partial=None if partial is None else partial_from_wire(partial),
     )
 
 

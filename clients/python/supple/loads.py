@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Sequence, Tuple, Union
+from typing import Any, Dict, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,13 +24,20 @@ class GreenStrain:
 
 @dataclass(frozen=True)
 class Uniaxial:
-    """Stretches along a direction (angle from the x axis in radians); lateral strain and shear are free."""
+    """Stretches along a direction (angle from the x axis in radians); lateral strain and shear are free.
+
+    `frame` says what the direction is of: "space" (the server's default), or "material" as of models and designs.
+    """
 
     direction: float
     stretches: Sequence[float]
+    frame: Optional[str] = None
 
     def to_wire(self) -> Dict[str, Any]:
-        return {"uniaxial": {"direction": float(self.direction), "stretches": [float(s) for s in self.stretches]}}
+        load: Dict[str, Any] = {"direction": float(self.direction), "stretches": [float(s) for s in self.stretches]}
+        if self.frame is not None:
+            load["frame"] = self.frame
+        return {"uniaxial": load}
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from supple.simulations import simulation, simulation_from_wire
 def test_loads_become_what_the_contract_says() -> None:
     assert supple.GreenStrain(np.array([[0.1, 0, 0.05]])).to_wire() == {"green_strain": [[0.1, 0.0, 0.05]]}
     assert supple.Uniaxial(1, (1.1, 1.2)).to_wire() == {"uniaxial": {"direction": 1.0, "stretches": [1.1, 1.2]}}
+    assert supple.Uniaxial(0, [1.1], "material").to_wire()["uniaxial"]["frame"] == "material"
     assert supple.Biaxial(0.5, [(1.1, 0.9)]).to_wire() == {"biaxial": {"direction": 0.5, "stretches": [[1.1, 0.9]]}}
 
 

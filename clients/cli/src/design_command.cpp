@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.h"
+#include "design_output.h"
+#include "failure.h"
+#include "numbers.h"
+#include "profile_arguments.h"
+#include "profile_plot.h"
+
+namespace supple::cli {
+namespace {
+
+struct Arguments {
+  std::string request_file;
+  ProfileArguments profile;
+  std::string target;
+  std::string interpolation;
+  int samples = 0;
+  std::string initial;
+  std::string fixed;
+  bool verify = false;
+  int verified_samples = 0;
+  double tolerance = 0;
+  double equilibrium_tolerance = 0;
+  int max_iterations = 0;
+  int starts = 0;
+  int candidates = 0;
+  std::string multi_start;
+  std::string envelope;
+  std::string session;
+  double deadline = 0;
+  std::string csv_file;
+  std::string plot_file;
+  std::string svg_file;
+};
+
+nlohmann::json request_in_file(const std::string& file) {
+  auto request = nlohmann::json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
+  if (!request.is_object()) throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", file));
+  return request;
+}
+
+/// What is given on the command line takes the place of what the file says.
+nlohmann::json request_of(const Arguments& arguments) {
+  nlohmann::json request =
+      arguments.request_file.empty() ? nlohmann::json::object() : request_in_file(arguments.request_file);
+  for (const char* const group : {"target", "accuracy", "effects"}) {
+    if (request.contains(group) && !request.at(group).is_object())
+      throw Failure(ExitCode::local_file, fmt::format("{}: {} is no JSON object", arguments.request_file, group));
+  }
+  request.update(profile_fields(arguments.profile));
+  if (!arguments.target.empty()) request["target"] = parse_target(arguments.target);
+  if (arguments.request_file.empty() && !(request.contains("task") && request.contains("target")))
+    throw Failure(ExitCode::usage, "no problem: give --task and --target, or a file with --request");
+  const auto set_text = [](nlohmann::json& in, const char* name, const std::string& value) {
+    if (!value.empty()) in[name] = value;
+  };
+  const auto set_number = [](nlohmann::json& in, const char* name, auto value) {
+    if (value > 0) in[name] = value;
+  };
+  if (!arguments.interpolation.empty()) request["target"]["interpolation"] = arguments.interpolation;
+  set_number(request, "samples", arguments.samples);
+  if (!arguments.initial.empty()) request["initial"] = parse_numbers(arguments.initial, "list of parameters");
+  if (!arguments.fixed.empty()) request["fixed"] = parse_fixed(arguments.fixed);
+  if (arguments.verify) request["verify"] = true;
+  nlohmann::json accuracy = nlohmann::json::object();
+  set_number(accuracy, "verified_samples", arguments.verified_samples);
+  set_number(accuracy, "tolerance", arguments.tolerance);
+  set_number(accuracy, "equilibrium_tolerance", arguments.equilibrium_tolerance);
+  set_number(accuracy, "max_iterations", arguments.max_iterations);
+  set_number(accuracy, "starts", arguments.starts);
+  set_number(accuracy, "candidates", arguments.candidates);
+  if (!accuracy.empty()) request["accuracy"].update(accuracy);
+  if (!arguments.multi_start.empty()) request["effects"]["multi_start"] = arguments.multi_start;
+  if (!arguments.envelope.empty()) request["effects"]["envelope"] = arguments.envelope;
+  set_text(request, "session", arguments.session);
+  set_number(request, "deadline", arguments.deadline);
+  return request;
+}
+
+void write_structures(Session& session, const std::string& file, const nlohmann::json& answer) {
+  const auto designs = designs_in(answer);
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    const auto link = designs[i].at("structure").at("svg").get<std::string>();
+    write_file(numbered_file(file, i, designs.size()), session.http().get(link, "image/svg+xml").body);
+  }
+}
+
+void run(const GlobalOptions& options, const Arguments& arguments) {
+  const nlohmann::json request = request_of(arguments);
+  Session session(options);
+  const nlohmann::json answer = session.compute("/v1/designs", request).json();
+  if (!arguments.csv_file.empty()) write_file(arguments.csv_file, designs_as_csv(answer));
+  if (!arguments.plot_file.empty()) write_file(arguments.plot_file, plot_svg(plots_of_designs(answer)));
+  if (!arguments.svg_file.empty()) write_structures(session, arguments.svg_file, answer);
+  if (arguments.csv_file == "-" || arguments.plot_file == "-" || arguments.svg_file == "-") return;
+  session.json() ? print_json(answer) : print_designs(answer);
+}
+
+void add_search_options(CLI::App& command, Arguments& arguments) {
+  const auto switch_values = CLI::IsMember({"automatic", "on", "off"});
+  command
+      .add_option("--samples", arguments.samples, "Samples at which the target is compared (10; 50 over directions)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--initial", arguments.initial, "Parameters to start from, separated by commas; with a family");
+  command.add_option("--fixed", arguments.fixed, "Parameters to hold, for example 0.15,free; with a family");
+  command.add_flag("--verify", arguments.verify, "Simulate the design found at its native scale too");
+  command.add_option("--verified-samples", arguments.verified_samples, "Samples that are simulated (12)")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("-t,--tolerance", arguments.tolerance,
+                  "The search ends where a step promises to lessen the relative deviation by at most this (1e-6)")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--equilibrium-tolerance", arguments.equilibrium_tolerance,
+                  "Relative residual of an equilibrium (1e-10)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--max-iterations", arguments.max_iterations, "Iterations from one starting point (60)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--starts", arguments.starts, "Starting points that are followed at most (6)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--candidates", arguments.candidates, "Designs among which they are chosen")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--multi-start", arguments.multi_start, "Further starting points (automatic)")
+      ->check(switch_values);
+  command.add_option("--envelope", arguments.envelope, "What the family can do at all (automatic)")
+      ->check(switch_values);
+}
+
+}  // namespace
+
+void add_design_command(CLI::App& program, const GlobalOptions& options) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("design", "Find tiling parameters whose response follows a target profile");
+  add_profile_options(*command, arguments->profile);
+  command->get_option("--family")->description("Family to search, or any for all that have a model (any)");
+  command->add_option("--target", arguments->target,
+                      "Control points x,y;x,y or the lines of a file: strains or rad, and MPa; a third number is a "
+                      "weight, a fourth a band within which deviations count as none");
+  command->add_option("--interpolation", arguments->interpolation, "Between the control points (cubic)")
+      ->check(CLI::IsMember({"cubic", "monotone", "linear"}));
+  command
+      ->add_option("--request,--regions", arguments->request_file,
+                   "A request as JSON: further targets, regions; options given besides take their fields' place")
+      ->check(CLI::ExistingFile);
+  add_search_options(*command, *arguments);
+  command->add_option("--session", arguments->session, "A newer request of the same session replaces one that runs");
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--csv", arguments->csv_file, "Write target and profiles to this file, - for the terminal");
+  command->add_option("--plot", arguments->plot_file, "Draw target and profiles as SVG, - for the terminal");
+  command->add_option("--svg", arguments->svg_file,
+                      "Write the structure found as SVG, - for the terminal; several become name-1.svg and so on");
+  command->footer(
+      "Examples:\n"
+      "  supple design --task stress_strain --family IH67 --target \"0,0;0.1,0.6;0.2,0.9\" --plot curve.svg\n"
+      "  supple design --task poisson --target \"0,-0.2;1.571,0.4\" --strain 0.1 --svg structure.svg\n"
+      "  supple design --task stiffness --family IH67 --target target.csv --fixed 0.2,free --verify\n"
+      "  supple design --request sole.json --plot regions.svg");
+  command->callback([&options, arguments] { run(options, *arguments); });
+}
+
+}  // namespace supple::cli

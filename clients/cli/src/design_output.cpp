@@ -1,0 +1,188 @@
+#include "design_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "csv_cells.h"
+
+namespace supple::cli {
+namespace {
+
+std::string text_in(const nlohmann::json& object, const char* name) { return object.at(name).get<std::string>(); }
+
+std::string numbers_text(const nlohmann::json& values) {
+  std::string text;
+  for (const auto& value : values) text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value.get<double>());
+  return text;
+}
+
+/// A number, or nothing where it is null.
+std::string number_text(const nlohmann::json& value) {
+  return value.is_null() ? "-" : fmt::format("{:.5g}", value.get<double>());
+}
+
+std::string percent(const nlohmann::json& error) {
+  return fmt::format("{:.3g} %", 100 * error.at("relative_rms").get<double>());
+}
+
+const char* x_heading(const nlohmann::json& profile) {
+  return profile.at("task") == "stress_strain" ? "strain" : "angle/rad";
+}
+
+const char* y_unit(const nlohmann::json& profile) { return profile.at("task") == "poisson" ? "" : "/MPa"; }
+
+/// "stress_strain along 0.5 rad" or "poisson at the Green strain 0.05".
+std::string kind_text(const nlohmann::json& profile) {
+  const bool green = profile.at("strain_measure") == "green";
+  if (profile.at("task") == "stress_strain") {
+    return fmt::format("stress over {} strain along {:.6g} rad", green ? "Green" : "engineering",
+                       profile.at("direction").get<double>());
+  }
+  return fmt::format("{} over directions at the {} strain {:.6g}",
+                     profile.at("task") == "poisson" ? "Poisson's ratio" : "stiffness", green ? "Green" : "engineering",
+                     profile.at("strain").get<double>());
+}
+
+/// What the simulation has at a sample; nothing where it was not simulated there.
+std::optional<nlohmann::json> verified_at(const nlohmann::json& profile, const nlohmann::json& x) {
+  const auto& verified = profile.at("verified");
+  if (verified.is_null()) return std::nullopt;
+  const auto& places = verified.at("x");
+  const auto found = std::find(places.begin(), places.end(), x);
+  if (found == places.end()) return std::nullopt;
+  return verified.at("y").at(static_cast<std::size_t>(found - places.begin()));
+}
+
+void print_samples(const nlohmann::json& profile) {
+  const bool verified = !profile.at("verified").is_null();
+  const std::string unit = y_unit(profile);
+  fmt::print("{}\n{:>10}  {:>12} {:>12} {:>12}", kind_text(profile), x_heading(profile), "target" + unit,
+             "achieved" + unit, "initial" + unit);
+  if (verified) fmt::print(" {:>13}", "verified" + unit);
+  fmt::print("  {:<7}  {}\n", "reached", "in range");
+  const auto& xs = profile.at("x");
+  for (std::size_t i = 0; i < xs.size(); ++i) {
+    fmt::print("{:>10.5f}  {:>12} {:>12} {:>12}", xs[i].get<double>(), number_text(profile.at("target")[i]),
+               number_text(profile.at("achieved")[i]), number_text(profile.at("initial")[i]));
+    if (verified) {
+      const auto value = verified_at(profile, xs[i]);
+      fmt::print(" {:>13}", value ? number_text(*value) : "");
+    }
+    fmt::print("  {:<7}  {}\n", profile.at("reached")[i].get<bool>() ? "yes" : "no",
+               profile.at("in_range")[i].get<bool>() ? "yes" : "no");
+  }
+}
+
+void print_ranking(const nlohmann::json& ranking) {
+  fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>10}  {:<16}  {}\n", "rank", "family", "model", "deviation", "largest",
+             "stopped", "parameters");
+  int rank = 0;
+  for (const auto& candidate : ranking) {
+    const auto& error = candidate.at("error");
+    fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>10}  {:<16}  {}\n", ++rank, text_in(candidate, "family"),
+               text_in(candidate, "model"), percent(error), fmt::format("{:.3g}", error.at("max").get<double>()),
+               text_in(candidate, "stopped"), numbers_text(candidate.at("parameters")));
+  }
+}
+
+void print_design(const nlohmann::json& design) {
+  const auto& error = design.at("error");
+  const auto& profile = design.at("profile");
+  if (design.contains("name")) fmt::print("region      {}\n", text_in(design, "name"));
+  fmt::print("design      {} ({}) with the model {}\n", text_in(design, "family"),
+             numbers_text(design.at("parameters")), text_in(design, "model"));
+  fmt::print("target      {}\n", design.at("reached").get<bool>() ? "reached" : "not reached");
+  fmt::print("deviation   {} (root mean square), {:.3g}{} at most\n", percent(error), error.at("max").get<double>(),
+             profile.at("task") == "poisson" ? "" : " MPa");
+  if (const auto& verified = profile.at("verified"); !verified.is_null() && verified.contains("relative_rms")) {
+    fmt::print("simulation  deviates from the model by {} (root mean square)\n", percent(verified));
+  }
+  fmt::print("searched    {} iterations from {} starting points, {}\n", design.at("iterations").get<int>(),
+             design.at("starts").get<int>(), text_in(design, "stopped"));
+  for (const auto& shown : profiles_in(design)) print_samples(shown);
+  print_ranking(design.at("ranking"));
+  std::fflush(stdout);
+  if (const auto message = text_in(design, "message"); !message.empty()) fmt::print(stderr, "supple: {}\n", message);
+}
+
+}  // namespace
+
+std::vector<nlohmann::json> designs_in(const nlohmann::json& answer) {
+  if (const auto regions = answer.find("regions"); regions != answer.end())
+    return regions->get<std::vector<nlohmann::json>>();
+  return {answer};
+}
+
+std::vector<nlohmann::json> profiles_in(const nlohmann::json& design) {
+  std::vector<nlohmann::json> profiles{design.at("profile")};
+  for (const auto& further : design.at("also")) profiles.push_back(further);
+  return profiles;
+}
+
+std::string numbered_file(const std::string& file, std::size_t index, std::size_t count) {
+  if (count == 1 || file == "-") return file;
+  const std::filesystem::path path(file);
+  return (path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), index + 1, path.extension().string()))
+      .string();
+}
+
+std::string designs_as_csv(const nlohmann::json& answer) {
+  std::string text = "region,profile,task,x,target,achieved,initial,verified,lower,upper,reached,in_range\n";
+  const auto designs = designs_in(answer);
+  for (std::size_t r = 0; r < designs.size(); ++r) {
+    const auto profiles = profiles_in(designs[r]);
+    for (std::size_t p = 0; p < profiles.size(); ++p) {
+      const auto& profile = profiles[p];
+      const auto& envelope = profile.at("envelope");
+      for (std::size_t i = 0; i < profile.at("x").size(); ++i) {
+        text += fmt::format("{},{},{}", r, p, text_in(profile, "task"));
+        for (const char* name : {"x", "target", "achieved", "initial"}) text += ',' + cell_text(profile.at(name)[i]);
+        text += ',' + cell_text(verified_at(profile, profile.at("x")[i]).value_or(nullptr));
+        for (const char* name : {"lower", "upper"})
+          text += ',' + (envelope.is_null() ? "" : cell_text(envelope.at(name)[i]));
+        for (const char* name : {"reached", "in_range"}) text += ',' + cell_text(profile.at(name)[i]);
+        text += '\n';
+      }
+    }
+  }
+  return text;
+}
+
+void print_designs(const nlohmann::json& answer) {
+  bool first = true;
+  for (const auto& design : designs_in(answer)) {
+    if (!first) fmt::print("\n");
+    print_design(design);
+    first = false;
+  }
+  const auto& accuracy = answer.at("accuracy");
+  fmt::print("residual    {:.1e} (asked for {:.1e})\n", accuracy.at("residual").get<double>(),
+             accuracy.at("equilibrium_tolerance").get<double>());
+  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+}
+
+std::string profile_as_csv(const nlohmann::json& answer) {
+  std::string text = "x,y,in_range\n";
+  for (std::size_t i = 0; i < answer.at("x").size(); ++i) {
+    text += cell_text(answer.at("x")[i]) + ',' + cell_text(answer.at("y")[i]) + ',' +
+            cell_text(answer.at("in_range")[i]) + '\n';
+  }
+  return text;
+}
+
+void print_profile(const nlohmann::json& answer) {
+  const bool poisson = answer.at("task") == "poisson";
+  const char* const y = poisson ? "Poisson" : answer.at("task") == "stiffness" ? "stiffness/MPa" : "stress/MPa";
+  fmt::print("{}\n{:>10}  {:>13}  {}\n", kind_text(answer), x_heading(answer), y, "in range");
+  for (std::size_t i = 0; i < answer.at("x").size(); ++i) {
+    fmt::print("{:>10.5f}  {:>13}  {}\n", answer.at("x")[i].get<double>(), number_text(answer.at("y")[i]),
+               answer.at("in_range")[i].get<bool>() ? "yes" : "no");
+  }
+  fmt::print("model       {}\n", text_in(answer, "model"));
+  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+}
+
+}  // namespace supple::cli

@@ -1,0 +1,99 @@
+#include "profile_arguments.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+#include <vector>
+
+#include "failure.h"
+#include "load_arguments.h"
+#include "numbers.h"
+
+namespace supple::cli {
+namespace {
+
+/// x and y; then a weight; then a band.
+constexpr std::size_t fewest_columns = 2;
+constexpr std::size_t most_columns = 4;
+
+double number_of(const std::string& text, const char* what) {
+  const auto numbers = numbers_in(text);
+  if (!numbers || numbers->size() != 1) throw Failure(ExitCode::usage, fmt::format("'{}' is no {}", text, what));
+  return numbers->front();
+}
+
+}  // namespace
+
+void add_profile_options(CLI::App& command, ProfileArguments& arguments) {
+  command.add_option("--task", arguments.task, "stress_strain, or over directions stiffness or poisson")
+      ->check(CLI::IsMember({"stress_strain", "stiffness", "poisson"}));
+  auto* const family = command.add_option("-f,--family", arguments.family, "Family of the tiling, see supple models");
+  command.add_option("-m,--model", arguments.model, "Or one of the models, see supple models")->excludes(family);
+  command.add_option("-d,--direction", arguments.direction, "Direction of the load in rad (0); of stress_strain");
+  command.add_option("-s,--strain", arguments.strain, "Strain along the load (0.05); of stiffness and poisson");
+  command
+      .add_option("--strain-measure", arguments.strain_measure,
+                  "green: Green strain and second Piola-Kirchhoff stress (the default); engineering: stretch - 1 and "
+                  "force over rest width")
+      ->check(CLI::IsMember({"green", "engineering"}));
+}
+
+nlohmann::json profile_fields(const ProfileArguments& arguments) {
+  nlohmann::json fields = nlohmann::json::object();
+  const auto set_text = [&](const char* name, const std::string& value) {
+    if (!value.empty()) fields[name] = value;
+  };
+  set_text("task", arguments.task);
+  set_text("family", arguments.family);
+  set_text("model", arguments.model);
+  set_text("strain_measure", arguments.strain_measure);
+  if (!arguments.direction.empty()) fields["direction"] = parse_direction(arguments.direction);
+  if (!arguments.strain.empty()) fields["strain"] = number_of(arguments.strain, "strain");
+  return fields;
+}
+
+nlohmann::json parse_target(const std::string& argument) {
+  bool is_file = false;
+  const auto rows = parse_rows(argument, is_file);
+  std::vector<std::vector<double>> points;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    auto numbers = numbers_in(rows[i]);
+    if (!numbers && is_file && i == 0) continue;
+    if (!numbers || numbers->size() < fewest_columns || numbers->size() > most_columns) {
+      throw Failure(is_file ? ExitCode::local_file : ExitCode::usage,
+                    fmt::format("'{}' is no control point: write x,y for each, perhaps x,y,weight or x,y,weight,band; "
+                                "one in a line or separated by ;",
+                                rows[i]));
+    }
+    if (!points.empty() && numbers->size() != points.front().size())
+      throw Failure(is_file ? ExitCode::local_file : ExitCode::usage,
+                    fmt::format("'{}' has not as many numbers as the control points before it", rows[i]));
+    points.push_back(*std::move(numbers));
+  }
+  nlohmann::json target = {{"control_points", nlohmann::json::array()}};
+  for (const auto& point : points) {
+    target["control_points"].push_back({point[0], point[1]});
+    if (point.size() > 2) target["weights"].push_back(point[2]);
+    if (point.size() > 3) target["bands"].push_back(point[3]);
+  }
+  return target;
+}
+
+nlohmann::json parse_fixed(const std::string& text) {
+  auto fixed = nlohmann::json::array();
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const auto value = numbers_in(part);
+    if (part == "free") {
+      fixed.push_back(nullptr);
+    } else if (value) {
+      fixed.push_back(value->front());
+    } else {
+      throw Failure(ExitCode::usage,
+                    fmt::format("'{}' holds no parameters: write numbers and free, for example 0.15,free", text));
+    }
+  }
+  return fixed;
+}
+
+}  // namespace supple::cli

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace supple::cli {
+
+/// The options that say which profile is meant: what it shows, of which family, and where it is taken.
+struct ProfileArguments {
+  std::string task;
+  std::string family;
+  std::string model;
+  std::string direction;  ///< rad
+  std::string strain;
+  std::string strain_measure;
+};
+
+void add_profile_options(CLI::App& command, ProfileArguments& arguments);
+
+/// The fields of a request that have been given. Throws Failure(usage).
+nlohmann::json profile_fields(const ProfileArguments& arguments);
+
+/// A target spline from control points "x,y;x,y" or the lines of a file, whose first may be a heading. A third number
+/// for each is its weight, a fourth its band. Throws Failure(usage), Failure(local_file).
+nlohmann::json parse_target(const std::string& argument);
+
+/// Parameters of which some are "free": numbers and nulls. Throws Failure(usage).
+nlohmann::json parse_fixed(const std::string& text);
+
+}  // namespace supple::cli

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.h"
+#include "design_output.h"
+#include "failure.h"
+#include "numbers.h"
+#include "profile_arguments.h"
+#include "profile_plot.h"
+
+namespace supple::cli {
+namespace {
+
+struct Arguments {
+  ProfileArguments profile;
+  std::string parameters;
+  std::string x;
+  int samples = 0;
+  double equilibrium_tolerance = 0;
+  double deadline = 0;
+  std::string csv_file;
+  std::string plot_file;
+};
+
+nlohmann::json request_of(const Arguments& arguments) {
+  nlohmann::json request = profile_fields(arguments.profile);
+  if (!request.contains("family") && !request.contains("model"))
+    throw Failure(ExitCode::usage, "whose profile: give --family or --model");
+  request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
+  if (!arguments.x.empty()) request["x"] = parse_series(arguments.x, "list of strains or directions");
+  if (arguments.samples > 0) request["samples"] = arguments.samples;
+  if (arguments.equilibrium_tolerance > 0)
+    request["accuracy"]["equilibrium_tolerance"] = arguments.equilibrium_tolerance;
+  if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
+  return request;
+}
+
+void run(const GlobalOptions& options, const Arguments& arguments) {
+  const nlohmann::json request = request_of(arguments);
+  Session session(options);
+  const nlohmann::json answer = session.compute("/v1/profiles", request).json();
+  if (!arguments.csv_file.empty()) write_file(arguments.csv_file, profile_as_csv(answer));
+  if (!arguments.plot_file.empty()) write_file(arguments.plot_file, plot_svg({plot_of_profile(answer)}));
+  if (arguments.csv_file == "-" || arguments.plot_file == "-") return;
+  session.json() ? print_json(answer) : print_profile(answer);
+}
+
+}  // namespace
+
+void add_profile_command(CLI::App& program, const GlobalOptions& options) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand(
+      "profile", "Stress over strain, or stiffness or Poisson's ratio over directions, as a neural model has them");
+  add_profile_options(*command, arguments->profile);
+  command->get_option("--task")->required();
+  command->add_option("-p,--parameters", arguments->parameters, "Parameters, separated by commas")->required();
+  auto* const x = command->add_option(
+      "-x", arguments->x,
+      "Strains (-0.1:0.2:31), or directions in rad (50 over half a turn): 0.05,0.1 or first:last:n");
+  command->add_option("--samples", arguments->samples, "Number of evenly spaced samples")
+      ->check(CLI::PositiveNumber)
+      ->excludes(x);
+  command
+      ->add_option("--equilibrium-tolerance", arguments->equilibrium_tolerance,
+                   "Relative residual of an equilibrium (1e-10)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--csv", arguments->csv_file, "Write the profile to this file, - for the terminal");
+  command->add_option("--plot", arguments->plot_file, "Draw the profile as SVG, - for the terminal");
+  command->footer(
+      "Examples:\n  supple profile --task stress_strain --family IH67 --parameters 0.2,0.9 --direction 0.785 --csv -\n"
+      "  supple profile --task poisson --family IH67 --parameters 0.2,0.9 --strain -0.1 --plot poisson.svg");
+  command->callback([&options, arguments] { run(options, *arguments); });
+}
+
+}  // namespace supple::cli

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace supple::cli {
+
+/// The options that say what is woven.
+struct WeaveArguments {
+  std::string weave;  ///< a pattern or a file
+  std::string type;
+  std::string connections;
+  double pitch = 0;
+  double side = 0;
+  double overlap = 0;
+  double circle_radius = 0;
+  double distance = 0;
+  std::string sheet;  ///< "4x3"
+  int fused_border = 0;
+  double radius = 0;
+  double youngs_modulus = 0;
+  std::string poisson_ratio;
+  double sliding_share = 0;
+  std::vector<std::string> fused;    ///< crossings
+  std::vector<std::string> sliding;  ///< "crossing:member"
+};
+
+void add_weave_options(CLI::App& command, WeaveArguments& arguments);
+
+/// The weave as the wire has it. Throws Failure(usage), Failure(local_file).
+nlohmann::json weave_of(const WeaveArguments& arguments);
+
+/// The options that say how equilibria are found.
+struct EquilibriumArguments {
+  int segments = 0;
+  double tolerance = 0;
+  int max_iterations = 0;
+  int load_steps = 0;
+  std::string least_distance;
+  std::string out_of_plane;
+  std::string buckling;
+  double deadline = 0;
+};
+
+void add_equilibrium_options(CLI::App& command, EquilibriumArguments& arguments);
+
+/// Sets the fields of a request that have been given.
+void set_equilibrium_fields(const EquilibriumArguments& arguments, nlohmann::json& request);
+
+/// A JSON object in a file. Throws Failure(local_file).
+nlohmann::json object_in_file(const std::string& file);
+
+}  // namespace supple::cli

@@ -1,0 +1,208 @@
+#include "weave_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "csv_cells.h"
+#include "plot_paper.h"
+
+namespace supple::cli {
+namespace {
+
+void print_cost(const nlohmann::json& answer) {
+  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+}
+
+void print_accuracy(const nlohmann::json& answer) {
+  const auto& accuracy = answer.at("accuracy");
+  const auto& residual = accuracy.at("residual");
+  fmt::print("residual    {} of what {:.1e} allows\n",
+             residual.is_null() ? "none" : fmt::format("{:.1e}", residual.get<double>()),
+             accuracy.at("tolerance").get<double>());
+}
+
+void print_message(const nlohmann::json& answer) {
+  if (const auto message = answer.at("message").get<std::string>(); !message.empty())
+    fmt::print(stderr, "supple: {}\n", message);
+}
+
+std::string members_text(const nlohmann::json& crossing) {
+  std::string text;
+  for (const auto& member : crossing.at("members"))
+    text += fmt::format("{}{}{}", text.empty() ? "" : ", ", member.at("strand").get<int>(),
+                        member.at("slides").get<bool>() ? " slides" : "");
+  return text;
+}
+
+bool slides(const nlohmann::json& crossing) {
+  const auto& members = crossing.at("members");
+  return std::any_of(members.begin(), members.end(),
+                     [](const nlohmann::json& member) { return member.at("slides").get<bool>(); });
+}
+
+/// The sum of a state's reactions over the places of each of the request's supports.
+std::vector<std::array<double, 3>> resultants(const nlohmann::json& supports, const nlohmann::json& state) {
+  std::vector<std::array<double, 3>> sums;
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    const auto support = supports.at(i).at("support").get<std::size_t>();
+    if (sums.size() <= support) sums.resize(support + 1, {0, 0, 0});
+    for (std::size_t c = 0; c < 3; ++c) sums[support][c] += state.at("reactions").at(i).at(c).get<double>();
+  }
+  return sums;
+}
+
+std::string range_text(const nlohmann::json& values, const char* unit) {
+  Range range;
+  for (const auto& value : values)
+    if (!value.is_null()) range.add(value.get<double>());
+  if (!(range.low <= range.high)) return "none";
+  return fmt::format("{:.5g} to {:.5g}{}", range.low, range.high, unit);
+}
+
+}  // namespace
+
+void print_layout(const nlohmann::json& answer, bool crossings) {
+  const auto& list = answer.at("crossings");
+  double length = 0;
+  for (const auto& strand : answer.at("strands")) length += strand.at("length").get<double>();
+  fmt::print("strands     {}, {:.6g} mm in all\n", answer.at("strands").size(), length);
+  fmt::print("crossings   {}, {} of which slide\n", list.size(), std::count_if(list.begin(), list.end(), slides));
+  if (const auto& lattice = answer.at("lattice"); lattice.is_null()) {
+    fmt::print("lattice     none: a sheet\n");
+  } else {
+    for (const auto& translation : lattice)
+      fmt::print("translation {:.6g} {:.6g} mm\n", translation.at(0).get<double>(), translation.at(1).get<double>());
+  }
+  if (crossings) {
+    fmt::print("{:>8}  {:>9} {:>9}  {}\n", "crossing", "x/mm", "y/mm", "strands");
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const auto& at = list.at(i).at("position");
+      fmt::print("{:>8}  {:>9.4f} {:>9.4f}  {}\n", i, at.at(0).get<double>(), at.at(1).get<double>(),
+                 members_text(list.at(i)));
+    }
+  }
+  for (const auto& warning : answer.at("warnings")) fmt::print(stderr, "supple: {}\n", warning.get<std::string>());
+}
+
+std::string homogenization_as_csv(const nlohmann::json& answer) {
+  const bool mpa = answer.contains("youngs_modulus_mpa");
+  std::string text = fmt::format(
+      "direction,youngs_modulus,{}poisson_ratio,F_xx,F_xy,F_yx,F_yy,sigma_xx,sigma_xy,sigma_yx,sigma_yy,energy_density,"
+      "stopped,residual,out_of_plane,stable,iterations,load_steps,branches\n",
+      mpa ? "youngs_modulus_mpa," : "");
+  for (std::size_t i = 0; i < answer.at("directions").size(); ++i) {
+    std::string line = cell_text(answer.at("directions").at(i));
+    line += ',' + cell_text(answer.at("youngs_modulus").at(i));
+    if (mpa) line += ',' + cell_text(answer.at("youngs_modulus_mpa").at(i));
+    line += ',' + cell_text(answer.at("poisson_ratio").at(i));
+    append_matrix(line, answer.at("deformation_gradient").at(i), 2);
+    append_matrix(line, answer.at("cauchy_stress").at(i), 2);
+    for (const char* name :
+         {"energy_density", "stopped", "residual", "out_of_plane", "stable", "iterations", "load_steps", "branches"})
+      line += ',' + cell_text(answer.at(name).at(i));
+    text += line + '\n';
+  }
+  return text;
+}
+
+void print_homogenization(const nlohmann::json& answer) {
+  const auto& directions = answer.at("directions");
+  const auto cell = [&](const char* name, std::size_t i) {
+    const auto& value = answer.at(name).at(i);
+    return value.is_null() ? std::string("-") : fmt::format("{:.5g}", value.get<double>());
+  };
+  // Few directions are read, many are plotted.
+  constexpr std::size_t most_lines = 24;
+  if (directions.size() <= most_lines) {
+    fmt::print("{:>10}  {:>12}  {:>10}  {}\n", "angle/rad", "E/(N/m)", "Poisson", "stopped");
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      fmt::print("{:>10.5f}  {:>12}  {:>10}  {}{}\n", directions.at(i).get<double>(), cell("youngs_modulus", i),
+                 cell("poisson_ratio", i), answer.at("stopped").at(i).get<std::string>(),
+                 answer.at("out_of_plane").at(i).get<bool>() ? ", out of plane" : "");
+  }
+  fmt::print("directions  {} at the strain {:.6g}\n", directions.size(), answer.at("strain").get<double>());
+  fmt::print("Young       {}\n", range_text(answer.at("youngs_modulus"), " N/m"));
+  if (answer.contains("youngs_modulus_mpa"))
+    fmt::print("            {}\n", range_text(answer.at("youngs_modulus_mpa"), " MPa"));
+  fmt::print("Poisson     {}\n", range_text(answer.at("poisson_ratio"), ""));
+  print_accuracy(answer);
+  print_cost(answer);
+  print_message(answer);
+}
+
+std::vector<ProfilePlot> plots_of_homogenization(const nlohmann::json& answer) {
+  const auto plot_of = [&](const char* name, const char* title, const char* label) {
+    ProfilePlot plot;
+    plot.title = title;
+    plot.subtitle = fmt::format("over the direction of the strain {:.4g} (rad), lateral strain and shear free",
+                                answer.at("strain").get<double>());
+    plot.achieved_name = label;
+    plot.polar = true;
+    plot.x = values_of(answer.at("directions"));
+    plot.achieved = values_of(answer.at(name));
+    return plot;
+  };
+  const bool mpa = answer.contains("youngs_modulus_mpa");
+  return {plot_of(mpa ? "youngs_modulus_mpa" : "youngs_modulus", "Young\u2019s modulus", mpa ? "E (MPa)" : "E (N/m)"),
+          plot_of("poisson_ratio", "Poisson\u2019s ratio", "Poisson\u2019s ratio")};
+}
+
+std::string strands_as_obj(const nlohmann::json& strands) {
+  std::string points;
+  std::string lines;
+  std::size_t next = 1;
+  for (const auto& strand : strands) {
+    lines += "l";
+    for (const auto& point : strand) {
+      points +=
+          fmt::format("v {} {} {}\n", point.at(0).get<double>(), point.at(1).get<double>(), point.at(2).get<double>());
+      lines += fmt::format(" {}", next++);
+    }
+    lines += '\n';
+  }
+  return points + lines;
+}
+
+std::string sheet_states_as_csv(const nlohmann::json& answer) {
+  const auto& supports = answer.at("supports");
+  std::string text = "state,share,energy,stopped,residual,iterations,load_steps,branches,out_of_plane,stable";
+  for (std::size_t i = 0; i < answer.at("states").size(); ++i) {
+    const auto& state = answer.at("states").at(i);
+    const auto sums = resultants(supports, state);
+    if (i == 0) {
+      for (std::size_t k = 0; k < sums.size(); ++k) text += fmt::format(",R{0}_x,R{0}_y,R{0}_z", k);
+      text += '\n';
+    }
+    std::string line = std::to_string(i);
+    for (const char* name :
+         {"share", "energy", "stopped", "residual", "iterations", "load_steps", "branches", "out_of_plane", "stable"})
+      line += ',' + cell_text(state.at(name));
+    for (const auto& sum : sums)
+      for (const double component : sum) line += fmt::format(",{}", component);
+    text += line + '\n';
+  }
+  return text;
+}
+
+void print_weave_simulation(const nlohmann::json& answer) {
+  fmt::print("{:>5}  {:>8}  {:>12}  {:>10}  {}\n", "state", "share", "energy/Nmm", "iterations", "stopped");
+  std::size_t number = 0;
+  for (const auto& state : answer.at("states"))
+    fmt::print("{:>5}  {:>8.5f}  {:>12.6g}  {:>10}  {}{}{}\n", number++, state.at("share").get<double>(),
+               state.at("energy").get<double>(), state.at("iterations").get<int>(),
+               state.at("stopped").get<std::string>(), state.at("out_of_plane").get<bool>() ? ", out of plane" : "",
+               state.at("stable").get<bool>() ? "" : ", unstable");
+  const auto sums = resultants(answer.at("supports"), answer.at("states").back());
+  for (std::size_t k = 0; k < sums.size(); ++k)
+    fmt::print("support {:<3} {:.6g} {:.6g} {:.6g} N\n", k, sums[k][0], sums[k][1], sums[k][2]);
+  print_accuracy(answer);
+  fmt::print("unknowns    {}\n", answer.at("accuracy").at("unknowns").get<int>());
+  print_cost(answer);
+  print_message(answer);
+}
+
+}  // namespace supple::cli

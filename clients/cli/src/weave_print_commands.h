@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include "session.h"
+
+namespace supple::cli {
+
+/// `print` and `check` of the command `weave`.
+void add_weave_print_commands(CLI::App& weave, const GlobalOptions& options);
+
+}  // namespace supple::cli

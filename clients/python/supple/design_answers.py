@@ -1,0 +1,338 @@
+"""Designs and profiles that a server found, as dataclasses and numpy arrays.
+
+A profile is stress over strain in one direction, or stiffness or Poisson's ratio over directions, under a uniaxial load
+whose lateral strain and shear are free. Stresses and stiffnesses are in MPa, angles in radians.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, Mapping, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class DesignError:
+    """How far profiles are from their targets.
+
+    Attributes:
+        relative_rms: weighted root mean square of the deviations beyond the bands, over that of the target; over all targets.
+        max: largest deviation of the main target beyond its band, in its unit.
+    """
+
+    relative_rms: float
+    max: float
+
+
+@dataclass(frozen=True)
+class Verification:
+    """A profile by simulation at native scale.
+
+    Attributes:
+        x: strains or angles, shape (m,): some of the profile's samples.
+        y: simulated values, shape (m,); nan where the simulation did not get there.
+        model: the neural model's values there, shape (m,).
+        relative_rms: root mean square of their difference over that of the simulation; None where nothing was simulated.
+    """
+
+    x: Array
+    y: Array
+    model: Array
+    relative_rms: Optional[float]
+
+
+@dataclass(frozen=True)
+class DesignProfile:
+    """A target and what designs do, at n samples.
+
+    Attributes:
+        task: "stress_strain", "stiffness" or "poisson".
+        direction: of the load; None over directions.
+        strain: along the load; None over strains.
+        strain_measure: "green" or "engineering".
+        x: strains or angles, shape (n,).
+        target: shape (n,), MPa or dimensionless, as the values that follow.
+        initial: at the first starting point, shape (n,); nan where it has no equilibrium.
+        achieved: of the design found, shape (n,).
+        in_range: whether each sample of it lies within what the model was trained on, shape (n,).
+        reached: whether it is within the band of each sample, or within 1 % of the target's root mean square beyond it.
+        lower, upper: least and greatest values over all designs that were looked at, shape (n,); None where there are none.
+        verified: None where no simulation was asked for.
+    """
+
+    task: str
+    direction: Optional[float]
+    strain: Optional[float]
+    strain_measure: str
+    x: Array
+    target: Array
+    initial: Array
+    achieved: Array
+    in_range: Flags
+    reached: Flags
+    lower: Optional[Array]
+    upper: Optional[Array]
+    verified: Optional[Verification]
+
+
+@dataclass(frozen=True)
+class DesignCandidate:
+    """The best design of one family."""
+
+    family: str
+    model: str
+    parameters: Array
+    error: DesignError
+    stopped: str
+
+
+@dataclass(frozen=True)
+class Design:
+    """A design that was found.
+
+    Attributes:
+        name: of its region; empty where it has none.
+        family, parameters: the structure; `Client.structure_file` writes it.
+        model, sha256: the neural model that was searched, and its file.
+        profile: the main target and what was achieved.
+        also: the further targets, in their order.
+        error: how far it is from them.
+        reached: whether all samples of all targets are reached. A target out of reach is no exception.
+        iterations, starts: of the search in this family.
+        stopped: "converged", "reached", "iteration_limit", "step_too_small" or "no_free_parameters".
+        message: what to know about the result; empty where there is nothing.
+        ranking: the best design of each family that was searched, best first.
+        structure: paths of the structure's files on the server, by "svg", "dxf" and "stl".
+    """
+
+    name: str
+    family: str
+    model: str
+    sha256: str
+    parameters: Array
+    profile: DesignProfile
+    also: Tuple[DesignProfile, ...]
+    error: DesignError
+    reached: bool
+    iterations: int
+    starts: int
+    stopped: str
+    message: str
+    ranking: Tuple[DesignCandidate, ...]
+    structure: Dict[str, str]
+
+
+@dataclass(frozen=True)
+class DesignResult(Design):
+    """A design and what it took.
+
+    Attributes:
+        tolerance, equilibrium_tolerance: as asked for.
+        residual: largest one of the design's equilibria.
+        effects: "multi_start", "envelope" and "verification".
+    """
+
+    tolerance: float
+    equilibrium_tolerance: float
+    residual: float
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+
+@dataclass(frozen=True)
+class RegionDesigns:
+    """The designs of several regions, in their order, and what they took; the fields are those of `DesignResult`."""
+
+    regions: Tuple[Design, ...]
+    tolerance: float
+    equilibrium_tolerance: float
+    residual: float
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+
+@dataclass(frozen=True)
+class PartialDesign:
+    """The best design so far of a job that runs.
+
+    Attributes:
+        name: of its region; empty where it has none.
+        x, achieved: samples of the main target and the profile there, shape (n,).
+        iteration: iterations so far.
+    """
+
+    name: str
+    family: str
+    model: str
+    parameters: Array
+    x: Array
+    achieved: Array
+    error: DesignError
+    iteration: int
+
+
+@dataclass(frozen=True)
+class ProfileCurve:
+    """The profile of given parameters.
+
+    Attributes:
+        task, direction, strain, strain_measure: what it shows, as in `DesignProfile`.
+        x: strains or angles, shape (n,).
+        y: shape (n,), MPa or dimensionless; nan where no equilibrium was found.
+        in_range: whether each sample lies within what the model was trained on, shape (n,).
+        equilibrium_tolerance: as asked for; `residual` is the largest one of the equilibria.
+        sha256: of the model's file that answered.
+    """
+
+    family: str
+    model: str
+    sha256: str
+    parameters: Array
+    task: str
+    direction: Optional[float]
+    strain: Optional[float]
+    strain_measure: str
+    x: Array
+    y: Array
+    in_range: Flags
+    equilibrium_tolerance: float
+    residual: float
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+
+def _array(values: Any) -> Array:
+    """An array whose entries that are null are nan."""
+    return np.asarray([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def _flags(values: Any) -> Flags:
+    return np.asarray(values, dtype=np.bool_)
+
+
+def _optional(document: Mapping[str, Any], name: str) -> Optional[float]:
+    return float(document[name]) if name in document else None
+
+
+def _error(document: Mapping[str, Any]) -> DesignError:
+    return DesignError(relative_rms=float(document["relative_rms"]), max=float(document["max"]))
+
+
+def _verification(document: Optional[Mapping[str, Any]]) -> Optional[Verification]:
+    if document is None:
+        return None
+    return Verification(
+        x=_array(document["x"]),
+        y=_array(document["y"]),
+        model=_array(document["model"]),
+        relative_rms=_optional(document, "relative_rms"),
+    )
+
+
+def _profile(document: Mapping[str, Any]) -> DesignProfile:
+    envelope = document["envelope"]
+    return DesignProfile(
+        task=str(document["task"]),
+        direction=_optional(document, "direction"),
+        strain=_optional(document, "strain"),
+        strain_measure=str(document["strain_measure"]),
+        x=_array(document["x"]),
+        target=_array(document["target"]),
+        initial=_array(document["initial"]),
+        achieved=_array(document["achieved"]),
+        in_range=_flags(document["in_range"]),
+        reached=_flags(document["reached"]),
+        lower=None if envelope is None else _array(envelope["lower"]),
+        upper=None if envelope is None else _array(envelope["upper"]),
+        verified=_verification(document["verified"]),
+    )
+
+
+def _candidate(document: Mapping[str, Any]) -> DesignCandidate:
+    return DesignCandidate(
+        family=str(document["family"]),
+        model=str(document["model"]),
+        parameters=_array(document["parameters"]),
+        error=_error(document["error"]),
+        stopped=str(document["stopped"]),
+    )
+
+
+def _design_fields(document: Mapping[str, Any]) -> Dict[str, Any]:
+    return {
+        "name": str(document.get("name", "")),
+        "family": str(document["family"]),
+        "model": str(document["model"]),
+        "sha256": str(document["sha256"]),
+        "parameters": _array(document["parameters"]),
+        "profile": _profile(document["profile"]),
+        "also": tuple(_profile(profile) for profile in document["also"]),
+        "error": _error(document["error"]),
+        "reached": bool(document["reached"]),
+        "iterations": int(document["iterations"]),
+        "starts": int(document["starts"]),
+        "stopped": str(document["stopped"]),
+        "message": str(document["message"]),
+        "ranking": tuple(_candidate(candidate) for candidate in document["ranking"]),
+        "structure": {str(kind): str(path) for kind, path in document["structure"].items()},
+    }
+
+
+def _bill_fields(document: Mapping[str, Any]) -> Dict[str, Any]:
+    accuracy = document["accuracy"]
+    return {
+        "tolerance": float(accuracy["tolerance"]),
+        "equilibrium_tolerance": float(accuracy["equilibrium_tolerance"]),
+        "residual": float(accuracy["residual"]),
+        "effects": effects_from_wire(document["effects"]),
+        "cost": cost_from_wire(document["cost"]),
+    }
+
+
+def design_from_wire(document: Mapping[str, Any]) -> DesignResult:
+    return DesignResult(**_design_fields(document), **_bill_fields(document))
+
+
+def regions_from_wire(document: Mapping[str, Any]) -> RegionDesigns:
+    return RegionDesigns(
+        regions=tuple(Design(**_design_fields(region)) for region in document["regions"]), **_bill_fields(document)
+    )
+
+
+def partial_from_wire(document: Mapping[str, Any]) -> PartialDesign:
+    return PartialDesign(
+        name=str(document.get("name", "")),
+        family=str(document["family"]),
+        model=str(document["model"]),
+        parameters=_array(document["parameters"]),
+        x=_array(document["x"]),
+        achieved=_array(document["achieved"]),
+        error=_error(document["error"]),
+        iteration=int(document["iteration"]),
+    )
+
+
+def profile_from_wire(document: Mapping[str, Any]) -> ProfileCurve:
+    return ProfileCurve(
+        family=str(document["family"]),
+        model=str(document["model"]),
+        sha256=str(document["sha256"]),
+        parameters=_array(document["parameters"]),
+        task=str(document["task"]),
+        direction=_optional(document, "direction"),
+        strain=_optional(document, "strain"),
+        strain_measure=str(document["strain_measure"]),
+        x=_array(document["x"]),
+        y=_array(document["y"]),
+        in_range=_flags(document["in_range"]),
+        equilibrium_tolerance=float(document["accuracy"]["equilibrium_tolerance"]),
+        residual=float(document["accuracy"]["residual"]),
+        effects=effects_from_wire(document["effects"]),
+        cost=cost_from_wire(document["cost"]),
+    )

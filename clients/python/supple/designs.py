@@ -1,0 +1,221 @@
+"""Inverse design: targets and problems, and the requests that they become."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .design_answers import (
+    DesignResult,
+    ProfileCurve,
+    RegionDesigns,
+    design_from_wire,
+    profile_from_wire,
+    regions_from_wire,
+)
+from .jobs import Computation
+
+
+@dataclass(frozen=True)
+class Target:
+    """One profile that is wanted: a curve through control points. What is None is left to the server.
+
+    Attributes:
+        task: "stress_strain" (MPa over strain in one direction), "stiffness" (MPa over directions) or "poisson"
+            (Poisson's ratio over directions).
+        control_points: (x, y), shape (n, 2), x increasing: strains, or angles in radians of period pi.
+        direction: angle of the load from the x axis, radians; of stress_strain. 0 on the server's side.
+        strain: along the load; of stiffness and poisson. 0.05 on the server's side.
+        strain_measure: "green" (Green strain, second Piola-Kirchhoff stress) or "engineering" (stretch - 1, force over rest
+            width). "green" on the server's side.
+        interpolation: "cubic", "monotone" or "linear"; "cubic" on the server's side.
+        weights: how much deviations count at each control point, shape (n,).
+        bands: deviations that count as none at each control point, shape (n,), in the unit of y.
+        samples: points at which the target is compared. 10 on the server's side, 50 over directions.
+        weight: how much this target counts beside others. 1 on the server's side.
+    """
+
+    task: str
+    control_points: ArrayLike
+    direction: Optional[float] = None
+    strain: Optional[float] = None
+    strain_measure: Optional[str] = None
+    interpolation: Optional[str] = None
+    weights: Optional[ArrayLike] = None
+    bands: Optional[ArrayLike] = None
+    samples: Optional[int] = None
+    weight: Optional[float] = None
+
+    def to_wire(self) -> Dict[str, Any]:
+        points = np.asarray(self.control_points, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise ValueError(f"control_points have the shape {points.shape}; expected (n, 2)")
+        spline = {
+            "control_points": points.tolist(),
+            "interpolation": self.interpolation,
+            "weights": _numbers(self.weights),
+            "bands": _numbers(self.bands),
+        }
+        return {
+            "task": self.task,
+            "target": _given(spline),
+            **_given(
+                {
+                    "direction": self.direction,
+                    "strain": self.strain,
+                    "strain_measure": self.strain_measure,
+                    "samples": self.samples,
+                    "weight": self.weight,
+                }
+            ),
+        }
+
+
+@dataclass(frozen=True)
+class Region:
+    """What one part of a product is to do, and where to look for it; the fields are those of `Client.design`."""
+
+    target: Target
+    name: Optional[str] = None
+    family: Optional[str] = None
+    model: Optional[str] = None
+    also: Sequence[Target] = field(default_factory=tuple)
+    initial: Optional[Sequence[float]] = None
+    fixed: Optional[Sequence[Optional[float]]] = None
+
+    def to_wire(self) -> Dict[str, Any]:
+        return {
+            **self.target.to_wire(),
+            **_given(
+                {
+                    "name": self.name,
+                    "also": [target.to_wire() for target in self.also] or None,
+                    "family": self.family,
+                    "model": self.model,
+                    "initial": _numbers(self.initial),
+                    "fixed": None
+                    if self.fixed is None
+                    else [None if value is None else float(value) for value in self.fixed],
+                }
+            ),
+        }
+
+
+@dataclass(frozen=True)
+class DesignOptions:
+    """How designs are searched for. What is None is left to the server.
+
+    Attributes:
+        tolerance: the search ends once a step promises to lessen the relative deviation by at most this. 1e-6.
+        equilibrium_tolerance: relative residual of an equilibrium. 1e-10.
+        max_iterations: from one starting point. 60.
+        starts: starting points that are followed at most. 6.
+        candidates: designs spread over the bounds from which they are chosen.
+        verified_samples: samples that are simulated where the design is verified. 12.
+        multi_start: further starting points: "automatic", "on" or "off".
+        envelope: least and greatest values over all designs that were looked at: "automatic", "on" or "off".
+    """
+
+    tolerance: Optional[float] = None
+    equilibrium_tolerance: Optional[float] = None
+    max_iterations: Optional[int] = None
+    starts: Optional[int] = None
+    candidates: Optional[int] = None
+    verified_samples: Optional[int] = None
+    multi_start: Optional[str] = None
+    envelope: Optional[str] = None
+
+    def to_wire(self) -> Dict[str, Any]:
+        accuracy = _given(
+            {
+                "tolerance": self.tolerance,
+                "equilibrium_tolerance": self.equilibrium_tolerance,
+                "max_iterations": self.max_iterations,
+                "starts": self.starts,
+                "candidates": self.candidates,
+                "verified_samples": self.verified_samples,
+            }
+        )
+        effects = _given({"multi_start": self.multi_start, "envelope": self.envelope})
+        return _given({"accuracy": accuracy or None, "effects": effects or None})
+
+
+def _given(values: Mapping[str, Any]) -> Dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _numbers(values: Optional[ArrayLike]) -> Optional[Sequence[float]]:
+    if values is None:
+        return None
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim != 1:
+        raise ValueError(f"a list has the shape {array.shape}; expected (n,)")
+    return [float(value) for value in array]
+
+
+def _shared(
+    options: Optional[DesignOptions], verify: bool, session: Optional[str], deadline: Optional[float]
+) -> Dict[str, Any]:
+    wire = {} if options is None else options.to_wire()
+    return {**wire, **_given({"verify": verify or None, "session": session, "deadline": deadline})}
+
+
+def design(
+    problem: Region, options: Optional[DesignOptions], verify: bool, session: Optional[str], deadline: Optional[float]
+) -> Computation[DesignResult]:
+    document = {**problem.to_wire(), **_shared(options, verify, session, deadline)}
+    return Computation("/v1/designs", document, lambda answer: design_from_wire(answer.json()))
+
+
+def design_regions(
+    regions: Sequence[Region],
+    options: Optional[DesignOptions],
+    verify: bool,
+    session: Optional[str],
+    deadline: Optional[float],
+) -> Computation[RegionDesigns]:
+    document = {
+        "regions": [region.to_wire() for region in regions],
+        **_shared(options, verify, session, deadline),
+    }
+    return Computation("/v1/designs", document, lambda answer: regions_from_wire(answer.json()))
+
+
+def profile(
+    task: str,
+    parameters: Sequence[float],
+    family: Optional[str],
+    model: Optional[str],
+    direction: Optional[float],
+    strain: Optional[float],
+    strain_measure: Optional[str],
+    x: Optional[ArrayLike],
+    limits: Optional[Tuple[float, float]],
+    samples: Optional[int],
+    equilibrium_tolerance: Optional[float],
+    deadline: Optional[float],
+) -> Computation[ProfileCurve]:
+    document = {
+        "task": task,
+        "parameters": _numbers(parameters),
+        **_given(
+            {
+                "family": family,
+                "model": model,
+                "direction": direction,
+                "strain": strain,
+                "strain_measure": strain_measure,
+                "x": _numbers(x),
+                "range": _numbers(limits),
+                "samples": samples,
+                "accuracy": None
+                if equilibrium_tolerance is None
+                else {"equilibrium_tolerance": equilibrium_tolerance},
+                "deadline": deadline,
+            }
+        ),
+    }
+    return Computation("/v1/profiles", document, lambda answer: profile_from_wire(answer.json()))

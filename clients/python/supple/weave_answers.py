@@ -1,0 +1,312 @@
+"""What is answered about weaves, as dataclasses and numpy arrays. Lengths are in mm, forces in N, stresses per width in N/m."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, List, Mapping, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+
+
+@dataclass(frozen=True)
+class LaidStrand:
+    """A strand at rest: `polyline` has the shape (n, 2); `translation` is zero unless `ends` is "periodic"."""
+
+    ends: str
+    translation: Array
+    length: float
+    radius: float
+    polyline: Array
+
+
+@dataclass(frozen=True)
+class CrossingMember:
+    """A strand's part in a crossing: where on the strand, which of its copies, whether it slides, and how far (None for as
+    far as its neighbours let it)."""
+
+    strand: int
+    coordinate: float
+    shift: Tuple[int, int]
+    slides: bool
+    backward: Optional[float]
+    forward: Optional[float]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where strands meet: a position of shape (2,)."""
+
+    position: Array
+    members: Tuple[CrossingMember, ...]
+
+    @property
+    def slides(self) -> bool:
+        return any(member.slides for member in self.members)
+
+
+@dataclass(frozen=True)
+class WeaveLayout:
+    """A weave at rest.
+
+    Attributes:
+        strands, crossings: their indices are what overrides, supports and forces refer to.
+        lattice: the cell's translations as rows, shape (2, 2); None for a sheet.
+        warnings: what is likely to be a mistake, one sentence each.
+    """
+
+    strands: Tuple[LaidStrand, ...]
+    crossings: Tuple[Crossing, ...]
+    lattice: Optional[Array]
+    warnings: Tuple[str, ...]
+    cost: Cost
+
+
+@dataclass(frozen=True)
+class DeformedCell:
+    """A deformed cell: `direction` is an index, `lattice` has the translations as rows, `strands` are polylines of shape
+    (n, 3), `sliding` tells how far each slider has moved."""
+
+    direction: int
+    lattice: Array
+    strands: Tuple[Array, ...]
+    sliding: Array
+
+
+@dataclass(frozen=True)
+class WeaveHomogenization:
+    """The response of a periodic weave to uniaxial strain, one entry for each direction.
+
+    Attributes:
+        strain: stretch minus one.
+        directions: radians, shape (n,).
+        youngs_modulus: N/m; nan where not converged. `youngs_modulus_mpa` likewise, None without a thickness.
+        poisson_ratio: nan where not converged.
+        deformation_gradient, nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
+        energy_density: N/m.
+        stopped: "converged", "iteration_limit" or "step_too_small".
+        out_of_plane, stable: bool, shape (n,).
+        message: how many directions did not converge; empty where all did.
+        cells: the deformed cells that were asked for.
+        tolerance, residual: what was asked for, and the largest |g| over what that allows (None where not finite).
+    """
+
+    strain: float
+    directions: Array
+    youngs_modulus: Array
+    youngs_modulus_mpa: Optional[Array]
+    poisson_ratio: Array
+    deformation_gradient: Array
+    nominal_stress: Array
+    cauchy_stress: Array
+    energy_density: Array
+    stopped: Tuple[str, ...]
+    out_of_plane: NDArray[np.bool_]
+    stable: NDArray[np.bool_]
+    message: str
+    cells: Tuple[DeformedCell, ...]
+    tolerance: float
+    residual: Optional[float]
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+    @property
+    def converged(self) -> bool:
+        """Whether every direction was followed to the strain."""
+        return not self.message
+
+
+@dataclass(frozen=True)
+class SheetState:
+    """One equilibrium of a sheet.
+
+    Attributes:
+        share: of the loads, in (0, 1].
+        energy: that the weave stores, N mm.
+        crossings: positions, shape (n, 3).
+        sliding: how far each slider has moved along its strand, mm.
+        reactions: what holds the sheet at each of `WeaveSimulation.supports`, shape (m, 3), N.
+        out_of_plane, stable: whether it is computed in space, and whether its tangent is positive definite.
+        stopped: "converged", "iteration_limit" or "step_too_small".
+        residual: N; None where it is not finite.
+        iterations, load_steps, branches: since the state before.
+        strands: polylines of shape (n, 3); None unless deformed="json". `obj` and `vtu` likewise.
+    """
+
+    share: float
+    energy: float
+    crossings: Array
+    sliding: Array
+    reactions: Array
+    out_of_plane: bool
+    stable: bool
+    stopped: str
+    residual: Optional[float]
+    iterations: int
+    load_steps: int
+    branches: int
+    strands: Optional[Tuple[Array, ...]]
+    obj: Optional[str]
+    vtu: Optional[str]
+
+    @property
+    def converged(self) -> bool:
+        return self.stopped == "converged"
+
+
+@dataclass(frozen=True)
+class HeldPlace:
+    """A place that is held: which support of the request it belongs to, and where it is at rest, shape (2,)."""
+
+    support: int
+    strand: int
+    coordinate: float
+    position: Array
+
+
+@dataclass(frozen=True)
+class WeaveSimulation:
+    """The states of a sheet along a load path.
+
+    Attributes:
+        supports: each place that is held; a box holds several.
+        sliders: (crossing, member) of what slides, in the order of `SheetState.sliding`.
+        states: one for each that was asked for, fewer where the path ended early; the last then has not converged.
+        message: why the path ended early; empty where it did not.
+        unknowns: of the largest system that was solved.
+    """
+
+    supports: Tuple[HeldPlace, ...]
+    sliders: Tuple[Tuple[int, int], ...]
+    states: Tuple[SheetState, ...]
+    message: str
+    tolerance: float
+    residual: Optional[float]
+    unknowns: int
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+    @property
+    def converged(self) -> bool:
+        """Whether every state was reached."""
+        return not self.message and all(state.converged for state in self.states)
+
+    def resultant(self, support: int) -> Array:
+        """The sum of the reactions at a support of the request in every state, shape (states, 3), N."""
+        places = [index for index, place in enumerate(self.supports) if place.support == support]
+        return np.array([state.reactions[places].sum(axis=0) for state in self.states])
+
+
+def _array(values: Any) -> Array:
+    return np.asarray(values, dtype=np.float64)
+
+
+def _polylines(documents: List[Any]) -> Tuple[Array, ...]:
+    return tuple(_array(points).reshape(-1, 3) for points in documents)
+
+
+def _member(document: Mapping[str, Any]) -> CrossingMember:
+    return CrossingMember(
+        strand=int(document["strand"]),
+        coordinate=float(document["coordinate"]),
+        shift=(int(document["shift"][0]), int(document["shift"][1])),
+        slides=bool(document["slides"]),
+        backward=document.get("backward"),
+        forward=document.get("forward"),
+    )
+
+
+def layout_from_wire(document: Mapping[str, Any]) -> WeaveLayout:
+    lattice = document["lattice"]
+    return WeaveLayout(
+        strands=tuple(
+            LaidStrand(
+                ends=str(strand["ends"]),
+                translation=_array(strand["translation"]),
+                length=float(strand["length"]),
+                radius=float(strand["radius"]),
+                polyline=_array(strand["polyline"]).reshape(-1, 2),
+            )
+            for strand in document["strands"]
+        ),
+        crossings=tuple(
+            Crossing(_array(crossing["position"]), tuple(_member(member) for member in crossing["members"]))
+            for crossing in document["crossings"]
+        ),
+        lattice=None if lattice is None else _array(lattice),
+        warnings=tuple(map(str, document["warnings"])),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def homogenization_from_wire(document: Mapping[str, Any]) -> WeaveHomogenization:
+    mpa = document.get("youngs_modulus_mpa")
+    return WeaveHomogenization(
+        strain=float(document["strain"]),
+        directions=_array(document["directions"]),
+        youngs_modulus=_array(document["youngs_modulus"]),
+        youngs_modulus_mpa=None if mpa is None else _array(mpa),
+        poisson_ratio=_array(document["poisson_ratio"]),
+        deformation_gradient=_array(document["deformation_gradient"]),
+        nominal_stress=_array(document["nominal_stress"]),
+        cauchy_stress=_array(document["cauchy_stress"]),
+        energy_density=_array(document["energy_density"]),
+        stopped=tuple(map(str, document["stopped"])),
+        out_of_plane=np.asarray(document["out_of_plane"], dtype=np.bool_),
+        stable=np.asarray(document["stable"], dtype=np.bool_),
+        message=str(document["message"]),
+        cells=tuple(
+            DeformedCell(
+                direction=int(cell["direction"]),
+                lattice=_array(cell["lattice"]),
+                strands=_polylines(cell["strands"]),
+                sliding=_array(cell["sliding"]),
+            )
+            for cell in document["cells"]
+        ),
+        tolerance=float(document["accuracy"]["tolerance"]),
+        residual=document["accuracy"]["residual"],
+        effects=effects_from_wire(document["effects"]),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def _state(document: Mapping[str, Any]) -> SheetState:
+    strands = document.get("strands")
+    return SheetState(
+        share=float(document["share"]),
+        energy=float(document["energy"]),
+        crossings=_array(document["crossings"]).reshape(-1, 3),
+        sliding=_array(document["sliding"]),
+        reactions=_array(document["reactions"]).reshape(-1, 3),
+        out_of_plane=bool(document["out_of_plane"]),
+        stable=bool(document["stable"]),
+        stopped=str(document["stopped"]),
+        residual=document["residual"],
+        iterations=int(document["iterations"]),
+        load_steps=int(document["load_steps"]),
+        branches=int(document["branches"]),
+        strands=None if strands is None else _polylines(strands),
+        obj=document.get("obj"),
+        vtu=document.get("vtu"),
+    )
+
+
+def weave_simulation_from_wire(document: Mapping[str, Any]) -> WeaveSimulation:
+    accuracy = document["accuracy"]
+    return WeaveSimulation(
+        supports=tuple(
+            HeldPlace(int(p["support"]), int(p["strand"]), float(p["coordinate"]), _array(p["position"]))
+            for p in document["supports"]
+        ),
+        sliders=tuple((int(slider["crossing"]), int(slider["member"])) for slider in document["sliders"]),
+        states=tuple(_state(state) for state in document["states"]),
+        message=str(document["message"]),
+        tolerance=float(accuracy["tolerance"]),
+        residual=accuracy["residual"],
+        unknowns=int(accuracy["unknowns"]),
+        effects=effects_from_wire(document["effects"]),
+        cost=cost_from_wire(document["cost"]),
+    )

@@ -1,0 +1,175 @@
+"""The part of `Client` that asks about weaves."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Optional, Sequence, Union
+
+from numpy.typing import ArrayLike
+
+from . import weave_printing, weaves
+from .jobs import Job, Progress, run, submit
+from .transport import Transport
+from .weave_answers import WeaveHomogenization, WeaveLayout, WeaveSimulation
+from .weave_print_answers import GcodeReport, WeaveToolpath
+from .weave_printing import PrintOptions
+from .weaves import Force, Support, Weave, WeaveOptions
+
+
+class WeaveCalls:
+    """Layouts, stiffness, sheets under load and printing of digital weaves."""
+
+    _transport: Transport
+
+    def weave_layout(self, weave: Weave, *, deadline: Optional[float] = None, timeout: Optional[float] = None) -> WeaveLayout:
+        """Strands and crossings at rest, and what is likely to be a mistake. Raises `InvalidWeave`."""
+        return run(self._transport, weaves.layout(weave, deadline), timeout, None)
+
+    def weave_picture(self, weave: Weave, *, timeout: Optional[float] = None) -> bytes:
+        """The weave at rest as an SVG file, lengths in mm."""
+        return run(self._transport, weaves.picture(weave), timeout, None)
+
+    def weave_homogenization(
+        self,
+        weave: Weave,
+        *,
+        strain: Optional[float] = None,
+        directions: Union[int, ArrayLike, None] = None,
+        shear: Optional[str] = None,
+        thickness: Optional[float] = None,
+        deformed: Sequence[int] = (),
+        options: Optional[WeaveOptions] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> WeaveHomogenization:
+        """Young's modulus and Poisson's ratio of a periodic weave in every direction.
+
+        Args:
+            weave: a cell: a pattern without a sheet, or a layout with a lattice.
+            strain: stretch minus one, in [-0.5, 2], not 0. 0.1 on the server's side.
+            directions: how many over half a turn, or angles in radians, shape (n,). 200 on the server's side.
+            shear: "free", or "suppressed" relative to the direction. "free" on the server's side.
+            thickness: mm, for moduli in MPa too.
+            deformed: indices of the directions whose deformed cells are wanted.
+
+        A direction that could not be followed to the strain is no exception: its numbers are nan.
+        """
+        computation = weaves.homogenization(weave, strain, directions, shear, thickness, deformed, options, deadline)
+        return run(self._transport, computation, timeout, progress)
+
+    def start_weave_homogenization(
+        self,
+        weave: Weave,
+        *,
+        strain: Optional[float] = None,
+        directions: Union[int, ArrayLike, None] = None,
+        shear: Optional[str] = None,
+        thickness: Optional[float] = None,
+        deformed: Sequence[int] = (),
+        options: Optional[WeaveOptions] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[WeaveHomogenization]:
+        """`weave_homogenization` as a job."""
+        computation = weaves.homogenization(weave, strain, directions, shear, thickness, deformed, options, deadline)
+        return submit(self._transport, computation)
+
+    def weave_simulation(
+        self,
+        weave: Weave,
+        supports: Sequence[Support],
+        forces: Sequence[Force] = (),
+        *,
+        states: Optional[int] = None,
+        deformed: Optional[str] = None,
+        options: Optional[WeaveOptions] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> WeaveSimulation:
+        """Equilibria of a sheet along a load path from rest.
+
+        Args:
+            weave: a sheet: a pattern with `sheet`, or a layout without a lattice.
+            supports: what is held and moved.
+            forces: what pulls.
+            states: how many are reported, evenly along the path. 1 on the server's side.
+            deformed: "json" for polylines, "obj" or "vtu" for files, "none". "json" on the server's side.
+
+        A path that cannot be followed to its end is no exception: see `WeaveSimulation.message`.
+        """
+        computation = weaves.simulation(weave, supports, forces, states, deformed, options, deadline)
+        return run(self._transport, computation, timeout, progress)
+
+    def start_weave_simulation(
+        self,
+        weave: Weave,
+        supports: Sequence[Support],
+        forces: Sequence[Force] = (),
+        *,
+        states: Optional[int] = None,
+        deformed: Optional[str] = None,
+        options: Optional[WeaveOptions] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[WeaveSimulation]:
+        """`weave_simulation` as a job."""
+        computation = weaves.simulation(weave, supports, forces, states, deformed, options, deadline)
+        return submit(self._transport, computation)
+
+    def weave_toolpath(
+        self,
+        weave: Weave,
+        options: Optional[PrintOptions] = None,
+        *,
+        printer: Optional[Mapping[str, Any]] = None,
+        include: Optional[Sequence[str]] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> WeaveToolpath:
+        """G-code that prints a sheet, and what an independent checker finds in it. Raises `InvalidWeave`.
+
+        Args:
+            weave: a sheet: a pattern with `sheet`, or a layout without a lattice.
+            options: supports, overruns, order and place.
+            printer: fields of the contract's PrinterProfile; None takes a Prusa i3 MK3S with PLA.
+            include: "gcode", "svg" and "moves" as wanted. ["gcode"] on the server's side.
+        """
+        computation = weave_printing.toolpath(weave, options, printer, include, deadline)
+        return run(self._transport, computation, timeout, progress)
+
+    def start_weave_toolpath(
+        self,
+        weave: Weave,
+        options: Optional[PrintOptions] = None,
+        *,
+        printer: Optional[Mapping[str, Any]] = None,
+        include: Optional[Sequence[str]] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[WeaveToolpath]:
+        """`weave_toolpath` as a job."""
+        return submit(self._transport, weave_printing.toolpath(weave, options, printer, include, deadline))
+
+    def gcode_report(
+        self,
+        gcode: Union[str, bytes],
+        *,
+        limits: Optional[Mapping[str, Any]] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+    ) -> GcodeReport:
+        """What a printer would do with the content of a G-code file, and what is wrong with it.
+
+        Violations are no exception: see `GcodeReport.violations`. `limits` has fields of the contract's GcodeLimits. Bytes
+        that are not ASCII count as question marks.
+        """
+        return run(self._transport, weave_printing.report(gcode, limits, deadline), timeout, None)
+
+    def start_gcode_report(
+        self,
+        gcode: Union[str, bytes],
+        *,
+        limits: Optional[Mapping[str, Any]] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[GcodeReport]:
+        """`gcode_report` as a job."""
+        return submit(self._transport, weave_printing.report(gcode, limits, deadline))

@@ -1,0 +1,179 @@
+"""What is answered about printing weaves. Lengths are in mm, areas in mm^2, speeds in mm/min, durations in minutes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Mapping, Optional, Tuple
+
+import numpy as np
+
+from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+
+
+@dataclass(frozen=True)
+class PrintMove:
+    """A move of the nozzle: `kind` is "strand", "lifted", "channel", "support" or "travel"; `points` have the shape (n, 3);
+    `strand` is None of supports and travels, `crossing` of all but channels."""
+
+    kind: str
+    points: Array
+    area: float
+    speed: float
+    strand: Optional[int]
+    crossing: Optional[int]
+
+
+@dataclass(frozen=True)
+class PrintStatistics:
+    """What a toolpath amounts to. `heights` are those at which something is printed level; `lowest` and `highest`, shape
+    (3,), are corners of the box of all that is printed."""
+
+    strand_length: float
+    lifted_length: float
+    channel_length: float
+    support_length: float
+    travel_length: float
+    extruded_length: float
+    filament: float
+    travels: int
+    channels: int
+    heights: Array
+    minutes: float
+    lowest: Array
+    highest: Array
+
+
+@dataclass(frozen=True)
+class Violation:
+    """What is wrong in a line of G-code, from 1."""
+
+    kind: str
+    line: int
+    message: str
+
+
+@dataclass(frozen=True)
+class FoundChannel:
+    """A channel that was recognized: where it begins, its feet and apex, shape (3,), and its length."""
+
+    line: int
+    start: Array
+    apex: Array
+    end: Array
+    length: float
+
+
+@dataclass(frozen=True)
+class GcodeReport:
+    """What G-code prints, and what is wrong with it.
+
+    Attributes:
+        minutes: None where it is not finite.
+        violations: by line, the first 1000 of `violation_count`.
+    """
+
+    lines: int
+    extruded_length: float
+    filament: float
+    travel_length: float
+    travels: int
+    retractions: int
+    heights: Array
+    minutes: Optional[float]
+    lowest: Array
+    highest: Array
+    channel_length: float
+    channels: Tuple[FoundChannel, ...]
+    violations: Tuple[Violation, ...]
+    violation_count: int
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing is wrong."""
+        return self.violation_count == 0
+
+
+@dataclass(frozen=True)
+class WeaveToolpath:
+    """How a weave is printed: `gcode`, `svg` and `moves` are None unless asked for; `check` is what an independent checker
+    found in the G-code."""
+
+    gcode: Optional[str]
+    svg: Optional[str]
+    moves: Optional[Tuple[PrintMove, ...]]
+    statistics: PrintStatistics
+    check: GcodeReport
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+
+def _array(values: Any) -> Array:
+    return np.asarray(values, dtype=np.float64)
+
+
+def _move(document: Mapping[str, Any]) -> PrintMove:
+    return PrintMove(
+        kind=str(document["kind"]),
+        points=_array(document["points"]).reshape(-1, 3),
+        area=float(document["area"]),
+        speed=float(document["speed"]),
+        strand=document["strand"],
+        crossing=document["crossing"],
+    )
+
+
+def _statistics(document: Mapping[str, Any]) -> PrintStatistics:
+    return PrintStatistics(
+        strand_length=float(document["strand_length"]),
+        lifted_length=float(document["lifted_length"]),
+        channel_length=float(document["channel_length"]),
+        support_length=float(document["support_length"]),
+        travel_length=float(document["travel_length"]),
+        extruded_length=float(document["extruded_length"]),
+        filament=float(document["filament"]),
+        travels=int(document["travels"]),
+        channels=int(document["channels"]),
+        heights=_array(document["heights"]),
+        minutes=float(document["minutes"]),
+        lowest=_array(document["lowest"]),
+        highest=_array(document["highest"]),
+    )
+
+
+def _report(document: Mapping[str, Any]) -> GcodeReport:
+    return GcodeReport(
+        lines=int(document["lines"]),
+        extruded_length=float(document["extruded_length"]),
+        filament=float(document["filament"]),
+        travel_length=float(document["travel_length"]),
+        travels=int(document["travels"]),
+        retractions=int(document["retractions"]),
+        heights=_array(document["heights"]),
+        minutes=document["minutes"],
+        lowest=_array(document["lowest"]),
+        highest=_array(document["highest"]),
+        channel_length=float(document["channel_length"]),
+        channels=tuple(
+            FoundChannel(int(c["line"]), _array(c["start"]), _array(c["apex"]), _array(c["end"]), float(c["length"]))
+            for c in document["channels"]
+        ),
+        violations=tuple(Violation(str(v["kind"]), int(v["line"]), str(v["message"])) for v in document["violations"]),
+        violation_count=int(document["violation_count"]),
+    )
+
+
+def toolpath_from_wire(document: Mapping[str, Any]) -> WeaveToolpath:
+    moves = document.get("moves")
+    return WeaveToolpath(
+        gcode=document.get("gcode"),
+        svg=document.get("svg"),
+        moves=None if moves is None else tuple(_move(move) for move in moves),
+        statistics=_statistics(document["statistics"]),
+        check=_report(document["check"]),
+        effects=effects_from_wire(document["effects"]),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def gcode_report_from_wire(document: Mapping[str, Any]) -> GcodeReport:
+    return _report(document["report"])

@@ -1,0 +1,106 @@
+"""Requests for designs and profiles and their answers, as they cross the wire."""
+
+from __future__ import annotations
+
+from typing import Any, Dict
+
+import numpy as np
+import pytest
+
+import supple
+from supple.design_answers import design_from_wire, partial_from_wire, profile_from_wire, regions_from_wire
+from supple.designs import DesignOptions, Region, Target, design, design_regions, profile
+from supple.jobs import status_from_wire
+
+BILL = {"accuracy": {"tolerance": 1e-6, "equilibrium_tolerance": 1e-10, "residual": 1e-12}, "effects": [],
+        "cost": {"seconds": 0.1, "stages": [], "quantities": {}}}
+ERROR = {"relative_rms": 0.02, "max": 0.3}
+
+
+def profile_document(**more: Any) -> Dict[str, Any]:
+    return {"task": "stress_strain", "direction": 0.5, "strain_measure": "green", "x": [0, 0.1], "target": [0, 1],
+            "initial": [None, 2], "achieved": [0, 1.02], "verified": None, "in_range": [True, False],
+            "reached": [True, False], "envelope": None, **more}
+
+
+def design_document(**more: Any) -> Dict[str, Any]:
+    return {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.15, 0.65], "profile": profile_document(),
+            "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
+            "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
+                         "stopped": "converged"}], "structure": {"svg": "/s", "dxf": "/d", "stl": "/t"}, **more}
+
+
+def test_what_is_not_given_is_left_to_the_server() -> None:
+    request = design(Region(Target("poisson", np.array([[0, 0.1], [1, 0.3]]))), None, False, None, None)
+    assert request.path == "/v1/designs"
+    assert request.document == {"task": "poisson", "target": {"control_points": [[0.0, 0.1], [1.0, 0.3]]}}
+
+
+def test_everything_that_is_given_is_sent() -> None:
+    target = Target("stress_strain", [(0, 0), (0.1, 1)], direction=0.5, strain_measure="engineering", interpolation="linear",
+                    weights=[1, 2], bands=(0, 0.1), samples=5, weight=2)
+    also = Target("stiffness", [(0, 1), (1, 2)], strain=0.02)
+    region = Region(target, "heel", "IH21", None, [also], np.array([0.15, 0.65]).tolist(), [None, 0.65])
+    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off")
+    document = design(region, options, True, "s", 7.0).document
+    assert document == {
+        "task": "stress_strain", "direction": 0.5, "strain_measure": "engineering", "samples": 5, "weight": 2,
+        "target": {"control_points": [[0, 0], [0.1, 1]], "interpolation": "linear", "weights": [1, 2], "bands": [0, 0.1]},
+        "also": [{"task": "stiffness", "strain": 0.02, "target": {"control_points": [[0, 1], [1, 2]]}}],
+        "name": "heel", "family": "IH21", "initial": [0.15, 0.65], "fixed": [None, 0.65], "verify": True, "session": "s",
+        "deadline": 7.0, "accuracy": {"tolerance": 1e-7, "equilibrium_tolerance": 1e-11, "max_iterations": 9, "starts": 3,
+                                      "candidates": 32, "verified_samples": 4},
+        "effects": {"multi_start": "on", "envelope": "off"}}
+    assert design_regions([region] * 2, None, False, None, None).document["regions"][1]["name"] == "heel"
+
+
+@pytest.mark.parametrize("points", [[0.1, 0.2], [[0, 0, 0]], [[[0, 0]]]])
+def test_control_points_of_another_shape_are_refused(points: Any) -> None:
+    with pytest.raises(ValueError, match="shape"):
+        Target("poisson", points).to_wire()
+
+
+def test_profiles_are_asked_for_at_places_or_in_a_range() -> None:
+    nothing = (None,) * 10
+    plain = profile("poisson", [0.1], "IH29", *nothing[:9])
+    assert plain.path == "/v1/profiles" and plain.document == {"task": "poisson", "parameters": [0.1], "family": "IH29"}
+    full = profile("stress_strain", [0.1], None, "ih29", 0.5, None, "green", np.array([0.1]), (0, 1), 3, 1e-9, 2.0)
+    assert full.document == {"task": "stress_strain", "parameters": [0.1], "model": "ih29", "direction": 0.5,
+                             "strain_measure": "green", "x": [0.1], "range": [0, 1], "samples": 3,
+                             "accuracy": {"equilibrium_tolerance": 1e-9}, "deadline": 2.0}
+
+
+def test_missing_values_are_nan_and_missing_curves_none() -> None:
+    result = design_from_wire({**design_document(), **BILL})
+    assert isinstance(result, supple.Design) and result.name == "" and result.residual == 1e-12
+    assert np.isnan(result.profile.initial[0]) and result.profile.initial[1] == 2
+    assert result.profile.lower is None and result.profile.verified is None and result.profile.strain is None
+    assert result.profile.in_range.tolist() == [True, False] and result.ranking[0].error.max == 0.3
+    verified = {"x": [0.1], "y": [None], "model": [1.02]}
+    document = profile_document(envelope={"lower": [0, 0.5], "upper": [0, 3]}, verified=verified)
+    full = design_from_wire({**design_document(profile=document, also=[profile_document()]), **BILL})
+    assert full.profile.upper is not None and full.profile.upper.tolist() == [0, 3] and len(full.also) == 1
+    assert full.profile.verified is not None and full.profile.verified.relative_rms is None
+    assert np.isnan(full.profile.verified.y[0])
+
+
+def test_regions_keep_their_order_and_names() -> None:
+    found = regions_from_wire({"regions": [design_document(name="heel"), design_document()], **BILL})
+    assert [region.name for region in found.regions] == ["heel", ""] and found.tolerance == 1e-6
+
+
+def test_a_running_job_may_show_a_design() -> None:
+    document = {"id": "0", "kind": "designs", "state": "running", "progress": 0.5, "stage": "optimization", "created": "t"}
+    partial = {"name": "heel", "family": "IH21", "model": "ih21", "parameters": [0.1], "x": [0, 1], "achieved": [2, 3],
+               "error": ERROR, "iteration": 4}
+    assert status_from_wire(document).partial is None
+    assert status_from_wire({**document, "partial": partial}).partial is not None
+    best = partial_from_wire(partial)
+    assert (best.name, best.iteration, best.achieved.tolist()) == ("heel", 4, [2, 3])
+
+
+def test_a_profile_has_nan_where_there_is_no_equilibrium() -> None:
+    curve = profile_from_wire({"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "task": "poisson",
+                               "strain": 0.05, "strain_measure": "green", "x": [0, 1], "y": [None, 0.3],
+                               "in_range": [False, True], **BILL})
+    assert np.isnan(curve.y[0]) and curve.direction is None and curve.strain == 0.05 and curve.residual == 1e-12
