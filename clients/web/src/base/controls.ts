@@ -1,0 +1,139 @@
+// Form controls that always have their label, and tell when they are moved and when they are let go.
+import { h, uniqueId } from "./dom";
+import { icon, type IconName } from "./icons";
+
+export interface ButtonOptions {
+  icon?: IconName;
+  /** What a screen reader says and a pointer shows where the words do not stand beside the icon. */
+  title?: string;
+  kind?: "primary" | "quiet";
+}
+
+export function button(words: string, act: () => void, options: ButtonOptions = {}): HTMLButtonElement {
+  const element = h(
+    "button",
+    { type: "button", class: `button ${options.kind ?? ""}`.trim(), title: options.title, onclick: act },
+    options.icon && icon(options.icon),
+    words && h("span", {}, words),
+  );
+  if (!words && options.title) element.setAttribute("aria-label", options.title);
+  return element;
+}
+
+export interface Choice<Value extends string> {
+  value: Value;
+  words: string;
+}
+
+/** A drop-down list with its label. */
+export class Select<Value extends string> {
+  readonly element: HTMLElement;
+  private readonly list = h("select", { id: uniqueId("select") });
+
+  constructor(label: string, choices: readonly Choice<Value>[], changed: (value: Value) => void) {
+    this.setChoices(choices);
+    this.list.addEventListener("change", () => changed(this.list.value as Value));
+    this.element = h("div", { class: "field" }, h("label", { for: this.list.id }, label), this.list);
+  }
+
+  setChoices(choices: readonly Choice<Value>[]): void {
+    const { value } = this.list;
+    this.list.replaceChildren(...choices.map((choice) => h("option", { value: choice.value }, choice.words)));
+    this.list.value = value;
+  }
+
+  set value(value: Value) {
+    this.list.value = value;
+  }
+}
+
+export interface SliderOptions {
+  label: string;
+  lower: number;
+  upper: number;
+  step?: number;
+  /** Digits after the point in the number's field. */
+  digits: number;
+  unit?: string;
+  /** `done`: the slider was let go, or a number was entered. */
+  changed: (value: number, done: boolean) => void;
+}
+
+/** A slider and a number field for the same value. */
+export class Slider {
+  readonly element: HTMLElement;
+  private readonly range: HTMLInputElement;
+  private readonly number: HTMLInputElement;
+  private lower: number;
+  private upper: number;
+
+  constructor(private readonly options: SliderOptions) {
+    const { label, lower, upper, unit } = options;
+    [this.lower, this.upper] = [lower, upper];
+    const id = uniqueId("slider");
+    const step = options.step ?? "any";
+    this.range = h("input", { type: "range", id, min: lower, max: upper, step });
+    this.number = h("input", { type: "number", class: "number", min: lower, max: upper, step: "any", "aria-label": `${label}${unit ? `, ${unit}` : ""}, as a number` });
+    this.range.addEventListener("input", () => this.tell(Number(this.range.value), false));
+    this.range.addEventListener("change", () => this.tell(Number(this.range.value), true));
+    this.number.addEventListener("change", () => {
+      const value = Number(this.number.value);
+      if (this.number.value !== "" && Number.isFinite(value)) this.tell(Math.max(this.lower, Math.min(this.upper, value)), true);
+    });
+    this.element = h(
+      "div",
+      { class: "field slider" },
+      h("label", { for: id }, label),
+      h("div", { class: "slider-row" }, this.range, h("span", { class: "number-box" }, this.number, unit && h("span", { class: `unit of-${unit.length}`, "aria-hidden": "true" }, unit))),
+    );
+  }
+
+  set value(value: number) {
+    this.range.value = String(value);
+    if (document.activeElement !== this.number) this.number.value = String(Number(value.toFixed(this.options.digits)));
+    const share = (value - this.lower) / (this.upper - this.lower);
+    this.range.style.setProperty("--share", `${100 * Math.max(0, Math.min(1, share))}%`);
+  }
+
+  /** What the value may be from now on; the value is to be set after. */
+  limit(lower: number, upper: number): void {
+    [this.lower, this.upper] = [lower, upper];
+    for (const input of [this.range, this.number]) {
+      input.min = String(lower);
+      input.max = String(upper);
+    }
+  }
+
+  set disabled(disabled: boolean) {
+    this.range.disabled = disabled;
+    this.number.disabled = disabled;
+  }
+
+  private tell(value: number, done: boolean): void {
+    this.value = value;
+    this.options.changed(value, done);
+  }
+}
+
+/** One of a few, all of them in sight. */
+export class Segments<Value extends string> {
+  readonly element: HTMLElement;
+  private readonly inputs = new Map<Value, HTMLInputElement>();
+
+  constructor(label: string, choices: readonly Choice<Value>[], changed: (value: Value) => void) {
+    const name = uniqueId("segments");
+    this.element = h("fieldset", { class: "segments" }, h("legend", {}, label));
+    const row = h("div", { class: "segment-row" });
+    for (const { value, words } of choices) {
+      const input = h("input", { type: "radio", name, value, onchange: () => changed(value) });
+      this.inputs.set(value, input);
+      row.append(h("label", {}, input, h("span", {}, words)));
+    }
+    this.element.append(row);
+  }
+
+  set value(value: Value) {
+    const input = this.inputs.get(value);
+    if (input) input.checked = true;
+  }
+}

@@ -1,0 +1,50 @@
+const MOST_STEPS = 200;
+
+/** What was, what is and what was undone. Values are not changed after they were given. */
+export class History<Value> {
+  private past: Value[] = [];
+  private future: Value[] = [];
+
+  constructor(private present: Value) {}
+
+  get current(): Value {
+    return this.present;
+  }
+
+  get canUndo(): boolean {
+    return this.past.length > 0;
+  }
+
+  get canRedo(): boolean {
+    return this.future.length > 0;
+  }
+
+  /** A step that can be undone. */
+  push(value: Value): void {
+    this.past.push(this.present);
+    if (this.past.length > MOST_STEPS) this.past.shift();
+    this.present = value;
+    this.future = [];
+  }
+
+  /** The present as it turned out; no step of its own. */
+  amend(value: Value): void {
+    this.present = value;
+  }
+
+  undo(): boolean {
+    const value = this.past.pop();
+    if (value === undefined) return false;
+    this.future.push(this.present);
+    this.present = value;
+    return true;
+  }
+
+  redo(): boolean {
+    const value = this.future.pop();
+    if (value === undefined) return false;
+    this.past.push(this.present);
+    this.present = value;
+    return true;
+  }
+}

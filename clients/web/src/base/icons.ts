@@ -1,0 +1,27 @@
+// Line drawings of 20 x 20 units for buttons; the words beside them, or their labels, say what they mean.
+import { svg } from "./dom";
+
+const PATHS = {
+  undo: "M7 4 3 8l4 4M3 8h8a5 5 0 0 1 0 10H8",
+  redo: "M13 4l4 4-4 4M17 8H9a5 5 0 0 0 0 10h3",
+  plus: "M10 4v12M4 10h12",
+  minus: "M4 10h12",
+  pin: "M7 3h6l-1 5 3 3H5l3-3-1-5ZM10 11v6",
+  link: "M8 12l4-4M9 6l2-2a3.5 3.5 0 0 1 5 5l-2 2M11 14l-2 2a3.5 3.5 0 0 1-5-5l2-2",
+  download: "M10 3v10M6 9l4 4 4-4M4 17h12",
+  lock: "M6 9V7a4 4 0 0 1 8 0v2M5 9h10v8H5Z",
+  unlock: "M6 9V7a4 4 0 0 1 7.5-2M5 9h10v8H5Z",
+  close: "M5 5l10 10M15 5 5 15",
+  check: "M4 10.5l4 4 8-9",
+  restore: "M4 10a6 6 0 1 0 2-4.5M4 3v4h4",
+  sun: "M10 6.5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7ZM10 1.5v2M10 16.5v2M1.5 10h2M16.5 10h2M4 4l1.4 1.4M14.6 14.6 16 16M16 4l-1.4 1.4M5.4 14.6 4 16",
+  moon: "M16 12.5A7 7 0 0 1 7.5 4a7 7 0 1 0 8.5 8.5Z",
+  half: "M10 3a7 7 0 1 0 0 14 7 7 0 0 0 0-14ZM10 3v14",
+  target: "M3 15c4 0 4-9 7-9s3 6 7 4",
+} as const;
+
+export type IconName = keyof typeof PATHS;
+
+export function icon(name: IconName): SVGSVGElement {
+  return svg("svg", { class: "icon", viewBox: "0 0 20 20", "aria-hidden": "true" }, svg("path", { d: PATHS[name] }));
+}

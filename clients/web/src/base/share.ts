@@ -1,0 +1,30 @@
+import { announce } from "./announce";
+import { button } from "./controls";
+
+const FLASH_MS = 2000;
+
+/** Copies the page's address; `write` puts into it what is to be shared and may refuse with a sentence. */
+export function shareButton(title: string, write: () => string | void): HTMLButtonElement {
+  const element = button("Share", () => void share(), { icon: "link", title });
+
+  async function share(): Promise<void> {
+    const refusal = write();
+    if (refusal) return flash(refusal);
+    try {
+      await navigator.clipboard.writeText(location.href);
+      announce("The link is in the clipboard.");
+      flash("Copied");
+    } catch {
+      flash("Copy it from the address bar"); // pages without TLS may not write to the clipboard
+    }
+  }
+
+  function flash(words: string): void {
+    const label = element.querySelector("span");
+    if (!label) return;
+    label.textContent = words;
+    setTimeout(() => (label.textContent = "Share"), FLASH_MS);
+  }
+
+  return element;
+}

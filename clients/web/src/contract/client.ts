@@ -1,0 +1,106 @@
+// Requests to the server. Every failure is one of two errors: a problem that the server describes, or no connection.
+import type { ProblemDocument } from "./types";
+
+/** The server answered with application/problem+json. */
+export class Problem extends Error {
+  constructor(readonly document: ProblemDocument) {
+    super(document.detail);
+    this.name = "Problem";
+  }
+
+  get code(): string {
+    return this.document.code;
+  }
+}
+
+/** The server did not answer, or something between here and there did. */
+export class ConnectionLost extends Error {
+  constructor() {
+    super("The server does not answer.");
+    this.name = "ConnectionLost";
+  }
+}
+
+export function isAbort(error: unknown): boolean {
+  return error instanceof DOMException && error.name === "AbortError";
+}
+
+/** Hears whether each request got an answer. */
+export type ConnectionListener = (answered: boolean) => void;
+
+export interface CallOptions {
+  signal?: AbortSignal;
+  headers?: Record<string, string>;
+}
+
+async function problemOf(response: Response): Promise<Error> {
+  const type = response.headers.get("Content-Type") ?? "";
+  if (!type.startsWith("application/problem+json")) return new ConnectionLost(); // a proxy's words, not the server's
+  return new Problem((await response.json()) as ProblemDocument);
+}
+
+export class Client {
+  constructor(
+    private readonly base = "",
+    private readonly listener: ConnectionListener = () => {},
+  ) {}
+
+  /** The response to a request, once it is one that the server meant as a success. */
+  async send(method: string, path: string, body?: BodyInit, options: CallOptions = {}): Promise<Response> {
+    let response: Response;
+    try {
+      response = await fetch(this.base + path, { method, body, signal: options.signal, headers: options.headers });
+    } catch (error) {
+      if (isAbort(error)) throw error;
+      this.listener(false);
+      throw new ConnectionLost();
+    }
+    if (response.ok) {
+      this.listener(true);
+      return response;
+    }
+    const problem = await problemOf(response);
+    this.listener(problem instanceof Problem);
+    throw problem;
+  }
+
+  async get<Answer>(path: string, options: CallOptions = {}): Promise<Answer> {
+    return readJson<Answer>(await this.send("GET", path, undefined, options));
+  }
+
+  /** The answer of an immediate computation. */
+  async post<Answer>(path: string, document: unknown, options: CallOptions = {}): Promise<Answer> {
+    return readJson<Answer>(await this.postResponse(path, document, options));
+  }
+
+  async postResponse(path: string, document: unknown, options: CallOptions = {}): Promise<Response> {
+    const headers = { "Content-Type": "application/json", ...options.headers };
+    return this.send("POST", path, JSON.stringify(document), { ...options, headers });
+  }
+
+  url(path: string): string {
+    return this.base + path;
+  }
+}
+
+/** The body as JSON; a connection that breaks off within it is a lost one. */
+export async function readJson<Answer>(response: Response): Promise<Answer> {
+  try {
+    return (await response.json()) as Answer;
+  } catch (error) {
+    if (isAbort(error)) throw error;
+    throw new ConnectionLost();
+  }
+}
+
+/** An error as sentences for a person: the field at fault, what is wrong there, what may help. */
+export function explain(error: unknown): string {
+  if (error instanceof Problem) {
+    const { detail, errors, hint } = error.document;
+    const pointer = errors?.[0]?.pointer ?? "";
+    const sentence = pointer.length > 1 && !detail.includes(pointer) ? `${pointer}: ${detail}` : detail;
+    if (!hint || detail.includes(hint)) return sentence;
+    return `${sentence}${/[.!?)]$/.test(sentence) ? "" : "."} ${hint}`;
+  }
+  return error instanceof Error ? error.message : String(error);
+}

@@ -1,0 +1,101 @@
+// Computations that run as jobs: followed by events, or by polling where the server has no stream left.
+import { type Client, ConnectionLost, Problem, isAbort, readJson } from "./client";
+import type { Job } from "./types";
+
+const POLL_MS = 400;
+const UNFINISHED = new Set(["accepted", "running"]);
+
+export interface JobOptions {
+  signal: AbortSignal;
+  onProgress?: (job: Job) => void;
+  /** Seconds in which an immediate answer is welcome; a job from the start without it. */
+  wait?: number;
+}
+
+/** The answer of a computation, however long it takes. Aborting the signal dismisses the job. */
+export async function runJob<Answer>(client: Client, path: string, document: unknown, options: JobOptions): Promise<Answer> {
+  const prefer = options.wait === undefined ? "respond-async" : `wait=${options.wait}`;
+  const response = await client.postResponse(path, document, { headers: { Prefer: prefer }, signal: options.signal });
+  if (response.status !== 202) return readJson<Answer>(response);
+  const job = await readJson<Job>(response);
+  options.onProgress?.(job);
+  const dismiss = () => {
+    client.send("DELETE", `/v1/jobs/${job.id}`).catch(() => {}); // finished meanwhile, or nobody there: both are well
+  };
+  if (options.signal.aborted) dismiss();
+  options.signal.addEventListener("abort", dismiss);
+  try {
+    await finished(client, job, options);
+    return await client.get<Answer>(`/v1/jobs/${job.id}/result`, { signal: options.signal });
+  } finally {
+    options.signal.removeEventListener("abort", dismiss);
+  }
+}
+
+async function finished(client: Client, job: Job, options: JobOptions): Promise<void> {
+  try {
+    if (await followEvents(client, job, options)) return;
+  } catch (error) {
+    if (isAbort(error) || (error instanceof Problem && error.document.status !== 503)) throw error;
+    if (error instanceof ConnectionLost) throw error;
+  }
+  await poll(client, job, options);
+}
+
+/** True once the event `finished` has come, false where the stream ended without it. */
+async function followEvents(client: Client, job: Job, options: JobOptions): Promise<boolean> {
+  const response = await client.send("GET", `/v1/jobs/${job.id}/events`, undefined, { signal: options.signal });
+  const events = new EventReader();
+  const reader = response.body?.pipeThrough(new TextDecoderStream()).getReader();
+  if (!reader) return false;
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) return false;
+    for (const event of events.read(value)) {
+      options.onProgress?.(JSON.parse(event.data) as Job);
+      if (event.name === "finished") {
+        void reader.cancel();
+        return true;
+      }
+    }
+  }
+}
+
+async function poll(client: Client, job: Job, options: JobOptions): Promise<void> {
+  for (;;) {
+    const current = await client.get<Job>(`/v1/jobs/${job.id}`, { signal: options.signal });
+    options.onProgress?.(current);
+    if (!UNFINISHED.has(current.state)) return;
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+  }
+}
+
+export interface ServerEvent {
+  name: string;
+  data: string;
+}
+
+/** Cuts the text of server-sent events into events; pieces may end anywhere. */
+export class EventReader {
+  private rest = "";
+
+  read(piece: string): ServerEvent[] {
+    this.rest += piece;
+    const blocks = this.rest.split(/\r?\n\r?\n/);
+    this.rest = blocks.pop() ?? "";
+    return blocks.map(parseEvent).filter((event) => event.data !== "");
+  }
+}
+
+function parseEvent(block: string): ServerEvent {
+  const event = { name: "message", data: "" };
+  for (const line of block.split(/\r?\n/)) {
+    const colon = line.indexOf(":");
+    if (colon <= 0) continue; // a comment
+    const field = line.slice(0, colon);
+    const value = line.slice(colon + 1).replace(/^ /, "");
+    if (field === "event") event.name = value;
+    if (field === "data") event.data += (event.data && "\n") + value;
+  }
+  return event;
+}

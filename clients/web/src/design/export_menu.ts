@@ -1,0 +1,46 @@
+import { button } from "../base/controls";
+import { h, replace } from "../base/dom";
+import { download } from "../base/download";
+import { menu as dropDown } from "../base/menu";
+import { svgOf } from "../base/svg_file";
+import type { Client } from "../contract/client";
+import { csvOf, jsonOf } from "./exports";
+import { structurePath } from "./requests";
+import type { DesignSession } from "./session";
+import type { Verification } from "./verification";
+
+/** Cells of an exported structure along its two translations. */
+const CELLS = [4, 4] as const;
+
+export function exportMenu(session: DesignSession, verification: Verification, client: Client, plot: () => SVGSVGElement): HTMLElement {
+  const links = h("div", { class: "menu-group" });
+  const menu = dropDown(
+    "Export", "download",
+    h("div", { class: "menu-group" },
+      h("h3", {}, "Design"),
+      button("Data (JSON)", () => save("json"), { kind: "quiet" }),
+      button("Curves (CSV)", () => save("csv"), { kind: "quiet" }),
+      button("Plot (SVG)", () => save("svg"), { kind: "quiet" })),
+    links,
+  );
+
+  function save(kind: "json" | "csv" | "svg"): void {
+    const shown = session.shown.get();
+    if (!shown) return;
+    const state = verification.state.get();
+    const verified = state.kind === "done" ? state.curve : null;
+    const name = `${shown.found.family}-${shown.task}`;
+    if (kind === "json") download(`${name}.json`, "application/json", jsonOf(session.state.get(), shown, verified));
+    if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.before.get(), verified));
+    if (kind === "svg") download(`${name}.svg`, "image/svg+xml", svgOf(plot()));
+    menu.open = false;
+  }
+
+  session.shown.watch((shown) => {
+    if (!shown) return replace(links);
+    const link = (format: "svg" | "dxf" | "stl", words: string) =>
+      h("a", { class: "button quiet", href: client.url(structurePath(shown.found, format, CELLS)), download: `${shown.found.family}.${format}`, onclick: () => (menu.open = false) }, words);
+    replace(links, h("h3", {}, "Structure"), link("svg", "Drawing (SVG)"), link("dxf", "Outlines (DXF)"), link("stl", "Solid (STL)"));
+  });
+  return menu;
+}

@@ -1,0 +1,83 @@
+// The design page, put together.
+import { button } from "../base/controls";
+import { h } from "../base/dom";
+import { shareButton } from "../base/share";
+import { undoKeys } from "../base/undo_keys";
+import { ConnectionLost, explain } from "../contract/client";
+import type { Page, Surroundings } from "../page";
+import { exportMenu } from "./export_menu";
+import { readLink, writeLink } from "./link";
+import { parameterPanel } from "./parameter_panel";
+import { pinList } from "./pin_list";
+import { Pins } from "./pins";
+import { PlotPanel } from "./plot_panel";
+import { resultCard } from "./result_card";
+import { DesignSession } from "./session";
+import { targetControls } from "./target_controls";
+import { tilingPreview } from "./tiling_preview";
+import { valueTable } from "./value_table";
+import { Verification } from "./verification";
+import { verificationCard } from "./verification_card";
+
+const LINK_PAUSE_MS = 250;
+
+export function designPage({ client, link }: Surroundings): Page {
+  const session = new DesignSession(client);
+  const verification = new Verification(session, client);
+  const pins = new Pins(session);
+  const share = shareButton("Copy a link to this design", () => link.write(writeLink(session.state.get())));
+  const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
+  const panel: PlotPanel = new PlotPanel(session, verification, pins, [
+    pin, share, exportMenu(session, verification, client, () => panel.plot.element),
+  ]);
+  const empty = h("p", { class: "card note wide", role: "alert", hidden: true }, "This server has no neural models: start it with --models and a folder of them.");
+  const element = h(
+    "div",
+    { class: "design-page" },
+    h("h1", { class: "visually-hidden" }, "Design"),
+    empty,
+    h("div", { class: "column left" }, targetControls(session), parameterPanel(session)),
+    h("div", { class: "column middle" }, panel.element, valueTable(session)),
+    h("div", { class: "column right" }, tilingPreview(session, client), resultCard(session), verificationCard(session, verification), pinList(pins, client)),
+  );
+
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  session.state.watch((state) => {
+    if (state.points.length === 0) return;
+    clearTimeout(timer);
+    timer = setTimeout(() => link.write(writeLink(state)), LINK_PAUSE_MS);
+  });
+
+  const keys = undoKeys(session);
+  let started = false;
+  async function start(text: string): Promise<void> {
+    try {
+      await session.start(readLink(text));
+      started = true;
+      empty.hidden = session.models.length > 0;
+      pins.restore();
+    } catch (error) {
+      // A lost connection is told by the frame, and this is tried again once the server answers.
+      if (!(error instanceof ConnectionLost)) session.activity.set({ kind: "failed", sentence: explain(error) });
+    }
+  }
+
+  return {
+    element,
+    async open(text) {
+      document.addEventListener("keydown", keys);
+      if (!started) return start(text);
+      const linked = text === "" || text === writeLink(session.state.get()) ? null : readLink(text);
+      if (linked) session.apply(linked);
+      else link.write(writeLink(session.state.get()));
+    },
+    close() {
+      document.removeEventListener("keydown", keys);
+      clearTimeout(timer);
+    },
+    reconnected() {
+      if (started) session.retry();
+      else void start(link.read());
+    },
+  };
+}

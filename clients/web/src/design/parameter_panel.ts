@@ -1,0 +1,65 @@
+// The parameters of the design shown: sliders that show its profile at once, and locks for those that a search keeps.
+import { button, Slider } from "../base/controls";
+import { h, replace } from "../base/dom";
+import { icon } from "../base/icons";
+import type { DesignSession } from "./session";
+import { ANY, type DesignState } from "./state";
+
+interface Row {
+  slider: Slider;
+  lock: HTMLButtonElement;
+}
+
+export function parameterPanel(session: DesignSession): HTMLElement {
+  const list = h("div", { class: "parameters" });
+  const title = h("h2", {}, "Parameters");
+  const fit = button("Fit to the target", () => session.apply({ byHand: false }), { kind: "primary", icon: "target" });
+  const note = h("div", { class: "hand-note" }, h("p", {}, "Set by hand: the target is not searched for."), fit);
+  let rows: Row[] = [];
+  let family = "";
+
+  function build(state: DesignState): void {
+    const model = state.found && session.model(state.found.family);
+    family = state.found?.family ?? "";
+    rows = [];
+    if (!model) return replace(list);
+    const { lower, upper } = model.parameters;
+    rows = lower.map((least, k) => ({
+      slider: new Slider({
+        label: `Parameter ${k + 1}`,
+        lower: least, upper: upper[k], digits: 4,
+        changed: (value, done) => set(k, value, done),
+      }),
+      lock: h("button", { type: "button", class: "button quiet lock", onclick: () => toggle(k) }),
+    }));
+    replace(list, ...rows.map((row) => h("div", { class: "parameter" }, row.slider.element, row.lock)));
+  }
+
+  function set(index: number, value: number, done: boolean): void {
+    const { found } = session.state.get();
+    if (found) session.setParameters(found.parameters.map((old, k) => (k === index ? value : old)), done);
+  }
+
+  function toggle(index: number): void {
+    const { fixed, found, family: wanted } = session.state.get();
+    if (!found) return;
+    const next = found.parameters.map((_, k) => (k === index ? !fixed[k] : Boolean(fixed[k])));
+    // Which parameter is kept makes sense within one family only.
+    session.apply({ fixed: next, family: wanted === ANY && next.some(Boolean) ? found.family : wanted });
+  }
+
+  session.state.watch((state) => {
+    if ((state.found?.family ?? "") !== family || rows.length !== (state.found?.parameters.length ?? 0)) build(state);
+    title.textContent = state.found ? `Parameters of ${state.found.family}` : "Parameters";
+    rows.forEach((row, k) => {
+      const kept = Boolean(state.fixed[k]);
+      row.slider.value = state.found?.parameters[k] ?? 0;
+      row.lock.setAttribute("aria-pressed", String(kept));
+      row.lock.setAttribute("aria-label", `Keep parameter ${k + 1} in searches`);
+      row.lock.title = kept ? "Kept in searches" : "Searched for";
+      row.lock.replaceChildren(icon(kept ? "lock" : "unlock"));
+    });
+    note.hidden = !state.byHand;
+  });
+  return h("section", { class: "card", "aria-label": "Parameters" }, title, list, note);
+}

@@ -1,0 +1,326 @@
+// The design session: what was decided, what the server found, and what is going on. Knows no element of the page.
+import type { Curve } from "../base/curve";
+import { History } from "../base/history";
+import { Latest } from "../base/latest";
+import { Observable } from "../base/observable";
+import { type Client, ConnectionLost, explain, isAbort, Problem } from "../contract/client";
+import { runJob } from "../contract/jobs";
+import type { DesignAnswer, Family, Job, Model, Profile } from "../contract/types";
+import { designRequest, type Effort, profileRequest } from "./requests";
+import { type Envelope, kindOf, type Shown, shownDesign, shownProfile } from "./shown";
+import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, sameProfile } from "./state";
+import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type Points, pointsOnProfile } from "./targets";
+
+/** Seconds that a search may take before it becomes a job whose progress is shown. */
+const IMMEDIATE_SECONDS = 0.4;
+const POINTS_OVER_STRAIN = 7;
+const POINTS_OVER_DIRECTIONS = 6;
+
+export type Activity =
+  | { kind: "idle" }
+  | { kind: "busy"; effort: Effort | "profile"; progress: number | null; stage: string }
+  | { kind: "failed"; sentence: string };
+
+export interface Steps {
+  undo: boolean;
+  redo: boolean;
+}
+
+export class DesignSession {
+  readonly state = new Observable<DesignState>(DEFAULT_STATE);
+  readonly shown = new Observable<Shown | null>(null);
+  /** The profile before the last change began. */
+  readonly before = new Observable<(Curve & ProfileKind) | null>(null);
+  readonly envelope = new Observable<Envelope | null>(null);
+  readonly activity = new Observable<Activity>({ kind: "idle" });
+  readonly steps = new Observable<Steps>({ undo: false, redo: false });
+  families: readonly Family[] = [];
+  models: readonly Model[] = [];
+
+  /** Searches of one name replace each other on the server. */
+  private readonly name = `web-${crypto.getRandomValues(new Uint32Array(3)).join("-")}`;
+  private readonly requests = new Latest();
+  private history = new History<DesignState>(DEFAULT_STATE);
+  private inGesture = false;
+  private runningEffort: Effort | "profile" | null = null;
+  /** Counts the decisions after which an older answer no longer belongs to the state. */
+  private epoch = 0;
+  private unanswered = false;
+  /** Targets of the tasks that were left, for the way back. */
+  private readonly targets = new Map<string, Points>();
+
+  constructor(private readonly client: Client) {}
+
+  /** Loads families and models, and shows `linked` or a first target. */
+  async start(linked: DesignState | null): Promise<void> {
+    [this.families, this.models] = await Promise.all([
+      this.client.get<{ families: Family[] }>("/v1/families").then((answer) => answer.families),
+      this.client.get<{ models: Model[] }>("/v1/models").then((answer) => answer.models),
+    ]);
+    if (this.models.length === 0) return;
+    this.begin(linked && this.isServed(linked) ? linked : await this.firstState());
+  }
+
+  /** The models, one for each family that has any, in the order of the families. */
+  get modelled(): readonly Model[] {
+    const found = this.families.map((family) => this.models.find((model) => model.family === family.id));
+    return found.filter((model): model is Model => model !== undefined);
+  }
+
+  model(family: string): Model | undefined {
+    return this.models.find((model) => model.family === family);
+  }
+
+  family(id: string): Family | undefined {
+    return this.families.find((family) => family.id === id);
+  }
+
+  /** Where control points may lie. Over strain: within half of what the models have seen, at least -0.2 to 0.3. */
+  get extent(): Extent {
+    const { task, measure } = this.state.get();
+    if (isPolar(task)) return HALF_TURN;
+    const range = { lower: -0.2, upper: 0.3 };
+    return measure === "green"
+      ? range
+      : { lower: convertedStrain(range.lower, "engineering"), upper: convertedStrain(range.upper, "engineering") };
+  }
+
+  /** A change begins that may go through many states until `finish`. */
+  gesture(): void {
+    if (this.inGesture) return;
+    this.inGesture = true;
+    this.keepBefore();
+  }
+
+  /** A state on the way. */
+  preview(change: Partial<DesignState>): void {
+    this.gesture();
+    this.state.set({ ...this.state.get(), ...change });
+    this.refresh("follow");
+  }
+
+  /** The change is done: one step to undo. */
+  finish(): void {
+    if (!this.inGesture) return;
+    this.inGesture = false;
+    this.push();
+    this.refresh("search");
+  }
+
+  /** A change in one go. */
+  apply(change: Partial<DesignState>): void {
+    this.finish();
+    this.keepBefore();
+    this.state.set({ ...this.state.get(), ...change });
+    this.push();
+    this.refresh("search");
+  }
+
+  undo(): void {
+    this.finish();
+    if (this.history.undo()) this.restore();
+  }
+
+  redo(): void {
+    this.finish();
+    if (this.history.redo()) this.restore();
+  }
+
+  cancel(): void {
+    this.requests.cancel();
+    this.activity.set({ kind: "idle" });
+  }
+
+  /** Asks again for what a lost connection or a fault left open. */
+  retry(): void {
+    if (this.unanswered || this.activity.get().kind === "failed") this.refresh("search");
+  }
+
+  /** Another task; its target is the one it had, or what the design at hand does there. */
+  async setTask(task: DesignState["task"]): Promise<void> {
+    const state = this.state.get();
+    if (task === state.task) return;
+    this.finish();
+    this.targets.set(this.targetKey(state), state.points);
+    const next = { ...state, task };
+    const points = this.targets.get(this.targetKey(next)) ?? (await this.pointsOf(next, state.found));
+    if (this.state.get().task === state.task && points.length > 0) this.apply({ task, points });
+  }
+
+  setMeasure(measure: DesignState["measure"]): void {
+    const { task, points, strain, measure: old } = this.state.get();
+    if (measure === old) return;
+    this.apply(isPolar(task) ? { measure, strain: convertedStrain(strain, measure) } : { measure, points: convertedPoints(points, measure) });
+  }
+
+  /** Parameters by hand; `done` ends the gesture. */
+  setParameters(parameters: readonly number[], done: boolean): void {
+    const { found } = this.state.get();
+    if (found) this.preview({ found: { ...found, parameters }, byHand: true });
+    if (done) this.finish();
+  }
+
+  /** What the design shown does becomes the target. */
+  adoptAsTarget(): void {
+    const shown = this.shown.get();
+    if (!shown || !sameProfile(shown, this.state.get())) return;
+    const points = pointsOnProfile(shown.task, shown.x, shown.achieved, this.pointCount(shown.task));
+    if (points.length > 0) this.apply({ points });
+  }
+
+  /** The profile of any design, of the state's kind. Null where it cannot be had. */
+  async profile(found: Found, kind: ProfileKind & Pick<DesignState, "points">): Promise<Curve | null> {
+    try {
+      const answer = await this.client.post<Profile>("/v1/profiles", profileRequest(kind, found));
+      return { x: answer.x, y: answer.y };
+    } catch {
+      return null; // the main request meets the same fault and tells of it
+    }
+  }
+
+  private begin(state: DesignState): void {
+    this.history = new History(state);
+    this.state.set(state);
+    this.tellSteps();
+    this.refresh("search");
+    void this.showStart(state);
+  }
+
+  /** The design that the first search starts from, while that runs. */
+  private async showStart(state: DesignState): Promise<void> {
+    if (!state.found || state.byHand) return;
+    const { epoch } = this;
+    try {
+      const profile = await this.client.post<Profile>("/v1/profiles", profileRequest(state, state.found));
+      if (!this.shown.get() && epoch === this.epoch) this.shown.set({ ...shownProfile(profile, state), byHand: false, provisional: true });
+    } catch {
+      // the search tells what is wrong
+    }
+  }
+
+  private isServed(state: DesignState): boolean {
+    const model = state.found && this.model(state.found.family);
+    if (state.found && model?.parameters.lower.length !== state.found.parameters.length) return false;
+    return state.family === ANY || this.model(state.family) !== undefined;
+  }
+
+  /** Before anyone has drawn anything: a target that some design reaches, and a search that starts elsewhere. */
+  private async firstState(): Promise<DesignState> {
+    const model = this.modelled[0];
+    const at = (share: number): Found => ({
+      family: model.family,
+      parameters: model.parameters.lower.map((lower, k) => lower + share * (model.parameters.upper[k] - lower)),
+    });
+    const points = await this.pointsOf(DEFAULT_STATE, at(0.7));
+    return { ...DEFAULT_STATE, points, found: at(0.3), fixed: model.parameters.lower.map(() => false) };
+  }
+
+  private async pointsOf(state: DesignState, found: Found | null): Promise<Points> {
+    const curve = found && (await this.profile(found, { ...state, points: [] }));
+    return curve ? pointsOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task)) : [];
+  }
+
+  private pointCount(task: DesignState["task"]): number {
+    return isPolar(task) ? POINTS_OVER_DIRECTIONS : POINTS_OVER_STRAIN;
+  }
+
+  private targetKey(state: DesignState): string {
+    return `${state.task} ${state.measure}`;
+  }
+
+  private keepBefore(): void {
+    const shown = this.shown.get();
+    this.before.set(shown && { ...kindOf(shown), x: shown.x, y: shown.achieved });
+  }
+
+  private push(): void {
+    ++this.epoch;
+    this.history.push(this.state.get());
+    this.tellSteps();
+  }
+
+  private restore(): void {
+    ++this.epoch;
+    this.keepBefore();
+    this.state.set(this.history.current);
+    this.tellSteps();
+    this.refresh("search");
+  }
+
+  private tellSteps(): void {
+    this.steps.set({ undo: this.history.canUndo, redo: this.history.canRedo });
+  }
+
+  private refresh(effort: Effort): void {
+    const state = this.state.get();
+    if (state.points.length === 0) return;
+    const { epoch } = this;
+    const byHand = state.byHand && state.found !== null;
+    // A long search must not keep a pointer waiting; short answers may come in first.
+    const urgent = this.runningEffort === "search" || effort === "search";
+    this.requests.submit(async (signal) => {
+      this.runningEffort = byHand ? "profile" : effort;
+      try {
+        await (byHand ? this.showByHand(state, epoch, signal) : this.search(state, effort, epoch, signal));
+        this.unanswered = false;
+        if (!signal.aborted) this.activity.set({ kind: "idle" });
+      } catch (error) {
+        this.fail(error);
+      } finally {
+        this.runningEffort = null;
+      }
+    }, urgent);
+  }
+
+  private async search(state: DesignState, effort: Effort, epoch: number, signal: AbortSignal): Promise<void> {
+    this.activity.set({ kind: "busy", effort, progress: null, stage: "" });
+    const request = designRequest(state, effort, this.name);
+    const answer =
+      effort === "follow"
+        ? await this.client.post<DesignAnswer>("/v1/designs", request, { signal })
+        : await runJob<DesignAnswer>(this.client, "/v1/designs", request, {
+            signal,
+            wait: IMMEDIATE_SECONDS,
+            onProgress: (job) => this.showProgress(job, state, signal),
+          });
+    if (!signal.aborted && epoch === this.epoch) this.accept(answer, state);
+  }
+
+  private async showByHand(state: DesignState, epoch: number, signal: AbortSignal): Promise<void> {
+    const found = state.found as Found;
+    this.activity.set({ kind: "busy", effort: "profile", progress: null, stage: "" });
+    const profile = await this.client.post<Profile>("/v1/profiles", profileRequest(state, found), { signal });
+    if (signal.aborted || epoch !== this.epoch) return;
+    this.shown.set(shownProfile(profile, state));
+  }
+
+  private showProgress(job: Job, state: DesignState, signal: AbortSignal): void {
+    if (signal.aborted) return;
+    this.activity.set({ kind: "busy", effort: "search", progress: job.progress, stage: job.stage });
+    const { partial } = job;
+    const shown = this.shown.get();
+    if (!partial || !shown || !sameProfile(shown, state)) return;
+    const { family, parameters } = partial;
+    this.shown.set({ ...shown, found: { family, parameters }, x: partial.x, achieved: partial.achieved, provisional: true });
+  }
+
+  private accept(answer: DesignAnswer, asked: DesignState): void {
+    const found: Found = { family: answer.family, parameters: answer.parameters };
+    const state = this.state.get();
+    const kept = state.found?.family === found.family && state.fixed.length === found.parameters.length;
+    this.state.set({ ...state, found, fixed: kept ? state.fixed : found.parameters.map(() => false) });
+    if (!this.inGesture) this.history.amend(this.state.get());
+    const { profile } = answer;
+    if (profile.envelope) this.envelope.set({ ...asked, family: found.family, x: profile.x, ...profile.envelope });
+    const before = this.before.get();
+    if (!before || !sameProfile(before, asked)) this.before.set({ ...kindOf(asked), x: profile.x, y: profile.initial });
+    this.shown.set(shownDesign(answer, asked));
+  }
+
+  private fail(error: unknown): void {
+    if (isAbort(error)) return;
+    if (error instanceof Problem && error.code === "design.superseded") return; // by a newer one of ours
+    this.unanswered = true;
+    this.activity.set(error instanceof ConnectionLost ? { kind: "idle" } : { kind: "failed", sentence: explain(error) });
+  }
+}

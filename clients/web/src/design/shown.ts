@@ -1,0 +1,92 @@
+// What the plot, the cards and the exports show: answers of the server in one form.
+import type { DesignAnswer, DesignCandidate, DesignStop, Profile } from "../contract/types";
+import { type DesignState, type Found, isPolar, type ProfileKind } from "./state";
+import { relativeDeviation, targetCurve } from "./spline";
+
+export interface Envelope extends ProfileKind {
+  readonly family: string;
+  readonly x: readonly number[];
+  readonly lower: readonly number[];
+  readonly upper: readonly number[];
+}
+
+export interface Shown extends ProfileKind {
+  readonly found: Found;
+  readonly model: string;
+  readonly x: readonly number[];
+  readonly achieved: readonly (number | null)[];
+  readonly target: readonly number[];
+  readonly inRange: readonly boolean[];
+  /** Which samples of the target are reached. */
+  readonly reached: readonly boolean[];
+  readonly deviation: number;
+  /** Largest deviation, in the unit of y. */
+  readonly largest: number;
+  readonly message: string;
+  readonly stopped: DesignStop | null;
+  readonly iterations: number;
+  readonly ranking: readonly DesignCandidate[];
+  readonly seconds: number;
+  readonly byHand: boolean;
+  /** A search still runs; this is its best so far. */
+  readonly provisional: boolean;
+}
+
+/** Poisson's ratio is compared with at least this: a target of zeros has no size. */
+const LEAST_POISSON = 0.1;
+/** A sample counts as reached within this share of the target's root mean square. */
+const REACHED = 0.01;
+
+/** The kind alone, of what has more. */
+export function kindOf({ task, direction, strain, measure }: ProfileKind): ProfileKind {
+  return { task, direction, strain, measure };
+}
+
+export function shownDesign(answer: DesignAnswer, asked: DesignState): Shown {
+  const { profile } = answer;
+  return {
+    ...kindOf(asked),
+    found: { family: answer.family, parameters: answer.parameters },
+    model: answer.model,
+    x: profile.x,
+    achieved: profile.achieved,
+    target: profile.target,
+    inRange: profile.in_range,
+    reached: profile.reached,
+    deviation: answer.error.relative_rms,
+    largest: answer.error.max,
+    message: answer.message,
+    stopped: answer.stopped,
+    iterations: answer.iterations,
+    ranking: answer.ranking,
+    seconds: answer.cost.seconds,
+    byHand: false,
+    provisional: false,
+  };
+}
+
+export function shownProfile(profile: Profile, asked: DesignState): Shown {
+  const target = profile.x.map(targetCurve(isPolar(asked.task), asked.points, asked.interpolation));
+  const size = Math.sqrt(target.reduce((sum, value) => sum + value * value, 0) / target.length);
+  const away = profile.y.map((value, k) => (value === null ? Infinity : Math.abs(value - target[k])));
+  const finite = away.filter(Number.isFinite);
+  return {
+    ...kindOf(asked),
+    found: { family: profile.family, parameters: profile.parameters },
+    model: profile.model,
+    x: profile.x,
+    achieved: profile.y,
+    target,
+    inRange: profile.in_range,
+    reached: away.map((value) => value <= REACHED * size),
+    deviation: relativeDeviation(profile.y, target, asked.task === "poisson" ? LEAST_POISSON : 0),
+    largest: finite.length > 0 ? Math.max(...finite) : 0,
+    message: profile.y.includes(null) ? "In some samples no equilibrium was found." : "",
+    stopped: null,
+    iterations: 0,
+    ranking: [],
+    seconds: profile.cost.seconds,
+    byHand: true,
+    provisional: false,
+  };
+}

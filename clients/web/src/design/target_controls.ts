@@ -1,0 +1,61 @@
+// What is wanted and where to look for it: task, direction or strain, measure, family.
+import { Segments, Select, Slider } from "../base/controls";
+import { h } from "../base/dom";
+import type { DesignSession } from "./session";
+import { ANY, type Interpolation, isPolar, TASK_WORDS, TASKS } from "./state";
+
+export function targetControls(session: DesignSession): HTMLElement {
+  const task = new Segments(
+    "What the target shows",
+    TASKS.map((value) => ({ value, words: TASK_WORDS[value].short })),
+    (value) => void session.setTask(value),
+  );
+  const direction = new Slider({
+    label: "Direction of the load",
+    lower: 0, upper: 180, step: 1, digits: 1, unit: "°",
+    changed: (value, done) => change({ direction: (value * Math.PI) / 180 }, done),
+  });
+  const strain = new Slider({
+    label: "Strain at which it is measured",
+    lower: -0.1, upper: 0.2, step: 0.001, digits: 4,
+    changed: (value, done) => change({ strain: value }, done),
+  });
+  const measure = new Select(
+    "Measure of strain",
+    [{ value: "green", words: "Green strain, 2nd Piola–Kirchhoff stress" }, { value: "engineering", words: "Engineering strain, force over width" }],
+    (value) => session.setMeasure(value),
+  );
+  const curve = new Select<Interpolation>(
+    "Curve between control points",
+    [{ value: "cubic", words: "Smooth" }, { value: "monotone", words: "Smooth, without overshoot" }, { value: "linear", words: "Straight" }],
+    (interpolation) => session.apply({ interpolation }),
+  );
+  const family = new Select<string>("Family of tilings", [{ value: ANY, words: "Any: the best of all" }], (value) => session.apply({ family: value, byHand: false }));
+
+  function change(values: { direction?: number; strain?: number }, done: boolean): void {
+    session.preview(values);
+    if (done) session.finish();
+  }
+
+  session.state.watch((state) => {
+    task.value = state.task;
+    direction.value = (state.direction * 180) / Math.PI;
+    strain.value = state.strain;
+    measure.value = state.measure;
+    curve.value = state.interpolation;
+    family.setChoices([
+      { value: ANY, words: "Any: the best of all" },
+      ...session.modelled.map((model) => ({ value: model.family, words: `${model.family} (${parameterCount(model.parameters.lower.length)})` })),
+    ]);
+    family.value = state.family;
+    direction.element.hidden = isPolar(state.task);
+    strain.element.hidden = !isPolar(state.task);
+  });
+  const more = h("details", { class: "more" }, h("summary", {}, "More"), measure.element, curve.element);
+  return h("section", { class: "card controls", "aria-label": "Target" }, task.element, family.element, direction.element, strain.element, more);
+}
+
+function parameterCount(count: number): string {
+  return `${count} parameter${count === 1 ? "" : "s"}`;
+}
+

@@ -1,0 +1,105 @@
+// Control points of a target: moved, added and removed so that their x stays increasing.
+import type { StrainMeasure, Task } from "../contract/types";
+import { type ControlPoint, isPolar } from "./state";
+
+export type Points = readonly ControlPoint[];
+
+/** Least distance of neighbours in x, as a share of the width that they may cover. */
+const LEAST_GAP = 1 / 200;
+const MOST_POINTS = 64;
+
+/** Where the control points of a task may lie. */
+export interface Extent {
+  readonly lower: number;
+  readonly upper: number;
+}
+
+export const HALF_TURN: Extent = { lower: 0, upper: Math.PI };
+
+export function fewestPoints(task: Task): number {
+  return isPolar(task) ? 3 : 2;
+}
+
+/** The angle within [0, pi) of the same direction. */
+export function wrapped(angle: number): number {
+  const rest = angle % Math.PI;
+  return rest < 0 ? rest + Math.PI : rest;
+}
+
+/** The points with one moved, and its index among them: over directions it may pass the others. */
+export function movePoint(task: Task, points: Points, index: number, to: ControlPoint, extent: Extent): [Points, number] {
+  return isPolar(task) ? moveAround(points, index, to) : [moveBetween(points, index, to, extent), index];
+}
+
+function moveBetween(points: Points, index: number, [x, y]: ControlPoint, extent: Extent): Points {
+  const gap = LEAST_GAP * (extent.upper - extent.lower);
+  const lower = index > 0 ? points[index - 1][0] + gap : extent.lower;
+  const upper = index + 1 < points.length ? points[index + 1][0] - gap : extent.upper;
+  const moved: ControlPoint = [Math.max(lower, Math.min(upper, x)), y];
+  return points.map((point, k) => (k === index ? moved : point));
+}
+
+function moveAround(points: Points, index: number, [x, y]: ControlPoint): [Points, number] {
+  const gap = LEAST_GAP * Math.PI;
+  const others = points.filter((_, k) => k !== index);
+  let angle = wrapped(x);
+  for (const [other] of others) {
+    const apart = Math.abs(angle - other);
+    if (Math.min(apart, Math.PI - apart) < gap) angle = points[index][0]; // stays beside what it would fall onto
+  }
+  const moved: ControlPoint = [angle, y];
+  const sorted = [...others, moved].sort((a, b) => a[0] - b[0]);
+  return [sorted, sorted.indexOf(moved)];
+}
+
+/** The points with one more, and its index; null where there is no room for it. */
+export function addPoint(task: Task, points: Points, [x, y]: ControlPoint, extent: Extent): [Points, number] | null {
+  if (points.length >= MOST_POINTS) return null;
+  const at = isPolar(task) ? wrapped(x) : x;
+  const gap = LEAST_GAP * (extent.upper - extent.lower);
+  if (at < extent.lower || at > extent.upper) return null;
+  for (const [other] of points) {
+    const apart = Math.abs(at - other);
+    if (apart < gap || (isPolar(task) && Math.PI - apart < gap)) return null;
+  }
+  const added: ControlPoint = [at, y];
+  const sorted = [...points, added].sort((a, b) => a[0] - b[0]);
+  return [sorted, sorted.indexOf(added)];
+}
+
+/** The x in the middle of the widest gap after the point, where a further one fits best. */
+export function roomAfter(task: Task, points: Points, index: number): number {
+  const next = index + 1 < points.length ? points[index + 1][0] : isPolar(task) ? points[0][0] + Math.PI : undefined;
+  if (next !== undefined) return (points[index][0] + next) / 2;
+  return (points[index - 1][0] + points[index][0]) / 2;
+}
+
+/** The points without one; the same points where too few would remain. */
+export function removePoint(task: Task, points: Points, index: number): Points {
+  return points.length > fewestPoints(task) ? points.filter((_, k) => k !== index) : points;
+}
+
+/** `count` control points on a sampled profile, evenly spaced over its samples. */
+export function pointsOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number): Points {
+  const known = x.map((value, k) => [value, y[k]] as const).filter((pair): pair is [number, number] => pair[1] !== null);
+  if (known.length < fewestPoints(task)) return [];
+  const chosen: ControlPoint[] = [];
+  for (let k = 0; k < count; ++k) {
+    const place = isPolar(task) ? (k * known.length) / count : (k * (known.length - 1)) / (count - 1);
+    const point = known[Math.round(place)];
+    if (point && (chosen.length === 0 || point[0] > chosen[chosen.length - 1][0])) chosen.push(point);
+  }
+  return chosen.filter(([at]) => !isPolar(task) || at < chosen[0][0] + Math.PI - 1e-9);
+}
+
+/** The same strain in another measure. */
+export function convertedStrain(strain: number, to: StrainMeasure): number {
+  return to === "engineering" ? Math.sqrt(1 + 2 * strain) - 1 : ((1 + strain) ** 2 - 1) / 2;
+}
+
+/** A target of stress over strain in another measure: forces per rest width are stresses times the stretch. */
+export function convertedPoints(points: Points, to: StrainMeasure): Points {
+  return points.map(([x, y]) =>
+    to === "engineering" ? [convertedStrain(x, to), y * Math.sqrt(1 + 2 * x)] : [convertedStrain(x, to), y / (1 + x)],
+  );
+}

@@ -1,0 +1,81 @@
+// The structure of the design shown, drawn from the server's file.
+import { h, svg } from "../base/dom";
+import { digits } from "../base/format";
+import { Latest } from "../base/latest";
+import { type Client, isAbort } from "../contract/client";
+import type { Family } from "../contract/types";
+import { structurePath } from "./requests";
+import type { DesignSession } from "./session";
+import type { Found } from "./state";
+
+const MOST_CELLS = 16;
+/** How much smaller than at the default parameters a family's cell may become, along a side. */
+const SHRINKAGE = 1.6;
+
+/** Side of the square that is shown, mm: some cells, whatever their size. */
+export function windowSize(family: Family): number {
+  const longest = Math.max(...family.cell.lattice.map(([x, y]) => Math.hypot(x, y)));
+  return Math.max(14, Math.min(48, 2.4 * longest));
+}
+
+/** Cells along the two translations whose patch covers a square of this side around its centre. */
+export function coveringCells(lattice: readonly (readonly number[])[], side: number): [number, number] {
+  const [[ax, ay], [bx, by]] = lattice;
+  const area = Math.abs(ax * by - ay * bx);
+  // The square's reach across the other translation, over the cell's width there.
+  const count = (x: number, y: number) => Math.min(MOST_CELLS, Math.ceil((side * (Math.abs(x) + Math.abs(y))) / area));
+  return [count(bx, by), count(ax, ay)];
+}
+
+export function tilingPreview(session: DesignSession, client: Client): HTMLElement {
+  const shape = svg("path", { class: "solid", "fill-rule": "evenodd" });
+  const scaleBar = svg("path", { class: "scale-bar" });
+  const scaleWords = svg("text", { class: "scale-words" });
+  const drawing = svg("svg", { class: "tiling", role: "img", preserveAspectRatio: "xMidYMid slice" }, shape, scaleBar, scaleWords);
+  const caption = h("figcaption", {});
+  const requests = new Latest();
+  let asked = "";
+
+  async function draw(found: Found, signal: AbortSignal): Promise<void> {
+    const family = session.family(found.family);
+    if (!family) return;
+    const side = windowSize(family);
+    const path = structurePath(found, "svg", coveringCells(family.cell.lattice, SHRINKAGE * side));
+    const text = await (await client.send("GET", path, undefined, { signal })).text();
+    const solid = new DOMParser().parseFromString(text, "image/svg+xml").querySelector("path");
+    shape.setAttribute("d", solid?.getAttribute("d") ?? "");
+    drawing.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
+    drawing.setAttribute("aria-label", `Tiling ${found.family} with parameters ${found.parameters.map((value) => digits(value)).join(", ")}`);
+    drawScale(side);
+  }
+
+  function drawScale(side: number): void {
+    const length = side > 30 ? 10 : 5;
+    const at = { x: side / 2 - length - side * 0.05, y: side / 2 - side * 0.05 };
+    scaleBar.setAttribute("d", `M${at.x} ${at.y}h${length}`);
+    scaleBar.setAttribute("stroke-width", String(side / 120));
+    scaleWords.setAttribute("x", String(at.x));
+    scaleWords.setAttribute("y", String(at.y - side * 0.02));
+    scaleWords.setAttribute("font-size", String(side / 28));
+    scaleWords.textContent = `${length} mm`;
+  }
+
+  session.shown.watch((shown) => {
+    if (!shown) return;
+    const { found } = shown;
+    const key = `${found.family} ${found.parameters.join()}`;
+    if (key === asked) return;
+    asked = key;
+    caption.textContent = `${found.family}. ${session.family(found.family)?.description ?? ""}`;
+    requests.submit(async (signal) => {
+      try {
+        await draw(found, signal);
+      } catch (error) {
+        asked = "";
+        // Parameters that give no structure: the drawing stays, the card says what is wrong.
+        if (!isAbort(error)) drawing.setAttribute("aria-label", "No picture of this tiling");
+      }
+    });
+  });
+  return h("figure", { class: "card preview" }, drawing, caption);
+}

@@ -1,0 +1,75 @@
+// The curves as numbers, for those who do not see them, and the control points as fields.
+import { h, replace } from "../base/dom";
+import { degrees, digits } from "../base/format";
+import type { DesignSession } from "./session";
+import { type ControlPoint, isPolar, STRAIN_WORDS, TASK_WORDS } from "./state";
+import { movePoint } from "./targets";
+
+export function valueTable(session: DesignSession): HTMLElement {
+  const curves = h("div", { class: "table-box", tabindex: 0, role: "region", "aria-label": "Values of the curves" });
+  const points = h("div", { class: "table-box" });
+  const details = h("details", { class: "card table" }, h("summary", {}, "Values as tables"), h("div", { class: "tables" }, points, curves));
+
+  function show(): void {
+    if (!details.open) return;
+    showCurves();
+    showPoints();
+  }
+
+  function showCurves(): void {
+    const shown = session.shown.get();
+    if (!shown) return replace(curves);
+    const polar = isPolar(shown.task);
+    const { y, unit } = TASK_WORDS[shown.task];
+    const head = [polar ? "Direction" : STRAIN_WORDS[shown.measure], "Target", "Design", "Reached"];
+    replace(
+      curves,
+      h(
+        "table",
+        {},
+        h("caption", {}, `${y}${unit && ` in ${unit}`} of the target and of ${shown.found.family}`),
+        h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
+        h("tbody", {}, ...shown.x.map((x, k) => {
+          const value = shown.achieved[k];
+          const cells = [digits(shown.target[k]), value === null ? "none" : digits(value), shown.reached[k] ? "yes" : "no"];
+          return h("tr", {}, h("th", { scope: "row" }, polar ? degrees(x) : digits(x)), ...cells.map((words) => h("td", {}, words)));
+        })),
+      ),
+    );
+  }
+
+  function showPoints(): void {
+    if (points.contains(document.activeElement)) return; // somebody writes there
+    const state = session.state.get();
+    const polar = isPolar(state.task);
+    const x = (value: number) => (polar ? (value * 180) / Math.PI : value);
+    const field = (point: ControlPoint, index: number, axis: 0 | 1) =>
+      h("input", {
+        type: "number", step: "any", class: "number",
+        value: Number((axis === 0 ? x(point[0]) : point[1]).toPrecision(6)),
+        "aria-label": `Control point ${index + 1}, ${axis === 0 ? (polar ? "direction in degrees" : "strain") : TASK_WORDS[state.task].y}`,
+        onchange: (event: Event) => edit(index, axis, (event.target as HTMLInputElement).value),
+      });
+    replace(
+      points,
+      h("table", {},
+        h("caption", {}, "Control points of the target"),
+        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[state.task].y))),
+        h("tbody", {}, ...state.points.map((point, k) => h("tr", {}, h("th", { scope: "row" }, String(k + 1)), h("td", {}, field(point, k, 0)), h("td", {}, field(point, k, 1)))))),
+    );
+  }
+
+  function edit(index: number, axis: 0 | 1, text: string): void {
+    const value = Number(text);
+    const state = session.state.get();
+    if (text === "" || !Number.isFinite(value)) return;
+    const point = state.points[index];
+    const to: ControlPoint = axis === 0 ? [isPolar(state.task) ? (value * Math.PI) / 180 : value, point[1]] : [point[0], value];
+    session.apply({ points: movePoint(state.task, state.points, index, to, session.extent)[0], byHand: false });
+  }
+
+  details.addEventListener("toggle", show);
+  session.shown.watch(show);
+  session.state.watch(show);
+  return details;
+}

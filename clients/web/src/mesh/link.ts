@@ -1,0 +1,46 @@
+// Mesh, tool and points in a link.
+import type { SurfacePoint } from "../contract/types";
+import { type Tool, TOOLS } from "./session";
+
+const MOST_POINTS = 200;
+
+export interface MeshLink {
+  mesh: string;
+  tool: Tool;
+  points: SurfacePoint[];
+}
+
+export function writeMeshLink({ mesh, tool, points }: MeshLink): string {
+  const places = points.map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
+  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}`;
+}
+
+/** Null where the text is no such link; points that are none are left out. */
+export function readMeshLink(text: string): MeshLink | null {
+  const fields = new Map(text.split("&").map((field) => field.split("=", 2) as [string, string]));
+  const mesh = fields.get("mesh") ?? "";
+  if (!/^[0-9a-f]{64}$/.test(mesh)) return null;
+  const places = (fields.get("points") ?? "").split(";").slice(0, MOST_POINTS);
+  return {
+    mesh,
+    tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path",
+    points: places.map(readPoint).filter((point): point is SurfacePoint => point !== null),
+  };
+}
+
+/** A vertex as "v12", a point of a face as "12:0.2,0.3,0.5". */
+export function readPoint(text: string): SurfacePoint | null {
+  const vertex = /^v(\d{1,9})$/.exec(text.trim());
+  if (vertex) return { vertex: Number(vertex[1]) };
+  const place = /^(\d{1,9}):([\d.]+),([\d.]+),([\d.]+)$/.exec(text.trim());
+  if (!place) return null;
+  const weights = place.slice(2).map(Number);
+  const sum = weights[0] + weights[1] + weights[2];
+  if (!weights.every((value) => value >= 0) || !(Math.abs(sum - 1) < 1e-3)) return null;
+  const [a, b] = [weights[0] / sum, weights[1] / sum];
+  return { face: Number(place[1]), barycentric: [a, b, Math.max(0, 1 - a - b)] };
+}
+
+export function pointWords(point: SurfacePoint): string {
+  return "vertex" in point ? `Vertex ${point.vertex}` : `Face ${point.face} at ${point.barycentric.map((value) => value.toFixed(2)).join(", ")}`;
+}

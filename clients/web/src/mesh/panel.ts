@@ -1,0 +1,103 @@
+// Everything beside the surface: which mesh, which tool, the points, what was found.
+import { button, Segments, Select } from "../base/controls";
+import { h, replace, uniqueId } from "../base/dom";
+import { digits } from "../base/format";
+import type { Mesh } from "../contract/types";
+import { pointWords, readPoint } from "./link";
+import { RAMP } from "./surface_material";
+import type { MeshSession, Tool } from "./session";
+
+const FILE_TYPES = ".obj,.off,.ply,.stl";
+
+export function meshPanel(session: MeshSession, sample: () => void): HTMLElement {
+  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session), findingCard(session));
+}
+
+function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
+  const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
+    const chosen = file.files?.[0];
+    if (chosen) void session.upload(chosen, chosen.name);
+    file.value = "";
+  } });
+  const list = new Select<string>("Meshes on the server", [], (id) => id && void session.open(id));
+  const facts = h("dl", { class: "facts compact" });
+  const warnings = h("div");
+  session.known.watch((meshes) => {
+    list.setChoices([{ value: "", words: "Choose …" }, ...meshes.map((mesh) => ({ value: mesh.id, words: meshWords(mesh) }))]);
+    list.value = session.mesh.get()?.info.id ?? "";
+  });
+  session.mesh.watch((loaded) => {
+    list.value = loaded?.info.id ?? "";
+    if (!loaded) return;
+    const { info } = loaded;
+    const rows: [string, string][] = [
+      ["Vertices", info.vertices.toLocaleString("en")], ["Faces", info.faces.toLocaleString("en")],
+      ["Components", String(info.components)], ["Boundaries", String(info.boundary_loops)], ["Handles", String(info.genus)], ["Area", digits(info.area, 4)],
+    ];
+    replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+    replace(warnings, ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)));
+  });
+  return h("section", { class: "card controls", "aria-label": "Surface" },
+    h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a mesh"), file, button("Sample", sample)),
+    h("p", { class: "muted" }, "OBJ, OFF, PLY or STL; or drop a file onto the view."),
+    list.element, facts, warnings);
+}
+
+function meshWords(mesh: Mesh): string {
+  return `${mesh.faces.toLocaleString("en")} faces, genus ${mesh.genus} (${mesh.id.slice(0, 6)})`;
+}
+
+function toolCard(session: MeshSession): HTMLElement {
+  const words: Record<Tool, string> = {
+    path: "Shortest paths from point to point.",
+    distance: "Distance to the nearest point, with isolines.",
+    mean: "The point of least mean squared distance, and the paths to it.",
+  };
+  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }], (value) => session.setTool(value));
+  const help = h("p", { class: "muted" });
+  const list = h("ol", { class: "points" });
+  const id = uniqueId("point");
+  const entry = h("input", { class: "number", id, placeholder: "v120 or 7:0.2,0.3,0.5" });
+  const form = h("form", { class: "point-form", onsubmit: (event: Event) => {
+    event.preventDefault();
+    const point = readPoint(entry.value);
+    const before = session.points.get().length;
+    if (point) session.add(point);
+    const added = session.points.get().length > before;
+    entry.setCustomValidity(added ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh.");
+    if (added) entry.value = "";
+    else entry.reportValidity();
+  } }, h("label", { for: id }, "Add a point"), entry, h("button", { class: "button" }, "Add"));
+  entry.addEventListener("input", () => entry.setCustomValidity(""));
+  const clear = button("Remove all", () => session.setPoints([]), { kind: "quiet" });
+  session.tool.watch((value) => {
+    tool.value = value;
+    help.textContent = words[value];
+  });
+  session.points.watch((points) => {
+    clear.hidden = points.length === 0;
+    replace(list, ...points.map((point, k) =>
+      h("li", {}, h("span", {}, pointWords(point)), button("", () => session.setPoints(points.filter((_, n) => n !== k)), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))));
+    if (points.length === 0) replace(list, h("li", { class: "muted" }, "Click on the surface to pick points."));
+  });
+  return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, list, form, clear);
+}
+
+function findingCard(session: MeshSession): HTMLElement {
+  const facts = h("dl", { class: "facts" });
+  const notes = h("div");
+  const stops = RAMP.map(([r, g, b]) => `rgb(${[r, g, b].map((value) => Math.round(255 * value ** (1 / 2.2))).join(" ")})`);
+  const bar = h("div", { class: "ramp", "aria-hidden": "true" });
+  bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+  const scale = h("div", { class: "ramp-box" }, bar, h("div", { class: "ramp-words" }, h("span", {}, "0"), h("span", {})));
+  const card = h("section", { class: "card", "aria-label": "Result", hidden: true }, h("h2", {}, "Result"), scale, facts, notes);
+  session.finding.watch((finding) => {
+    card.hidden = finding.facts.length === 0;
+    replace(facts, ...finding.facts.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+    replace(notes, ...finding.notes.map((sentence) => h("p", { class: "note" }, sentence)));
+    scale.hidden = finding.distances === null;
+    const last = scale.querySelector("span:last-child");
+    if (last && finding.distances) last.textContent = digits(Math.max(...finding.distances.slice(0, 1), finding.distances.reduce((a, b) => Math.max(a, b), 0)), 3);
+  });
+  return card;
+}

@@ -1,0 +1,173 @@
+// The mesh at hand, the points picked on it, and what the server says about them.
+import { Latest } from "../base/latest";
+import { Observable } from "../base/observable";
+import { type Client, ConnectionLost, explain, isAbort, readJson } from "../contract/client";
+import { runJob } from "../contract/jobs";
+import type { Geodesics, KarcherMean, Mesh, SurfacePoint } from "../contract/types";
+import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
+
+export type Tool = "path" | "distance" | "mean";
+export const TOOLS: readonly Tool[] = ["path", "distance", "mean"];
+
+export interface Loaded {
+  readonly info: Mesh;
+  readonly data: MeshData;
+}
+
+/** What is seen on the surface, and what is said of it. */
+export interface Finding {
+  readonly paths: readonly (readonly Vector[])[];
+  readonly distances: readonly number[] | null;
+  readonly mean: Vector | null;
+  readonly facts: readonly (readonly [string, string])[];
+  readonly notes: readonly string[];
+}
+
+export const NOTHING: Finding = { paths: [], distances: null, mean: null, facts: [], notes: [] };
+
+export type MeshActivity = { kind: "idle" } | { kind: "busy"; words: string; progress: number | null } | { kind: "failed"; sentence: string };
+
+const IMMEDIATE_SECONDS = 1;
+
+export interface Answers {
+  path(geodesics: Geodesics): Finding;
+  distance(distances: readonly (number | null)[], seconds: number, bound: number | null): Finding;
+  mean(mean: KarcherMean, geodesics: Geodesics): Finding;
+}
+
+export class MeshSession {
+  readonly mesh = new Observable<Loaded | null>(null);
+  readonly points = new Observable<readonly SurfacePoint[]>([]);
+  readonly tool = new Observable<Tool>("path");
+  readonly finding = new Observable<Finding>(NOTHING);
+  readonly activity = new Observable<MeshActivity>({ kind: "idle" });
+  readonly known = new Observable<readonly Mesh[]>([]);
+  private readonly requests = new Latest();
+  private unanswered = false;
+
+  constructor(
+    private readonly client: Client,
+    private readonly read: Answers,
+  ) {}
+
+  async list(): Promise<void> {
+    try {
+      this.known.set((await this.client.get<{ meshes: Mesh[] }>("/v1/meshes?limit=50")).meshes);
+    } catch {
+      // an upload works without the list; a lost connection is told elsewhere
+    }
+  }
+
+  upload(content: Blob, words: string): Promise<void> {
+    return this.attempt(`Uploading ${words}`, async () => {
+      const response = await this.client.send("POST", "/v1/meshes", content, { headers: { "Content-Type": "application/octet-stream" } });
+      await this.show(await readJson<Mesh>(response));
+      void this.list();
+    });
+  }
+
+  open(id: string, points: readonly SurfacePoint[] = []): Promise<void> {
+    return this.attempt("Loading the mesh", async () => {
+      const info = await this.client.get<Mesh>(`/v1/meshes/${id}`);
+      await this.show(info, points.filter((point) => isOn(info, point)));
+    });
+  }
+
+  add(point: SurfacePoint): void {
+    const loaded = this.mesh.get();
+    if (loaded && isOn(loaded.info, point)) this.setPoints([...this.points.get(), point]);
+  }
+
+  setPoints(points: readonly SurfacePoint[]): void {
+    this.points.set(points);
+    this.compute();
+  }
+
+  setTool(tool: Tool): void {
+    this.tool.set(tool);
+    this.compute();
+  }
+
+  cancel(): void {
+    this.requests.cancel();
+    this.activity.set({ kind: "idle" });
+  }
+
+  retry(): void {
+    if (this.unanswered) this.compute();
+  }
+
+  position(point: SurfacePoint): Vector {
+    const { data } = this.mesh.get() as Loaded;
+    return "vertex" in point ? vertexPosition(data, point.vertex) : facePosition(data, point.face, point.barycentric);
+  }
+
+  private async attempt(words: string, act: () => Promise<void>): Promise<void> {
+    this.requests.cancel();
+    this.activity.set({ kind: "busy", words, progress: null });
+    try {
+      await act();
+      this.activity.set({ kind: "idle" });
+    } catch (error) {
+      this.activity.set({ kind: "failed", sentence: explain(error) });
+    }
+  }
+
+  private async show(info: Mesh, points: readonly SurfacePoint[] = []): Promise<void> {
+    const content = await this.client.send("GET", `/v1/meshes/${info.id}/content`, undefined, { headers: { Accept: "model/ply" } });
+    const data = parsePly(await content.arrayBuffer());
+    this.points.set([]);
+    this.finding.set(NOTHING);
+    this.mesh.set({ info, data });
+    this.setPoints(points);
+  }
+
+  private compute(): void {
+    const mesh = this.mesh.get();
+    const points = this.points.get();
+    const tool = this.tool.get();
+    if (!mesh || points.length < (tool === "distance" ? 1 : 2)) {
+      this.requests.cancel();
+      return this.finding.set(NOTHING);
+    }
+    this.requests.submit(async (signal) => {
+      this.activity.set({ kind: "busy", words: "Computing", progress: null });
+      try {
+        const finding = await this.ask(tool, mesh.info.id, points, signal);
+        if (signal.aborted) return;
+        this.finding.set(finding);
+        this.unanswered = false;
+        this.activity.set({ kind: "idle" });
+      } catch (error) {
+        if (isAbort(error)) return;
+        this.unanswered = true;
+        this.activity.set(error instanceof ConnectionLost ? { kind: "idle" } : { kind: "failed", sentence: explain(error) });
+      }
+    }, true);
+  }
+
+  private async ask(tool: Tool, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
+    const run = <Answer>(path: string, document: unknown) =>
+      runJob<Answer>(this.client, path, document, {
+        signal,
+        wait: IMMEDIATE_SECONDS,
+        onProgress: (job) => this.activity.set({ kind: "busy", words: job.stage || "Computing", progress: job.progress }),
+      });
+    if (tool === "distance") {
+      type Field = { distances: (number | null)[]; cost: { seconds: number }; accuracy: { relative_error_bound: number | null } };
+      const field = await run<Field>("/v1/geodesic-fields", { mesh, sources: points });
+      return this.read.distance(field.distances, field.cost.seconds, field.accuracy.relative_error_bound);
+    }
+    if (tool === "path") {
+      const pairs = points.slice(1).map((to, k) => ({ from: points[k], to }));
+      return this.read.path(await run<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
+    }
+    const mean = await run<KarcherMean>("/v1/karcher-means", { mesh, points });
+    const pairs = points.map((to) => ({ from: mean.mean, to }));
+    return this.read.mean(mean, await run<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
+  }
+}
+
+function isOn(info: Mesh, point: SurfacePoint): boolean {
+  return "vertex" in point ? point.vertex < info.vertices : point.face < info.faces;
+}

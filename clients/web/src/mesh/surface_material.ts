@@ -1,0 +1,64 @@
+// How the surface looks: plain, or coloured by distance with isolines.
+import * as THREE from "three";
+
+/** Near to far. */
+export const RAMP: readonly (readonly [number, number, number])[] = [
+  [0.05, 0.2, 0.27], [0.04, 0.43, 0.41], [0.33, 0.65, 0.54], [0.76, 0.83, 0.6], [0.99, 0.92, 0.74],
+];
+
+const vertexShader = /* glsl */ `
+  attribute float distance0;
+  varying float vDistance;
+  varying vec3 vNormal;
+  varying vec3 vView;
+  void main() {
+    vDistance = distance0;
+    vNormal = normalMatrix * normal;
+    vec4 view = modelViewMatrix * vec4(position, 1.0);
+    vView = view.xyz;
+    gl_Position = projectionMatrix * view;
+  }`;
+
+const fragmentShader = /* glsl */ `
+  uniform vec3 plain;
+  uniform vec3 ramp[5];
+  uniform float largest;
+  uniform float spacing;
+  varying float vDistance;
+  varying vec3 vNormal;
+  varying vec3 vView;
+  void main() {
+    vec3 base = plain;
+    if (largest > 0.0 && vDistance >= 0.0) {
+      float place = clamp(vDistance / largest, 0.0, 1.0) * 4.0;
+      int k = int(min(floor(place), 3.0));
+      base = mix(ramp[k], ramp[k + 1], place - float(k));
+      float turn = vDistance / spacing;
+      float away = abs(fract(turn - 0.5) - 0.5) / fwidth(turn);
+      base = mix(base * 0.35, base, smoothstep(0.4, 1.4, away));
+    }
+    vec3 normal = normalize(gl_FrontFacing ? vNormal : -vNormal);
+    vec3 toEye = normalize(-vView);
+    float light = 0.62 + 0.33 * max(dot(normal, normalize(vec3(0.4, 0.7, 0.9))), 0.0) + 0.1 * normal.y;
+    float gloss = 0.12 * pow(max(dot(normal, normalize(toEye + vec3(0.3, 0.6, 0.6))), 0.0), 40.0);
+    gl_FragColor = vec4(base * light + gloss, 1.0);
+    #include <colorspace_fragment>
+  }`;
+
+export function surfaceMaterial(): THREE.ShaderMaterial {
+  return new THREE.ShaderMaterial({
+    vertexShader,
+    fragmentShader,
+    side: THREE.DoubleSide,
+    // The surface steps back a little, so that lines on it are seen.
+    polygonOffset: true,
+    polygonOffsetFactor: 1.5,
+    polygonOffsetUnits: 2,
+    uniforms: {
+      plain: { value: new THREE.Color(0.66, 0.7, 0.73) },
+      ramp: { value: RAMP.map((rgb) => new THREE.Vector3(...rgb)) },
+      largest: { value: 0 },
+      spacing: { value: 1 },
+    },
+  });
+}

@@ -1,0 +1,135 @@
+// A surface with what lies on it. Knows three.js and nothing of the server.
+import * as THREE from "three";
+import { Line2 } from "three/examples/jsm/lines/Line2.js";
+import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { dark } from "../base/theme";
+import { SceneView } from "../scene/scene_view";
+import { barycentricOf, type MeshData, roundStep, type Vector } from "./mesh_data";
+import { surfaceMaterial } from "./surface_material";
+
+const CLICK_PIXELS = 5;
+const ISOLINES = 18;
+/** Where a surface is looked at from at first. */
+const FROM = new THREE.Vector3(0.35, 0.45, 1);
+
+export interface Pick {
+  face: number;
+  barycentric: Vector;
+}
+
+export class MeshViewer {
+  onPick: (pick: Pick) => void = () => {};
+  private readonly view: SceneView;
+  private readonly material = surfaceMaterial();
+  private readonly marks = new THREE.Group();
+  private readonly lines = new THREE.Group();
+  private readonly lineMaterial = new LineMaterial({ linewidth: 5 });
+  private surface: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
+  private data: MeshData | null = null;
+  private radius = 1;
+
+  /** Throws where the browser has no WebGL. */
+  constructor() {
+    this.view = new SceneView("No mesh yet");
+    this.view.resized = (width, height) => this.lineMaterial.resolution.set(width, height);
+    this.view.scene.add(this.marks, this.lines);
+    this.listen();
+    dark.watch((isDark) => {
+      this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
+      this.view.draw();
+    });
+  }
+
+  get element(): HTMLElement {
+    return this.view.element;
+  }
+
+  setMesh(data: MeshData, words: string): void {
+    this.surface?.geometry.dispose();
+    this.surface?.removeFromParent();
+    this.data = data;
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(data.positions), 3));
+    geometry.setIndex(new THREE.BufferAttribute(data.faces, 1));
+    geometry.computeVertexNormals();
+    geometry.setAttribute("distance0", new THREE.BufferAttribute(new Float32Array(data.positions.length / 3), 1));
+    geometry.computeBoundingSphere();
+    this.surface = new THREE.Mesh(geometry, this.material);
+    this.view.scene.add(this.surface);
+    this.view.words = words;
+    const sphere = geometry.boundingSphere as THREE.Sphere;
+    this.radius = sphere.radius || 1;
+    this.view.showAll(sphere, FROM);
+    this.setField(null);
+  }
+
+  /** Colours by distance, one for each vertex (below 0 where there is none); plain without. Returns the spacing of the isolines. */
+  setField(distances: ArrayLike<number> | null): number {
+    const { uniforms } = this.material;
+    const attribute = this.surface?.geometry.getAttribute("distance0") as THREE.BufferAttribute | undefined;
+    uniforms.largest.value = 0;
+    if (distances && attribute) {
+      let largest = 0;
+      for (let k = 0; k < distances.length; ++k) {
+        attribute.setX(k, distances[k]);
+        largest = Math.max(largest, distances[k]);
+      }
+      attribute.needsUpdate = true;
+      uniforms.largest.value = largest;
+      uniforms.spacing.value = roundStep(largest || 1, ISOLINES);
+    }
+    this.view.draw();
+    return uniforms.spacing.value as number;
+  }
+
+  setPaths(paths: readonly (readonly Vector[])[]): void {
+    for (const line of this.lines.children as Line2[]) line.geometry.dispose();
+    this.lines.clear();
+    for (const path of paths) {
+      if (path.length < 2) continue;
+      const geometry = new LineGeometry();
+      geometry.setPositions(path.flatMap((place) => [...place]));
+      this.lines.add(new Line2(geometry, this.lineMaterial));
+    }
+    this.view.draw();
+  }
+
+  setMarks(points: readonly Vector[], mean: Vector | null): void {
+    this.marks.clear();
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name: string) => new THREE.Color(style.getPropertyValue(name).trim() || "#c2500f");
+    this.lineMaterial.color = colour("--target");
+    const ball = (place: Vector, size: number, name: string) => {
+      const mark = new THREE.Mesh(new THREE.SphereGeometry(size * this.radius, 24, 16), new THREE.MeshBasicMaterial({ color: colour(name) }));
+      mark.position.set(...place);
+      this.marks.add(mark);
+    };
+    for (const place of points) ball(place, 0.018, "--target");
+    if (mean) ball(mean, 0.028, "--simulated");
+    this.view.draw();
+  }
+
+  private listen(): void {
+    const { canvas } = this.view;
+    let down: readonly [number, number] | null = null;
+    canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+    canvas.addEventListener("pointerup", (event) => {
+      if (down && event.button === 0 && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) this.pick(event);
+      down = null;
+    });
+  }
+
+  private pick(event: PointerEvent): void {
+    if (!this.surface || !this.data) return;
+    const { camera, canvas } = this.view;
+    const box = canvas.getBoundingClientRect();
+    const place = new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const ray = new THREE.Raycaster();
+    camera.updateMatrixWorld(); // where drawing is slow, nothing has done so yet
+    ray.setFromCamera(place, camera);
+    const hit = ray.intersectObject(this.surface)[0];
+    if (!hit || hit.faceIndex === undefined || hit.faceIndex === null) return;
+    this.onPick({ face: hit.faceIndex, barycentric: barycentricOf(this.data, hit.faceIndex, hit.point.toArray()) });
+  }
+}

@@ -1,0 +1,89 @@
+// A scene in space that is turned by pointer and keys. Knows three.js and nothing of what is shown.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { h } from "../base/dom";
+
+const KEY_ANGLE = 0.12;
+const KEY_ZOOM = 0.9;
+const FIELD_OF_VIEW = 35;
+/** Space around what is shown, of its radius. */
+const ROOM = 1.12;
+
+export class SceneView {
+  readonly element = h("div", { class: "viewer" });
+  readonly canvas: HTMLCanvasElement;
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
+  /** Hears the size of the canvas in pixels. */
+  resized: (width: number, height: number) => void = () => {};
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private scheduled = false;
+
+  /** Throws where the browser has no WebGL. */
+  constructor(words: string) {
+    this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": words });
+    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.element.append(this.canvas);
+    this.canvas.addEventListener("keydown", (event) => this.key(event));
+    new ResizeObserver(() => this.resize()).observe(this.element);
+  }
+
+  set words(words: string) {
+    this.canvas.setAttribute("aria-label", words);
+  }
+
+  /** Draws once before the next picture. */
+  draw(): void {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame(() => {
+      this.scheduled = false;
+      this.renderer.render(this.scene, this.camera);
+    });
+  }
+
+  /** Looks at all of the sphere, from a direction. */
+  showAll(sphere: THREE.Sphere, from: THREE.Vector3): void {
+    const radius = sphere.radius || 1;
+    const away = (ROOM * radius) / Math.sin((FIELD_OF_VIEW / 2) * (Math.PI / 180));
+    this.controls.target.copy(sphere.center);
+    this.camera.position.copy(sphere.center).add(from.clone().normalize().multiplyScalar(away));
+    this.camera.near = radius / 100;
+    this.camera.far = away + 20 * radius;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.resized(width, height);
+    this.draw();
+  }
+
+  private key(event: KeyboardEvent): void {
+    const turns: Record<string, readonly [number, number, number]> = {
+      ArrowLeft: [-KEY_ANGLE, 0, 1], ArrowRight: [KEY_ANGLE, 0, 1], ArrowUp: [0, -KEY_ANGLE, 1], ArrowDown: [0, KEY_ANGLE, 1],
+      "+": [0, 0, KEY_ZOOM], "-": [0, 0, 1 / KEY_ZOOM],
+    };
+    const turn = turns[event.key];
+    if (!turn) return;
+    event.preventDefault();
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const spherical = new THREE.Spherical().setFromVector3(offset);
+    spherical.theta += turn[0];
+    spherical.phi = Math.max(0.05, Math.min(Math.PI - 0.05, spherical.phi + turn[1]));
+    spherical.radius *= turn[2];
+    this.camera.position.copy(this.controls.target).add(offset.setFromSpherical(spherical));
+    this.controls.update();
+    this.draw();
+  }
+}

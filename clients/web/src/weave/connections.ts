@@ -1,0 +1,45 @@
+// Crossings: which of their strands slide, and how a person changes that one by one.
+import type { CrossingOverride, WeaveLayout } from "../contract/types";
+
+export type Crossing = WeaveLayout["crossings"][number];
+
+/** Indices of the members that slide. */
+export function slidingMembers(crossing: Crossing): number[] {
+  return crossing.members.flatMap((member, k) => (member.slides ? [k] : []));
+}
+
+/** What follows: fused, the first slides, the second, and so on to the last, then fused again. */
+export function nextConnection(crossing: Crossing): number[] {
+  const sliding = slidingMembers(crossing);
+  if (sliding.length === 0) return [0];
+  const next = sliding[0] + 1;
+  return sliding.length === 1 && next < crossing.members.length ? [next] : [];
+}
+
+/** The overrides with a crossing connected as given, by rising number. */
+export function withConnection(overrides: readonly CrossingOverride[], crossing: number, slides: readonly number[]): CrossingOverride[] {
+  const others = overrides.filter((override) => override.crossing !== crossing);
+  return [...others, { crossing, slides: [...slides] }].sort((a, b) => a.crossing - b.crossing);
+}
+
+/** "fused", "strand 2 slides", "strands 1 and 2 slide"; strands are counted from 1. */
+export function connectionWords(crossing: Crossing): string {
+  const sliding = slidingMembers(crossing).map((k) => crossing.members[k].strand + 1);
+  if (sliding.length === 0) return "fused";
+  return sliding.length === 1 ? `strand ${sliding[0]} slides` : `strands ${sliding.join(" and ")} slide`;
+}
+
+export function crossingWords(crossing: Crossing, index: number): string {
+  const strands = crossing.members.map((member) => member.strand + 1);
+  const [first, ...others] = strands;
+  const which = others.every((strand) => strand === first) ? `strand ${first} with itself` : `strands ${strands.join(" and ")}`;
+  return `Crossing ${index + 1} of ${which}: ${connectionWords(crossing)}`;
+}
+
+/** How many crossings are fused and how many slide, as a sentence. */
+export function crossingsSummary(layout: WeaveLayout): string {
+  const sliding = layout.crossings.filter((crossing) => crossing.members.some((member) => member.slides)).length;
+  const fused = layout.crossings.length - sliding;
+  const strands = `${layout.strands.length} strand${layout.strands.length === 1 ? "" : "s"}`;
+  return `${strands}, ${layout.crossings.length} crossing${layout.crossings.length === 1 ? "" : "s"}: ${fused} fused, ${sliding} sliding`;
+}

@@ -1,0 +1,83 @@
+// Points, polylines and lattices in the plane, lengths in mm.
+import type { Lattice, Point } from "./state";
+
+export interface Box {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+export type Polyline = readonly (readonly number[])[];
+
+export function latticePoint([a, b]: Lattice, i: number, k: number): Point {
+  return [i * a[0] + k * b[0], i * a[1] + k * b[1]];
+}
+
+/** How many translations a vector is, along each of the two. */
+export function latticeCoordinates([a, b]: Lattice, [x, y]: readonly number[]): Point {
+  const area = a[0] * b[1] - a[1] * b[0];
+  return [(x * b[1] - y * b[0]) / area, (a[0] * y - a[1] * x) / area];
+}
+
+/** Distance of two points where those that differ by translations are the same. */
+export function periodicDistance(lattice: Lattice | null, p: readonly number[], q: readonly number[]): number {
+  const away: Point = [p[0] - q[0], p[1] - q[1]];
+  if (!lattice) return Math.hypot(...away);
+  const [u, v] = latticeCoordinates(lattice, away);
+  return Math.hypot(...latticePoint(lattice, u - Math.round(u), v - Math.round(v)));
+}
+
+/** Direction of a polyline at an arc length, as an angle in [0, pi): the same for both ways along it. */
+export function directionAt(polyline: Polyline, coordinate: number): number {
+  let rest = coordinate;
+  let angle = 0;
+  for (let k = 1; k < polyline.length; ++k) {
+    const [x, y] = [polyline[k][0] - polyline[k - 1][0], polyline[k][1] - polyline[k - 1][1]];
+    const length = Math.hypot(x, y);
+    if (length === 0) continue;
+    angle = Math.atan2(y, x);
+    if (rest <= length) break;
+    rest -= length;
+  }
+  return undirected(angle);
+}
+
+export function undirected(angle: number): number {
+  const turned = angle % Math.PI;
+  return turned < 0 ? turned + Math.PI : turned;
+}
+
+/** Between two undirected angles: at most a quarter turn. */
+export function angleBetween(a: number, b: number): number {
+  const away = Math.abs(undirected(a) - undirected(b));
+  return Math.min(away, Math.PI - away);
+}
+
+/** The polyline as data of a path. */
+export function pathOf(polyline: Polyline): string {
+  return polyline.map(([x, y], k) => `${k === 0 ? "M" : "L"}${round(x)} ${round(y)}`).join("");
+}
+
+export function boxAround(points: Iterable<readonly number[]>, room = 0): Box {
+  let [left, bottom, right, top] = [Infinity, Infinity, -Infinity, -Infinity];
+  for (const [x, y] of points) {
+    left = Math.min(left, x);
+    right = Math.max(right, x);
+    bottom = Math.min(bottom, y);
+    top = Math.max(top, y);
+  }
+  if (left > right) return { x: -1, y: -1, width: 2, height: 2 };
+  return { x: left - room, y: bottom - room, width: right - left + 2 * room, height: top - bottom + 2 * room };
+}
+
+/** Indices of the copies of a cell in a block of `count` by `count` around it. */
+export function blockOf(count: number): Point[] {
+  const first = -Math.floor((count - 1) / 2);
+  const shifts = Array.from({ length: count }, (_, k) => first + k);
+  return shifts.flatMap((k) => shifts.map((i): Point => [i, k]));
+}
+
+function round(value: number): number {
+  return Math.round(1e4 * value) / 1e4;
+}

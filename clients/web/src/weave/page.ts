@@ -1,0 +1,103 @@
+// The weave page, put together.
+import { announce } from "../base/announce";
+import { button } from "../base/controls";
+import { h } from "../base/dom";
+import { shareButton } from "../base/share";
+import { undoKeys } from "../base/undo_keys";
+import type { Page, Surroundings } from "../page";
+import { cellView } from "./cell_view";
+import { DeformedCell } from "./deformed_cell";
+import { Draft } from "./draft";
+import { exportMenu } from "./export_menu";
+import { LayoutEditor } from "./layout_editor";
+import { isShareable, readLink, writeLink } from "./link";
+import { pinList } from "./pin_list";
+import { Pins } from "./pins";
+import { ProfileCard } from "./profile_card";
+import { WeaveSession } from "./session";
+import { sheetCard } from "./sheet_card";
+import { SheetSession } from "./sheet_session";
+import { DEFAULT_STATE } from "./state";
+import { strandPanel } from "./strand_panel";
+import { valueTable } from "./value_table";
+import { weaveControls } from "./weave_controls";
+
+const LINK_PAUSE_MS = 250;
+
+export function weavePage({ client, link }: Surroundings): Page {
+  let started = false;
+  const session = new WeaveSession(client);
+  const deformed = new DeformedCell(session, client);
+  const sheet = new SheetSession(session, client);
+  const pins = new Pins(session);
+  const draft = new Draft(session);
+  const editor = new LayoutEditor(session, draft);
+  const profile = new ProfileCard(session, deformed, pins);
+  const writeNow = () => (isShareable(session.state.get()) ? link.write(writeLink(session.state.get())) : link.write(""));
+  const share = shareButton("Copy a link to this weave", () => {
+    writeNow();
+    return isShareable(session.state.get()) ? undefined : "Too long for a link: export the request";
+  });
+  const element = h(
+    "div",
+    { class: "weave-page" },
+    h("h1", { class: "visually-hidden" }, "Weave"),
+    h("div", { class: "column left" }, weaveControls(session), strandPanel(session, draft), pinList(pins)),
+    h("div", { class: "column" },
+      h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(), h("div", { class: "panels" }, editor.element, cellView(session, deformed))),
+      profile.element, valueTable(session), sheetCard(session, sheet)),
+  );
+
+  function toolbar(): HTMLElement {
+    const undo = button("", () => session.undo(), { icon: "undo", title: "Undo (Ctrl+Z)" });
+    const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
+    const reset = button("Crossings as the pattern has them", () => session.apply({ overrides: [] }));
+    const pin = button("Pin", () => {
+      if (!pins.add()) announce("There is nothing to pin yet, or there are too many pins.");
+    }, { icon: "pin", title: "Pin this weave to compare others with it" });
+    session.steps.watch((steps) => {
+      undo.disabled = !steps.undo;
+      redo.disabled = !steps.redo;
+    });
+    session.state.watch((state) => (reset.disabled = state.overrides.length === 0));
+    session.profile.watch((shown) => (pin.disabled = !shown));
+    return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share, exportMenu(session, profile, client));
+  }
+
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  session.state.watch(() => {
+    if (!started) return;
+    clearTimeout(timer);
+    timer = setTimeout(writeNow, LINK_PAUSE_MS);
+  });
+
+  const undoKey = undoKeys(session);
+  function keys(event: KeyboardEvent): void {
+    draft.key(event);
+    if (!event.defaultPrevented) undoKey(event);
+  }
+
+  return {
+    element,
+    open(text) {
+      document.addEventListener("keydown", keys);
+      if (!started) {
+        started = true;
+        pins.restore();
+        return session.start(readLink(text) ?? DEFAULT_STATE);
+      }
+      const linked = text === "" || text === writeLink(session.state.get()) ? null : readLink(text);
+      if (linked) session.apply(linked);
+      else writeNow();
+    },
+    close() {
+      document.removeEventListener("keydown", keys);
+      clearTimeout(timer);
+    },
+    reconnected() {
+      if (!started) return;
+      session.retry();
+      deformed.retry();
+    },
+  };
+}

@@ -1,0 +1,99 @@
+// Young's modulus and Poisson's ratio over direction, as plots, tables and files show them.
+import type { Curve } from "../base/curve";
+import { degrees } from "../base/format";
+import type { WeaveHomogenization, WeaveStop } from "../contract/types";
+
+export interface Profile {
+  /** What was asked, all but the directions. */
+  readonly key: string;
+  readonly strain: number;
+  /** Radians, in [0, pi). */
+  readonly directions: readonly number[];
+  /** N/m; null where there is no value. */
+  readonly youngs: readonly (number | null)[];
+  readonly poisson: readonly (number | null)[];
+  /** Why there is no value; null where there is one. */
+  readonly reasons: readonly (string | null)[];
+  /** Directions whose cell left its plane, and whose equilibrium is not stable. */
+  readonly outOfPlane: number;
+  readonly unstable: number;
+  readonly seconds: number;
+  /** Few directions: finer ones follow. */
+  readonly provisional: boolean;
+}
+
+export const STOP_WORDS: Record<WeaveStop, string> = {
+  converged: "converged",
+  iteration_limit: "the smallest load step did not converge",
+  step_too_small: "no descent was found, at a limit or a fold",
+};
+
+/** Area of the deformed cell over that at rest below which it has folded flat: its stress per width means nothing. */
+const LEAST_AREA = 1e-6;
+const FLAT = "the cell folds flat: no width is left that bears the stress";
+
+export function profileOf(answer: WeaveHomogenization, key: string, provisional: boolean): Profile {
+  const reasons = answer.stopped.map((stop, k) => {
+    if (stop !== "converged") return STOP_WORDS[stop];
+    const [[xx, xy], [yx, yy]] = answer.deformation_gradient[k];
+    return xx * yy - xy * yx < LEAST_AREA ? FLAT : null;
+  });
+  const known = (values: readonly (number | null)[]) => values.map((value, k) => (reasons[k] === null ? value : null));
+  return {
+    key,
+    strain: answer.strain,
+    directions: answer.directions,
+    youngs: known(answer.youngs_modulus),
+    poisson: known(answer.poisson_ratio),
+    reasons,
+    outOfPlane: answer.out_of_plane.filter(Boolean).length,
+    unstable: answer.stable.filter((stable, k) => !stable && reasons[k] === null).length,
+    seconds: answer.cost.seconds,
+    provisional,
+  };
+}
+
+export function youngsCurve(profile: Profile): Curve {
+  return { x: profile.directions, y: profile.youngs };
+}
+
+export function poissonCurve(profile: Profile): Curve {
+  return { x: profile.directions, y: profile.poisson };
+}
+
+/** Index of the direction next to an angle. */
+export function nearestDirection(profile: Profile, angle: number): number {
+  let best = 0;
+  let least = Infinity;
+  profile.directions.forEach((direction, k) => {
+    const away = Math.abs(direction - angle) % Math.PI;
+    const distance = Math.min(away, Math.PI - away);
+    if (distance < least) [least, best] = [distance, k];
+  });
+  return best;
+}
+
+/** Least and largest value; null where there is none. */
+export function extremes(values: readonly (number | null)[]): readonly [number, number] | null {
+  const known = values.filter((value): value is number => value !== null);
+  return known.length > 0 ? [Math.min(...known), Math.max(...known)] : null;
+}
+
+/** Directions without a value by their reason, one sentence each. */
+export function gapWords(profile: Profile): string[] {
+  const byReason = new Map<string, number[]>();
+  profile.reasons.forEach((reason, k) => {
+    if (reason !== null) byReason.set(reason, [...(byReason.get(reason) ?? []), profile.directions[k]]);
+  });
+  return [...byReason].map(([reason, angles]) => {
+    const named = angles.slice(0, 4).map(degrees).join(", ");
+    const more = angles.length > 4 ? ` and ${angles.length - 4} more` : "";
+    return `No value at ${named}${more}: ${reason}.`;
+  });
+}
+
+export function csvOf(profile: Profile): string {
+  const rows = profile.directions.map((direction, k) =>
+    [direction, profile.youngs[k] ?? "", profile.poisson[k] ?? "", profile.reasons[k] === null ? "" : `"${profile.reasons[k]}"`].join(","));
+  return `${["direction_rad,youngs_modulus_N_per_m,poisson_ratio,no_value_because", ...rows].join("\n")}\n`;
+}

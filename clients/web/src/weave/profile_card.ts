@@ -1,0 +1,156 @@
+// Both quantities over direction, the strain that they are taken at, and what is going on.
+import { announce } from "../base/announce";
+import { button, Segments, Slider } from "../base/controls";
+import type { Curve } from "../base/curve";
+import { h, replace, svg } from "../base/dom";
+import { degrees, digits } from "../base/format";
+import type { DeformedCell } from "./deformed_cell";
+import type { Pins } from "./pins";
+import { type ChartView, PolarChart } from "./polar_chart";
+import { extremes, gapWords, nearestDirection, poissonCurve, type Profile, youngsCurve } from "./profile";
+import { type Activity, profileKey, type WeaveSession } from "./session";
+import { isPeriodic, STRAIN_LIMITS, usableStrain } from "./state";
+
+const LEAST_SIDE = 220;
+
+export class ProfileCard {
+  readonly element: HTMLElement;
+  readonly charts: readonly [PolarChart, PolarChart];
+  private readonly stages = [h("div", { class: "chart-stage" }), h("div", { class: "chart-stage" })];
+  private readonly reading = h("p", { class: "reading" });
+  private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
+  private readonly notes = h("div", { class: "notes" });
+  private readonly status = h("div", { class: "status" });
+  private logarithmic = false;
+  private scheduled = false;
+  private announced = "";
+
+  constructor(
+    private readonly session: WeaveSession,
+    private readonly deformed: DeformedCell,
+    private readonly pins: Pins,
+  ) {
+    const wishes = {
+      hover: (angle: number | null) => deformed.hover(angle),
+      choose: (angle: number) => deformed.choose(angle),
+      step: (count: number) => deformed.step(count),
+    };
+    this.charts = [
+      new PolarChart({ kind: "stiffness", title: "Young’s modulus", unit: "N/m", ...wishes }),
+      new PolarChart({ kind: "poisson", title: "Poisson’s ratio", unit: "", ...wishes }),
+    ];
+    this.stages.forEach((stage, k) => {
+      stage.append(this.charts[k].element);
+      new ResizeObserver(() => this.resize(k)).observe(stage);
+    });
+    this.element = h("section", { class: "card profile", "aria-label": "Stiffness over direction" },
+      this.controls(), h("div", { class: "charts" }, ...this.stages), this.reading, h("div", { class: "plot-foot" }, this.legend, this.status), this.notes);
+    for (const part of [session.profile, session.state, deformed.direction, pins.list]) part.watch(() => this.schedule());
+    session.activity.watch((activity) => this.showActivity(activity));
+    session.fault.watch(() => this.showActivity(session.activity.get()));
+  }
+
+  private controls(): HTMLElement {
+    const strain = new Slider({
+      label: "Strain along each direction", lower: STRAIN_LIMITS[0], upper: STRAIN_LIMITS[1], step: 0.005, digits: 4,
+      changed: (value, done) => {
+        this.session.preview({ strain: usableStrain(value) });
+        if (done) this.session.finish();
+      },
+    });
+    const scale = new Segments<"linear" | "log">("Scale of the modulus", [{ value: "linear", words: "Linear" }, { value: "log", words: "Logarithmic" }], (value) => {
+      this.logarithmic = value === "log";
+      this.schedule();
+    });
+    scale.value = "linear";
+    this.session.state.watch((state) => (strain.value = state.strain));
+    return h("div", { class: "profile-controls" }, strain.element, scale.element);
+  }
+
+  /** Draws once before the next picture, however much has changed. */
+  private schedule(): void {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame(() => {
+      this.scheduled = false;
+      this.draw();
+    });
+  }
+
+  private draw(): void {
+    const profile = this.session.profile.get();
+    const direction = this.deformed.direction.get();
+    const index = profile && nearestDirection(profile, direction);
+    const pins = this.pins.list.get();
+    const stale = profile !== null && profile.key !== profileKey(this.session.state.get());
+    const view = (curve: Curve | null, part: "youngs" | "poisson"): ChartView => ({
+      curve,
+      provisional: stale || (profile?.provisional ?? false),
+      reasons: profile?.reasons ?? [],
+      pins: pins.map((pin) => ({ id: pin.id, name: pin.name, x: pin.profile.directions, y: pin.profile[part] })),
+      direction,
+      value: profile && index !== null ? profile[part][index] : null,
+      logarithmic: this.logarithmic && part === "youngs",
+    });
+    this.charts[0].update(view(profile && youngsCurve(profile), "youngs"));
+    this.charts[1].update(view(profile && poissonCurve(profile), "poisson"));
+    this.showReading(profile, index);
+    this.showLegend(profile);
+    replace(this.notes, ...notesOf(profile).map((sentence) => h("p", { class: "note" }, sentence)));
+  }
+
+  private showReading(profile: Profile | null, index: number | null): void {
+    if (!profile || index === null) return replace(this.reading);
+    const [youngs, poisson] = [profile.youngs[index], profile.poisson[index]];
+    const value = (quantity: number | null, unit: string) => h("strong", {}, quantity === null ? "–" : `${digits(quantity, 4)}${unit}`);
+    replace(this.reading, `At ${degrees(profile.directions[index])}: Young’s modulus `, value(youngs, " N/m"), ", Poisson’s ratio ", value(poisson, ""), ".");
+  }
+
+  private showLegend(profile: Profile | null): void {
+    const entry = (key: string, words: string, mark = "M0 5H22") =>
+      h("li", {}, svg("svg", { viewBox: "0 0 22 10", class: `key ${key}`, "aria-hidden": "true" }, svg("path", { d: mark })), words);
+    const pins = this.pins.list.get().map((pin) => entry(`pin pin-${pin.id % 6}`, pin.name));
+    const gaps = profile?.reasons.some((reason) => reason !== null) ? [entry("out", "No value", "M7 1L15 9M15 1L7 9")] : [];
+    replace(this.legend, entry("achieved", "This weave"), ...pins, ...gaps);
+  }
+
+  private resize(index: number): void {
+    const { width, height } = this.stages[index].getBoundingClientRect();
+    this.charts[index].resize(Math.max(LEAST_SIDE, Math.floor(width)), Math.max(LEAST_SIDE, Math.floor(height)));
+  }
+
+  private showActivity(activity: Activity): void {
+    const { session } = this;
+    this.element.setAttribute("aria-busy", String(activity.kind === "busy"));
+    if (activity.kind === "failed") {
+      // The layout's card says it already where there is no such weave at all.
+      if (activity.sentence === session.fault.get()) return replace(this.status);
+      announce(activity.sentence);
+      replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.retry()));
+    } else if (activity.kind === "busy") {
+      const bar = h("progress", { max: 1, "aria-label": "Progress" });
+      if (activity.progress !== null) bar.value = activity.progress;
+      replace(this.status, h("div", { class: "working" }, h("span", {}, `${activity.directions} directions`), bar, button("Cancel", () => session.cancel())));
+    } else {
+      replace(this.status);
+      this.tellOutcome();
+    }
+  }
+
+  private tellOutcome(): void {
+    const profile = this.session.profile.get();
+    if (!profile || profile.key === this.announced || !isPeriodic(this.session.state.get())) return;
+    this.announced = profile.key;
+    const [youngs, poisson] = [extremes(profile.youngs), extremes(profile.poisson)];
+    if (youngs && poisson) announce(`Young’s modulus ${digits(youngs[0])} to ${digits(youngs[1])} newton per metre, Poisson’s ratio ${digits(poisson[0])} to ${digits(poisson[1])}.`);
+  }
+}
+
+function notesOf(profile: Profile | null): string[] {
+  if (!profile) return [];
+  const words = gapWords(profile);
+  const count = profile.directions.length;
+  if (profile.outOfPlane > 0) words.push(`Along ${profile.outOfPlane} of ${count} directions the weave leaves its plane.`);
+  if (profile.unstable > 0) words.push(`Along ${profile.unstable} of ${count} directions the equilibrium is not stable.`);
+  return words;
+}

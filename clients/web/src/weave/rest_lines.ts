@@ -1,0 +1,60 @@
+// Strands at rest as deformed ones come: those that go on or are loops begin at their first crossing, in that crossing's
+// own place, so that the deformed strand and the one at rest can be laid over each other.
+import type { WeaveLayout } from "../contract/types";
+import type { Polyline } from "./geometry";
+
+/** Closer to the end of an open strand a crossing is that end, mm. */
+const AT_END = 1e-6;
+
+export function restLines(layout: WeaveLayout): Polyline[] {
+  return layout.strands.map(({ ends, polyline, translation }, index) => {
+    const first = firstCrossing(layout, index);
+    if (!first || (ends === "open" && first.coordinate > AT_END)) return polyline;
+    const line = ends === "open" ? polyline : startingAt(polyline, first.coordinate, translation);
+    const away = [first.position[0] - line[0][0], first.position[1] - line[0][1]];
+    return line.map(([x, y]) => [x + away[0], y + away[1]]);
+  });
+}
+
+function firstCrossing(layout: WeaveLayout, strand: number): { coordinate: number; position: readonly number[] } | null {
+  let first: { coordinate: number; position: readonly number[] } | null = null;
+  for (const { members, position } of layout.crossings) {
+    for (const member of members) {
+      if (member.strand === strand && (!first || member.coordinate < first.coordinate)) first = { coordinate: member.coordinate, position };
+    }
+  }
+  return first;
+}
+
+/** A period of a line that goes on by `translation` (0 for a loop), from an arc length on. */
+export function startingAt(polyline: Polyline, coordinate: number, translation: readonly number[]): number[][] {
+  let rest = coordinate;
+  for (let k = 1; k < polyline.length; ++k) {
+    const [p, q] = [polyline[k - 1], polyline[k]];
+    const length = Math.hypot(q[0] - p[0], q[1] - p[1]);
+    if (rest > length && k + 1 < polyline.length) {
+      rest -= length;
+      continue;
+    }
+    const share = length > 0 ? Math.min(1, rest / length) : 0;
+    const start = [p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])];
+    const moved = ([x, y]: readonly number[]) => [x + translation[0], y + translation[1]];
+    return [start, ...polyline.slice(k).map(([x, y]) => [x, y]), ...polyline.slice(1, k).map(moved), moved(start)];
+  }
+  return polyline.map(([x, y]) => [x, y]);
+}
+
+/** Centre of mass of lines. */
+export function centroid(lines: readonly Polyline[]): [number, number] {
+  let [x, y, total] = [0, 0, 0];
+  for (const line of lines) {
+    for (let k = 1; k < line.length; ++k) {
+      const [p, q] = [line[k - 1], line[k]];
+      const length = Math.hypot(q[0] - p[0], q[1] - p[1]);
+      x += (length * (p[0] + q[0])) / 2;
+      y += (length * (p[1] + q[1])) / 2;
+      total += length;
+    }
+  }
+  return total > 0 ? [x / total, y / total] : [0, 0];
+}

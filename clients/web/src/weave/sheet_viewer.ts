@@ -1,0 +1,66 @@
+// A sheet in space: its strands as tubes, and faintly where they are at rest. Knows nothing of the server.
+import * as THREE from "three";
+import { dark } from "../base/theme";
+import { SceneView } from "../scene/scene_view";
+import { tubes, type Vector } from "./tubes";
+
+const FROM = new THREE.Vector3(0.15, -0.6, 1.2);
+/** Vertices around a tube; fewer where there are many points, so that a picture is drawn at once. */
+const SIDES = 8;
+const FEW_SIDES = 4;
+const MANY_POINTS = 60_000;
+
+export type Lines = readonly (readonly Vector[])[];
+
+export class SheetViewer {
+  private readonly view = new SceneView("No sheet yet");
+  private readonly material = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide });
+  private readonly restMaterial = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.35 });
+  private readonly strands = new THREE.Mesh(new THREE.BufferGeometry(), this.material);
+  private readonly rest = new THREE.LineSegments(new THREE.BufferGeometry(), this.restMaterial);
+
+  /** Throws where the browser has no WebGL. */
+  constructor() {
+    const { scene, camera } = this.view;
+    const lamp = new THREE.DirectionalLight(0xffffff, 1.6);
+    lamp.position.set(0.4, 0.7, 0.9);
+    camera.add(lamp);
+    scene.add(camera, new THREE.HemisphereLight(0xffffff, 0x8a8f96, 1.7), this.strands, this.rest);
+    dark.watch(() => this.paint());
+  }
+
+  get element(): HTMLElement {
+    return this.view.element;
+  }
+
+  /** Another sheet: `states` are what is to be in sight, the first of them at rest. */
+  setSheet(states: readonly Lines[]): void {
+    const places = states.flatMap((lines) => lines.flatMap((line) => line.map((place) => new THREE.Vector3(...place))));
+    this.view.showAll(new THREE.Box3().setFromPoints(places).getBoundingSphere(new THREE.Sphere()), FROM);
+    const pieces = (states[0] ?? []).flatMap((line) => line.slice(1).flatMap((place, k) => [...line[k], ...place]));
+    this.rest.geometry.dispose();
+    this.rest.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(pieces, 3));
+  }
+
+  /** The strands with their radii, and what a screen reader says of them. */
+  setStrands(lines: Lines, radii: readonly number[], words: string): void {
+    const points = lines.reduce((sum, line) => sum + line.length, 0);
+    const { positions, normals, triangles } = tubes(lines, radii, points > MANY_POINTS ? FEW_SIDES : SIDES);
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(normals, 3));
+    geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+    this.strands.geometry.dispose();
+    this.strands.geometry = geometry;
+    this.view.words = words;
+    this.paint();
+  }
+
+  private paint(): void {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name: string) => style.getPropertyValue(name).trim() || "#345";
+    this.material.color.set(colour("--solid"));
+    this.restMaterial.color.set(colour("--line-strong"));
+    this.view.draw();
+  }
+}

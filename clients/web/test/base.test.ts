@@ -1,0 +1,108 @@
+import { describe, expect, it } from "vitest";
+import { digits, fixed, percent, plain, seconds } from "../src/base/format";
+import { History } from "../src/base/history";
+import { Latest } from "../src/base/latest";
+import { EventReader } from "../src/contract/jobs";
+import { heightDomain, radialDomain, widthDomain } from "../src/base/domains";
+
+describe("numbers", () => {
+  it("are short and have a true minus", () => {
+    expect(digits(0.0123456)).toBe("0.0123");
+    expect(digits(-1.5)).toBe("−1.5");
+    expect(digits(1200000)).toBe("1.2e6");
+    expect(digits(3)).toBe("3");
+    expect(digits(100)).toBe("100");
+    expect(digits(NaN)).toBe("–");
+    expect(fixed(-0.0001, 2)).toBe("0.00");
+    expect(percent(0.0123)).toBe("1.2 %");
+    expect(seconds(0.0321)).toBe("32 ms");
+    expect(plain(0.1 + 0.2)).toBe("0.3");
+  });
+});
+
+describe("the history", () => {
+  it("undoes and redoes, and a new step ends what could be redone", () => {
+    const history = new History("a");
+    history.push("b");
+    history.push("c");
+    expect([history.undo(), history.current]).toEqual([true, "b"]);
+    expect([history.redo(), history.current]).toEqual([true, "c"]);
+    history.undo();
+    history.push("d");
+    expect(history.redo()).toBe(false);
+    expect([history.undo(), history.undo(), history.undo()]).toEqual([true, true, false]);
+    expect(history.current).toBe("a");
+  });
+
+  it("amends the present without a step", () => {
+    const history = new History(1);
+    history.push(2);
+    history.amend(3);
+    history.undo();
+    expect(history.current).toBe(1);
+    history.redo();
+    expect(history.current).toBe(3);
+  });
+});
+
+describe("the newest of many wishes", () => {
+  const tick = () => new Promise((resolve) => setTimeout(resolve, 0));
+
+  it("runs next; those between are forgotten, and one runs at a time", async () => {
+    const latest = new Latest();
+    const ran: number[] = [];
+    let end = () => {};
+    let running = 0;
+    for (let k = 0; k < 5; ++k) {
+      latest.submit(async () => {
+        expect(++running).toBe(1);
+        ran.push(k);
+        await new Promise<void>((resolve) => (end = resolve));
+        --running;
+      });
+    }
+    expect(latest.busy).toBe(true);
+    end();
+    await tick();
+    expect(ran).toEqual([0, 4]);
+    end();
+    await tick();
+    expect(latest.busy).toBe(false);
+  });
+
+  it("stops what runs where it is urgent", async () => {
+    const latest = new Latest();
+    let stopped = false;
+    latest.submit((signal) => new Promise((resolve) => signal.addEventListener("abort", () => ((stopped = true), resolve()))));
+    let second = false;
+    latest.submit(async () => void (second = true), true);
+    await tick();
+    expect([stopped, second]).toEqual([true, true]);
+  });
+});
+
+describe("server-sent events", () => {
+  it("are read from pieces that end anywhere", () => {
+    const text = ': alive\n\nevent: progress\ndata: {"a":1}\n\nevent: finished\r\ndata: {"a":2}\r\n\r\n';
+    for (const size of [1, 3, 7, 1000]) {
+      const reader = new EventReader();
+      const events = [];
+      for (let k = 0; k < text.length; k += size) events.push(...reader.read(text.slice(k, k + size)));
+      expect(events).toEqual([{ name: "progress", data: '{"a":1}' }, { name: "finished", data: '{"a":2}' }]);
+    }
+  });
+});
+
+describe("what a plot shows", () => {
+  it("holds all values, zero, and room to drag into", () => {
+    const [lower, upper] = heightDomain([0.5, 2, null]);
+    expect(lower).toBeLessThan(0);
+    expect(upper).toBeGreaterThan(2.4);
+    expect(widthDomain([0, 1])[1]).toBeGreaterThan(1);
+    expect(radialDomain("stiffness", [3, 5])[0]).toBe(0);
+    expect(radialDomain("poisson", [0.2, 0.3])[0]).toBeLessThan(-0.1);
+    for (const domain of [heightDomain([]), widthDomain([]), radialDomain("poisson", [])]) {
+      expect(domain[1]).toBeGreaterThan(domain[0]);
+    }
+  });
+});

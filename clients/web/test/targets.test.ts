@@ -1,0 +1,83 @@
+import { describe, expect, it } from "vitest";
+import type { ControlPoint } from "../src/design/state";
+import {
+  addPoint, convertedPoints, HALF_TURN, movePoint, pointsOnProfile, removePoint, roomAfter, wrapped,
+} from "../src/design/targets";
+
+const extent = { lower: -0.1, upper: 0.2 };
+const line: ControlPoint[] = [[-0.1, -1], [0, 0], [0.1, 1], [0.2, 2]];
+const ring: ControlPoint[] = [[0.1, 1], [1, 2], [2, 3]];
+
+const increasing = (points: readonly ControlPoint[]) => points.every((p, k) => k === 0 || p[0] > points[k - 1][0]);
+
+describe("control points over strain", () => {
+  it("stay between their neighbours and within the extent", () => {
+    for (const x of [-5, -0.1, 0, 0.05, 0.1, 5]) {
+      for (const index of [0, 1, 2, 3]) {
+        const [moved, at] = movePoint("stress_strain", line, index, [x, 7], extent);
+        expect(at).toBe(index);
+        expect(moved[index][1]).toBe(7);
+        expect(increasing(moved)).toBe(true);
+        expect(moved[0][0]).toBeGreaterThanOrEqual(-0.1);
+        expect(moved[3][0]).toBeLessThanOrEqual(0.2);
+      }
+    }
+  });
+
+  it("are added where there is room and removed while enough remain", () => {
+    expect(addPoint("stress_strain", line, [0.05, 3], extent)).toEqual([[line[0], line[1], [0.05, 3], line[2], line[3]], 2]);
+    expect(addPoint("stress_strain", line, [0.1, 3], extent)).toBeNull();
+    expect(addPoint("stress_strain", line, [0.3, 3], extent)).toBeNull();
+    expect(removePoint("stress_strain", line, 1)).toEqual([line[0], line[2], line[3]]);
+    expect(removePoint("stress_strain", line.slice(0, 2), 1)).toHaveLength(2);
+    expect(roomAfter("stress_strain", line, 1)).toBeCloseTo(0.05);
+    expect(roomAfter("stress_strain", line, 3)).toBeCloseTo(0.15);
+  });
+});
+
+describe("control points over directions", () => {
+  it("pass each other and wrap around half a turn", () => {
+    const [moved, at] = movePoint("stiffness", ring, 0, [1.5 + Math.PI, 9], HALF_TURN);
+    expect(moved.map((p) => p[1])).toEqual([2, 9, 3]);
+    expect(at).toBe(1);
+    expect(moved[1][0]).toBeCloseTo(1.5);
+    expect(wrapped(-0.1)).toBeCloseTo(Math.PI - 0.1);
+  });
+
+  it("do not fall onto each other, also across the seam", () => {
+    const [moved] = movePoint("poisson", ring, 1, [2, 5], HALF_TURN);
+    expect(moved.map((p) => p[0])).toEqual([0.1, 1, 2]);
+    expect(addPoint("poisson", [[0.001, 1], [1, 1], [2, 1]], [Math.PI - 0.001, 1], HALF_TURN)).toBeNull();
+    expect(removePoint("poisson", ring, 0)).toHaveLength(3);
+  });
+});
+
+describe("a target taken from a profile", () => {
+  it("lies on it, with both ends over strain", () => {
+    const x = Array.from({ length: 31 }, (_, k) => k / 100);
+    const points = pointsOnProfile("stress_strain", x, x.map((value) => 2 * value), 6);
+    expect(points).toHaveLength(6);
+    expect(points[0]).toEqual([0, 0]);
+    expect(points[5]).toEqual([0.3, 0.6]);
+  });
+
+  it("leaves out the end that repeats the start over directions, and what has no value", () => {
+    const x = Array.from({ length: 61 }, (_, k) => (k * Math.PI) / 60);
+    const points = pointsOnProfile("stiffness", x, x.map(() => 1), 6);
+    expect(points.length).toBeGreaterThanOrEqual(5);
+    expect(points[points.length - 1][0]).toBeLessThan(Math.PI);
+    expect(pointsOnProfile("stress_strain", [0, 1, 2], [null, null, 1], 3)).toEqual([]);
+  });
+});
+
+describe("another measure of strain", () => {
+  it("keeps the target when it is changed there and back", () => {
+    const there = convertedPoints(line, "engineering");
+    expect(there[3][0]).toBeCloseTo(Math.sqrt(1.4) - 1, 12);
+    expect(there[3][1]).toBeCloseTo(2 * Math.sqrt(1.4), 12);
+    convertedPoints(there, "green").forEach(([x, y], k) => {
+      expect(x).toBeCloseTo(line[k][0], 12);
+      expect(y).toBeCloseTo(line[k][1], 12);
+    });
+  });
+});

@@ -1,0 +1,22 @@
+import { defineConfig } from "vitest/config";
+
+// Where `npm run dev` finds a server; the built editor asks the one that serves it.
+const server = process.env.SUPPLE_SERVER ?? "http://127.0.0.1:8080";
+const proxied = ["/v1", "/healthz", "/readyz", "/openapi.yaml"];
+
+export default defineConfig({
+  base: "./",
+  assetsInclude: ["**/*.obj"],
+  server: {
+    proxy: Object.fromEntries(proxied.map((path) => [path, server])),
+    fs: { allow: ["../.."] },
+  },
+  build: {
+    target: "es2022",
+    // Pictures and meshes stay files: the server's policy lets pages load nothing from data.
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 700,
+  },
+  test: { include: ["test/**/*.test.ts"], environment: "node" },
+});

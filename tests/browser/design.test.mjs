@@ -1,0 +1,190 @@
+// Designs by drawing: targets, sliders, history, what follows what.
+import assert from "node:assert/strict";
+import { after, before, describe, it } from "node:test";
+import { DesignPage } from "./design_page.mjs";
+import { closePage, launch, picture, Server, until } from "./harness.mjs";
+
+let server;
+let browser;
+before(async () => {
+  server = await Server.start();
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+async function withPage(act, options) {
+  const design = await DesignPage.open(browser, server.url, options);
+  try {
+    await act(design, design.page);
+  } catch (error) {
+    await picture(design.page, "failure");
+    throw error;
+  }
+  await closePage(design.page);
+}
+
+describe("stress over strain", () => {
+  it("opens with a target and a design that comes close to it", () =>
+    withPage(async (design, page) => {
+      assert.ok((await design.handles.count()) >= 5);
+      assert.match(await design.curve("achieved"), /^M/);
+      assert.match(await design.curve("target"), /^M/);
+      assert.match(await page.locator(".envelope").getAttribute("d"), /^M/);
+      assert.ok((await design.deviation()) < 10, "the first target is one that a design reaches");
+      assert.match(await design.tiling(), /^M/);
+      await picture(page, "design-light");
+    }));
+
+  it("follows a dragged control point with the curve and the tiling, and ends nearer to it", () =>
+    withPage(async (design, page) => {
+      const last = (await design.handles.count()) - 1;
+      const [curve, tiling] = [await design.curve("achieved"), await design.tiling()];
+      const earlier = await design.values();
+      const answered = page.designs.answered;
+      await design.drag(last, 0, 90, async () => {
+        await until(() => page.designs.answered > answered, "an answer while dragging");
+        await until(async () => (await design.curve("achieved")) !== curve, "a new curve while dragging");
+        await until(async () => (await design.tiling()) !== tiling, "a new tiling while dragging");
+        await picture(page, "design-dragging");
+      });
+      await design.settled();
+      const later = await design.values();
+      assert.ok(later.at(-1)[1] < earlier.at(-1)[1], "the target went down");
+      assert.ok(later.at(-1)[2] < earlier.at(-1)[2], "the design's stress went down with it");
+      assert.equal(await page.evaluate(() => window.designsAtOnce.most), 1, "one request at a time");
+      assert.ok(page.designs.asked.every((request) => request.session === page.designs.asked[0].session));
+    }));
+
+  it("starts each search of a drag from the design before, in its family", () =>
+    withPage(async (design, page) => {
+      const first = page.designs.asked.length;
+      await design.drag(2, 0, -40);
+      await design.settled();
+      const [follow] = page.designs.asked.slice(first);
+      assert.notEqual(follow.family, "any");
+      assert.ok(follow.initial.length > 0);
+      assert.equal(page.designs.asked.at(-1).family, "any", "let go, it searches all families again");
+    }));
+
+  it("moves control points by keys, as one step of the history", () =>
+    withPage(async (design, page) => {
+      const before = await design.pointHeight(3);
+      await design.handles.nth(3).focus();
+      for (let k = 0; k < 4; ++k) await page.keyboard.press("ArrowUp");
+      await until(async () => (await design.pointHeight(3)) > before, "a higher point");
+      await page.waitForTimeout(600);
+      await design.settled();
+      await design.button("Undo (Ctrl+Z)").click();
+      await until(async () => (await design.pointHeight(3)) === before, "the point where it was");
+    }));
+
+  it("adds and removes control points", () =>
+    withPage(async (design, page) => {
+      const count = await design.handles.count();
+      await design.button("Add a control point").click();
+      await until(async () => (await design.handles.count()) === count + 1, "one more");
+      assert.match(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), /Control point/);
+      await page.keyboard.press("Delete");
+      await until(async () => (await design.handles.count()) === count, "one less");
+      await page.locator(".plot .ground").dblclick({ position: { x: 200, y: 60 } });
+      await until(async () => (await design.handles.count()) === count + 1, "one by a double click");
+      await design.settled();
+    }));
+
+  it("says which part of a target is out of reach", () =>
+    withPage(async (design, page) => {
+      await design.drag(0, 0, -250);
+      await design.settled();
+      assert.match(await page.locator(".legend").textContent(), /Missed/);
+      assert.ok((await page.locator(".missed path").count()) > 0);
+      assert.equal(await page.locator(".result .chip").textContent(), "Closest design");
+    }));
+
+  it("undoes and redoes, by buttons and by keys", () =>
+    withPage(async (design, page) => {
+      const heights = [await design.pointHeight(4)];
+      for (const down of [-40, -30]) {
+        await design.drag(4, 0, down);
+        await design.settled();
+        heights.push(await design.pointHeight(4));
+      }
+      const expect = (height) => until(async () => (await design.pointHeight(4)) === height, `the height ${height}`);
+      await page.keyboard.press("Control+z");
+      await expect(heights[1]);
+      await page.keyboard.press("Control+z");
+      await expect(heights[0]);
+      assert.ok(await design.button("Undo (Ctrl+Z)").isDisabled());
+      await page.keyboard.press("Control+Shift+z");
+      await design.button("Redo (Ctrl+Shift+Z)").click();
+      await expect(heights[2]);
+      await design.settled();
+    }));
+});
+
+describe("parameters", () => {
+  it("show their profile at once when a slider is moved, and can be fitted again", () =>
+    withPage(async (design, page) => {
+      const curve = await design.curve("achieved");
+      await page.locator(".parameters .number").first().fill("0.11");
+      await page.keyboard.press("Enter");
+      await until(async () => (await design.curve("achieved")) !== curve, "the profile of the parameters");
+      await until(async () => (await page.locator(".result .chip").textContent()) === "Set by hand", "word of it");
+      assert.equal(await page.locator(".parameters .number").first().inputValue(), "0.11");
+      const far = await design.deviation();
+      await design.button("Fit to the target").click();
+      await until(async () => (await design.deviation()) < far, "a nearer design");
+      await design.settled();
+    }));
+
+  it("that are locked are kept by the search", () =>
+    withPage(async (design, page) => {
+      const value = await page.locator(".parameters .number").first().inputValue();
+      await page.getByRole("button", { name: "Keep parameter 1 in searches" }).click();
+      await design.settled();
+      await design.drag(4, 0, -60);
+      await design.settled();
+      assert.equal(await page.locator(".parameters .number").first().inputValue(), value);
+      assert.equal(typeof page.designs.asked.at(-1).fixed[0], "number");
+    }));
+
+  it("belong to the family that is chosen, and the ranking names all", () =>
+    withPage(async (design, page) => {
+      await page.getByLabel("Stiffness", { exact: true }).check();
+      await until(async () => (await page.locator(".ranking li").count()) >= 2, "a ranking of both families");
+      await design.settled();
+      await page.getByLabel("Family of tilings").selectOption("IH67");
+      await until(async () => (await design.family()) === "IH67", "a design of IH67");
+      await design.settled();
+      assert.equal(await page.locator(".parameters .parameter").count(), 2);
+      assert.match(await page.locator(".preview figcaption").textContent(), /^IH67/);
+    }));
+});
+
+describe("profiles over direction", () => {
+  for (const [name, task] of [["Stiffness", "stiffness"], ["Poisson’s ratio", "poisson"]]) {
+    it(`${task}: begin with what the design does, and follow a dragged point`, () =>
+      withPage(async (design, page) => {
+        await page.getByLabel(name, { exact: true }).check();
+        await page.locator(".plot.polar").waitFor();
+        await design.settled();
+        assert.match(await design.curve("achieved"), /Z$/, "a closed curve");
+        assert.equal(await page.locator(".echo").count(), await design.handles.count(), "each point has its echo half a turn on");
+        const curve = await design.curve("target");
+        const [x, y] = await design.centre(0);
+        const box = await page.locator(".plot .ground").boundingBox();
+        await design.drag(0, (box.x + box.width / 2 - x) * 0.3, (box.y + box.height / 2 - y) * 0.3);
+        await design.settled();
+        assert.notEqual(await design.curve("target"), curve);
+        assert.equal(page.designs.asked.at(-1).task, task);
+        const angles = page.designs.asked.at(-1).target.control_points.map((point) => point[0]);
+        assert.ok(angles.every((angle) => angle >= 0 && angle < Math.PI));
+        await picture(page, `design-${task}`);
+        await page.getByLabel("Stress", { exact: true }).check();
+        await page.locator(".plot.cartesian").waitFor();
+        await design.settled();
+      }));
+  }
+});

@@ -1,0 +1,94 @@
+// The design page as a person meets it: what can be read there, and done.
+import { openPage, until, WAIT_MS } from "./harness.mjs";
+
+/** Numbers as the page writes them, with its own minus. */
+export function number(text) {
+  return Number(text.replace("−", "-").replace(/[^\d.eE-]/g, ""));
+}
+
+export class DesignPage {
+  static async open(browser, url, options) {
+    const page = new DesignPage(await openPage(browser, url, options));
+    await page.settled();
+    return page;
+  }
+
+  constructor(page) {
+    this.page = page;
+    this.handles = page.locator(".handle");
+    this.status = page.locator(".plot-card .status");
+  }
+
+  /** Nothing is searched for, and a design is shown. */
+  async settled(wait = WAIT_MS) {
+    await this.page.locator(".result .family").waitFor({ timeout: wait });
+    await until(async () => {
+      if ((await this.page.locator(".plot-card").getAttribute("aria-busy")) !== "false") return false;
+      if ((await this.page.evaluate(() => window.designsAtOnce.running)) > 0) return false;
+      return (await this.page.locator(".result .chip").textContent()) !== "Searching";
+    }, "the end of the search", wait);
+    // What the answer changed is drawn before the next picture.
+    await this.page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+  }
+
+  curve(kind) {
+    return this.page.locator(`.plot .curve.${kind}`).getAttribute("d");
+  }
+
+  tiling() {
+    return this.page.locator(".tiling .solid").getAttribute("d");
+  }
+
+  /** Rows of the table of curves: x, target, design. */
+  async values() {
+    const table = this.page.locator("details.table");
+    if ((await table.getAttribute("open")) === null) await table.locator("summary").click();
+    const rows = this.page.locator('[aria-label="Values of the curves"] tbody tr');
+    await until(async () => (await rows.count()) > 5, "rows of the table");
+    return rows.evaluateAll((all) =>
+      all.map((row) => [...row.children].slice(0, 3).map((cell) => Number(cell.textContent.replace("−", "-").replace("°", "")))));
+  }
+
+  async pointWords(index) {
+    return this.handles.nth(index).getAttribute("aria-valuetext");
+  }
+
+  async pointHeight(index) {
+    return Number(await this.handles.nth(index).getAttribute("aria-valuenow"));
+  }
+
+  async centre(index) {
+    const box = await this.handles.nth(index).locator(".dot").boundingBox();
+    return [box.x + box.width / 2, box.y + box.height / 2];
+  }
+
+  /** Takes hold of a point and moves it in steps; `on` is called before it is let go. */
+  async drag(index, right, down, on = async () => {}) {
+    const { mouse } = this.page;
+    const [x, y] = await this.centre(index);
+    await mouse.move(x, y);
+    await mouse.down();
+    for (let step = 1; step <= 12; ++step) {
+      await mouse.move(x + (right * step) / 12, y + (down * step) / 12);
+      await this.page.waitForTimeout(25);
+    }
+    await on();
+    await mouse.up();
+  }
+
+  async deviation() {
+    return number(await this.page.locator(".result .facts dd").first().textContent());
+  }
+
+  async family() {
+    return this.page.locator(".result .family").textContent();
+  }
+
+  button(name) {
+    return this.page.getByRole("button", { name, exact: true });
+  }
+
+  slider(name) {
+    return this.page.getByLabel(name, { exact: true });
+  }
+}

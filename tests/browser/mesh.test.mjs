@@ -1,0 +1,105 @@
+// The mesh page: surfaces, points, paths, distances, means.
+import assert from "node:assert/strict";
+import { after, before, describe, it } from "node:test";
+import { closePage, launch, openPage, picture, Server, until } from "./harness.mjs";
+
+let server;
+let browser;
+before(async () => {
+  server = await Server.start();
+  browser = await launch({ webgl: true });
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+const TETRAHEDRON = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+
+async function open(options) {
+  const page = await openPage(browser, `${server.url}/#/mesh`, options);
+  await page.getByText("Open a mesh").waitFor();
+  return page;
+}
+
+const fact = (page, term) => page.locator('[aria-label="Result"] dt', { hasText: term }).locator("+ dd").textContent();
+
+async function upload(page, name, text) {
+  await page.locator('input[type="file"]').setInputFiles({ name, mimeType: "model/obj", buffer: Buffer.from(text) });
+}
+
+describe("the mesh page", () => {
+  it("shows the sample with a path, its distance field and the mean of its points", async () => {
+    const page = await open();
+    await page.getByRole("button", { name: "Sample" }).click();
+    await page.locator('[aria-label="Result"]').waitFor();
+    const length = Number(await fact(page, "Together"));
+    assert.ok(length > 1 && length < 40, `paths of ${length}`);
+    await picture(page, "mesh-path");
+    await page.getByLabel("Distance", { exact: true }).check();
+    await until(async () => (await page.locator(".ramp-box").isVisible()) && (await fact(page, "Error")) === "exact up to rounding", "the field");
+    await picture(page, "mesh-distance");
+    await page.getByLabel("Mean", { exact: true }).check();
+    await until(async () => /converged|kink|descent/.test((await page.locator('[aria-label="Result"]').textContent()) ?? ""), "the mean");
+    await picture(page, "mesh-mean");
+    await closePage(page);
+  });
+
+  it("picks points where the surface is clicked, and takes them away", async () => {
+    const page = await open();
+    await upload(page, "tetrahedron.obj", TETRAHEDRON);
+    await page.locator(".facts").getByText("Handles").waitFor();
+    const box = await page.locator(".viewer canvas").boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.click(x - 20, y);
+    await page.mouse.click(x + 30, y + 20);
+    await until(async () => (await page.locator(".points li button").count()) === 2, "two points");
+    await page.locator('[aria-label="Result"]').waitFor();
+    assert.ok(Number(await fact(page, "Length")) > 0);
+    await page.locator(".points li button").first().click();
+    await until(async () => !(await page.locator('[aria-label="Result"]').isVisible()), "no path of one point");
+    await closePage(page);
+  });
+
+  it("takes points by their names, tells of those that are none, and is shared by a link", async () => {
+    const page = await open();
+    await upload(page, "tetrahedron.obj", TETRAHEDRON);
+    await page.locator(".facts").getByText("Handles").waitFor();
+    for (const name of ["v0", "v1"]) {
+      await page.getByLabel("Add a point").fill(name);
+      await page.getByLabel("Add a point").press("Enter");
+    }
+    await page.locator('[aria-label="Result"]').waitFor();
+    assert.ok(Math.abs(Number(await fact(page, "Length")) - Math.sqrt(8)) < 1e-4, "the edge is the shortest path");
+    await page.getByLabel("Add a point").fill("v99");
+    await page.getByLabel("Add a point").press("Enter");
+    assert.equal(await page.getByLabel("Add a point").evaluate((field) => field.validity.customError), true);
+    const other = await openPage(browser, page.url());
+    await other.locator('[aria-label="Result"]').waitFor();
+    assert.equal(await fact(other, "Length"), await fact(page, "Length"));
+    await closePage(other);
+    await closePage(page);
+  });
+
+  it("shows the server's words about a file that is no mesh", async () => {
+    const page = await open();
+    await upload(page, "broken.obj", "v 0 0 0\nf 1 2 3\n");
+    await page.locator(".mesh-stage .note").waitFor();
+    assert.ok((await page.locator(".mesh-stage .note").textContent()).length > 20);
+    await closePage(page);
+  });
+
+  it("turns by keys", async () => {
+    const page = await open();
+    await upload(page, "tetrahedron.obj", TETRAHEDRON);
+    await page.locator(".facts").getByText("Handles").waitFor();
+    const view = page.locator(".viewer canvas");
+    const before = await view.screenshot();
+    await view.focus();
+    await page.keyboard.press("ArrowLeft");
+    await page.keyboard.press("ArrowLeft");
+    await page.waitForTimeout(200);
+    assert.ok(!before.equals(await view.screenshot()), "another side of it");
+    await closePage(page);
+  });
+});
