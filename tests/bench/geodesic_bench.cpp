@@ -3,19 +3,16 @@
 //   bench_geodesics [--short] [--out DIR]      default DIR: docs/bench
 #include "geodesic_bench.h"
 
-#include <cstdio>
-#include <cstring>
-#include <exception>
 #include <filesystem>
 #include <string>
 
+#include "command_line.h"
 #include "measurement.h"
 
 namespace {
 
 void run(const std::filesystem::path& folder, const supple::bench::Settings& settings) {
   using namespace supple::bench;
-  const double start = wall_seconds();
   Report report(folder, "geodesics", "Geodesics: measured times, memory and accuracy");
   // Memory first, while the process holds nothing else.
   measure_large_mesh(report, settings);
@@ -38,29 +35,14 @@ void run(const std::filesystem::path& folder, const supple::bench::Settings& set
       "below 1.5 times mean little. *h* is the mean edge length.";
   if (settings.brief) introduction += "\n\n**A short run on small meshes: it shows that the program works, no more.**";
   report.write(introduction);
-  std::printf("%s written in %.0f s\n", (folder / "geodesics.md").c_str(), wall_seconds() - start);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  supple::bench::Settings settings;
+  using namespace supple::bench;
+  Settings settings;
   std::filesystem::path folder = "docs/bench";
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--short") == 0) {
-      settings.brief = true;
-    } else if (std::strcmp(argv[i], "--out") == 0 && i + 1 < argc) {
-      folder = argv[++i];
-    } else {
-      std::fprintf(stderr, "usage: bench_geodesics [--short] [--out DIR]\n");
-      return 2;
-    }
-  }
-  try {
-    run(folder, settings);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_geodesics: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_program(argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)},
+                     {{"geodesics", [&] { run(folder, settings); }}});
 }

@@ -1,6 +1,6 @@
 // Karcher means: success, time and convergence over random problems, and three methods' gradient against iterations and
-// time. karcher_bench [FOLDER] writes karcher.csv (every iteration of the studied problems) and karcher.md (the tables)
-// into FOLDER, docs/bench unless given; plot_karcher.py draws the CSV.
+// time. karcher_bench [--out FOLDER] writes karcher.csv (every iteration of the studied problems) and karcher.md (the
+// tables) into FOLDER, docs/bench unless given; plot_karcher.py draws the CSV.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "command_line.h"
 #include "supple/base/threads.h"
 #include "supple/surface/karcher_mean.h"
 #include "support/sampling.h"
@@ -208,5 +209,7 @@ void run(const std::filesystem::path& folder) {
 
 int main(int argc, char** argv) {
   supple::set_thread_count(0);
-  supple::surface::run(argc > 1 ? argv[1] : "docs/bench");
+  std::filesystem::path folder = "docs/bench";
+  return supple::bench::run_program(argc, argv, {supple::bench::folder_option("--out", folder)},
+                                    {{"karcher", [&] { supple::surface::run(folder); }}});
 }

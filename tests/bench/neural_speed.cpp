@@ -9,10 +9,10 @@
 
 #include "measurement.h"
 #include "neural_bench.h"
-#include "random_network.h"
 #include "report.h"
 #include "supple/neural/evaluator.h"
 #include "supple/neural/packed_matrix.h"
+#include "support/random_network.h"
 #include "torch_network.h"
 
 namespace supple::bench {

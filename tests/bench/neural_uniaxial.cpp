@@ -2,7 +2,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "measurement.h"
 #include "neural_bench.h"
 #include "report.h"
+#include "simulation_bench.h"
 #include "supple/base/error.h"
 #include "supple/base/random.h"
 #include "supple/microscale/simulation.h"
@@ -20,14 +20,10 @@
 namespace supple::bench {
 namespace {
 
-/// What the family's data set is made with, at a tolerance for curves.
+/// What the family's data set is made with, on a coarse mesh in a short run; curves need no tangents.
 microscale::SimulationOptions options_of(const std::string& family, bool brief) {
-  static const std::map<std::string, double> sizes{{"IH21", 1}, {"IH28", 1}, {"IH29", 0.7}};
-  microscale::SimulationOptions options;
-  const auto found = sizes.find(family);
-  options.mesh.mesh_size = brief ? 1 : found == sizes.end() ? 0.5 : found->second;
-  options.mesh.corner_size = 0.1;
-  options.tolerance = 1e-7;
+  auto options = data_set_options(family);
+  if (brief) options.mesh.mesh_size = 1;
   options.tangents = false;
   return options;
 }

@@ -10,44 +10,15 @@ geodesics-throughput.svg   queries per second against threads
 
 from __future__ import annotations
 
-import csv
 import sys
-from collections import defaultdict
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
-Row = dict[str, str]
-COLOURS = ["#1b6ca8", "#d1495b", "#8a8d62", "#6b4e9b", "#d98e32", "#2a9d8f", "#444444", "#b07aa1"]
+from plotting import COLOURS, Row, grouped, numbers, read, save
+
 SMALLEST_ERROR = 1e-6  # the exact field is drawn here
 ERROR_TICKS = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1]
-
-
-def read(path: Path) -> list[Row]:
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def grouped(rows: list[Row], key: str) -> dict[str, list[Row]]:
-    """Value of the column `key` -> its rows, in the order of the file."""
-    groups: dict[str, list[Row]] = defaultdict(list)
-    for row in rows:
-        groups[row[key]].append(row)
-    return groups
-
-
-def numbers(rows: list[Row], key: str) -> list[float]:
-    return [float(row[key]) for row in rows]
-
-
-def save(figure: plt.Figure, target: Path) -> None:
-    figure.tight_layout()
-    figure.savefig(target, metadata={"Date": None})
-    plt.close(figure)
-    print(target)
 
 
 def draw_ratio(rows: list[Row], target: Path) -> None:
@@ -91,9 +62,7 @@ def draw_accuracy(rows: list[Row], target: Path) -> None:
     figure.tight_layout(rect=(0, 0.13, 1, 1))
     handles, labels = panels[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncol=3, fontsize=8, frameon=False)
-    figure.savefig(target, metadata={"Date": None})
-    plt.close(figure)
-    print(target)
+    save(figure, target, tight=False)
 
 
 def draw_throughput(rows: list[Row], target: Path) -> None:
@@ -113,7 +82,6 @@ def draw_throughput(rows: list[Row], target: Path) -> None:
 
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
-    matplotlib.rcParams["svg.hashsalt"] = "supple"  # the same file for the same numbers
     draw_ratio(read(folder / "geodesics-one-to-all.csv"), folder / "geodesics-ratio.svg")
     draw_accuracy(read(folder / "geodesics-accuracy.csv"), folder / "geodesics-accuracy.svg")
     draw_throughput(read(folder / "geodesics-throughput.csv"), folder / "geodesics-throughput.svg")

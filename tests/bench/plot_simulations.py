@@ -11,35 +11,15 @@ A study whose CSV file is not there is left out.
 
 from __future__ import annotations
 
-import csv
 import sys
 from collections import defaultdict
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
-Row = dict[str, str]
-BLUE, RED = "#1b6ca8", "#d1495b"
+from plotting import BLUE, RED, Row, numbers, read, save
+
 CHOSEN = "1/2, 0.1"
-
-
-def read(path: Path) -> list[Row]:
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def numbers(rows: list[Row], key: str) -> list[float]:
-    return [float(row[key]) for row in rows]
-
-
-def save(figure: plt.Figure, target: Path) -> None:
-    figure.tight_layout()
-    figure.savefig(target, metadata={"Date": None})
-    plt.close(figure)
-    print(target)
 
 
 def draw_refinement(rows: list[Row], target: Path) -> None:
@@ -85,7 +65,6 @@ def draw_smoothness(rows: list[Row], target: Path) -> None:
 
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
-    matplotlib.rcParams["svg.hashsalt"] = "supple"  # the same file for the same numbers
     for name, draw in (("simulations-refinement", draw_refinement), ("simulations-smoothness", draw_smoothness)):
         if (folder / f"{name}.csv").exists():
             draw(read(folder / f"{name}.csv"), folder / f"{name}.svg")

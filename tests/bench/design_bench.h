@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "supple/base/random.h"
+#include "supple/design/inverse_design.h"
+
+namespace supple::bench {
+
+struct DesignSettings {
+  bool brief = false;
+  int designs = 0;  ///< of each family and task; 0: the study's own number
+  std::vector<std::string> families;
+  std::filesystem::path models = "models";
+  std::filesystem::path folder = "docs/bench";
+};
+
+/// A model with what belongs to it.
+struct LoadedSpace {
+  explicit LoadedSpace(neural::Model loaded)
+      : model(std::move(loaded)), evaluator(model.network), candidates(model.network) {}
+  design::DesignSpace space() const { return {model, evaluator, candidates}; }
+  neural::Model model;
+  neural::Evaluator evaluator;
+  design::Candidates candidates;
+};
+
+std::string design_introduction(const DesignSettings& settings, const std::string& study, const std::string& text);
+std::vector<std::unique_ptr<LoadedSpace>> spaces_of(const DesignSettings& settings);
+std::vector<double> random_parameters(const neural::Model& model, RandomStream& random);
+
+/// The target that a design has exactly: 10 strains from -0.1 to 0.2, or 50 directions. None where the design has no
+/// equilibrium at one of them.
+std::optional<design::Target> target_of(const LoadedSpace& space, const std::vector<double>& parameters,
+                                        design::Task task, double direction, double strain);
+
+inline constexpr design::Task all_tasks[] = {design::Task::stress_strain, design::Task::stiffness,
+                                             design::Task::poisson};
+
+void study_recovery(const DesignSettings& settings);
+void study_design_speed(const DesignSettings& settings);
+void study_design_accuracy(const DesignSettings& settings);
+void study_verification(const DesignSettings& settings);
+
+}  // namespace supple::bench
