@@ -7,7 +7,9 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
 find_program(SUPPLE_CCACHE ccache)
 if(SUPPLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${SUPPLE_CCACHE})
+  # Paths relative to the checkout: several checkouts share what was compiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+    ${SUPPLE_CCACHE})
 endif()
 
 add_library(supple_options INTERFACE)
@@ -18,6 +20,13 @@ target_compile_options(supple_options INTERFACE -Wall -Wextra -Wpedantic -Wshado
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 sees overlapping copies in std::string's operator+ that are not there (GCC bug 105651).
   target_compile_options(supple_options INTERFACE -Wno-restrict)
+endif()
+if(CMAKE_UNITY_BUILD OR SUPPLE_UNITY_TESTS)
+  # Names of one file's unnamed namespace are seen by the next file.
+  target_compile_options(supple_options INTERFACE -Wno-shadow)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(supple_options INTERFACE -Wno-subobject-linkage)
+  endif()
 endif()
 if(SUPPLE_SANITIZE)
   target_compile_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE} -fno-omit-frame-pointer

@@ -1,7 +1,8 @@
 #!/bin/bash
 # From a bare Debian 12 with git and root to a running server and its first answers.
 #
-#   deploy/quickstart.sh           installs packages, builds, starts the server, runs a geodesic and a Karcher mean
+#   deploy/quickstart.sh           installs packages, builds, starts the server with its web editor, designs a structure
+#                                  and proves it by simulation, runs a geodesic and a Karcher mean
 #   deploy/quickstart.sh --stop    stops the server that it started (its meshes and finished jobs stay on disk)
 #
 # May be run again at any time: what is done already is not done twice.
@@ -45,6 +46,8 @@ stop_server() {
 install_packages() {
   local wanted missing
   wanted=$(sed 's/#.*//' deploy/packages.txt)
+  # Node.js from elsewhere than Debian brings its own npm, with which Debian's does not get along.
+  if command -v npm >/dev/null; then wanted=$(grep -vxE 'nodejs|npm' <<<"$wanted"); fi
   missing=$(for p in $wanted; do dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || echo "$p"; done | paste -sd " ")
   [ -n "$missing" ] || { echo "All packages are installed."; return 0; }
   [ "$(id -u)" = 0 ] || fail "these packages are missing and only root can install them: $missing"
@@ -62,6 +65,16 @@ build_server() {
   cmake --build "$build" --target supple supple-server
 }
 
+# The web editor, from its sources and the npm registry. Without it the server still answers requests.
+build_editor() {
+  if (cd clients/web && npm ci && npm run build) >"$data/editor.log" 2>&1; then
+    echo "The web editor is in clients/web/dist."
+  else
+    tail -5 "$data/editor.log" >&2
+    echo "quickstart: the web editor could not be built and is left out; the log is $data/editor.log" >&2
+  fi
+}
+
 # Whether something accepts connections on the port.
 port_open() { (exec 3<>"/dev/tcp/$host/$port") 2>/dev/null; }
 
@@ -77,7 +90,9 @@ start_server() {
   if port_open; then
     fail "port $port on $host is taken by another program. Choose another: SUPPLE_PORT=$((port + 1)) deploy/quickstart.sh"
   fi
-  nohup "$build/server/supple-server" --host "$host" --port "$port" --data "$data" --models "$models" >>"$log_file" 2>&1 </dev/null &
+  local web=()
+  if [ -f clients/web/dist/index.html ]; then web=(--web clients/web/dist); fi
+  nohup "$build/server/supple-server" --host "$host" --port "$port" --data "$data" --models "$models" "${web[@]}" >>"$log_file" 2>&1 </dev/null &
   pid=$!
   echo "$pid" >"$pid_file"
   for _ in $(seq 100); do
@@ -94,7 +109,7 @@ show() { printf '\n$ %s\n' "supple ${*}"; "$build/clients/cli/supple" --server "
 
 case "${1:-}" in
   --stop) stop_server; exit 0 ;;
-  -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
   "") ;;
   *) fail "unknown argument '$1'; try --help" ;;
 esac
@@ -104,9 +119,12 @@ say "1/4  Packages"
 install_packages
 say "2/4  Build (a few minutes the first time)"
 build_server
+build_editor
 say "3/4  Server"
 start_server
 say "4/4  First answers, over HTTP"
+echo "A structure that softens as it is stretched, and a simulation of it:"
+show design --task stress_strain --target "0,0;0.1,0.42;0.2,0.66" --verify --plot "$data/design.svg" --svg "$data/structure.svg"
 sample=api/examples/meshes/trefoil-knot.obj
 show mesh add "$sample"
 show geodesic "$sample" v0 v700 --path "$data/geodesic.obj"
@@ -115,9 +133,10 @@ show field "$sample" v0 --output "$data/distances.ply"
 
 cat <<END
 
-The server keeps running at $url.
+The server keeps running at $url: open it in a browser for the editor.
   supple:     $build/clients/cli/supple --help
-  pictures:   $data/geodesic.obj and $data/distances.ply open in MeshLab or Blender
+  pictures:   $data/design.svg and $data/structure.svg open in a browser,
+              $data/geodesic.obj and $data/distances.ply open in MeshLab or Blender
   contract:   curl $url/openapi.yaml
   log:        $log_file
   stop it:    deploy/quickstart.sh --stop

@@ -23,15 +23,18 @@ declare -A about=(
   [python]="the Python package: mypy --strict and its own tests"
   [api]="black box over HTTP: contract, examples, jobs, faults, restart, kill -9, clients"
   [bench]="the benchmarks' short runs: that they work, not what they measure"
+  [web]="the web editor: types, unit tests, build"
+  [browser]="the web editor in headless Chromium against a real server"
   [tidy]="clang-tidy"
   [asan]="unit tests under the address and undefined-behaviour sanitizers"
   [tsan]="unit tests under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
-order=(arrows format build unit stability python api bench tidy asan tsan fuzz)
+order=(arrows format build unit stability python api web browser bench tidy asan tsan fuzz)
 
-build_preset() { cmake --preset "$1" >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }
-  cmake --build "build/$1" -j "$jobs" "${@:2}"; }
+# The machines of CI start from nothing.
+configure_preset() { cmake --preset "$1" ${CI:+-DSUPPLE_UNITY_TESTS=ON} >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }; }
+build_preset() { configure_preset "$1" && cmake --build "build/$1" -j "$jobs" "${@:2}"; }
 
 cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*.cpp' 'clients/cli/*.h' 'clients/cli/*.cpp' \
   'tests/*.h' 'tests/*.cpp'; }
@@ -44,37 +47,55 @@ part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" 
 part_stability() { build_preset release && ctest --test-dir build/release -j "$jobs" -L stability --output-on-failure --no-tests=error; }
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
 part_api() { build_preset release --target supple supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/api; }
-part_bench() { build_preset bench --target bench_geodesics karcher_bench simulation_bench neural_bench && ctest --test-dir build/bench -L bench --output-on-failure --no-tests=error; }
-part_tidy() { build_preset release --target supple-server && tests/tidy.sh "$jobs"; }
-part_asan() { build_preset asan-ubsan && UBSAN_OPTIONS=print_stacktrace=1 \
+# The benchmarks join the optimized build, so that its rooms are not compiled twice.
+part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
+  cmake --build build/release -j "$jobs" && ctest --test-dir build/release -L bench --output-on-failure --no-tests=error; }
+install_modules() { (cd "$1" && npm ci >"$OLDPWD/build/npm-$(basename "$1").log" 2>&1) || { tail -20 "build/npm-$(basename "$1").log"; return 1; }; }
+part_web() { install_modules clients/web && (cd clients/web && npm test && npm run build); }
+part_browser() {
+  build_preset release --target supple-server && install_modules clients/web && install_modules tests/browser &&
+    (cd clients/web && npm run build) || return 1
+  local file log=build/browser.log reached=0 status=0
+  for file in tests/browser/*.test.mjs; do
+    node --test "$file" >"$log" 2>&1 || { cat "$log"; status=1; }
+    printf '%s: %s\n' "$(basename "$file")" "$(grep -E '^(# |ℹ )(tests|pass|fail) ' "$log" | paste -sd " ")"
+    reached=$((reached + $(sed -nE 's/^(# |ℹ )tests ([0-9]+)$/\2/p' "$log" | tail -1)))
+  done
+  echo "$reached browser tests were reached"
+  [ "$reached" -gt 0 ] && return $status
+}
+part_tidy() { configure_preset release && configure_preset asan-ubsan && tests/tidy.sh "$jobs"; }
+part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 # One OpenMP thread: CHOLMOD's OpenMP runtime is not instrumented, so that its own ordering looks like races.
-part_tsan() { build_preset tsan && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
+part_tsan() { build_preset tsan --target unit_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
   ctest --test-dir build/tsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 part_fuzz() {
-  build_preset fuzz || return 1
+  build_preset asan-ubsan --target fuzz_targets || return 1
   local targets share
-  mapfile -t targets < <(find build/fuzz/tests/fuzz -maxdepth 1 -type f -executable -name 'fuzz_*' | sort)
+  mapfile -t targets < <(find build/asan-ubsan/tests/fuzz -maxdepth 1 -type f -executable -name 'fuzz_*' | sort)
   [ "${#targets[@]}" -gt 0 ] || { echo "no fuzz target was built"; return 1; }
   share=$(( (fuzz_seconds + ${#targets[@]} - 1) / ${#targets[@]} ))
   for target in "${targets[@]}"; do
     local name corpus
     name=$(basename "$target")
-    corpus=build/fuzz/corpus/$name
+    corpus=build/asan-ubsan/corpus/$name
     mkdir -p "$corpus"
     echo "-- $name for $share s"
     local seeds=()
     [ -d "tests/fuzz/corpus/$name" ] && seeds=("tests/fuzz/corpus/$name")
     "$target" -max_total_time="$share" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
-      -artifact_prefix="build/fuzz/$name-" "$corpus" "${seeds[@]}" 2>"build/fuzz/$name.log" ||
-      { tail -60 "build/fuzz/$name.log"; return 1; }
-    grep -E 'stat::number_of_executed_units' "build/fuzz/$name.log"
+      -artifact_prefix="build/asan-ubsan/$name-" "$corpus" "${seeds[@]}" 2>"build/asan-ubsan/$name.log" ||
+      { tail -60 "build/asan-ubsan/$name.log"; return 1; }
+    grep -E 'stat::number_of_executed_units' "build/asan-ubsan/$name.log"
   done
 }
 
 install_packages() {
   local wanted missing
   wanted=$(sed 's/#.*//' deploy/packages.txt tests/packages.txt)
+  # Node.js from elsewhere than Debian brings its own npm, with which Debian's does not get along.
+  if command -v npm >/dev/null; then wanted=$(grep -vxE 'nodejs|npm' <<<"$wanted"); fi
   missing=$(for p in $wanted; do dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || echo "$p"; done | paste -sd " ")
   [ -n "$missing" ] || return 0
   [ "$(id -u)" = 0 ] || { echo "tests/run.sh: these packages are missing and only root can install them: $missing" >&2; return 1; }

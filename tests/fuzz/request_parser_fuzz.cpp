@@ -1,6 +1,6 @@
-// Feeds arbitrary bytes to the request parsers. The first byte, a digit in the seeds, chooses the parser, the rest is
-// the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client would
-// get is valid JSON in UTF-8.
+// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to = in the seeds, chooses the parser, the rest
+// is the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client
+// would get is valid JSON in UTF-8.
 
 #include <cmath>
 #include <cstdint>
@@ -12,6 +12,8 @@
 #include "supple/json/model_requests.h"
 #include "supple/json/requests.h"
 #include "supple/json/structure_requests.h"
+#include "supple/json/weave_requests.h"
+#include "supple/json/weave_toolpath_requests.h"
 
 namespace {
 
@@ -27,6 +29,9 @@ json::Limits limits() {
   result.max_path_points = 40;
   result.max_states = 20;
   result.max_strains = 20;
+  result.max_strands = 20;
+  result.max_strand_points = 50;
+  result.max_gcode_lines = 20;
   result.max_deadline = 100;
   return result;
 }
@@ -74,8 +79,51 @@ void check_load(const microscale::Load& load) {
   }
 }
 
+void check_layout(const json::LayoutSpec& layout) {
+  require(!layout.strands.empty() && layout.strands.size() <= limits().max_strands);
+  std::size_t points = 0;
+  for (const auto& strand : layout.strands) {
+    points += strand.points.size();
+    require(strand.translation.allFinite());
+    for (const auto& point : strand.points) require(point.allFinite());
+  }
+  require(points <= limits().max_strand_points);
+  if (layout.lattice) require(layout.lattice->allFinite());
+  if (!layout.crossings) return;
+  for (const auto& members : *layout.crossings) {
+    require(members.size() >= 2);
+    for (const auto& member : members) require(member.strand >= 0 && member.coordinate >= 0);
+  }
+}
+
+void check_weave(const json::WeaveSpec& weave) {
+  require(weave.radius > 0 && std::isfinite(weave.radius) && weave.material.youngs_modulus > 0);
+  require(!weave.sliding_share || (*weave.sliding_share > 0 && *weave.sliding_share <= 1));
+  for (const auto& change : weave.overrides) {
+    require(change.crossing >= 0);
+    for (const int member : change.slides) require(member >= 0);
+    require(!change.range.forward || *change.range.forward >= 0);
+  }
+  if (const auto* layout = std::get_if<json::LayoutSpec>(&weave.source)) check_layout(*layout);
+}
+
+/// The ranges of requests are those of the engine.
+void check_options(const weave::EquilibriumOptions& options) {
+  try {
+    weave::validate(options);
+  } catch (const Error&) {
+    require(false);
+  }
+}
+
+/// What the engine still refuses is a relation of two fields, or a byte.
+void check_printer(const weave::PrinterProfile& printer) {
+  require(printer.bed.minCoeff() > 0 && printer.strand_width > 0 && printer.filament_diameter > 0);
+  require(printer.travel_speed > 0 && printer.lift.run > 0 && printer.startup_gcode.size() <= 20'000);
+}
+
 void parse(unsigned which, std::string_view body) {
-  switch (which % 9) {
+  switch (which % 14) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -144,6 +192,46 @@ void parse(unsigned which, std::string_view body) {
       require(!request.green_strains.empty() && request.green_strains.size() <= limits().max_states);
       for (const double strain : request.green_strains) require(strain > -0.5 && std::isfinite(strain));
       require(request.options.tolerance > 0 && request.options.max_iterations > 0);
+      return check_deadline(request.deadline);
+    }
+    case 9: {
+      const auto request = json::parse_weave_layout(body, limits());
+      check_weave(request.weave);
+      return check_deadline(request.deadline);
+    }
+    case 10: {
+      const auto request = json::parse_weave_homogenization(body, limits());
+      check_weave(request.weave);
+      check_options(request.options.equilibrium);
+      require(!request.options.directions.empty() && request.options.strain != 0);
+      for (const double direction : request.options.directions) require(std::isfinite(direction));
+      for (const int index : request.options.deformed)
+        require(index >= 0 && static_cast<std::size_t>(index) < request.options.directions.size());
+      return check_deadline(request.deadline);
+    }
+    case 11: {
+      const auto request = json::parse_weave_simulation(body, limits());
+      check_weave(request.weave);
+      check_options(request.options);
+      require(!request.supports.empty() && request.states >= 1);
+      for (const auto& support : request.supports) require(support.support.displacement.allFinite());
+      for (const auto& force : request.forces) require(force.force.allFinite());
+      return check_deadline(request.deadline);
+    }
+    case 12: {
+      const auto request = json::parse_weave_toolpath(body, limits());
+      check_weave(request.weave);
+      check_printer(request.printer);
+      const auto& options = request.options;
+      require(options.overruns.size() == request.overrun_strands.size() && options.grips.size() <= 100);
+      for (const auto& grip : options.grips) require(grip.from.allFinite() && grip.to.allFinite() && grip.width >= 0);
+      for (const int strand : options.order) require(strand >= 0);
+      require(options.chord_error > 0 && (!options.origin || options.origin->allFinite()));
+      return check_deadline(request.deadline);
+    }
+    case 13: {
+      const auto request = json::parse_gcode_report(body, limits());
+      require(request.limits.bed.allFinite() && request.limits.filament_diameter > 0);
       return check_deadline(request.deadline);
     }
     default: {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "supple/base/random.h"
 #include "supple/surface/triangle_mesh.h"
 
@@ -7,6 +10,11 @@
 namespace supple::testing {
 
 using surface::TriangleMesh;
+
+/// The mesh as the solvers take it.
+inline std::shared_ptr<const TriangleMesh> share(TriangleMesh mesh) {
+  return std::make_shared<const TriangleMesh>(std::move(mesh));
+}
 
 /// Unit sphere, 20 * 4^subdivisions faces: 1,280 at 3.
 TriangleMesh icosphere(int subdivisions);

@@ -12,10 +12,7 @@ namespace supple::surface {
 namespace {
 
 using Eigen::Vector3d;
-
-std::shared_ptr<const TriangleMesh> share(TriangleMesh mesh) {
-  return std::make_shared<const TriangleMesh>(std::move(mesh));
-}
+using testing::share;
 
 /// A point whose distance from a corner or side of its face is a tiny share of the face.
 SurfacePoint next_to_corner(std::int32_t face, int corner, double away) {

@@ -14,10 +14,7 @@ namespace supple::surface {
 namespace {
 
 using Eigen::Vector3d;
-
-std::shared_ptr<const TriangleMesh> share(TriangleMesh mesh) {
-  return std::make_shared<const TriangleMesh>(std::move(mesh));
-}
+using testing::share;
 
 TriangleMesh transformed(const TriangleMesh& mesh, double scale, const Vector3d& shift) {
   auto positions = mesh.positions();
