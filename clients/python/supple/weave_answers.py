@@ -86,7 +86,7 @@ class WeaveHomogenization:
         poisson_ratio: nan where not converged.
         deformation_gradient, nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
         energy_density: N/m.
-        stopped: "converged", "iteration_limit" or "step_too_small".
+        stopped: "converged", "iteration_limit", "step_too_small" or "folded_flat".
         out_of_plane, stable: bool, shape (n,).
         message: how many directions did not converge; empty where all did.
         cells: the deformed cells that were asked for.

@@ -107,8 +107,8 @@ describe("a sheet", () => {
 
 describe("a profile", () => {
   const answer = {
-    strain: 0.1, directions: [0, 1, 2], youngs_modulus: [5, null, -1e18], poisson_ratio: [0.1, null, 2],
-    stopped: ["converged", "iteration_limit", "converged"], deformation_gradient: [[[1.1, 0], [0, 1]], [[1, 0], [0, 1]], [[1.5, 0], [0, 0]]],
+    strain: 0.1, directions: [0, 1, 2], youngs_modulus: [5, null, null], poisson_ratio: [0.1, null, null],
+    stopped: ["converged", "iteration_limit", "folded_flat"], deformation_gradient: [[[1.1, 0], [0, 1]], [[1, 0], [0, 1]], [[1.5, 0], [0, 0]]],
     out_of_plane: [false, false, false], stable: [true, true, false], cost: { seconds: 1 },
   } as unknown as WeaveHomogenization;
   const profile = profileOf(answer, "key", false);
@@ -117,6 +117,7 @@ describe("a profile", () => {
     expect(profile.youngs).toEqual([5, null, null]);
     expect(profile.reasons.map((reason) => reason === null)).toEqual([true, false, false]);
     expect(gapWords(profile)[0]).toBe("No value at 57.3°: the smallest load step did not converge.");
+    expect(gapWords(profile)[1]).toMatch(/^No value at 115°: the cell folds flat/);
     expect(profile.unstable).toBe(0);
     expect(csvOf(profile).trim().split("\n")[2]).toBe('1,,,"the smallest load step did not converge"');
   });

@@ -14,9 +14,11 @@ std::string_view to_string(Stop stop) {
     case Stop::iteration_limit:
       return "iteration_limit";
     case Stop::step_too_small:
+      return "step_too_small";
+    case Stop::folded_flat:
       break;
   }
-  return "step_too_small";
+  return "folded_flat";
 }
 
 void validate(const EquilibriumOptions& options) {

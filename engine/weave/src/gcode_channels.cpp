@@ -83,10 +83,12 @@ bool is_hump(const std::vector<Bead>& beads, std::size_t begin, std::size_t end)
 
 }  // namespace
 
-std::vector<FoundChannel> find_channels(const std::vector<Bead>& beads, double strand_width) {
+std::vector<FoundChannel> find_channels(const std::vector<Bead>& beads, double strand_width,
+                                        const CancellationToken& cancellation) {
   std::vector<FoundChannel> found;
   Grid grid(strand_width);
   for (std::size_t begin = 0, end = 0; begin < beads.size(); begin = end) {
+    cancellation.throw_if_requested();
     while (end < beads.size() && beads[end].run == beads[begin].run) ++end;
     const auto stands = [&](const Eigen::Vector3d& foot) {
       return grid.any(foot.head<2>(), [&](int i) {

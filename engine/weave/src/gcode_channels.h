@@ -17,7 +17,8 @@ struct Bead {
 };
 
 /// Runs of beads that rise at once, fall to where they began and end there, with both ends on beads of earlier runs
-/// that are no higher. O(beads), and for each candidate the number of beads nearby.
-std::vector<FoundChannel> find_channels(const std::vector<Bead>& beads, double strand_width);
+/// that are no higher. O(beads), and for each candidate the number of beads nearby. Throws where a stop is asked for.
+std::vector<FoundChannel> find_channels(const std::vector<Bead>& beads, double strand_width,
+                                        const CancellationToken& cancellation = {});
 
 }  // namespace supple::weave

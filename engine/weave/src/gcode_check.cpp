@@ -22,6 +22,7 @@ constexpr double level = 1e-3;    ///< mm; beads that rise by less lie level
 constexpr double on_bed = 0.05;   ///< mm over the height at which most is printed
 constexpr double highest = 1e12;  ///< mm; for numbers that are to be counted in micrometres
 constexpr std::size_t most_heights = 1000;
+constexpr int lines_at_once = 1000;  ///< between looks at whether to stop
 /// Written positions and filament are rounded to these, mm.
 constexpr double position_step = 1e-3;
 constexpr double filament_step = 1e-5;
@@ -107,11 +108,14 @@ GcodeLimits limits_of(const PrinterProfile& profile, const Weave& weave) {
   return limits;
 }
 
-GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits) {
+GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits, const Execution& execution) {
   GcodeMachine machine(limits);
   int lines = 0;
-  for (std::size_t begin = 0; begin < text.size();)
+  for (std::size_t begin = 0; begin < text.size();) {
+    if (lines % lines_at_once == 0)
+      execution.checkpoint(static_cast<double>(begin) / static_cast<double>(text.size()), "check");
     machine.obey(read_gcode_line(next_gcode_line(text, begin)), ++lines);
+  }
   const std::vector<Bead>& beads = machine.beads();
   const std::map<std::int64_t, double> heights = levels(beads);
   const auto bed = std::max_element(heights.begin(), heights.end(),
@@ -134,7 +138,7 @@ GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits) {
     report.lowest = box.min();
     report.highest = box.max();
   }
-  report.channels = find_channels(beads, limits.strand_width);
+  report.channels = find_channels(beads, limits.strand_width, execution.cancellation);
   for (const FoundChannel& channel : report.channels) report.channel_length += channel.length;
   std::stable_sort(report.violations.begin(), report.violations.end(),
                    [](const Violation& a, const Violation& b) { return a.line < b.line; });

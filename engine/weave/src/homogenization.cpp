@@ -19,6 +19,8 @@ namespace {
 constexpr double newtons_per_metre = 1000;  ///< in a N/mm
 constexpr double largest_strain = 2;
 constexpr double smallest_strain = -0.5;
+/// Over that at rest: where a cell free to narrow has less, its strands lie beside each other.
+constexpr double least_area = 1e-3;
 
 void check(const Weave& weave, const EquilibriumOptions& options) {
   validate(weave);
@@ -92,6 +94,10 @@ DirectionalResponse respond(const Weave& weave, const HomogenizationOptions& opt
   DirectionalResponse response;
   response.direction = direction;
   response.state = state_of(run, weave, arrived, lines);
+  if (response.state.stopped == Stop::converged && response.state.deformation_gradient.determinant() < least_area) {
+    response.state.stopped = Stop::folded_flat;
+    response.state.cauchy_stress.setZero();
+  }
   if (response.state.stopped != Stop::converged) return response;
   const Eigen::Vector2d d(std::cos(direction), std::sin(direction));
   const Eigen::Vector2d n(-d[1], d[0]);

@@ -121,7 +121,7 @@ std::string message_about(const std::vector<DirectionalResponse>& responses) {
   });
   if (lost == 0) return {};
   return std::to_string(lost) + " of " + std::to_string(responses.size()) +
-         " directions could not be followed to the strain; `stopped` says why.";
+         " directions have no value; `stopped` says why.";
 }
 
 void write_deformed(JsonWriter& out, DeformedStrands deformed, const Weave& weave, const weave::SheetState& state) {

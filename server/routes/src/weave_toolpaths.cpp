@@ -118,7 +118,7 @@ store::Result describe(const WeaveToolpathRequest& request, const Weave& weave, 
     {
       execution.checkpoint(0.7, "check");
       const StageTimer timer(execution.cost, "check");
-      check = check_gcode(gcode, limits_of(request.printer, weave));
+      check = check_gcode(gcode, limits_of(request.printer, weave), {execution.cancellation});
     }
     execution.checkpoint(1, "");
   });
@@ -130,9 +130,8 @@ store::Result describe(const WeaveToolpathRequest& request, const Weave& weave, 
 store::Result report(const json::GcodeReportRequest& request, const Execution& outer) {
   weave::GcodeReport found;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    execution.checkpoint(0, "check");
     const StageTimer timer(execution.cost, "check");
-    found = check_gcode(request.gcode, request.limits);
+    found = check_gcode(request.gcode, request.limits, execution);
     execution.checkpoint(1, "");
   });
   return json_result(json::write_gcode_report(found, bill));

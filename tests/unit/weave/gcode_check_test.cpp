@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "layouts.h"
 #include "supple/weave/gcode.h"
 #include "supple/weave/patterns.h"
+#include "support/expect_error.h"
 
 namespace supple::weave {
 namespace {
@@ -203,6 +205,30 @@ TEST(GcodeCheck, AnswersInPrintableTextWhateverTheBytes) {
   for (const Violation& v : report.violations)
     for (const char c : v.message) EXPECT_TRUE(c >= ' ' && c <= '~');
   EXPECT_TRUE(report.lowest.allFinite() && report.highest.allFinite() && std::isfinite(report.minutes));
+}
+
+TEST(GcodeCheck, TellsHowFarItIsAndStopsWhenAsked) {
+  std::string text = joined(good);
+  for (int i = 0; i < 5000; ++i) text += "; nothing\n";
+  struct Listener : ProgressSink {
+    void report(double fraction, std::string_view /*stage*/) override {
+      fractions.push_back(fraction);
+      if (fractions.size() == stop_after) token.request(StopReason::cancelled);
+    }
+    CancellationToken token;
+    std::vector<double> fractions;
+    std::size_t stop_after = 0;
+  } listener;
+  Execution execution;
+  execution.progress = &listener;
+  execution.cancellation = listener.token;
+  EXPECT_EQ(check_gcode(text, limits(), execution).lines, 5026);
+  ASSERT_GE(listener.fractions.size(), 5U);
+  EXPECT_TRUE(std::is_sorted(listener.fractions.begin(), listener.fractions.end()));
+  listener.fractions.clear();
+  listener.stop_after = 2;
+  ::supple::testing::expect_error("job.cancelled", [&] { check_gcode(text, limits(), execution); });
+  EXPECT_EQ(listener.fractions.size(), 2U);
 }
 
 }  // namespace

@@ -291,6 +291,20 @@ TEST(Homogenize, FillsTheStrandsOfTheDirectionsThatAreAskedFor) {
   EXPECT_EQ(::supple::testing::places(error), (std::vector<std::string>{"deformed/0", "deformed/1"}));
 }
 
+TEST(Homogenize, SaysWhereACellFoldsFlat) {
+  // Straight strands that slide are a pantograph: along 45 degrees their diagonal is 2^(1/2) of what it was where they
+  // come to lie side by side, at a strain of 0.414.
+  const Weave weave = regular_weave(uniform_block(Connection::slides_x));
+  const DirectionalResponse open = along(weave, 45, 0.35);
+  EXPECT_EQ(open.state.stopped, Stop::converged);
+  EXPECT_LT(std::abs(open.youngs_modulus), 10);
+  const DirectionalResponse flat = along(weave, 45, 0.5);
+  EXPECT_EQ(flat.state.stopped, Stop::folded_flat);
+  EXPECT_TRUE(std::isnan(flat.youngs_modulus));
+  EXPECT_TRUE(std::isnan(flat.poisson_ratio));
+  EXPECT_TRUE(flat.state.cauchy_stress.isZero());
+}
+
 CostLedger::Effect at_limits(const std::vector<double>& directions) {
   HomogenizationOptions options;
   options.strain = 0.3;

@@ -9,6 +9,7 @@ import { digits } from "../base/format";
 import { heightDomain, widthDomain } from "../base/domains";
 import { Handles, pixelsOf } from "./handles";
 import type { PlotView, PlotWishes } from "./plot";
+import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
 import { spaced } from "./spline";
 
@@ -29,6 +30,7 @@ export class CartesianPlot {
   private readonly zero = svg("path", { class: "zero" });
   private readonly envelope = svg("path", { class: "envelope" });
   private readonly envelopeRim = svg("path", { class: "envelope-rim" });
+  private readonly doubt = svg("path", { class: "doubt" });
   private readonly pins = svg("g", { class: "pinned" });
   private readonly before = svg("path", { class: "curve before" });
   private readonly target = svg("path", { class: "curve target" });
@@ -62,7 +64,7 @@ export class CartesianPlot {
       this.ground,
       svg("g", clipped, this.envelope, this.envelopeRim),
       this.xAxis, this.yAxis, this.xTitle, this.yTitle,
-      svg("g", clipped, this.zero, this.pins, this.before, this.target, this.missed, this.achieved, this.verified),
+      svg("g", clipped, this.zero, this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified),
       this.handles.group,
     );
     this.ground.addEventListener("dblclick", (event) => this.add(event));
@@ -89,7 +91,9 @@ export class CartesianPlot {
     if (!view.dragging || !this.view) this.fitDomains(view);
     this.view = view;
     this.drawAxes(view);
-    this.drawEnvelope(view);
+    const rim = this.drawBand(this.envelope, view.envelope);
+    this.envelopeRim.setAttribute("d", rim);
+    this.drawBand(this.doubt, view.doubt);
     const targetX = view.points.map((point) => point[0]);
     const target = spaced(targetX[0] ?? 0, targetX[targetX.length - 1] ?? 1, TARGET_STEPS);
     this.target.setAttribute("d", this.straight(target.map((x) => [x, view.target(x)])));
@@ -155,15 +159,16 @@ export class CartesianPlot {
     this.zero.setAttribute("d", `M${MARGIN.left},${y}H${this.width - MARGIN.right}M${x},${MARGIN.top}V${this.height - MARGIN.bottom}`);
   }
 
-  private drawEnvelope({ envelope }: PlotView): void {
-    const samples = envelope ? envelope.x.map((x, k): [number, number, number] => [x, envelope.lower[k], envelope.upper[k]]) : [];
+  /** Returns the path of its upper and lower end. */
+  private drawBand(path: SVGPathElement, band: Band | null): string {
+    const samples = band ? band.x.map((x, k): [number, number, number] => [x, band.lower[k], band.upper[k]]) : [];
     const shape = area<[number, number, number]>()
       .x((sample) => this.x(sample[0]))
       .y0((sample) => this.far(sample[1]))
       .y1((sample) => this.far(sample[2]))
       .curve(curveMonotoneX);
-    this.envelope.setAttribute("d", shape(samples) ?? "");
-    this.envelopeRim.setAttribute("d", (shape.lineY0()(samples) ?? "") + (shape.lineY1()(samples) ?? ""));
+    path.setAttribute("d", shape(samples) ?? "");
+    return (shape.lineY0()(samples) ?? "") + (shape.lineY1()(samples) ?? "");
   }
 
   /** A height in pixels; what lies far outside comes nearer, for the drawing's sake. */

@@ -1,7 +1,7 @@
 // What both plots show and tell. A plot draws views; what is dragged in it comes back as wishes.
 import type { Curve } from "../base/curve";
 import type { Task } from "../contract/types";
-import type { Envelope } from "./shown";
+import type { Band, Envelope } from "./shown";
 import type { ControlPoint, StrainWord } from "./state";
 
 export interface PinnedCurve extends Curve {
@@ -18,6 +18,8 @@ export interface PlotView {
   readonly provisional: boolean;
   readonly before: Curve | null;
   readonly envelope: Envelope | null;
+  /** The model's error about what is achieved. */
+  readonly doubt: Band | null;
   readonly verified: Curve | null;
   readonly pins: readonly PinnedCurve[];
   /** Samples of the target that the design does not reach. */

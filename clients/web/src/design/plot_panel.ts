@@ -9,6 +9,7 @@ import type { PlotView, PlotWishes } from "./plot";
 import { PolarPlot } from "./polar_plot";
 import { isReached } from "./result_card";
 import type { Activity, DesignSession } from "./session";
+import { errorBand, modelError } from "./shown";
 import { targetCurve } from "./spline";
 import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS } from "./state";
 import { addPoint, fewestPoints, movePoint, removePoint, roomAfter } from "./targets";
@@ -155,6 +156,7 @@ export class PlotPanel {
       provisional: shown?.provisional ?? false,
       before: before && sameProfile(before, state) ? before : null,
       envelope: fits ? envelope : null,
+      doubt: shown && errorBand(shown, modelError(this.session.model(shown.found.family), shown)),
       verified: verified.kind === "done" ? verified.curve : null,
       pins: this.pins.list.get().flatMap((pin) => pin.curve ?? []),
       missed: shown && !this.dragging ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
@@ -174,7 +176,7 @@ export class PlotPanel {
     replace(
       this.legend,
       entry(true, "target", "Target"),
-      entry(view.achieved !== null, "achieved", "Design"),
+      entry(view.achieved !== null, "achieved", view.doubt ? "Design, with the model’s mean error" : "Design"),
       entry(view.before !== null, "before", "Before"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
       entry(view.envelope !== null, "reachable", `Within reach of ${view.envelope?.family ?? ""}`, "M0 0H22V10H0Z"),

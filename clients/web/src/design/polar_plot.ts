@@ -7,6 +7,7 @@ import { degrees, digits } from "../base/format";
 import { polarGrid, polarPath } from "../base/polar";
 import { Handles, pixelsOf } from "./handles";
 import type { PlotView, PlotWishes } from "./plot";
+import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
 import { spaced } from "./spline";
 import { wrapped } from "./targets";
@@ -23,6 +24,7 @@ export class PolarPlot {
   private readonly clipCircle = svg("circle");
   private readonly grid = svg("g", { class: "axis" });
   private readonly envelope = svg("path", { class: "envelope", "fill-rule": "evenodd" });
+  private readonly doubt = svg("path", { class: "doubt", "fill-rule": "evenodd" });
   private readonly pins = svg("g", { class: "pinned" });
   private readonly before = svg("path", { class: "curve before" });
   private readonly target = svg("path", { class: "curve target" });
@@ -52,7 +54,7 @@ export class PolarPlot {
       wishes,
     );
     const reach = svg("g", { "clip-path": `url(#${this.clip})` }, this.envelope);
-    this.centre.append(svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipCircle)), this.ground, reach, this.grid, this.pins, this.before, this.target, this.missed, this.achieved, this.verified);
+    this.centre.append(svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipCircle)), this.ground, reach, this.grid, this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified);
     this.element.append(this.centre, this.title, this.handles.group);
     this.ground.addEventListener("dblclick", (event) => this.wishes.add(this.point(pixelsOf(this.element, event))));
     this.ground.addEventListener("pointerdown", () => this.wishes.select(null));
@@ -84,7 +86,8 @@ export class PolarPlot {
     if (!view.dragging || this.view?.task !== view.task) this.fitDomain(view);
     this.view = view;
     this.drawGrid(view);
-    this.drawEnvelope(view);
+    this.drawBand(this.envelope, view.envelope);
+    this.drawBand(this.doubt, view.doubt);
     const directions = spaced(0, Math.PI, TARGET_STEPS);
     this.draw(this.target, { x: directions, y: directions.map(view.target) });
     this.draw(this.before, view.before);
@@ -132,10 +135,10 @@ export class PolarPlot {
     this.title.textContent = unit ? `${y} (${unit})` : y;
   }
 
-  private drawEnvelope({ envelope }: PlotView): void {
-    if (!envelope) return this.envelope.setAttribute("d", "");
-    const ring = (y: readonly number[]) => polarPath({ x: envelope.x, y }, (value) => this.away(value));
-    this.envelope.setAttribute("d", ring(envelope.upper) + ring(envelope.lower));
+  private drawBand(path: SVGPathElement, band: Band | null): void {
+    if (!band) return path.setAttribute("d", "");
+    const ring = (y: readonly number[]) => polarPath({ x: band.x, y }, (value) => this.away(value));
+    path.setAttribute("d", ring(band.upper) + ring(band.lower));
   }
 
   private draw(path: SVGPathElement, curve: Curve | null): void {

@@ -4,7 +4,7 @@ import { digits, percent, seconds } from "../base/format";
 import { icon } from "../base/icons";
 import type { DesignStop } from "../contract/types";
 import type { DesignSession } from "./session";
-import type { Shown } from "./shown";
+import { type ModelError, modelError, type Shown } from "./shown";
 import { TASK_WORDS } from "./state";
 
 const STOP_WORDS: Record<DesignStop, string> = {
@@ -20,7 +20,7 @@ export function resultCard(session: DesignSession): HTMLElement {
   const ranking = h("div", { class: "ranking" });
   session.shown.watch((shown) => {
     if (!shown) return replace(body, h("p", { class: "muted" }, "No design yet."));
-    replace(body, headline(shown), facts(shown), ...notes(shown));
+    replace(body, headline(shown), facts(shown, modelError(session.model(shown.found.family), shown)), ...notes(shown));
     if (shown.ranking.length > 1) replace(ranking, ...rankingList(session, shown));
     else if (!shown.provisional && !shown.byHand && session.state.get().family !== "any") replace(ranking);
   });
@@ -42,7 +42,7 @@ function headline(shown: Shown): HTMLElement {
   );
 }
 
-function facts(shown: Shown): HTMLElement {
+function facts(shown: Shown, error: ModelError | null): HTMLElement {
   const { unit } = TASK_WORDS[shown.task];
   const rows: [string, string][] = [
     ["Deviation (rms)", percent(shown.deviation)],
@@ -50,6 +50,7 @@ function facts(shown: Shown): HTMLElement {
     ["Parameters", shown.found.parameters.map((value) => digits(value, 4)).join(", ")],
     ["Time", seconds(shown.seconds)],
   ];
+  if (error) rows.push(["Model’s error", `${percent(error.mean)} in the mean, at most ${percent(error.percentile99)} for 99 in 100`]);
   if (shown.stopped) rows.push(["Stopped by", STOP_WORDS[shown.stopped]]);
   return h("dl", { class: "facts" }, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
 }

@@ -1,13 +1,16 @@
 // What the plot, the cards and the exports show: answers of the server in one form.
-import type { DesignAnswer, DesignCandidate, DesignStop, Profile } from "../contract/types";
+import type { DesignAnswer, DesignCandidate, DesignStop, Model, Profile } from "../contract/types";
 import { type DesignState, type Found, isPolar, type ProfileKind } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 
-export interface Envelope extends ProfileKind {
-  readonly family: string;
+export interface Band {
   readonly x: readonly number[];
   readonly lower: readonly number[];
   readonly upper: readonly number[];
+}
+
+export interface Envelope extends ProfileKind, Band {
+  readonly family: string;
 }
 
 export interface Shown extends ProfileKind {
@@ -36,6 +39,27 @@ export interface Shown extends ProfileKind {
 const LEAST_POISSON = 0.1;
 /** A sample counts as reached within this share of the target's root mean square. */
 const REACHED = 0.01;
+
+/** What a model is off by, as a share: in the mean and of 99 in 100 states of designs that it has not seen. */
+export interface ModelError {
+  readonly mean: number;
+  readonly percentile99: number;
+}
+
+/** Null where the model does not know, and for Poisson's ratio, of which an error of the stress says little. */
+export function modelError(model: Model | undefined, { task }: ProfileKind): ModelError | null {
+  const error = model?.errors.design_split?.gradient;
+  return error && task !== "poisson" ? { mean: error.mean, percentile99: error.percentile_99 } : null;
+}
+
+/** Where a simulation is to be expected: a model's mean error on either side of its profile. Null beside gaps. */
+export function errorBand({ x, achieved }: Shown, error: ModelError | null): Band | null {
+  if (!error) return null;
+  const known = achieved.filter((y): y is number => y !== null);
+  if (known.length < achieved.length) return null;
+  const away = known.map((y) => Math.abs(y) * error.mean);
+  return { x, lower: known.map((y, k) => y - away[k]), upper: known.map((y, k) => y + away[k]) };
+}
 
 /** The kind alone, of what has more. */
 export function kindOf({ task, direction, strain, measure }: ProfileKind): ProfileKind {

@@ -26,25 +26,17 @@ export const STOP_WORDS: Record<WeaveStop, string> = {
   converged: "converged",
   iteration_limit: "the smallest load step did not converge",
   step_too_small: "no descent was found, at a limit or a fold",
+  folded_flat: "the cell folds flat: no width is left that bears the stress",
 };
 
-/** Area of the deformed cell over that at rest below which it has folded flat: its stress per width means nothing. */
-const LEAST_AREA = 1e-6;
-const FLAT = "the cell folds flat: no width is left that bears the stress";
-
 export function profileOf(answer: WeaveHomogenization, key: string, provisional: boolean): Profile {
-  const reasons = answer.stopped.map((stop, k) => {
-    if (stop !== "converged") return STOP_WORDS[stop];
-    const [[xx, xy], [yx, yy]] = answer.deformation_gradient[k];
-    return xx * yy - xy * yx < LEAST_AREA ? FLAT : null;
-  });
-  const known = (values: readonly (number | null)[]) => values.map((value, k) => (reasons[k] === null ? value : null));
+  const reasons = answer.stopped.map((stop) => (stop === "converged" ? null : STOP_WORDS[stop]));
   return {
     key,
     strain: answer.strain,
     directions: answer.directions,
-    youngs: known(answer.youngs_modulus),
-    poisson: known(answer.poisson_ratio),
+    youngs: answer.youngs_modulus,
+    poisson: answer.poisson_ratio,
     reasons,
     outOfPlane: answer.out_of_plane.filter(Boolean).length,
     unstable: answer.stable.filter((stable, k) => !stable && reasons[k] === null).length,

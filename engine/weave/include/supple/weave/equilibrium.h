@@ -11,6 +11,7 @@ enum class Stop {
   converged,
   iteration_limit,  ///< the smallest load step did not converge within the iterations allowed
   step_too_small,   ///< no descent was found: a limit or a fold, or rounding
+  folded_flat,      ///< a cell's area fell below a thousandth of that at rest: no width is left that bears stress
 };
 std::string_view to_string(Stop stop);
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/execution.h"
 #include "supple/weave/printer_profile.h"
 #include "supple/weave/weave.h"
 
@@ -80,10 +81,11 @@ struct GcodeReport {
 
 /// Reads any bytes as G-code (RepRap flavour: G0, G1, G4, G21, G28, G80, G90, G91, G92, M18, M82 - M84, M104, M106,
 /// M107, M109, M140, M190; comments, line numbers, checksums) and reports what a printer would do. Shares nothing with
-/// the writer of G-code: what it finds is evidence. Every fault is a violation; nothing is thrown but for memory.
+/// the writer of G-code: what it finds is evidence. Every fault is a violation.
 ///
 /// A channel is a bead that rises from a lower strand, printed earlier, and falls to one again, without more.
-/// O(lines), and for each channel the number of strands nearby.
-GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits = {});
+/// O(lines), and for each channel the number of strands nearby: of beads that all lie at one place the square. Reports
+/// progress. Only a stop that is asked for is thrown (see CancellationToken), and what memory lacks.
+GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits = {}, const Execution& execution = {});
 
 }  // namespace supple::weave

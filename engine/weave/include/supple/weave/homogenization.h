@@ -33,7 +33,7 @@ struct CellState {
   Eigen::Matrix2d deformation_gradient = Eigen::Matrix2d::Identity();
   /// First Piola-Kirchhoff stress resultant (1 / A) dE / dF, A the cell's area at rest; N/m.
   Eigen::Matrix2d nominal_stress = Eigen::Matrix2d::Zero();
-  /// Cauchy stress resultant P F^T / det F; N/m.
+  /// Cauchy stress resultant P F^T / det F; N/m. Zero where folded flat.
   Eigen::Matrix2d cauchy_stress = Eigen::Matrix2d::Zero();
   double energy_density = 0;    ///< N/m, per area at rest
   std::vector<double> sliding;  ///< displacement along its strand of every member that slides, crossing by crossing; mm
@@ -50,7 +50,7 @@ struct CellState {
 
 struct DirectionalResponse {
   double direction = 0;  ///< rad
-  /// d^T sigma d / (stretch - 1) with the Cauchy stress resultant; N/m (thesis equation 2.2). NaN where not converged.
+  /// d^T sigma d / (stretch - 1) with the Cauchy stress resultant; N/m (thesis equation 2.2). NaN where not converged or folded flat.
   double youngs_modulus = std::numeric_limits<double>::quiet_NaN();
   /// The same over the thickness, MPa; NaN without one.
   double youngs_modulus_mpa = std::numeric_limits<double>::quiet_NaN();

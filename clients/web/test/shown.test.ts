@@ -1,0 +1,29 @@
+import { describe, expect, it } from "vitest";
+import type { Model } from "../src/contract/types";
+import { errorBand, modelError, type Shown } from "../src/design/shown";
+
+const model = { errors: { design_split: { gradient: { mean: 0.1, percentile_99: 0.4 } } } } as unknown as Model;
+const shown = (achieved: readonly (number | null)[]) => ({ task: "stress_strain", x: [-0.1, 0, 0.1], achieved }) as unknown as Shown;
+
+describe("a model's error", () => {
+  it("is that of the stress on unseen designs", () => {
+    expect(modelError(model, shown([]))).toEqual({ mean: 0.1, percentile99: 0.4 });
+    expect(modelError(undefined, shown([]))).toBeNull();
+    expect(modelError({ errors: { design_split: null } } as unknown as Model, shown([]))).toBeNull();
+  });
+
+  it("says nothing of Poisson's ratio", () => {
+    expect(modelError(model, { ...shown([]), task: "poisson" })).toBeNull();
+  });
+
+  it("lies about the profile on either side of rest", () => {
+    const band = errorBand(shown([-2, 0, 3]), { mean: 0.1, percentile99: 0.4 });
+    expect(band?.lower.map((y) => Number(y.toFixed(9)))).toEqual([-2.2, 0, 2.7]);
+    expect(band?.upper.map((y) => Number(y.toFixed(9)))).toEqual([-1.8, 0, 3.3]);
+  });
+
+  it("is not drawn across gaps", () => {
+    expect(errorBand(shown([-2, null, 3]), { mean: 0.1, percentile99: 0.4 })).toBeNull();
+    expect(errorBand(shown([-2, 0, 3]), null)).toBeNull();
+  });
+});
