@@ -12,7 +12,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct DesignArguments {
   std::string request_file;
   ProfileArguments profile;
   std::string target;
@@ -43,7 +43,7 @@ nlohmann::json request_in_file(const std::string& file) {
 }
 
 /// What is given on the command line takes the place of what the file says.
-nlohmann::json request_of(const Arguments& arguments) {
+nlohmann::json request_of(const DesignArguments& arguments) {
   nlohmann::json request =
       arguments.request_file.empty() ? nlohmann::json::object() : request_in_file(arguments.request_file);
   for (const char* const group : {"target", "accuracy", "effects"}) {
@@ -88,7 +88,7 @@ void write_structures(Session& session, const std::string& file, const nlohmann:
   }
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const DesignArguments& arguments) {
   const nlohmann::json request = request_of(arguments);
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/designs", request).json();
@@ -99,7 +99,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
   session.json() ? print_json(answer) : print_designs(answer);
 }
 
-void add_search_options(CLI::App& command, Arguments& arguments) {
+void add_search_options(CLI::App& command, DesignArguments& arguments) {
   const auto switch_values = CLI::IsMember({"automatic", "on", "off"});
   command
       .add_option("--samples", arguments.samples, "Samples at which the target is compared (10; 50 over directions)")
@@ -132,7 +132,7 @@ void add_search_options(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void add_design_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DesignArguments>();
   CLI::App* command =
       program.add_subcommand("design", "Find tiling parameters whose response follows a target profile");
   add_profile_options(*command, arguments->profile);

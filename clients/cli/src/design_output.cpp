@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "cost_output.h"
 #include "csv_cells.h"
 
 namespace supple::cli {
@@ -161,7 +162,7 @@ void print_designs(const nlohmann::json& answer) {
   const auto& accuracy = answer.at("accuracy");
   fmt::print("residual    {:.1e} (asked for {:.1e})\n", accuracy.at("residual").get<double>(),
              accuracy.at("equilibrium_tolerance").get<double>());
-  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+  print_cost(answer);
 }
 
 std::string profile_as_csv(const nlohmann::json& answer) {
@@ -182,7 +183,7 @@ void print_profile(const nlohmann::json& answer) {
                answer.at("in_range")[i].get<bool>() ? "yes" : "no");
   }
   fmt::print("model       {}\n", text_in(answer, "model"));
-  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+  print_cost(answer);
 }
 
 }  // namespace supple::cli

@@ -11,7 +11,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct EvaluationArguments {
   std::string model;
   std::string parameters;
   std::vector<std::string> strains;
@@ -20,7 +20,7 @@ struct Arguments {
   std::string csv_file;
 };
 
-nlohmann::json request_of(const Arguments& arguments) {
+nlohmann::json request_of(const EvaluationArguments& arguments) {
   bool is_file = false;
   auto designs = nlohmann::json::array();
   for (const auto& row : parse_rows(arguments.parameters, is_file))
@@ -34,7 +34,7 @@ nlohmann::json request_of(const Arguments& arguments) {
   return request;
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const EvaluationArguments& arguments) {
   const nlohmann::json request = request_of(arguments);
   const auto& strains = request.at("green_strain");
   Session session(options);
@@ -47,7 +47,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
 }  // namespace
 
 void add_evaluate_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<EvaluationArguments>();
   CLI::App* command = program.add_subcommand("evaluate", "Energy, stress and stiffness as a neural model has them");
   command->add_option("model", arguments->model, "Model, see supple models")->required();
   command

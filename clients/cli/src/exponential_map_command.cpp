@@ -10,14 +10,14 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct ExponentialMapArguments {
   std::string mesh;
   std::string start;
   std::string tangent;
   std::string path_file;
 };
 
-void print_answer(const nlohmann::json& answer) {
+void print_exponential_map(const nlohmann::json& answer) {
   const auto& position = answer.at("position");
   fmt::print("end         {}\n", describe_surface_point(answer.at("end")));
   fmt::print("position    {} {} {}\n", position.at(0).get<double>(), position.at(1).get<double>(),
@@ -27,7 +27,7 @@ void print_answer(const nlohmann::json& answer) {
   fmt::print("transport   {:.9g} rad\n", answer.at("transport_angle").get<double>());
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const ExponentialMapArguments& arguments) {
   nlohmann::json request = {{"start", parse_surface_point(arguments.start)},
                             {"tangent", parse_numbers(arguments.tangent, "tangent vector")},
                             {"trace", !arguments.path_file.empty()}};
@@ -41,13 +41,13 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
                                         : paths_as_obj(nlohmann::json::array({trace})));
   }
   if (arguments.path_file == "-") return;
-  session.json() ? print_json(answer) : print_answer(answer);
+  session.json() ? print_json(answer) : print_exponential_map(answer);
 }
 
 }  // namespace
 
 void add_exponential_map_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ExponentialMapArguments>();
   CLI::App* command =
       program.add_subcommand("exponential-map", "Where the straightest path of a given direction and length ends");
   command->add_option("mesh", arguments->mesh, "Mesh")->required();

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int default_bands = 20;
 
-struct Arguments {
+struct FieldArguments {
   std::string mesh;
   std::vector<std::string> sources;
   std::string output;
@@ -40,7 +40,7 @@ void print_summary(const std::vector<double>& distances) {
   fmt::print("mean        {}\n", reached > 0 ? sum / static_cast<double>(reached) : 0.0);
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const FieldArguments& arguments) {
   nlohmann::json request = {{"sources", nlohmann::json::array()}};
   for (const auto& source : arguments.sources) request["sources"].push_back(parse_surface_point(source));
   if (arguments.relative_error > 0) request["accuracy"]["relative_error"] = arguments.relative_error;
@@ -68,7 +68,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
 }  // namespace
 
 void add_field_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<FieldArguments>();
   CLI::App* command = program.add_subcommand("field", "Geodesic distance from one or several sources to every vertex");
   command->add_option("mesh", arguments->mesh, "Mesh")->required();
   command->add_option("sources", arguments->sources, "The distance is to the nearest of these points")->required();

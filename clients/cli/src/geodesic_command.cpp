@@ -12,7 +12,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct GeodesicArguments {
   std::string mesh;
   std::vector<std::string> points;
   int derivatives = 0;
@@ -52,7 +52,7 @@ void write_paths(const std::string& file, const nlohmann::json& results) {
   write_file(file, file.ends_with(".json") ? paths.dump() + "\n" : paths_as_obj(paths));
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const GeodesicArguments& arguments) {
   if (arguments.points.size() % 2 != 0) {
     throw Failure(ExitCode::usage, fmt::format("{} points are no pairs: give a start and an end for each geodesic",
                                                arguments.points.size()));
@@ -78,7 +78,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
 }  // namespace
 
 void add_geodesic_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<GeodesicArguments>();
   CLI::App* command = program.add_subcommand("geodesic", "Exact shortest distances and paths between pairs of points");
   command->add_option("mesh", arguments->mesh, "Mesh")->required();
   command->add_option("points", arguments->points, "Start and end of each geodesic, in turn")->required();

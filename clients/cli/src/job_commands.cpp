@@ -46,11 +46,11 @@ void print_result(const Answer& answer) {
 }  // namespace
 
 void add_job_commands(CLI::App& program, const GlobalOptions& options) {
-  struct Arguments {
+  struct JobArguments {
     std::string job;
     std::string state;
   };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<JobArguments>();
   CLI::App* family = program.add_subcommand("job", "List, show, follow and cancel jobs, and fetch their results");
   family->require_subcommand(1);
 

@@ -10,7 +10,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct KarcherMeanArguments {
   std::string mesh;
   std::vector<std::string> points;
   std::string weights;
@@ -31,7 +31,7 @@ void print_history(const nlohmann::json& history) {
   }
 }
 
-void print_answer(const nlohmann::json& answer, bool history) {
+void print_karcher_mean(const nlohmann::json& answer, bool history) {
   const auto& position = answer.at("position");
   fmt::print("mean        {}\n", describe_surface_point(answer.at("mean")));
   fmt::print("position    {} {} {}\n", position.at(0).get<double>(), position.at(1).get<double>(),
@@ -44,7 +44,7 @@ void print_answer(const nlohmann::json& answer, bool history) {
   if (history) print_history(answer.at("history"));
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const KarcherMeanArguments& arguments) {
   nlohmann::json request = {{"points", nlohmann::json::array()}};
   for (const auto& point : arguments.points) request["points"].push_back(parse_surface_point(point));
   if (!arguments.weights.empty()) request["weights"] = parse_numbers(arguments.weights, "list of weights");
@@ -55,13 +55,13 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
   const nlohmann::json answer = session.compute("/v1/karcher-means", request).json();
-  session.json() ? print_json(answer) : print_answer(answer, arguments.history);
+  session.json() ? print_json(answer) : print_karcher_mean(answer, arguments.history);
 }
 
 }  // namespace
 
 void add_karcher_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<KarcherMeanArguments>();
   CLI::App* command = program.add_subcommand("karcher", "The point of least weighted mean squared geodesic distance");
   command->add_option("mesh", arguments->mesh, "Mesh")->required();
   command->add_option("points", arguments->points, "The points to average")->required();

@@ -55,12 +55,12 @@ void download_mesh(Session& session, const std::string& mesh, const std::string&
 }  // namespace
 
 void add_mesh_commands(CLI::App& program, const GlobalOptions& options) {
-  struct Arguments {
+  struct MeshArguments {
     std::vector<std::string> files;
     std::string mesh;
     std::string output;
   };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<MeshArguments>();
   CLI::App* family = program.add_subcommand("mesh", "Upload, list, describe, download and delete meshes");
   family->require_subcommand(1);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cost_output.h"
 #include "csv_cells.h"
 
 namespace supple::cli {
@@ -13,9 +14,9 @@ void print_components(const nlohmann::json& values, int width, const char* kind)
 constexpr auto as_strain = " {:>{}.5f}";
 constexpr auto as_stress = " {:>{}.5g}";
 
-void print_cost(const nlohmann::json& answer) {
+void print_model_and_cost(const nlohmann::json& answer) {
   fmt::print("model       {}\n", answer.at("model").get<std::string>());
-  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+  print_cost(answer);
 }
 
 }  // namespace
@@ -60,7 +61,7 @@ void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answe
       fmt::print("\n");
     }
   }
-  print_cost(answer);
+  print_model_and_cost(answer);
 }
 
 std::string uniaxial_as_csv(const nlohmann::json& states) {
@@ -97,7 +98,7 @@ void print_uniaxial(const nlohmann::json& answer) {
   fmt::print("residual    {} (asked for {:.1e})\n",
              residual.is_null() ? "none" : fmt::format("{:.1e}", residual.get<double>()),
              accuracy.at("tolerance").get<double>());
-  print_cost(answer);
+  print_model_and_cost(answer);
 }
 
 }  // namespace supple::cli

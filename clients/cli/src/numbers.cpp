@@ -63,6 +63,12 @@ std::vector<double> parse_numbers(const std::string& text, const char* what) {
   return *std::move(numbers);
 }
 
+double parse_number(const std::string& text, const char* what) {
+  const auto numbers = numbers_in(text);
+  if (!numbers || numbers->size() != 1) throw Failure(ExitCode::usage, fmt::format("'{}' is no {}", text, what));
+  return numbers->front();
+}
+
 std::vector<double> parse_series(const std::string& text, const char* what) {
   auto numbers = text.find(':') == std::string::npos ? numbers_in(text) : spaced_numbers_in(text);
   if (!numbers) {

@@ -14,6 +14,9 @@ std::optional<std::vector<double>> numbers_in(std::string_view text);
 /// The same. Throws Failure(usage) that quotes the text and names `what`.
 std::vector<double> parse_numbers(const std::string& text, const char* what);
 
+/// One number. Throws Failure(usage) that quotes the text and names `what`.
+double parse_number(const std::string& text, const char* what);
+
 /// Numbers separated by commas, or "first:last:n" for n of them at equal distances, both ends included. Throws
 /// Failure(usage) that quotes the text and names `what`.
 std::vector<double> parse_series(const std::string& text, const char* what);

@@ -16,12 +16,6 @@ namespace {
 constexpr std::size_t fewest_columns = 2;
 constexpr std::size_t most_columns = 4;
 
-double number_of(const std::string& text, const char* what) {
-  const auto numbers = numbers_in(text);
-  if (!numbers || numbers->size() != 1) throw Failure(ExitCode::usage, fmt::format("'{}' is no {}", text, what));
-  return numbers->front();
-}
-
 }  // namespace
 
 void add_profile_options(CLI::App& command, ProfileArguments& arguments) {
@@ -48,7 +42,7 @@ nlohmann::json profile_fields(const ProfileArguments& arguments) {
   set_text("model", arguments.model);
   set_text("strain_measure", arguments.strain_measure);
   if (!arguments.direction.empty()) fields["direction"] = parse_direction(arguments.direction);
-  if (!arguments.strain.empty()) fields["strain"] = number_of(arguments.strain, "strain");
+  if (!arguments.strain.empty()) fields["strain"] = parse_number(arguments.strain, "strain");
   return fields;
 }
 

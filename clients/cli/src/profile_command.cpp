@@ -12,7 +12,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct ProfileCommandArguments {
   ProfileArguments profile;
   std::string parameters;
   std::string x;
@@ -23,7 +23,7 @@ struct Arguments {
   std::string plot_file;
 };
 
-nlohmann::json request_of(const Arguments& arguments) {
+nlohmann::json request_of(const ProfileCommandArguments& arguments) {
   nlohmann::json request = profile_fields(arguments.profile);
   if (!request.contains("family") && !request.contains("model"))
     throw Failure(ExitCode::usage, "whose profile: give --family or --model");
@@ -36,7 +36,7 @@ nlohmann::json request_of(const Arguments& arguments) {
   return request;
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const ProfileCommandArguments& arguments) {
   const nlohmann::json request = request_of(arguments);
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/profiles", request).json();
@@ -49,7 +49,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
 }  // namespace
 
 void add_profile_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ProfileCommandArguments>();
   CLI::App* command = program.add_subcommand(
       "profile", "Stress over strain, or stiffness or Poisson's ratio over directions, as a neural model has them");
   add_profile_options(*command, arguments->profile);

@@ -17,7 +17,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::size_t most_columns = 3;
+constexpr std::size_t most_panels = 3;
 
 // Target under result: where both agree the result runs within the wide pale line.
 constexpr auto envelope_color = "#edf1f7";
@@ -143,7 +143,7 @@ std::string panel(const ProfilePlot& plot, std::size_t number) {
   return out + area(plot, number);
 }
 
-std::string numbers_text(const nlohmann::json& values) {
+std::string parameter_text(const nlohmann::json& values) {
   std::string text;
   for (const auto& value : values) text += fmt::format("{}{:.4g}", text.empty() ? "" : ", ", value.get<double>());
   return text;
@@ -172,7 +172,7 @@ ProfilePlot plot_of_kind(const nlohmann::json& profile) {
 }
 
 std::string design_text(const nlohmann::json& design) {
-  return fmt::format("{} ({})", design.at("family").get<std::string>(), numbers_text(design.at("parameters")));
+  return fmt::format("{} ({})", design.at("family").get<std::string>(), parameter_text(design.at("parameters")));
 }
 
 }  // namespace
@@ -219,7 +219,7 @@ ProfilePlot plot_of_profile(const nlohmann::json& answer) {
 }
 
 std::string plot_svg(const std::vector<ProfilePlot>& plots) {
-  const std::size_t columns = std::min(most_columns, std::max<std::size_t>(1, plots.size()));
+  const std::size_t columns = std::min(most_panels, std::max<std::size_t>(1, plots.size()));
   const std::size_t rows = (plots.size() + columns - 1) / columns;
   const double width = panel_width * static_cast<double>(columns);
   const double height = panel_height * static_cast<double>(rows);

@@ -10,7 +10,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct PatchSimulationArguments {
   std::string family;
   std::string parameters;
   LoadArguments load;
@@ -31,7 +31,7 @@ struct Arguments {
   std::string vtu_file;
 };
 
-nlohmann::json request_of(const Arguments& arguments) {
+nlohmann::json request_of(const PatchSimulationArguments& arguments) {
   nlohmann::json request = {{"family", arguments.family}, {"load", load_of(arguments.load)}};
   const auto set_text = [&](const char* group, const char* name, const std::string& value) {
     if (!value.empty()) request[group][name] = value;
@@ -59,7 +59,7 @@ nlohmann::json request_of(const Arguments& arguments) {
   return request;
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const PatchSimulationArguments& arguments) {
   const nlohmann::json request = request_of(arguments);
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/simulations", request).json();
@@ -74,7 +74,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
   session.json() ? print_json(answer) : print_simulation(answer);
 }
 
-void add_options(CLI::App& command, Arguments& arguments) {
+void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
   command.add_option("family", arguments.family, "Family of the tiling, see supple families")->required();
   command.add_option("-p,--parameters", arguments.parameters,
                      "Parameters, separated by commas (the family's defaults)");
@@ -109,7 +109,7 @@ void add_options(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void add_simulate_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PatchSimulationArguments>();
   CLI::App* command = program.add_subcommand("simulate", "Stress and energy of a structure along a load path");
   add_options(*command, *arguments);
   command->footer(

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iterator>
 
+#include "cost_output.h"
 #include "csv_cells.h"
 
 namespace supple::cli {
@@ -60,7 +61,7 @@ void print_simulation(const nlohmann::json& answer) {
              accuracy.at("tolerance").get<double>());
   fmt::print("mesh        {} nodes in a cell, {} unknowns at most\n", accuracy.at("nodes").get<int>(),
              accuracy.at("unknowns").get<int>());
-  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+  print_cost(answer);
   if (const auto message = answer.at("message").get<std::string>(); !message.empty()) {
     fmt::print(stderr, "supple: the path ended early: {}\n", message);
   }

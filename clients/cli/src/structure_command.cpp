@@ -11,7 +11,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct StructureArguments {
   std::string family;
   std::string parameters;
   std::string cells;
@@ -34,7 +34,7 @@ nlohmann::json parse_cells(const std::string& text) {
   return {*first, *second};
 }
 
-void print_answer(const nlohmann::json& answer) {
+void print_structure(const nlohmann::json& answer) {
   const auto& lattice = answer.at("lattice");
   std::size_t holes = 0;
   for (const auto& tile : answer.at("tiles")) holes += tile.at("holes").size();
@@ -54,7 +54,7 @@ void print_answer(const nlohmann::json& answer) {
   }
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const StructureArguments& arguments) {
   nlohmann::json request = {{"family", arguments.family}};
   if (!arguments.parameters.empty()) request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
   if (!arguments.cells.empty()) request["cells"] = parse_cells(arguments.cells);
@@ -71,13 +71,13 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
   if (arguments.corner_size > 0) request["mesh"]["corner_size"] = arguments.corner_size;
   if (!arguments.mesh_region.empty()) request["mesh"]["mesh_region"] = arguments.mesh_region;
   const nlohmann::json answer = session.compute("/v1/structures", request).json();
-  session.json() ? print_json(answer) : print_answer(answer);
+  session.json() ? print_json(answer) : print_structure(answer);
 }
 
 }  // namespace
 
 void add_structure_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StructureArguments>();
   CLI::App* command = program.add_subcommand("structure", "The beam structure of a tiling, and files of it");
   command->add_option("family", arguments->family, "Family of the tiling, see supple families")->required();
   command->add_option("-p,--parameters", arguments->parameters,

@@ -11,7 +11,7 @@
 namespace supple::cli {
 namespace {
 
-struct Arguments {
+struct UniaxialArguments {
   std::string model;
   std::string parameters;
   std::string direction;
@@ -22,7 +22,7 @@ struct Arguments {
   std::string csv_file;
 };
 
-nlohmann::json request_of(const Arguments& arguments) {
+nlohmann::json request_of(const UniaxialArguments& arguments) {
   nlohmann::json request = {{"parameters", parse_numbers(arguments.parameters, "list of parameters")},
                             {"direction", parse_direction(arguments.direction)}};
   if (arguments.stretches.empty() == arguments.green_strains.empty())
@@ -36,7 +36,7 @@ nlohmann::json request_of(const Arguments& arguments) {
   return request;
 }
 
-void run(const GlobalOptions& options, const Arguments& arguments) {
+void run(const GlobalOptions& options, const UniaxialArguments& arguments) {
   const nlohmann::json request = request_of(arguments);
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/models/" + arguments.model + "/uniaxial", request).json();
@@ -48,7 +48,7 @@ void run(const GlobalOptions& options, const Arguments& arguments) {
 }  // namespace
 
 void add_uniaxial_command(CLI::App& program, const GlobalOptions& options) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<UniaxialArguments>();
   CLI::App* command =
       program.add_subcommand("uniaxial", "A neural model's stress along a direction, lateral strain and shear free");
   command->add_option("model", arguments->model, "Model, see supple models")->required();

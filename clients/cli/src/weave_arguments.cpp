@@ -20,12 +20,6 @@ std::string pattern_of(const std::string& name) {
   return {};
 }
 
-double number_of(const std::string& text, const char* what) {
-  const auto numbers = parse_numbers(text, what);
-  if (numbers.size() != 1) throw Failure(ExitCode::usage, fmt::format("'{}' is no {}", text, what));
-  return numbers.front();
-}
-
 std::int64_t index_of(std::string_view text, const char* what) {
   const auto index = integer_in(text);
   if (!index || *index < 0) throw Failure(ExitCode::usage, fmt::format("'{}' is no {}", text, what));
@@ -144,7 +138,7 @@ nlohmann::json weave_of(const WeaveArguments& arguments) {
   if (arguments.radius > 0) weave["radius"] = arguments.radius;
   if (arguments.youngs_modulus > 0) weave["material"]["youngs_modulus"] = arguments.youngs_modulus;
   if (!arguments.poisson_ratio.empty())
-    weave["material"]["poisson_ratio"] = number_of(arguments.poisson_ratio, "Poisson's ratio");
+    weave["material"]["poisson_ratio"] = parse_number(arguments.poisson_ratio, "Poisson's ratio");
   if (arguments.sliding_share > 0) weave["sliding_share"] = arguments.sliding_share;
   for (const auto& change : parse_overrides(arguments)) weave["overrides"].push_back(change);
   return weave;
@@ -176,7 +170,7 @@ void set_equilibrium_fields(const EquilibriumArguments& arguments, nlohmann::jso
   set_number("max_iterations", arguments.max_iterations);
   set_number("load_steps", arguments.load_steps);
   if (!arguments.least_distance.empty())
-    request["sliding"]["least_distance"] = number_of(arguments.least_distance, "distance");
+    request["sliding"]["least_distance"] = parse_number(arguments.least_distance, "distance");
   if (!arguments.out_of_plane.empty()) request["effects"]["out_of_plane"] = arguments.out_of_plane;
   if (!arguments.buckling.empty()) request["effects"]["buckling"] = arguments.buckling;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;

@@ -7,15 +7,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "cost_output.h"
 #include "csv_cells.h"
 #include "plot_paper.h"
 
 namespace supple::cli {
 namespace {
-
-void print_cost(const nlohmann::json& answer) {
-  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
-}
 
 void print_accuracy(const nlohmann::json& answer) {
   const auto& accuracy = answer.at("accuracy");

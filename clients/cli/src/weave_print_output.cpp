@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include "cost_output.h"
 #include "failure.h"
 
 namespace supple::cli {
@@ -38,10 +39,6 @@ void print_totals(const nlohmann::json& totals, std::size_t channels) {
 
 void print_violation_count(const nlohmann::json& report) {
   fmt::print("violations  {}\n", report.at("violation_count").get<long>());
-}
-
-void print_cost(const nlohmann::json& answer) {
-  fmt::print("took        {:.4g} s\n", number(answer.at("cost"), "seconds"));
 }
 
 }  // namespace

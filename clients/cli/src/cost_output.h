@@ -1,0 +1,10 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+namespace supple::cli {
+
+/// How long the server took.
+void print_cost(const nlohmann::json& answer);
+
+}  // namespace supple::cli
