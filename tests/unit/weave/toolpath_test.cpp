@@ -267,6 +267,19 @@ TEST(Toolpath, RefusesProfilesAndOptionsOutOfRange) {
             (std::vector<std::string>{"overrun/start", "overruns/7", "chord_error"}));
 }
 
+TEST(Toolpath, RefusesGripsOfMorePassesThanCanBePrinted) {
+  // Each is 100 mm wide: 10 000 passes of lines 0.01 mm wide. A hundred of them reach the limit, a million passes.
+  PrinterProfile profile;
+  profile.strand_width = 0.01;
+  ToolpathOptions options;
+  options.grips.assign(100, {{-6, 20}, {-6, 0}, 100.01});
+  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile, options); })),
+            std::vector<std::string>{"grips"});
+  options.grips.push_back({{-6, 20}, {-6, 0}, 1});
+  const Error more = expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile, options); });
+  EXPECT_EQ(places(more), (std::vector<std::string>{"grips", "grips"}));
+}
+
 TEST(Toolpath, DrawsEachMoveInItsPicture) {
   const Toolpath path = toolpath(sliding_cross());
   const std::string svg = to_svg(path);

@@ -55,8 +55,8 @@ struct Weave {
 };
 
 /// Throws "weave.invalid_layout" with a detail for each fault: members that name no strand or a coordinate outside of
-/// it, that do not meet (farther apart than 1e-6 of the extent), or where nothing holds what slides; two crossings at
-/// one place of a strand; a shift without a lattice; numbers out of range. O(crossings log crossings).
+/// it or that do not meet (farther apart than 1e-6 of the extent); two crossings at one place of a strand; a shift
+/// without a lattice; numbers out of range. O(crossings log crossings).
 void validate(const Weave& weave);
 
 /// The position of a member at rest, its shift included; mm.
