@@ -1,0 +1,290 @@
+// The search for one family's design.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "design_report.h"
+#include "free_parameters.h"
+#include "supple/base/error.h"
+#include "supple/design/inverse_design.h"
+#include "target_residuals.h"
+
+namespace supple::design {
+namespace {
+
+/// Within this share of the target's scale a sample counts as reached.
+constexpr double reached_share = 0.01;
+/// Further starting points are tried while the relative root mean square deviation is larger: what is reached by less
+/// may be a local minimum.
+constexpr double good_share = 1e-3;
+/// Samples of each target by which candidates are compared.
+constexpr int coarse_samples = 10;
+/// What suffices of a search among those samples, and of equilibria while a search is under way.
+constexpr double coarse_tolerance = 1e-4;
+constexpr double search_tolerance = 1e-6;
+/// Equilibria are so much more accurate than what the search distinguishes, or it would chase their errors.
+constexpr double search_margin = 1e-2;
+/// Starting points are at least this far apart, as a share of the bounds' widths.
+constexpr double least_distance = 0.1;
+
+/// What stays the same from one starting point to the next.
+class Search {
+ public:
+  Search(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options)
+      : space_(space), problem_(problem), options_(options), network_(space.model.network), bounds_(space, problem) {
+    targets_.reserve(problem.targets.size());
+    weights_.reserve(problem.targets.size());
+    for (const auto& target : problem.targets) {
+      targets_.push_back(sample_target(target));
+      weights_.push_back(target.weight);
+    }
+  }
+
+  Design run(const Execution& execution, const OnProgress& progress) {
+    execution_ = &execution;
+    progress_ = &progress;
+    const StageTimer timer(execution.cost, "optimization");
+    const bool all_fixed = bounds_.free.empty();
+    if (problem_.initial || all_fixed) follow(all_fixed ? bounds_.held : *problem_.initial);
+    const bool enough = all_fixed || options_.multi_start == Switch::off;
+    if (best_.starts == 0 || (!enough && (options_.multi_start == Switch::on || !good()))) try_candidates();
+    if (!found_)
+      throw Error("design.no_equilibrium",
+                  "No design of the family " + space_.model.family +
+                      " that was tried can be built and has an equilibrium at every sample of the targets.");
+    bill_multi_start();
+    add_envelope();
+    best_.message = message_about(best_, space_.model, bounds_.free);
+    best_.evaluations = evaluations_;
+    bill();
+    return best_;
+  }
+
+ private:
+  /// Optimizes from one starting point and keeps the result if it is the best. Where there are many samples a few of
+  /// them come first: that finds the neighbourhood at a fraction of the cost.
+  void follow(const Eigen::VectorXd& start) {
+    ++best_.starts;
+    // Where nothing is searched for, what the parameters do is told whether or not they can be built.
+    TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free,
+                              options_.equilibrium_tolerance, bounds_.free.empty() ? Buildable{} : space_.buildable);
+    if (initial_.empty()) remember_initial(residuals, start);
+    Eigen::VectorXd x = bounds_.free_part(start);
+    auto stopped = DesignStop::no_free_parameters;
+    if (!bounds_.free.empty()) {
+      if (many_samples()) {
+        look_coarsely();
+        x = optimize(coarse_, x, {.tolerance = std::max(coarse_tolerance, options_.tolerance)}).x;
+      }
+      const auto result = optimize(targets_, x, {.tolerance = options_.tolerance});
+      stopped = static_cast<DesignStop>(result.stopped);
+      x = result.x;
+    }
+    finish(residuals, x, stopped);
+    count(residuals);
+  }
+
+  numerics::LeastSquaresResult optimize(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
+                                        numerics::LeastSquaresOptions options) {
+    options.max_iterations = options_.max_iterations;
+    TargetResiduals residuals(
+        space_.evaluator, targets, weights_, bounds_.held, bounds_.free,
+        std::max(std::min(search_tolerance, search_margin * options.tolerance), options_.equilibrium_tolerance),
+        space_.buildable);
+    auto result = numerics::minimize_least_squares(
+        residuals, x, bounds_.free_part(bounds_.lower), bounds_.free_part(bounds_.upper), options,
+        Execution{execution_->cancellation},
+        [&](const Eigen::VectorXd&, double norm, int iteration) { report(residuals, targets, norm, iteration); });
+    best_.iterations += result.iterations;
+    count(residuals);
+    return result;
+  }
+
+  void count(const TargetResiduals& residuals) {
+    evaluations_ += residuals.evaluations();
+    restarts_ += residuals.restarts();
+  }
+
+  bool many_samples() const {
+    return std::any_of(targets_.begin(), targets_.end(),
+                       [](const SampledTarget& target) { return target.y.size() > 2 * coarse_samples; });
+  }
+
+  /// Works the profiles out from rest and compares with the best design.
+  void finish(TargetResiduals& residuals, const Eigen::VectorXd& x, DesignStop stopped) {
+    residuals.forget();
+    Eigen::VectorXd r;
+    const bool defined = residuals.residuals(x, r);
+    if (!defined || (found_ && r.norm() >= best_.error.relative_rms)) return;
+    found_ = true;
+    best_.parameters = residuals.parameters_of(x);
+    best_.stopped = stopped;
+    best_.residual = residuals.largest_residual();
+    best_.error = {r.norm(), 0};
+    best_.reached = true;
+    best_.profiles.resize(targets_.size());
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      auto& profile = best_.profiles[t];
+      profile.target = targets_[t];
+      profile.initial = initial_[t];
+      profile.achieved = residuals.values(t);
+      profile.in_range = residuals.in_range(space_.model, t);
+      const Eigen::VectorXd deviations = targets_[t].deviations(profile.achieved).cwiseAbs();
+      if (t == 0) best_.error.max = deviations.maxCoeff();
+      profile.reached.resize(static_cast<std::size_t>(deviations.size()));
+      for (Eigen::Index i = 0; i < deviations.size(); ++i) {
+        const bool reached = deviations[i] <= reached_share * targets_[t].scale;
+        profile.reached[static_cast<std::size_t>(i)] = reached;
+        best_.reached = best_.reached && reached;
+      }
+    }
+  }
+
+  void remember_initial(TargetResiduals& residuals, const Eigen::VectorXd& start) {
+    Eigen::VectorXd r;
+    residuals.residuals(bounds_.free_part(start), r);
+    for (std::size_t t = 0; t < targets_.size(); ++t) initial_.push_back(residuals.values(t));
+  }
+
+  void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, double norm, int iteration) {
+    if (execution_->progress) {
+      const double share = static_cast<double>(iteration) / options_.max_iterations;
+      execution_->progress->report(std::min(0.99, (best_.starts - 1 + share) / options_.starts), "optimization");
+    }
+    if (!*progress_ || (reported_ && norm >= least_reported_)) return;
+    reported_ = true;
+    least_reported_ = norm;
+    const Eigen::VectorXd values = residuals.values(0);
+    const double largest = targets[0].deviations(values).cwiseAbs().maxCoeff();
+    (*progress_)(
+        {0, residuals.last_parameters(), targets[0].samples, values, {norm, largest}, best_.iterations + iteration});
+  }
+
+  void look_coarsely() {
+    if (!coarse_.empty()) return;
+    for (const auto& target : targets_) coarse_.push_back(coarsened(target, coarse_samples));
+  }
+
+  void look_at_candidates() {
+    if (table_) return;
+    look_coarsely();
+    std::vector<ProfileSamples> profiles;
+    profiles.reserve(coarse_.size());
+    for (const auto& target : coarse_) profiles.push_back(target.samples);
+    const int count =
+        options_.candidates > 0 ? options_.candidates : default_candidates(static_cast<int>(bounds_.free.size()));
+    table_ = space_.candidates.table(bounds_.lower, bounds_.upper, count, profiles, space_.buildable, *execution_);
+  }
+
+  /// The relative root mean square deviation of a candidate; infinite where it has no equilibrium.
+  double candidate_error(Eigen::Index candidate) const {
+    double sum = 0;
+    double weights = 0;
+    Eigen::Index at = 0;
+    for (std::size_t t = 0; t < coarse_.size(); ++t) {
+      const auto n = coarse_[t].y.size();
+      const Eigen::VectorXd deviations = coarse_[t].deviations(table_->y.col(candidate).segment(at, n));
+      sum += weights_[t] * coarse_[t].weights.dot(deviations.cwiseAbs2()) / (coarse_[t].scale * coarse_[t].scale);
+      weights += weights_[t];
+      at += n;
+    }
+    return std::isfinite(sum) ? std::sqrt(sum / weights) : std::numeric_limits<double>::infinity();
+  }
+
+  /// Follows the best candidates, far enough from each other, until one reaches the target.
+  void try_candidates() {
+    look_at_candidates();
+    std::vector<std::pair<double, Eigen::Index>> order;
+    for (Eigen::Index c = 0; c < table_->parameters.cols(); ++c) order.emplace_back(candidate_error(c), c);
+    std::sort(order.begin(), order.end());
+    std::vector<Eigen::VectorXd> taken;
+    if (problem_.initial) taken.push_back(*problem_.initial);
+    const Eigen::VectorXd width = network_.upper - network_.lower;
+    const bool only_one = options_.multi_start == Switch::off;
+    for (const auto& [error, c] : order) {
+      if (best_.starts >= options_.starts || (only_one && found_)) break;
+      if (good() && options_.multi_start != Switch::on) break;
+      if (!std::isfinite(error) && found_) break;
+      const Eigen::VectorXd start = table_->parameters.col(c);
+      const bool near = std::any_of(taken.begin(), taken.end(), [&](const Eigen::VectorXd& other) {
+        return (start - other).cwiseQuotient(width).cwiseAbs().maxCoeff() < least_distance;
+      });
+      if (near) continue;
+      taken.push_back(start);
+      follow(start);
+    }
+  }
+
+  bool good() const { return best_.reached && best_.error.relative_rms <= good_share; }
+
+  void add_envelope() {
+    const bool wanted = options_.envelope == Switch::on || (options_.envelope == Switch::automatic && table_);
+    if (execution_->cost)
+      execution_->cost->add_effect("envelope", wanted,
+                                   options_.envelope == Switch::on    ? "the request asks for it"
+                                   : options_.envelope == Switch::off ? "the request leaves it out"
+                                   : table_                           ? "candidates were evaluated"
+                                                                      : "no candidates were evaluated",
+                                   wanted ? 1 : 0);
+    if (!wanted) return;
+    look_at_candidates();
+    Eigen::Index at = 0;
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      const auto n = coarse_[t].y.size();
+      bound_profile(best_.profiles[t], coarse_[t], table_->y.middleRows(at, n));
+      at += n;
+    }
+  }
+
+  void bill_multi_start() {
+    if (!execution_->cost) return;
+    const bool ran = table_ != nullptr;
+    const char* why = "the request turns it off";
+    if (bounds_.free.empty())
+      why = "no parameter is free";
+    else if (options_.multi_start == Switch::on)
+      why = "the request asks for it";
+    else if (!problem_.initial)
+      why = "the request has no initial parameters";
+    else if (options_.multi_start == Switch::automatic)
+      why = ran ? "the design found from the initial parameters does not reach the target well"
+                : "the design found from the initial parameters reaches the target";
+    execution_->cost->add_effect("multi_start", ran, why, best_.starts);
+  }
+
+  void bill() const {
+    if (!execution_->cost) return;
+    execution_->cost->add_quantity("evaluations", static_cast<double>(evaluations_));
+    execution_->cost->add_quantity("iterations", best_.iterations);
+    execution_->cost->add_quantity("restarts", static_cast<double>(restarts_));
+  }
+
+  const DesignSpace& space_;
+  const DesignProblem& problem_;
+  const DesignOptions& options_;
+  const neural::Network& network_;
+  const Execution* execution_ = nullptr;
+  const OnProgress* progress_ = nullptr;
+  std::vector<SampledTarget> targets_;
+  std::vector<double> weights_;
+  FreeParameters bounds_;
+  std::vector<Eigen::VectorXd> initial_;  ///< values at the first starting point, of each target
+  std::vector<SampledTarget> coarse_;
+  std::shared_ptr<const Candidates::Table> table_;
+  Design best_;
+  bool found_ = false;
+  bool reported_ = false;
+  double least_reported_ = 0;
+  std::int64_t evaluations_ = 0;
+  std::int64_t restarts_ = 0;
+};
+
+}  // namespace
+
+Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
+                   const Execution& execution, const OnProgress& progress) {
+  return Search(space, problem, options).run(execution, progress);
+}
+
+}  // namespace supple::design

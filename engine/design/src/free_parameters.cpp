@@ -1,0 +1,58 @@
+#include "free_parameters.h"
+
+#include <string>
+#include <utility>
+
+#include "supple/base/error.h"
+
+namespace supple::design {
+namespace {
+
+/// Beyond a bound by less is rounding, as a share of the bounds' width.
+constexpr double bound_rounding = 1e-9;
+
+void check_bounds(const neural::Network& network, std::string where, Eigen::Index k, double value,
+                  std::vector<Error::Detail>& faults) {
+  const double rounding = bound_rounding * (network.upper[k] - network.lower[k]);
+  if (value >= network.lower[k] - rounding && value <= network.upper[k] + rounding) return;
+  faults.push_back({std::move(where), "must be within [" + std::to_string(network.lower[k]) + ", " +
+                                          std::to_string(network.upper[k]) + "], got " + std::to_string(value)});
+}
+
+}  // namespace
+
+FreeParameters::FreeParameters(const DesignSpace& space, const DesignProblem& problem)
+    : lower(space.model.network.lower), upper(space.model.network.upper), held(0.5 * (lower + upper)) {
+  const neural::Network& network = space.model.network;
+  const Eigen::Index n = lower.size();
+  const std::string count = "The family " + space.model.family + " has " + std::to_string(n) + " parameters";
+  if (problem.initial && problem.initial->size() != n)
+    throw Error("design.parameter_count", count + ", not " + std::to_string(problem.initial->size()) + ".",
+                {{"initial", count}});
+  if (!problem.fixed.empty() && static_cast<Eigen::Index>(problem.fixed.size()) != n)
+    throw Error("design.parameter_count", count + ", not " + std::to_string(problem.fixed.size()) + ".",
+                {{"fixed", count}});
+  std::vector<Error::Detail> faults;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (problem.initial) check_bounds(network, "initial/" + std::to_string(k), k, (*problem.initial)[k], faults);
+    const bool is_fixed = !problem.fixed.empty() && problem.fixed[static_cast<std::size_t>(k)];
+    if (!is_fixed) {
+      free.push_back(k);
+      continue;
+    }
+    held[k] = *problem.fixed[static_cast<std::size_t>(k)];
+    check_bounds(network, "fixed/" + std::to_string(k), k, held[k], faults);
+    lower[k] = upper[k] = held[k];
+  }
+  if (!faults.empty())
+    throw Error("design.parameter_out_of_bounds",
+                "Parameter " + faults.front().where + " " + faults.front().message + ".", faults);
+}
+
+Eigen::VectorXd FreeParameters::free_part(const Eigen::VectorXd& all) const {
+  Eigen::VectorXd part(static_cast<Eigen::Index>(free.size()));
+  for (std::size_t k = 0; k < free.size(); ++k) part[static_cast<Eigen::Index>(k)] = all[free[k]];
+  return part;
+}
+
+}  // namespace supple::design
