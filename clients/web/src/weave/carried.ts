@@ -1,9 +1,15 @@
 // Crossings of strands of one's own are numbered as they are found. After a strand was added or taken away the same
 // crossing has another number; it is known by its place and its strands.
-import type { CrossingOverride } from "../contract/types";
+import type { CrossingOverride, WeaveLayout } from "../contract/types";
 import { slidingMembers } from "./connections";
 import { periodicDistance } from "./geometry";
-import type { LaidOut } from "./session";
+import type { WeaveState } from "./state";
+
+export interface LaidOut {
+  /** The state that it is the layout of. */
+  readonly state: WeaveState;
+  readonly layout: WeaveLayout;
+}
 
 /** Farther apart two crossings are different ones, mm. */
 const SAME_PLACE = 1e-6;

@@ -2,11 +2,12 @@
 import { announce } from "../base/announce";
 import { h, replace, svg } from "../base/dom";
 import { digits } from "../base/format";
+import type { LaidOut } from "./carried";
 import { type Crossing, connectionWords, crossingsSummary, crossingWords, slidingMembers } from "./connections";
 import type { Draft } from "./draft";
 import { blockOf, type Box, boxAround, directionAt, latticePoint, pathOf } from "./geometry";
 import { snapped } from "./layout_edit";
-import type { LaidOut, WeaveSession } from "./session";
+import type { WeaveSession } from "./session";
 import type { Lattice, Point, WeaveState } from "./state";
 
 /** Marks of crossings, in shares of the picture's side; smaller where crossings are close together. */

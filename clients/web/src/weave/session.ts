@@ -5,7 +5,7 @@ import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { WeaveHomogenization, WeaveLayout } from "../contract/types";
-import { carriedOverrides } from "./carried";
+import { carriedOverrides, type LaidOut } from "./carried";
 import { nextConnection, withConnection } from "./connections";
 import { type Profile, profileOf } from "./profile";
 import { COARSE_DIRECTIONS, FINE_DIRECTIONS, hasStrands, homogenizationRequest, layoutRequest } from "./requests";
@@ -22,12 +22,6 @@ export type Activity =
 export interface Steps {
   undo: boolean;
   redo: boolean;
-}
-
-export interface LaidOut {
-  /** The state that it is the layout of. */
-  readonly state: WeaveState;
-  readonly layout: WeaveLayout;
 }
 
 /** All that the stiffness depends on but the directions: two states with the same key have the same profile. */
