@@ -9,6 +9,7 @@ import { digits } from "../base/format";
 import { heightDomain, widthDomain } from "../base/domains";
 import { Handles, pixelsOf } from "./handles";
 import type { PlotView, PlotWishes } from "./plot";
+import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
 import { spaced } from "./spline";
@@ -16,33 +17,21 @@ import { spaced } from "./spline";
 const MARGIN = { top: 18, right: 18, bottom: 46, left: 62 };
 const TARGET_STEPS = 160;
 
-export class CartesianPlot {
-  readonly element = svg("svg", { class: "plot cartesian", role: "group", "aria-label": "Target and response: stress over strain" });
+export class CartesianPlot extends ProfilePlot {
+  protected readonly handles: Handles;
   private readonly x = scaleLinear();
   private readonly y = scaleLinear();
   private readonly clip = uniqueId("plot-area");
   private readonly clipBox = svg("rect");
-  private readonly ground = svg("rect", { class: "ground" });
+  private readonly sheet = svg("rect", { class: "ground" });
   private readonly xAxis = svg("g", { class: "axis" });
   private readonly yAxis = svg("g", { class: "axis" });
   private readonly xTitle = svg("text", { class: "axis-title", "text-anchor": "end" });
   private readonly yTitle = svg("text", { class: "axis-title" });
   private readonly zero = svg("path", { class: "zero" });
-  private readonly envelope = svg("path", { class: "envelope" });
-  private readonly envelopeRim = svg("path", { class: "envelope-rim" });
-  private readonly doubt = svg("path", { class: "doubt" });
-  private readonly pins = svg("g", { class: "pinned" });
-  private readonly before = svg("path", { class: "curve before" });
-  private readonly target = svg("path", { class: "curve target" });
-  private readonly achieved = svg("path", { class: "curve achieved" });
-  private readonly verified = svg("g", { class: "verified" });
-  private readonly missed = svg("g", { class: "missed" });
-  private readonly handles: Handles;
-  private width = 640;
-  private height = 420;
-  private view: PlotView | null = null;
 
-  constructor(private readonly wishes: PlotWishes) {
+  constructor(wishes: PlotWishes) {
+    super("cartesian", "Target and response: stress over strain", wishes);
     this.handles = new Handles(
       this.element,
       {
@@ -61,70 +50,19 @@ export class CartesianPlot {
     const clipped = { "clip-path": `url(#${this.clip})` };
     this.element.append(
       svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipBox)),
-      this.ground,
-      svg("g", clipped, this.envelope, this.envelopeRim),
+      this.sheet,
+      svg("g", clipped, ...this.ground),
       this.xAxis, this.yAxis, this.xTitle, this.yTitle,
-      svg("g", clipped, this.zero, this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified),
+      svg("g", clipped, this.zero, ...this.curves),
       this.handles.group,
     );
-    this.ground.addEventListener("dblclick", (event) => this.add(event));
-    this.ground.addEventListener("pointerdown", () => this.wishes.select(null));
+    this.sheet.addEventListener("dblclick", (event) => this.add(event));
+    this.sheet.addEventListener("pointerdown", () => this.wishes.select(null));
   }
 
-  resize(width: number, height: number): void {
-    if (width === this.width && height === this.height) return;
-    this.width = width;
-    this.height = height;
-    if (this.view) this.update(this.view);
-  }
-
-  focus(index: number): void {
-    this.handles.focus(index);
-  }
-
-  follow(index: number): void {
-    this.handles.follow(index);
-  }
-
-  update(view: PlotView): void {
-    this.layOut();
-    if (!view.dragging || !this.view) this.fitDomains(view);
-    this.view = view;
-    this.drawAxes(view);
-    const rim = this.drawBand(this.envelope, view.envelope);
-    this.envelopeRim.setAttribute("d", rim);
-    this.drawBand(this.doubt, view.doubt);
-    const targetX = view.points.map((point) => point[0]);
-    const target = spaced(targetX[0] ?? 0, targetX[targetX.length - 1] ?? 1, TARGET_STEPS);
-    this.target.setAttribute("d", this.straight(target.map((x) => [x, view.target(x)])));
-    this.draw(this.before, view.before);
-    this.draw(this.achieved, view.achieved);
-    this.achieved.classList.toggle("provisional", view.provisional);
-    this.drawPins(view);
-    this.drawMarks(this.verified, view.verified ? pieces(view.verified).flat() : [], "M0,-5L5,0L0,5L-5,0Z");
-    this.drawMarks(this.missed, view.missed, "M-3.5,-3.5L3.5,3.5M-3.5,3.5L3.5,-3.5");
-    this.handles.update(view);
-  }
-
-  private withinX(pixels: number): number {
-    return Math.max(MARGIN.left, Math.min(this.width - MARGIN.right, pixels));
-  }
-
-  private withinY(pixels: number): number {
-    return Math.max(MARGIN.top, Math.min(this.height - MARGIN.bottom, pixels));
-  }
-
-  private add(event: MouseEvent): void {
-    const [x, y] = pixelsOf(this.element, event);
-    this.wishes.add([this.x.invert(x), this.y.invert(y)]);
-  }
-
-  private layOut(): void {
+  protected layOut(): void {
     const { width, height } = this;
-    this.element.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    this.element.setAttribute("width", String(width));
-    this.element.setAttribute("height", String(height));
-    for (const box of [this.clipBox, this.ground]) {
+    for (const box of [this.clipBox, this.sheet]) {
       box.setAttribute("x", String(MARGIN.left));
       box.setAttribute("y", String(MARGIN.top));
       box.setAttribute("width", String(Math.max(0, width - MARGIN.left - MARGIN.right)));
@@ -134,13 +72,12 @@ export class CartesianPlot {
     this.y.range([height - MARGIN.bottom, MARGIN.top]);
   }
 
-  private fitDomains(view: PlotView): void {
-    const curves = [view.achieved, view.before, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null);
+  protected fitDomains(view: PlotView, curves: readonly Curve[]): void {
     this.x.domain(widthDomain([...view.points.map((p) => p[0]), ...curves.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]])]));
     this.y.domain(heightDomain([...view.points.map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]));
   }
 
-  private drawAxes(view: PlotView): void {
+  protected drawAxes(view: PlotView): void {
     const ticks = Math.max(3, Math.round(this.width / 90));
     const rows = Math.max(3, Math.round(this.height / 60));
     const inner = this.height - MARGIN.top - MARGIN.bottom;
@@ -159,16 +96,30 @@ export class CartesianPlot {
     this.zero.setAttribute("d", `M${MARGIN.left},${y}H${this.width - MARGIN.right}M${x},${MARGIN.top}V${this.height - MARGIN.bottom}`);
   }
 
-  /** Returns the path of its upper and lower end. */
-  private drawBand(path: SVGPathElement, band: Band | null): string {
-    const samples = band ? band.x.map((x, k): [number, number, number] => [x, band.lower[k], band.upper[k]]) : [];
+  protected targetPath(view: PlotView): string {
+    const ends = view.points.map((point) => point[0]);
+    const steps = spaced(ends[0] ?? 0, ends[ends.length - 1] ?? 1, TARGET_STEPS);
+    const shape = line<number>().x((x) => this.x(x)).y((x) => this.far(view.target(x)));
+    return shape(steps) ?? "";
+  }
+
+  protected curvePath(curve: Curve): string {
+    const shape = line<ControlPoint>().x((p) => this.x(p[0])).y((p) => this.far(p[1])).curve(curveMonotoneX);
+    return pieces(curve).map((piece) => shape([...piece]) ?? "").join("");
+  }
+
+  protected bandPath(band: Band): { area: string; rim: string } {
+    const samples = band.x.map((x, k): [number, number, number] => [x, band.lower[k], band.upper[k]]);
     const shape = area<[number, number, number]>()
       .x((sample) => this.x(sample[0]))
       .y0((sample) => this.far(sample[1]))
       .y1((sample) => this.far(sample[2]))
       .curve(curveMonotoneX);
-    path.setAttribute("d", shape(samples) ?? "");
-    return (shape.lineY0()(samples) ?? "") + (shape.lineY1()(samples) ?? "");
+    return { area: shape(samples) ?? "", rim: (shape.lineY0()(samples) ?? "") + (shape.lineY1()(samples) ?? "") };
+  }
+
+  protected places([x, y]: ControlPoint): readonly Pixels[] {
+    return [[this.x(x), this.far(y)]];
   }
 
   /** A height in pixels; what lies far outside comes nearer, for the drawing's sake. */
@@ -176,26 +127,16 @@ export class CartesianPlot {
     return Math.max(-2 * this.height, Math.min(3 * this.height, this.y(y)));
   }
 
-  private draw(path: SVGPathElement, curve: Curve | null): void {
-    const shape = line<ControlPoint>().x((p) => this.x(p[0])).y((p) => this.far(p[1])).curve(curveMonotoneX);
-    path.setAttribute("d", curve ? pieces(curve).map((piece) => shape([...piece]) ?? "").join("") : "");
+  private withinX(pixels: number): number {
+    return Math.max(MARGIN.left, Math.min(this.width - MARGIN.right, pixels));
   }
 
-  private straight(points: ControlPoint[]): string {
-    return line<ControlPoint>().x((p) => this.x(p[0])).y((p) => this.far(p[1]))(points) ?? "";
+  private withinY(pixels: number): number {
+    return Math.max(MARGIN.top, Math.min(this.height - MARGIN.bottom, pixels));
   }
 
-  private drawPins(view: PlotView): void {
-    this.pins.replaceChildren(
-      ...view.pins.map((pin) => {
-        const path = svg("path", { class: `curve pin pin-${pin.id % 6}` }, svg("title", {}, pin.name));
-        this.draw(path, pin);
-        return path;
-      }),
-    );
-  }
-
-  private drawMarks(group: SVGGElement, points: readonly ControlPoint[], mark: string): void {
-    group.replaceChildren(...points.map(([x, y]) => svg("path", { d: mark, transform: `translate(${this.x(x)},${this.far(y)})` })));
+  private add(event: MouseEvent): void {
+    const [x, y] = pixelsOf(this.element, event);
+    this.wishes.add([this.x.invert(x), this.y.invert(y)]);
   }
 }

@@ -7,6 +7,7 @@ import { CartesianPlot } from "./cartesian_plot";
 import type { Pins } from "./pins";
 import type { PlotView, PlotWishes } from "./plot";
 import { PolarPlot } from "./polar_plot";
+import type { ProfilePlot } from "./profile_plot";
 import { isReached } from "./result_card";
 import type { Activity, DesignSession } from "./session";
 import { errorBand, modelError } from "./shown";
@@ -20,8 +21,8 @@ export class PlotPanel {
   private readonly stage = h("div", { class: "stage" });
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
   private readonly status = h("div", { class: "status" });
-  private readonly cartesian: CartesianPlot;
-  private readonly polar: PolarPlot;
+  private readonly cartesian: ProfilePlot;
+  private readonly polar: ProfilePlot;
   private readonly remove = button("", () => this.removeSelected(), { icon: "minus", title: "Remove the selected control point" });
   private selected: number | null = null;
   private dragging = false;
@@ -53,7 +54,7 @@ export class PlotPanel {
     new ResizeObserver(() => this.resize()).observe(this.stage);
   }
 
-  get plot(): CartesianPlot | PolarPlot {
+  get plot(): ProfilePlot {
     return isPolar(this.session.state.get().task) ? this.polar : this.cartesian;
   }
 

@@ -1,12 +1,13 @@
 // Stiffness or Poisson's ratio over direction. The profile has the period pi: each half is the other's picture.
 import { type ScaleLinear, scaleLinear } from "d3-scale";
-import { type Curve, pieces } from "../base/curve";
+import type { Curve } from "../base/curve";
 import { svg, uniqueId } from "../base/dom";
 import { radialDomain } from "../base/domains";
 import { degrees, digits } from "../base/format";
 import { polarGrid, polarPath } from "../base/polar";
 import { Handles, pixelsOf } from "./handles";
 import type { PlotView, PlotWishes } from "./plot";
+import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
 import { spaced } from "./spline";
@@ -15,29 +16,18 @@ import { wrapped } from "./targets";
 const MARGIN = 40;
 const TARGET_STEPS = 181;
 
-export class PolarPlot {
-  readonly element = svg("svg", { class: "plot polar", role: "group", "aria-label": "Target and response over direction" });
+export class PolarPlot extends ProfilePlot {
+  protected readonly handles: Handles;
   private readonly radius: ScaleLinear<number, number> = scaleLinear();
   private readonly centre = svg("g");
-  private readonly ground = svg("circle", { class: "ground" });
+  private readonly disc = svg("circle", { class: "ground" });
   private readonly clip = uniqueId("plot-area");
   private readonly clipCircle = svg("circle");
   private readonly grid = svg("g", { class: "axis" });
-  private readonly envelope = svg("path", { class: "envelope", "fill-rule": "evenodd" });
-  private readonly doubt = svg("path", { class: "doubt", "fill-rule": "evenodd" });
-  private readonly pins = svg("g", { class: "pinned" });
-  private readonly before = svg("path", { class: "curve before" });
-  private readonly target = svg("path", { class: "curve target" });
-  private readonly achieved = svg("path", { class: "curve achieved" });
-  private readonly verified = svg("g", { class: "verified" });
-  private readonly missed = svg("g", { class: "missed" });
   private readonly title = svg("text", { class: "axis-title", x: 12, y: 22 });
-  private readonly handles: Handles;
-  private width = 640;
-  private height = 420;
-  private view: PlotView | null = null;
 
-  constructor(private readonly wishes: PlotWishes) {
+  constructor(wishes: PlotWishes) {
+    super("polar", "Target and response over direction", wishes);
     this.handles = new Handles(
       this.element,
       {
@@ -53,56 +43,53 @@ export class PolarPlot {
       },
       wishes,
     );
-    const reach = svg("g", { "clip-path": `url(#${this.clip})` }, this.envelope);
-    this.centre.append(svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipCircle)), this.ground, reach, this.grid, this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified);
+    this.centre.append(
+      svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipCircle)),
+      this.disc,
+      svg("g", { "clip-path": `url(#${this.clip})` }, ...this.ground),
+      this.grid,
+      ...this.curves,
+    );
     this.element.append(this.centre, this.title, this.handles.group);
-    this.ground.addEventListener("dblclick", (event) => this.wishes.add(this.point(pixelsOf(this.element, event))));
-    this.ground.addEventListener("pointerdown", () => this.wishes.select(null));
+    this.disc.addEventListener("dblclick", (event) => this.wishes.add(this.point(pixelsOf(this.element, event))));
+    this.disc.addEventListener("pointerdown", () => this.wishes.select(null));
   }
 
-  resize(width: number, height: number): void {
-    if (width === this.width && height === this.height) return;
-    this.width = width;
-    this.height = height;
-    if (this.view) this.update(this.view);
-  }
-
-  focus(index: number): void {
-    this.handles.focus(index);
-  }
-
-  follow(index: number): void {
-    this.handles.follow(index);
-  }
-
-  update(view: PlotView): void {
-    this.element.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
-    this.element.setAttribute("width", String(this.width));
-    this.element.setAttribute("height", String(this.height));
+  protected layOut(): void {
     this.centre.setAttribute("transform", `translate(${this.width / 2},${this.height / 2})`);
     const rim = Math.max(20, Math.min(this.width, this.height) / 2 - MARGIN);
     this.radius.range([0, rim]);
-    for (const circle of [this.ground, this.clipCircle]) circle.setAttribute("r", String(rim));
-    if (!view.dragging || this.view?.task !== view.task) this.fitDomain(view);
-    this.view = view;
-    this.drawGrid(view);
-    this.drawBand(this.envelope, view.envelope);
-    this.drawBand(this.doubt, view.doubt);
+    for (const circle of [this.disc, this.clipCircle]) circle.setAttribute("r", String(rim));
+  }
+
+  protected fitDomains(view: PlotView, curves: readonly Curve[]): void {
+    this.radius.domain(radialDomain(view.task, [...view.points.map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]));
+  }
+
+  protected drawAxes(view: PlotView): void {
+    this.grid.replaceChildren(...polarGrid(this.radius));
+    const { y, unit } = TASK_WORDS[view.task];
+    this.title.textContent = unit ? `${y} (${unit})` : y;
+  }
+
+  protected targetPath(view: PlotView): string {
     const directions = spaced(0, Math.PI, TARGET_STEPS);
-    this.draw(this.target, { x: directions, y: directions.map(view.target) });
-    this.draw(this.before, view.before);
-    this.draw(this.achieved, view.achieved);
-    this.achieved.classList.toggle("provisional", view.provisional);
-    this.pins.replaceChildren(
-      ...view.pins.map((pin) => {
-        const path = svg("path", { class: `curve pin pin-${pin.id % 6}` }, svg("title", {}, pin.name));
-        this.draw(path, pin);
-        return path;
-      }),
-    );
-    this.drawMarks(this.verified, view.verified ? pieces(view.verified).flat() : [], "M0,-5L5,0L0,5L-5,0Z");
-    this.drawMarks(this.missed, view.missed, "M-3.5,-3.5L3.5,3.5M-3.5,3.5L3.5,-3.5");
-    this.handles.update(view);
+    return this.curvePath({ x: directions, y: directions.map(view.target) });
+  }
+
+  protected curvePath(curve: Curve): string {
+    return polarPath(curve, (value) => this.away(value));
+  }
+
+  protected bandPath({ x, lower, upper }: Band): { area: string; rim: string } {
+    const rings = this.curvePath({ x, y: upper }) + this.curvePath({ x, y: lower });
+    return { area: rings, rim: rings };
+  }
+
+  protected places([x, y]: ControlPoint): readonly Pixels[] {
+    const r = this.away(y);
+    const [right, up] = [r * Math.cos(x), r * Math.sin(x)];
+    return [[right, -up], [-right, up]];
   }
 
   private unitWords(y: number): string {
@@ -122,33 +109,5 @@ export class PolarPlot {
     const [right, up] = [x - this.width / 2, this.height / 2 - y];
     const r = Math.min(Math.hypot(right, up), this.radius.range()[1]);
     return [wrapped(Math.atan2(up, right)), this.radius.invert(r)];
-  }
-
-  private fitDomain(view: PlotView): void {
-    const curves = [view.achieved, view.before, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null);
-    this.radius.domain(radialDomain(view.task, [...view.points.map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]));
-  }
-
-  private drawGrid(view: PlotView): void {
-    this.grid.replaceChildren(...polarGrid(this.radius));
-    const { y, unit } = TASK_WORDS[view.task];
-    this.title.textContent = unit ? `${y} (${unit})` : y;
-  }
-
-  private drawBand(path: SVGPathElement, band: Band | null): void {
-    if (!band) return path.setAttribute("d", "");
-    const ring = (y: readonly number[]) => polarPath({ x: band.x, y }, (value) => this.away(value));
-    path.setAttribute("d", ring(band.upper) + ring(band.lower));
-  }
-
-  private draw(path: SVGPathElement, curve: Curve | null): void {
-    path.setAttribute("d", curve ? polarPath(curve, (value) => this.away(value)) : "");
-  }
-
-  private drawMarks(group: SVGGElement, points: readonly ControlPoint[], mark: string): void {
-    const both = points.flatMap(([x, y]): ControlPoint[] => [[x, y], [x + Math.PI, y]]);
-    group.replaceChildren(
-      ...both.map(([x, y]) => svg("path", { d: mark, transform: `translate(${this.away(y) * Math.cos(x)},${-this.away(y) * Math.sin(x)})` })),
-    );
   }
 }
