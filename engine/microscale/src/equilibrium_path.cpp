@@ -52,8 +52,6 @@ constexpr int max_branch_changes = 12;
 /// How often one minimization may be repeated, with a contact barrier of twice the stiffness or for a tolerance that
 /// turned out too loose.
 constexpr int max_repeats = 10;
-/// Signs of a mode whose energies differ by less, relative, are symmetric: the positive one is taken.
-constexpr double symmetric_branches = 1e-9;
 
 /// K x for the lower triangle of K; all columns of x at once, so that K is read once.
 Eigen::MatrixXd product(const numerics::SparseMatrix& lower, const Eigen::MatrixXd& x) {
@@ -312,28 +310,17 @@ std::optional<Eigen::VectorXd> EquilibriumPath::lowest_along(const Eigen::Vector
   const Eigen::VectorXd start = x();
   const double largest = mode.head(mode.size() - 4).cwiseAbs().maxCoeff();
   const Eigen::VectorXd unit = mode * (model_.mesh()->beam_width / std::max(largest, 1e-300));
+  const auto state_at = [&](double amount) { return model_.retract(start, amount * unit, execution_.cost); };
+  const auto energy_at = [&](double amount) {
+    Eigen::VectorXd state = state_at(amount);
+    if (model_.prepare(start, state - start, execution_.cost) < 1) return std::numeric_limits<double>::infinity();
+    objective_.set_x(std::move(state));
+    return objective_.evaluate(0).value;
+  };
   const double energy = objective_.evaluate(0).value;
-  std::optional<Eigen::VectorXd> best;
-  double least = energy;
-  for (const double sign : {1.0, -1.0}) {
-    double last = energy;
-    for (int doublings = 0; doublings <= mode_doublings; ++doublings) {
-      const double amount = std::ldexp(first_mode_step, doublings);
-      Eigen::VectorXd state = model_.retract(start, sign * amount * unit, execution_.cost);
-      if (model_.prepare(start, state - start, execution_.cost) < 1) break;
-      objective_.set_x(std::move(state));
-      const double value = objective_.evaluate(0).value;
-      if (!(value < last)) break;
-      last = value;
-      const bool clearly_less = value < least - symmetric_branches * std::abs(energy - least);
-      if (clearly_less) {
-        least = value;
-        best = objective_.x();
-      }
-    }
-    objective_.set_x(start);
-  }
-  return best;
+  const auto amount = numerics::lowest_along_mode(energy, first_mode_step, mode_doublings, energy_at);
+  objective_.set_x(start);
+  return amount ? std::optional(state_at(*amount)) : std::nullopt;
 }
 
 }  // namespace supple::microscale

@@ -18,6 +18,9 @@ constexpr int lanczos_steps = 40;
 /// The Ritz value has converged once a step changes it by less, relative.
 constexpr double ritz_tolerance = 1e-6;
 
+/// Ways along a mode whose energies differ by less, relative, are symmetric.
+constexpr double symmetric_ways = 1e-9;
+
 double shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky, const CancellationToken& cancellation) {
   const double scale = diagonal_scale(hessian);
   double shift = first_shift * scale;
@@ -67,6 +70,26 @@ Mode least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& 
   if (mode.direction[peak] < 0) mode.direction = -mode.direction;
   mode.curvature = 1 / ritz.eigenvalues()[made - 1] - shift;
   return mode;
+}
+
+std::optional<double> lowest_along_mode(double energy, double first, int doublings,
+                                        const std::function<double(double amount)>& energy_at) {
+  double least = energy;
+  std::optional<double> best;
+  for (const double sign : {1.0, -1.0}) {
+    double last = energy;
+    for (int doubled = 0; doubled <= doublings; ++doubled) {
+      const double amount = sign * std::ldexp(first, doubled);
+      const double value = energy_at(amount);
+      if (!(value < last)) break;
+      last = value;
+      if (value < least - symmetric_ways * std::abs(energy - least)) {
+        least = value;
+        best = amount;
+      }
+    }
+  }
+  return best;
 }
 
 }  // namespace supple::numerics

@@ -33,8 +33,6 @@ constexpr int max_branch_changes = 12;
 /// Steps along an unstable mode: largest entry, mm or rad, of the first; each is twice the one before.
 constexpr double first_mode_step = 1e-3;
 constexpr int mode_doublings = 12;
-/// Signs of a mode whose energies differ by less, relative, are symmetric: the positive one is taken.
-constexpr double symmetric_branches = 1e-9;
 
 /// Of the path for the tangent to what is prescribed, by central differences.
 constexpr double tangent_step = 1e-6;
@@ -233,30 +231,16 @@ bool EquilibriumPath::move_along(const Eigen::VectorXd& mode) {
   const Chart chart = objective_.chart();
   const Eigen::VectorXd unit = mode / std::max(mode.lpNorm<Eigen::Infinity>(), 1e-300);
   const double energy = objective_.evaluate(0).value;
-  double least = energy;
-  std::optional<std::pair<Eigen::VectorXd, Chart>> best;
-  for (const double sign : {1.0, -1.0}) {
-    double last = energy;
-    objective_.set_state(start, chart);
-    const double limit = objective_.largest_step(objective_.restrict(sign * unit));
-    for (int doublings = 0; doublings <= mode_doublings; ++doublings) {
-      const double amount = std::ldexp(first_mode_step, doublings);
-      if (amount > limit) break;
-      objective_.set_state(start + sign * amount * unit, chart);
-      const double value = objective_.evaluate(0).value;
-      if (!(value < last)) break;
-      last = value;
-      if (value < least - symmetric_branches * std::abs(energy - least)) {
-        least = value;
-        best.emplace(objective_.q(), objective_.chart());
-      }
-    }
-  }
-  if (!best) {
-    objective_.set_state(start, chart);
-    return false;
-  }
-  objective_.set_state(std::move(best->first), std::move(best->second));
+  const double forward = objective_.largest_step(objective_.restrict(unit));
+  const double backward = objective_.largest_step(objective_.restrict(-unit));
+  const auto energy_at = [&](double amount) {
+    if (amount > forward || -amount > backward) return std::numeric_limits<double>::infinity();
+    objective_.set_state(start + amount * unit, chart);
+    return objective_.evaluate(0).value;
+  };
+  const auto amount = numerics::lowest_along_mode(energy, first_mode_step, mode_doublings, energy_at);
+  objective_.set_state(amount ? start + *amount * unit : start, chart);
+  if (!amount) return false;
   ++branches_left_;
   if (execution_.cost)
     execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", 1);

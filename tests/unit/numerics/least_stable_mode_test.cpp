@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace supple::numerics {
@@ -35,6 +36,31 @@ TEST(LeastStableMode, IsTheLowestEigenpairOfAnIndefiniteAndOfADefiniteMatrix) {
       EXPECT_GT(mode.direction.dot(exact.normalized()), 0.99) << shift;
     }
   }
+}
+
+TEST(LowestAlongMode, GoesAsFarAsTheEnergyFallsAndTheBetterWay) {
+  const auto steep = [](double x) { return x * x * (x * x - 2) + 0.1 * x; };
+  const auto amount = lowest_along_mode(0, 1e-3, 12, steep);
+  ASSERT_TRUE(amount);
+  EXPECT_EQ(*amount, -1.024) << "of the powers of two the one nearest to -1, where the other way is less deep";
+}
+
+TEST(LowestAlongMode, TakesThePositiveWayOfTwoThatAreSymmetric) {
+  int evaluations = 0;
+  const auto well = [&](double x) {
+    ++evaluations;
+    return x * x * (x * x - 2);
+  };
+  EXPECT_EQ(lowest_along_mode(0, 1e-3, 12, well), 1.024);
+  EXPECT_EQ(evaluations, 2 * 12) << "each way up to 2.048, the first amount that does not lessen the energy";
+}
+
+TEST(LowestAlongMode, StaysWhereItMayGo) {
+  const auto slope = [](double x) { return std::abs(x) > 0.01 ? std::numeric_limits<double>::infinity() : -x * x; };
+  EXPECT_EQ(lowest_along_mode(0, 1e-3, 12, slope), 8e-3);
+  EXPECT_EQ(lowest_along_mode(0, 1e-3, 2, slope), 4e-3);
+  EXPECT_FALSE(lowest_along_mode(0, 1e-3, 12, [](double x) { return x * x; }));
+  EXPECT_FALSE(lowest_along_mode(0, 0.1, 12, slope));
 }
 
 }  // namespace
