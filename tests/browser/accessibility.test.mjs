@@ -2,23 +2,14 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
-import { after, before, describe, it } from "node:test";
+import { describe, it, test } from "node:test";
 import { DesignPage } from "./design_page.mjs";
-import { closePage, launch, openPage, picture, Server, until } from "./harness.mjs";
+import { browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
 import { WeavePage } from "./weave_page.mjs";
 
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch({ webgl: true });
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp({ webgl: true });
 
 async function violations(page) {
   // The rules are put into the page by the browser itself, which its policy on scripts does not concern.

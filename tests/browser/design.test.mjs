@@ -1,19 +1,10 @@
 // Designs by drawing: targets, sliders, history, what follows what.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
+import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
-import { closePage, launch, picture, Server, until } from "./harness.mjs";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp();
 
 async function withPage(act, options) {
   const design = await DesignPage.open(browser, server.url, options);

@@ -6,6 +6,7 @@ import { existsSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import path from "node:path";
+import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
@@ -29,7 +30,7 @@ async function freePort() {
 }
 
 /** supple-server on a port that it keeps over restarts. */
-export class Server {
+class Server {
   static async start() {
     for (const file of [SERVER, path.join(EDITOR, "index.html")]) assert.ok(existsSync(file), `${file} is missing: build it first`);
     const server = new Server();
@@ -77,10 +78,24 @@ export class Server {
 /** WebGL is computed by the processor, which makes all pictures slow: only for what needs it. */
 const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
-export function launch({ webgl = false } = {}) {
+function launch({ webgl = false } = {}) {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
     args: ["--no-sandbox", ...(webgl ? WEBGL : ["--disable-gpu"])], // root in a container has no sandbox
+  });
+}
+
+/** What a file of tests works with: started before its first test, ended after its last. */
+export let server;
+export let browser;
+export function setUp(options) {
+  before(async () => {
+    server = await Server.start();
+    browser = await launch(options);
+  });
+  after(async () => {
+    await browser?.close();
+    await server?.close();
   });
 }
 

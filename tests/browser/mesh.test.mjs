@@ -1,18 +1,9 @@
 // The mesh page: surfaces, points, paths, distances, means.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
-import { closePage, launch, openPage, picture, Server, until } from "./harness.mjs";
+import { describe, it, test } from "node:test";
+import { browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch({ webgl: true });
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp({ webgl: true });
 
 const TETRAHEDRON = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
 

@@ -1,20 +1,11 @@
 // What leaves the design page: links, files, pins.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { after, before, describe, it } from "node:test";
+import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
-import { closePage, launch, Server, until } from "./harness.mjs";
+import { browser, closePage, server, setUp, until } from "./harness.mjs";
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp();
 
 async function saved(page, name) {
   await page.locator(".menu summary").click();

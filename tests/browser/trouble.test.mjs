@@ -1,19 +1,10 @@
 // What goes wrong: slow searches, faults, a server that is gone.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
+import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
-import { closePage, launch, openPage, Server, until } from "./harness.mjs";
+import { browser, closePage, openPage, server, setUp, until } from "./harness.mjs";
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp();
 
 const isSearch = (request) => request.postDataJSON()?.effects?.multi_start !== "off";
 

@@ -1,21 +1,12 @@
 // Designs simulated at their native scale.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
+import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
-import { closePage, launch, picture, Server, until } from "./harness.mjs";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 
 const SIMULATION_MS = 150_000;
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp();
 
 /** A small strain of one family, whose simulation is quick. */
 const LINK = "#/design?task=stress_strain&family=IH29&direction=0&points=0,0;0.02,0.004;0.04,0.008&design=IH29&parameters=0.25";

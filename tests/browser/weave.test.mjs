@@ -1,19 +1,10 @@
 // The weave page: patterns, crossings that are clicked, profiles that follow, strands that are drawn.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
-import { closePage, launch, picture, Server, until } from "./harness.mjs";
+import { describe, it, test } from "node:test";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { WeavePage } from "./weave_page.mjs";
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp();
 
 describe("a pattern", () => {
   it("is shown with its crossings, its profile and its deformed cell, for each type", async () => {

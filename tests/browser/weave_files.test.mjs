@@ -1,19 +1,10 @@
 // What leaves the weave page, and what goes wrong there: files, links, pins, a server that is gone.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
-import { closePage, launch, picture, Server, until } from "./harness.mjs";
+import { describe, it, test } from "node:test";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { saved, WeavePage } from "./weave_page.mjs";
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch();
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp();
 
 const exported = (page, name) => saved(page, async () => {
   await page.locator(".menu summary").click();

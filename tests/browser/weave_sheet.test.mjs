@@ -1,19 +1,10 @@
 // Sheets of the weave page: simulated, looked at in space, saved.
 import assert from "node:assert/strict";
-import { after, before, describe, it } from "node:test";
-import { closePage, launch, picture, Server, until } from "./harness.mjs";
+import { describe, it, test } from "node:test";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { saved, WeavePage } from "./weave_page.mjs";
 
-let server;
-let browser;
-before(async () => {
-  server = await Server.start();
-  browser = await launch({ webgl: true });
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+setUp({ webgl: true });
 
 const fact = (page, term) => page.locator(".sheet .facts dt", { hasText: term }).locator("+ dd").textContent();
 
