@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
-import { describe, it, test } from "node:test";
+import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
 import { browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
 import { WeavePage } from "./weave_page.mjs";

@@ -1,6 +1,6 @@
 // The mesh page: surfaces, points, paths, distances, means.
 import assert from "node:assert/strict";
-import { describe, it, test } from "node:test";
+import { describe, it } from "node:test";
 import { browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
 
 setUp({ webgl: true });

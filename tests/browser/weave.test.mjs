@@ -1,6 +1,6 @@
 // The weave page: patterns, crossings that are clicked, profiles that follow, strands that are drawn.
 import assert from "node:assert/strict";
-import { describe, it, test } from "node:test";
+import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { WeavePage } from "./weave_page.mjs";
 

@@ -1,6 +1,6 @@
 // What leaves the weave page, and what goes wrong there: files, links, pins, a server that is gone.
 import assert from "node:assert/strict";
-import { describe, it, test } from "node:test";
+import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { saved, WeavePage } from "./weave_page.mjs";
 

@@ -1,6 +1,6 @@
 // Sheets of the weave page: simulated, looked at in space, saved.
 import assert from "node:assert/strict";
-import { describe, it, test } from "node:test";
+import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { saved, WeavePage } from "./weave_page.mjs";
 
