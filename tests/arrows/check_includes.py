@@ -42,6 +42,7 @@ LIBRARIES = {
     "hdf5.h": ("engine/files",),
     "torch/": ("engine/training", "tests"),
     "CGAL/": ("tests",),
+    "ceres/": ("tests",),
     "gmsh.h": ("engine/tiling",),
     "polyclipping/": ("engine/tiling",),
     "clipper.hpp": ("engine/tiling",),

@@ -74,5 +74,6 @@ int main(int argc, char** argv) {
                      {{"recovery", [&] { study_recovery(settings); }},
                       {"speed", [&] { study_design_speed(settings); }},
                       {"accuracy", [&] { study_design_accuracy(settings); }},
+                      {"solvers", [&] { study_solvers(settings); }},
                       {"verification", [&] { study_verification(settings); }}});
 }

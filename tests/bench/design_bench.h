@@ -44,6 +44,7 @@ inline constexpr design::Task all_tasks[] = {design::Task::stress_strain, design
 void study_recovery(const DesignSettings& settings);
 void study_design_speed(const DesignSettings& settings);
 void study_design_accuracy(const DesignSettings& settings);
+void study_solvers(const DesignSettings& settings);
 void study_verification(const DesignSettings& settings);
 
 }  // namespace supple::bench
