@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 from plotting import BLUE, GREY, RED
 
-STRAND, FADED, FUSED, SLIDING = BLUE, "#b9cfe0", "#a32a2a", "#c77a10"
+STRAND, FADED, REST, FUSED, SLIDING = BLUE, "#b9cfe0", "#d9d9d4", "#a32a2a", "#c77a10"
 HEIGHTS: Colormap = LinearSegmentedColormap.from_list("height", ["#23406b", "#1b6ca8", "#2a9d8f", "#d9b23c", "#d1495b"])
 BANDS = 12  # colours of a view in space
-TOLERANCE = 0.03  # mm by which a drawn curve may miss the computed one
+TOLERANCE = 0.01  # mm by which a drawn curve of a cell may miss the computed one
+SHEET_TOLERANCE = 0.05  # the same of a sheet
 POLAR_TICKS = np.radians([0, 45, 90, 135, 180, 225, 270, 315])
 
 Polylines = Sequence[np.ndarray]
@@ -45,11 +46,20 @@ def bare(axes: plt.Axes) -> None:
     axes.axis("off")
 
 
-def draw_strands(axes: plt.Axes, strands: Polylines, colour: Any = STRAND, width: float = 1.2) -> None:
+def same_scale(panels: Sequence[plt.Axes]) -> None:
+    """Gives pictures the same limits, so that lengths compare."""
+    for kind in ("x", "y"):
+        limits = np.array([getattr(panel, f"get_{kind}lim")() for panel in panels])
+        for panel in panels:
+            getattr(panel, f"set_{kind}lim")(limits[:, 0].min(), limits[:, 1].max())
+
+
+def draw_strands(axes: plt.Axes, strands: Polylines, colour: Any = STRAND, width: float = 1.2,
+                 tolerance: float = TOLERANCE) -> None:
     """From above; one path for all of them."""
     parts: List[np.ndarray] = []
     for strand in strands:
-        parts += [simplified(np.asarray(strand)[:, :2]), np.full((1, 2), np.nan)]
+        parts += [simplified(np.asarray(strand)[:, :2], tolerance), np.full((1, 2), np.nan)]
     path = np.concatenate(parts)
     axes.plot(path[:, 0], path[:, 1], color=colour, linewidth=width, solid_capstyle="round")
 
@@ -90,6 +100,13 @@ def draw_layout(axes: plt.Axes, layout: Any, arrow: float) -> None:
     axes.set_ylim(corners[:, 1].min() - margin, corners[:, 1].max() + margin)
 
 
+def draw_sheet(axes: plt.Axes, rest: Polylines, deformed: Polylines) -> None:
+    """A sheet from above, over what it is at rest."""
+    draw_strands(axes, rest, REST, 0.8, SHEET_TOLERANCE)
+    draw_strands(axes, deformed, width=0.9, tolerance=SHEET_TOLERANCE)
+    bare(axes)
+
+
 def draw_repeated(axes: plt.Axes, strands: Sequence[np.ndarray], lattice: np.ndarray, times: int) -> None:
     """A cell and its copies; the middle one stands out."""
     middle = times // 2
@@ -114,9 +131,9 @@ def draw_polar(axes: plt.Axes, curves: Sequence[Tuple[np.ndarray, np.ndarray, An
         axes.plot(x, y, color=colour, linewidth=1.5, label=label)
     axes.set_xticks(POLAR_TICKS, ["0°", "45°", "90°", "", "", "", "", ""], fontsize=7)
     axes.tick_params(pad=-1)
-    axes.set_rlabel_position(292)
+    axes.set_rlabel_position(302)
     if decades is not None:
-        ticks = list(range(decades[0] + 1, decades[1] + 1))
+        ticks = list(range(decades[0] + 2, decades[1], 2))
         axes.set_ylim(0, decades[1] - decades[0])
         axes.set_yticks([tick - decades[0] for tick in ticks], [f"$10^{{{tick}}}$" for tick in ticks], fontsize=6)
     else:
@@ -131,7 +148,7 @@ def pull_arrows(axes: plt.Axes, direction: float) -> None:
     d = np.array([np.cos(direction), np.sin(direction)])
     centre = np.array([0.5, 0.5])
     for sign in (1, -1):
-        axes.annotate("", centre + sign * 0.66 * d, centre + sign * 0.54 * d, xycoords="axes fraction",
+        axes.annotate("", centre + sign * 0.62 * d, centre + sign * 0.51 * d, xycoords="axes fraction",
                       annotation_clip=False, arrowprops={"arrowstyle": "-|>", "color": RED, "linewidth": 1.5})
 
 
@@ -148,7 +165,7 @@ def draw_in_space(axes: plt.Axes, strands: Polylines, azimuth: float, elevation:
         axes.fill(flat @ right, flat @ up, facecolor="#f1f1ee", edgecolor=GREY, linewidth=0.6)
     runs: List[List[np.ndarray]] = [[] for _ in range(BANDS)]
     for strand in strands:
-        points = simplified(np.asarray(strand))
+        points = simplified(np.asarray(strand), SHEET_TOLERANCE)
         middle = 0.5 * (points[1:, 2] + points[:-1, 2])
         band = np.clip(((middle - lowest) / (highest - lowest) * BANDS).astype(int), 0, BANDS - 1)
         first = 0
