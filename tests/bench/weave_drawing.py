@@ -3,12 +3,14 @@ the points that nobody would miss."""
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any, List, Optional, Sequence, Tuple
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
-from plotting import BLUE, GREY, RED
+from plotting import BLUE, GREY, RED, save
 
 STRAND, FADED, REST, FUSED, SLIDING = BLUE, "#b9cfe0", "#d9d9d4", "#a32a2a", "#c77a10"
 HEIGHTS: Colormap = LinearSegmentedColormap.from_list("height", ["#23406b", "#1b6ca8", "#2a9d8f", "#d9b23c", "#d1495b"])
@@ -146,9 +148,10 @@ def draw_polar(axes: plt.Axes, curves: Sequence[Tuple[np.ndarray, np.ndarray, An
 def pull_arrows(axes: plt.Axes, direction: float) -> None:
     """Where a cell is pulled, beside its picture."""
     d = np.array([np.cos(direction), np.sin(direction)])
+    d /= np.abs(d).max()
     centre = np.array([0.5, 0.5])
     for sign in (1, -1):
-        axes.annotate("", centre + sign * 0.62 * d, centre + sign * 0.51 * d, xycoords="axes fraction",
+        axes.annotate("", centre + sign * 0.58 * d, centre + sign * 0.49 * d, xycoords="axes fraction",
                       annotation_clip=False, arrowprops={"arrowstyle": "-|>", "color": RED, "linewidth": 1.5})
 
 
@@ -190,3 +193,12 @@ def height_bar(figure: plt.Figure, axes: Any, lowest: float, highest: float) -> 
     bar.set_label("height, mm", fontsize=8)
     bar.ax.tick_params(labelsize=7)
 
+
+def save_small(figure: plt.Figure, path: Path, tight: bool = True) -> None:
+    """Saves with the coordinates of curves to a hundredth of a point."""
+    save(figure, path, tight)
+
+    def rounded(attribute: re.Match[str]) -> str:
+        return re.sub(r"-?\d+\.\d+", lambda number: f"{float(number.group()):.2f}".rstrip("0").rstrip("."), attribute.group())
+
+    path.write_text(re.sub(r' d="[^"]*"', rounded, path.read_text(encoding="utf-8")), encoding="utf-8")

@@ -17,9 +17,9 @@ from typing import Any, Callable, List, Tuple
 import matplotlib.pyplot as plt
 import numpy as np
 from gallery import read_order
-from plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, save
+from plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
 from weave_drawing import (draw_in_space, draw_layout, draw_polar, draw_repeated, draw_sheet, height_bar, pull_arrows,
-                           same_scale)
+                           same_scale, save_small)
 
 import supple
 from supple import Place, Support, Weave, WeaveOptions
@@ -53,6 +53,10 @@ def number(value: float, digits: int = 3) -> str:
 
 def measured(value: float, unit: str, digits: int = 3) -> str:
     return f"less than {NEARLY_NOTHING:g} {unit}" if abs(value) < NEARLY_NOTHING else f"{number(value, digits)} {unit}"
+
+
+def percent(share: float, decimals: int = 1) -> str:
+    return f"{100 * share:.{decimals}f} %"
 
 
 def homogenize(client: supple.Client, weave: Weave, strain: float, segments: int = 4,
@@ -109,13 +113,13 @@ def regular_cells(client: supple.Client, path: Path) -> str:
         draw_cell(rows[2][column], answer.cells[0], 3, math.pi / 4)
         rows[0][column].set_title(name, fontsize=9)
         rows[2][column].set_title(f"{measured(stiffness[-1], 'N/m')} at 45°", fontsize=8, y=-0.24)
-    save(figure, path)
+    save_small(figure, path)
     return (f"Regular weaves whose cell of 2 x 2 crossings has from none to four that slide (dots: fused; arrows: where a strand "
-            f"slides); below, Young's modulus over direction at a strain of {STRAIN:.0%} on a logarithmic scale (N/m), and the "
-            f"cell pulled along 45°. Along the strands all have {number(min(along))} N/m, whatever the "
-            f"crossings (they differ by {max(along) / min(along) - 1:.1e} of it). Along the diagonal it falls from {number(stiffness[0])} N/m where all are fused to "
-            f"{number(stiffness[4])} N/m with one fused crossing in four; where all slide, strands turn and nothing "
-            f"resists: {measured(stiffness[5], 'N/m')}.")
+            f"slides); below, Young's modulus over direction at a strain of {percent(STRAIN, 0)} on a logarithmic scale (N/m), "
+            f"and the cell pulled along 45°. Along the strands all have {number(min(along))} N/m, whatever the crossings (they "
+            f"differ by {max(along) / min(along) - 1:.0e} of it). Along the diagonal it falls from {number(stiffness[0])} N/m where "
+            f"all are fused to {number(stiffness[4])} N/m with one fused crossing in four; where all slide, strands turn and "
+            f"nothing resists: {measured(stiffness[5], 'N/m')}.")
 
 
 def regular_sheets(client: supple.Client, path: Path) -> str:
@@ -139,7 +143,7 @@ def regular_sheets(client: supple.Client, path: Path) -> str:
         panel.set_title(f"{name}: {number(force)} N", fontsize=9)
     same_scale(panels)
     height_bar(figure, list(panels), 0, highest)
-    save(figure, path, tight=False)
+    save_small(figure, path, tight=False)
     (fused, pull), (sliding, small_pull) = states
     return (f"A sheet of {count} x {count} strands is held at one corner, and the opposite corner is drawn towards it by 18 mm in x "
             f"and y (the shaded square is the sheet at rest). Fused, it bends out of its plane, by {number(highest_point(fused))} "
@@ -175,7 +179,7 @@ def squares_profiles(client: supple.Client, path: Path) -> str:
     rows[1][0].legend(fontsize=7, frameon=False, loc=(-0.3, 0.92))
     rows[2][0].set_ylabel("Poisson's ratio", fontsize=8)
     rows[2][0].set_xlabel("direction, degrees", fontsize=8)
-    save(figure, path)
+    save_small(figure, path)
     return (f"The four types of interlacing squares. From above: their cells; Young's modulus over direction at strains of 10 % and "
             f"30 % (N/m); Poisson's ratio; the cells pulled by 10 % along 45°. At 10 %, type 1, fused, lies between "
             f"{number(facts[0][0])} and {number(facts[0][1])} N/m. Type 2 slides along x: {number(facts[1][0], 2)} N/m there and up "
@@ -209,13 +213,13 @@ def squares_locking(client: supple.Client, path: Path) -> str:
         draw_cell(panel, answer.cells[0], 2, 0.0)
         panel.set_title(f"pulled by {100 * answer.strain:.0f} %", fontsize=8)
     same_scale(figure.axes[2:])
-    save(figure, path)
+    save_small(figure, path)
     at = [float(np.interp(strain, strains, stress)) / strain for strain in (STRAIN, LARGE_STRAIN)]
     begin = float(strains[np.flatnonzero(np.array(stress) > 0.05 * max(stress))[0]])
     return (f"Squares of type 2, pulled along x. Their sliders have 2.1 mm on either side of a corner, so that a cell of 18 mm gives "
-            f"way by 2 x 2.1 / 18 = {lock:.1%} (dotted) before they lock. The computed stress agrees: the secant modulus along x is "
+            f"way by 2 x 2.1 / 18 = {percent(lock)} (dotted) before they lock. The computed stress agrees: the secant modulus along x is "
             f"{number(at[0], 2)} N/m at 10 % and {number(at[1])} N/m at 30 %, and stress passes a twentieth of its value at 40 % "
-            f"at a strain of {begin:.1%}. Right: the cell before and after it locked.")
+            f"at a strain of {percent(begin)}. Right: the cell before and after it locked.")
 
 
 def squares_sheets(client: supple.Client, path: Path) -> str:
@@ -234,7 +238,7 @@ def squares_sheets(client: supple.Client, path: Path) -> str:
         forces.append(abs(float(answer.resultant(1)[-1][0])))
         draw_sheet(panel, [strand.polyline for strand in client.weave_layout(sheet).strands], answer.states[-1].strands or ())
         panel.set_title(f"type {kind}: {measured(forces[-1], 'N')}", fontsize=9)
-    save(figure, path)
+    save_small(figure, path)
     return (f"Sheets of 5 x 5 and 4 x 4 squares, {number(length)} mm long, whose left side is held and whose right side is pulled by "
             f"10 % (grey: at rest). Type 1 takes {number(forces[0])} N, type 2 {measured(forces[1], 'N')}: its squares slide past "
             f"each other and none bends. Types 3 and 4 take {number(forces[2])} and {number(forces[3])} N.")
@@ -279,14 +283,14 @@ def circles(client: supple.Client, path: Path) -> str:
         lengthened.append(float(np.ptp(after[:, 1]) / np.ptp(before[:, 1]) - 1))
         draw_sheet(figure.add_subplot(2, 4, 4 * row + 4), rest, deformed)
     same_scale([figure.axes[3], figure.axes[7]])
-    save(figure, path)
+    save_small(figure, path)
     fused, sliding = profiles
     return (f"Interlacing circles: the cell, Young's modulus over direction (N/m) and Poisson's ratio at 10 %. Fused, they have "
             f"{number(float(fused.min()))} to {number(float(fused.max()))} N/m and the same along both diagonals; sliding, "
             f"{number(float(sliding.min()))} to {number(float(sliding.max()))} N/m, and {number(float(sliding[DIAGONAL]))} along "
             f"one diagonal against {number(float(sliding[3 * DIAGONAL]))} N/m along the other. Right: sheets of {columns} x {rows} "
             f"circles whose lowest row is held and whose highest is drawn up by {force:g} N (grey: at rest). Fused, the sheet "
-            f"lengthens by {lengthened[0]:.1%}, sliding by {lengthened[1]:.1%}: circles become ovals that slide through each other.")
+            f"lengthens by {percent(lengthened[0])}, sliding by {percent(lengthened[1])}: circles become ovals that slide through each other.")
 
 
 def rings(client: supple.Client, path: Path) -> str:
@@ -303,8 +307,8 @@ def rings(client: supple.Client, path: Path) -> str:
     pushes = [0.0] + [push * state.share for state in answer.states]
     heights = [0.0] + [highest_point(state) for state in answer.states]
     force = [0.0] + [float(reaction[1]) for reaction in answer.resultant(1)]
-    figure, (curve, *views) = plt.subplots(1, 3, figsize=(10.6, 3.4), gridspec_kw={"width_ratios": [1, 1.1, 1.1],
-                                                                                     "wspace": 0.35})
+    figure, (curve, *views) = plt.subplots(1, 3, figsize=(10.6, 3.4), gridspec_kw={
+        "width_ratios": [1, 1.1, 1.1], "wspace": 0.3, "left": 0.05, "right": 0.99, "bottom": 0.13, "top": 0.92})
     curve.plot(pushes, heights, color=BLUE, marker="o", markersize=3)
     curve.set_xlabel("the strand is pushed in by, mm", fontsize=8)
     curve.set_ylabel("height, mm", fontsize=8, color=BLUE)
@@ -320,7 +324,7 @@ def rings(client: supple.Client, path: Path) -> str:
     same_scale(views)
     for axis in (curve, twin):
         axis.tick_params(labelsize=7)
-    save(figure, path, tight=False)
+    save_small(figure, path, tight=False)
     first = next(i for i, height in enumerate(heights) if height > 0.5)
     return (f"Three rings and their diameters are fused; one more strand is fused to the outer ring's top and slides through the rest. "
             f"The ring is clamped at the bottom, and the strand is pushed in there: the disc buckles and becomes a dome, "
