@@ -6,6 +6,7 @@ Usage: plot_weaves.py [FOLDER]      default: docs/bench
 weaves-segments.svg     error of moduli against time for segments between crossings
 weaves-tolerance.svg    error of moduli and Newton iterations against the tolerance
 weaves-directions.svg   error of interpolated profiles against the number of directions
+weaves-paths.svg        directions that end on another equilibrium, and time, against load steps
 weaves-speed.svg        time per direction of each cell, by what it goes into
 weaves-size.svg         time and memory of a sheet against the number of its crossings
 
@@ -81,6 +82,25 @@ def draw_directions(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
+def draw_paths(rows: list[Row], target: Path) -> None:
+    figure, panels = plt.subplots(1, 2, figsize=(8.4, 3.8))
+    large = [row for row in rows if float(row["strain"]) > 0.2]
+    for colour, (cell, points) in zip(COLOURS, grouped(large, "cell").items()):
+        steps = numbers(points, "load_steps")
+        panels[0].plot(steps, numbers(points, "other"), marker="o", color=colour, label=cell)
+        panels[1].plot(steps, numbers(points, "ms"), marker="o", color=colour, label=cell)
+    ticks = sorted({int(row["load_steps"]) for row in large})
+    for panel in panels:
+        panel.set_xscale("log", base=2)
+        panel.set_xticks(ticks, [str(tick) for tick in ticks])
+        panel.set_ylim(bottom=0 if panel is panels[1] else None)
+        panel.set_xlabel("load steps to a strain of 0.3")
+    panels[0].set_ylabel("directions on another equilibrium")
+    panels[1].set_ylabel("milliseconds per direction")
+    panels[0].legend(fontsize=8, frameon=False)
+    save(figure, target)
+
+
 def draw_speed(rows: list[Row], target: Path) -> None:
     figure, axes = plt.subplots(figsize=(7.6, 4.6))
     labels = [f"{row['cell']}, {row['strain']}" for row in rows]
@@ -119,6 +139,7 @@ def main() -> None:
     for table, image, draw in (("weaves-segments", "weaves-segments", draw_segments),
                                ("weaves-tolerance", "weaves-tolerance", draw_tolerance),
                                ("weaves-directions", "weaves-directions", draw_directions),
+                               ("weaves-paths", "weaves-paths", draw_paths),
                                ("weaves-speed-cell-shares", "weaves-speed", draw_speed),
                                ("weaves-size", "weaves-size", draw_size)):
         if (folder / f"{table}.csv").exists():

@@ -16,7 +16,9 @@ using weave::Stop;
 using weave::Switch;
 using weave::Weave;
 
-std::string percent(double share) { return number(100 * share, 2); }
+/// Where buckling leaves next to nothing of a modulus, how many times it is off says no more than this.
+constexpr double beyond_telling = 100;
+std::string percent(double share) { return share > beyond_telling ? "over 10,000" : number(100 * share, 2); }
 std::string milliseconds(const TimedCell& run) {
   return number(1e3 * run.cpu_seconds / static_cast<double>(run.result.size()));
 }
@@ -260,8 +262,10 @@ void study_sheets(Report& report, const WeaveSettings& settings) {
   }
   report.heading("Sheets");
   report.text(
-      "Sheets are held along the lowest strand, and the highest one is moved aside and free to sink. The energy tells "
-      "what an effect changes: the true equilibrium has the least.");
+      "Sheets are held at three crossings of a corner, and those of the opposite corner are drawn towards it by 10 % "
+      "of "
+      "the side in x and in y. The energy tells what an effect changes: of equilibria that are found, the one with the "
+      "least is what would be seen.");
   report.table(table);
 }
 

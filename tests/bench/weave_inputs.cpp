@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
@@ -16,10 +17,21 @@ using weave::DirectionalResponse;
 using weave::SquareType;
 using weave::Stop;
 
+namespace {
+
+/// How busy the machine has been: elapsed times mean little on one that others use.
+std::string load_line() {
+  double load[2] = {0, 0};
+  if (getloadavg(load, 2) < 2) return "load unknown";
+  return "load average of the last five minutes " + number(load[1], 2);
+}
+
+}  // namespace
+
 std::string weave_introduction(const WeaveSettings& settings, const std::string& study, const std::string& conditions) {
   std::string text =
       "This page is generated; how weaves are computed is in [digital weaves](../weaves.md). Measured on: " +
-      machine_line() +
+      machine_line() + "; " + load_line() +
       ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target weave_bench\n"
       "build/bench/tests/bench/weave_bench " +
       study + "\ntests/bench/plot_weaves.py docs/bench\n```\n\n" + conditions;
