@@ -19,6 +19,8 @@ TOLERANCE = 0.01  # mm by which a drawn curve of a cell may miss the computed on
 SHEET_TOLERANCE = 0.05  # the same of a sheet
 POLAR_TICKS = np.radians([0, 45, 90, 135, 180, 225, 270, 315])
 
+plt.rcParams["path.simplify_threshold"] = 0.3  # of a pixel, for curves over direction
+
 Polylines = Sequence[np.ndarray]
 
 

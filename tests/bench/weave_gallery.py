@@ -159,12 +159,14 @@ def squares_profiles(client: supple.Client, path: Path) -> str:
     figure = plt.figure(figsize=(10, 9.6))
     rows = [plain_row(figure, 4, 4, 0), polar_row(figure, 4, 4, 1), plain_row(figure, 4, 4, 2), plain_row(figure, 4, 4, 3)]
     facts: List[Tuple[float, float, float, float]] = []
+    last: List[float] = []  # along both diagonals at the larger strain, of the type drawn last
     for column, kind in enumerate(SQUARES):
         weave = Weave.squares(kind)
         small = homogenize(client, weave, STRAIN, deformed=[DIAGONAL])
         large = homogenize(client, weave, LARGE_STRAIN)
         modulus = small.youngs_modulus
         facts.append((float(modulus.min()), float(modulus.max()), float(modulus[DIAGONAL]), float(modulus[3 * DIAGONAL])))
+        last = [float(large.youngs_modulus[DIAGONAL]), float(large.youngs_modulus[3 * DIAGONAL])]
         draw_layout(rows[0][column], client.weave_layout(weave), 3)
         rows[0][column].set_title(f"type {kind}", fontsize=9)
         draw_polar(rows[1][column], [(small.directions, modulus, BLUE, "10 %"),
@@ -185,7 +187,7 @@ def squares_profiles(client: supple.Client, path: Path) -> str:
             f"{number(facts[0][0])} and {number(facts[0][1])} N/m. Type 2 slides along x: {number(facts[1][0], 2)} N/m there and up "
             f"to {number(facts[1][1])} N/m elsewhere. Type 3 is orthotropic, its diagonals alike ({number(facts[2][2])} and "
             f"{number(facts[2][3])} N/m). Type 4 has one corner fused: its diagonals differ, {number(facts[3][2])} against "
-            f"{number(facts[3][3])} N/m.")
+            f"{number(facts[3][3])} N/m, and at 30 % {number(last[0])} against {number(last[1])} N/m.")
 
 
 def squares_locking(client: supple.Client, path: Path) -> str:
