@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 from dataclasses import dataclass, field
@@ -19,8 +18,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "clients" / "python"))
+from gallery import read_order  # noqa: E402
 
 from supple.transport import Transport  # noqa: E402
 
@@ -125,22 +123,16 @@ def draw(entry: Entry, answer: Dict[str, Any], path: Path) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--server", default="http://127.0.0.1:8080")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs")
-    parser.add_argument("names", nargs="*")
-    arguments = parser.parse_args()
-    transport = Transport(arguments.server, 3600)
-    pictures = arguments.out / "images" / "gallery"
-    pictures.mkdir(parents=True, exist_ok=True)
+    order = read_order(__doc__ or "", "gallery")
+    transport = Transport(order.server, 3600)
     rows, sections = [], []
     for entry in ENTRIES:
-        if arguments.names and entry.name not in arguments.names:
+        if not order.wants(entry.name):
             continue
         answer = solve(transport, entry)
-        draw(entry, answer, pictures / f"{entry.name}.svg")
+        draw(entry, answer, order.pictures / f"{entry.name}.svg")
         tiling = transport.request("GET", answer["structure"]["svg"] + "&cells=3,3", headers={"Accept": "*/*"}).content
-        (pictures / f"{entry.name}-structure.svg").write_bytes(tiling)
+        (order.pictures / f"{entry.name}-structure.svg").write_bytes(tiling)
         verification: Optional[float] = answer["profile"]["verified"].get("relative_rms")
         search = sum(s["seconds"] for s in answer["cost"]["stages"] if s["name"] == "optimization")
         parameters = ", ".join(f"{value:.4g}" for value in answer["parameters"])
@@ -156,7 +148,7 @@ def main() -> int:
             "model with a simulation of the structure at its native scale, over the simulation's root mean square; targets "
             "need not be within reach, and the closest design is shown then.\n\n"
             "| | Family | Off target | Model off simulation | Search |\n|---|---|--:|--:|--:|\n")
-    (arguments.out / "gallery.md").write_text(head + "\n".join(rows) + "\n\n" + "\n".join(sections), encoding="utf-8")
+    (order.docs / "gallery.md").write_text(head + "\n".join(rows) + "\n\n" + "\n".join(sections), encoding="utf-8")
     return 0
 
 

@@ -62,6 +62,27 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+double root_mean_square(const std::vector<double>& values) {
+  return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
+                   static_cast<double>(values.size()));
+}
+
+double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<double> log_x, log_y;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    log_x.push_back(std::log(x[i]));
+    log_y.push_back(std::log(y[i]));
+  }
+  const double centre = mean(log_x);
+  double along = 0;
+  double square = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    along += (log_x[i] - centre) * log_y[i];
+    square += (log_x[i] - centre) * (log_x[i] - centre);
+  }
+  return along / square;
+}
+
 std::int64_t resident_bytes() { return status_bytes("VmRSS:"); }
 std::int64_t peak_resident_bytes() { return status_bytes("VmHWM:"); }
 

@@ -25,6 +25,9 @@ double least(const std::vector<double>& values);
 /// The value that a fraction `q` of all values does not exceed (nearest rank).
 double quantile(std::vector<double> values, double q);
 double mean(const std::vector<double>& values);
+double root_mean_square(const std::vector<double>& values);
+/// The p of y = c x^p by least squares of the logarithms. Needs two positive pairs at least.
+double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y);
 
 /// Resident memory of the process in bytes: now, and the most since the last reset_peak_memory().
 std::int64_t resident_bytes();

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bill.h"
 #include "report.h"
-#include "supple/base/cost_ledger.h"
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/family.h"
 
@@ -46,15 +46,8 @@ microscale::SimulationOptions data_set_options(const std::string& family);
 std::string mesh_name(const tiling::MeshOptions& mesh);
 
 /// States of one simulator's load paths and what they cost.
-struct TimedPath {
-  microscale::SimulationResult result;
-  double cpu_seconds = 0;
-  double wall_seconds = 0;  ///< as the bill counts
-  CostLedger cost;
-};
+using TimedPath = Billed<microscale::SimulationResult>;
 TimedPath run_timed(microscale::Simulator& simulator, const microscale::Load& load);
-/// Seconds billed to the stage of that name.
-double stage_seconds(const CostLedger& cost, const std::string& name);
 
 /// |S - S_ref| / |S_ref| in the Frobenius norm.
 double stress_error(const microscale::State& state, const microscale::State& reference);

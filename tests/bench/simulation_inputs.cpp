@@ -6,7 +6,6 @@
 #include "measurement.h"
 #include "simulation_bench.h"
 #include "supple/base/error.h"
-#include "supple/base/execution.h"
 #include "supple/base/random.h"
 
 namespace supple::bench {
@@ -83,19 +82,7 @@ microscale::SimulationOptions data_set_options(const std::string& family) {
 }
 
 TimedPath run_timed(microscale::Simulator& simulator, const microscale::Load& load) {
-  TimedPath path;
-  Execution execution;
-  execution.cost = &path.cost;
-  const double start = wall_seconds();
-  path.cpu_seconds = cpu_time([&] { path.result = simulator.run(load, execution); });
-  path.wall_seconds = wall_seconds() - start;
-  return path;
-}
-
-double stage_seconds(const CostLedger& cost, const std::string& name) {
-  for (const CostLedger::Stage& stage : cost.stages())
-    if (stage.name == name) return stage.seconds;
-  return 0;
+  return billed([&](const Execution& execution) { return simulator.run(load, execution); });
 }
 
 double stress_error(const microscale::State& state, const microscale::State& reference) {

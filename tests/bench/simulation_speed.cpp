@@ -41,10 +41,7 @@ struct FamilySpeed {
 };
 
 double contact_seconds(const CostLedger& cost) {
-  double seconds = stage_seconds(cost, "contact search");
-  for (const CostLedger::Effect& effect : cost.effects())
-    if (effect.name == "contact") seconds += effect.seconds;
-  return seconds;
+  return stage_seconds(cost, "contact search") + effect_seconds(cost, "contact");
 }
 
 FamilySpeed measure(const std::string& family, int designs) {
