@@ -154,7 +154,9 @@ TEST_P(HardTargets, StrainsAtTheEdgeOfTheRange) {
 
 // Beyond, numbers are finite and flagged, or it is said that there is no equilibrium.
 TEST_P(HardTargets, StrainsFarOutOfTheRangeAreFlagged) {
-  const auto target = target_of(middle(), Task::stiffness, 1.5);
+  // Beyond what the family's simulations reached: some lattices open wide sideways.
+  const double far = std::max(1.5, 1.2 * loaded_.model.strain_range.largest_principal);
+  const auto target = target_of(middle(), Task::stiffness, far);
   try {
     const auto design = find_design(loaded_.space(), {{target}, middle(), {}});
     const auto& in_range = design.profiles[0].in_range;
