@@ -240,7 +240,7 @@ class WeaveOptions:
             of a fused weave of straight strands 11 %; with 8 it is 3 %.
         tolerance: relative residual. 1e-6 on the server's side.
         max_iterations: Newton iterations for one load step before it is halved.
-        load_steps: load steps to a state at least.
+        load_steps: load steps to a state at least; by default as many as keep each to a strain of 4 %.
         least_distance: of a strand's crossings where one slides, mm.
         barrier_range: mm before a limit where resistance sets in.
         regularization: stiffness of sliding, N/mm.

@@ -27,7 +27,7 @@ void validate(const EquilibriumOptions& options) {
   faults.require(options.tolerance >= 1e-12 && options.tolerance <= 1e-1, "tolerance", "must lie within [1e-12, 0.1]");
   faults.require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
                  "must lie within [1, 10000]");
-  faults.require(options.load_steps >= 1 && options.load_steps <= 10'000, "load_steps", "must lie within [1, 10000]");
+  faults.require(options.load_steps >= 0 && options.load_steps <= 10'000, "load_steps", "must lie within [0, 10000]");
   faults.require(options.least_distance >= 0 && options.least_distance <= 1e3, "least_distance",
                  "must lie within [0, 1000] mm");
   faults.require(options.barrier_range > 0 && options.barrier_range <= 1e3, "barrier_range",

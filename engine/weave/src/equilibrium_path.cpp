@@ -117,7 +117,8 @@ Eigen::VectorXd EquilibriumPath::response(const LoadStep& step, double share_now
 bool EquilibriumPath::advance(const LoadStep& step) {
   const double share_before = force_share_;
   double done = 0;
-  double part = 1.0 / std::max(1, options_.load_steps);
+  const double longest = 1.0 / std::max(1, step.parts);
+  double part = longest;
   while (done < 1) {
     execution_.checkpoint(done, "load step");
     // A remainder of a rounding error's size would be a part of its own.
@@ -134,7 +135,7 @@ bool EquilibriumPath::advance(const LoadStep& step) {
         ++load_steps_;
         done = part == 1 - done ? 1 : done + part;
         if (iterations_ - before <= quick_iterations) part *= part_growth;
-        part = std::min(part, 1.0 / std::max(1, options_.load_steps));
+        part = std::min(part, longest);
         break;
       }
       objective_.set_force_share(force_share_);

@@ -17,6 +17,7 @@ namespace supple::weave {
 struct LoadStep {
   Eigen::VectorXd change;  ///< zero where nothing is prescribed
   double force_share = 1;  ///< at its end
+  int parts = 1;           ///< at least
 };
 
 /// Equilibria of a weave along a load path, each found from the one before. The objective carries the whole state:
@@ -31,8 +32,8 @@ class EquilibriumPath {
   /// The equilibrium at the loads that are now. False where none was found; `stopped` says why.
   bool settle();
 
-  /// Follows the step to its end, in as many parts as it takes. False where it could not; the state is then the last
-  /// equilibrium on the way.
+  /// Follows the step to its end, in as many parts as it asks for, or more if it takes them. False where it could not;
+  /// the state is then the last equilibrium on the way.
   bool advance(const LoadStep& step);
 
   /// From an equilibrium, a step along `mode` (all degrees of freedom) as far as the energy falls, and the equilibrium

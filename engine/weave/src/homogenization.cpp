@@ -88,6 +88,7 @@ DirectionalResponse respond(const Weave& weave, const HomogenizationOptions& opt
   Prescription prescription;
   prescription.held = {strain_entry(0, options.strain), strain_entry(1, 0)};
   if (!options.shear_free) prescription.held.push_back(strain_entry(2, 0));
+  prescription.strain = std::abs(options.strain);
   WeaveRun run(weave, prescription, direction, options.equilibrium, execution);
   const bool arrived = run.advance_to(1);
   run.bill_effects();
@@ -156,6 +157,7 @@ CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gra
   // Along the axes the dyads are the matrix' entries, row by row.
   for (int k = 0; k < 4; ++k)
     prescription.held.push_back(strain_entry(k, deformation_gradient(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
+  prescription.strain = (deformation_gradient - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff();
   WeaveRun run(weave, prescription, 0, options, execution);
   const bool arrived = run.advance_to(1);
   run.bill_effects();

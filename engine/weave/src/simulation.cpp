@@ -1,7 +1,9 @@
 #include "supple/weave/simulation.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -82,6 +84,18 @@ void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& 
   faults.throw_if_any("weave.invalid_load");
 }
 
+/// The largest displacement over the layout's extent, or rotation over a half turn.
+double strain_of(const SheetLoad& load, const Weave& weave) {
+  Eigen::AlignedBox2d box;
+  for (const Strand& strand : weave.strands)
+    for (const double s : strand.curve.point_coordinates()) box.extend(strand.curve.at(s).position);
+  double strain = 0;
+  for (const Support& support : load.supports)
+    strain = std::max(
+        {strain, support.displacement.norm() / box.diagonal().norm(), support.rotation.norm() / std::numbers::pi});
+  return strain;
+}
+
 SheetState state_of(WeaveRun& run, const SheetLoad& load) {
   WeaveObjective& objective = run.objective();
   const RodModel& model = run.model();
@@ -128,7 +142,8 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
   validate(weave);
   validate(options);
   check(weave, load);
-  const Prescription prescription = prescribe(load);
+  Prescription prescription = prescribe(load);
+  prescription.strain = strain_of(load, weave);
   check_nodes(weave, load, prescription, options);
   WeaveRun run(weave, prescription, 0, options, execution);
   SimulationResult result;

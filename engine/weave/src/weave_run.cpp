@@ -1,9 +1,17 @@
 #include "weave_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace supple::weave {
+namespace {
+
+/// Of one load step, where their number is left open.
+constexpr double largest_strain_step = 0.04;
+constexpr double most_strain_steps = 1000;
+
+}  // namespace
 
 WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double direction,
                    const EquilibriumOptions& options, const Execution& execution)
@@ -47,6 +55,10 @@ LoadStep WeaveRun::step_to(double share) const {
   const RodModel& model = *model_;
   LoadStep step{Eigen::VectorXd::Zero(model.size()), share};
   const double part = share - share_;
+  // Rounding is not to ask for one more.
+  const double strain_steps = std::ceil(part * prescription_.strain / largest_strain_step - 1e-9);
+  step.parts = options_.load_steps > 0 ? options_.load_steps
+                                       : static_cast<int>(std::clamp(strain_steps, 1.0, most_strain_steps));
   for (const Prescription::Entry& entry : prescription_.held) {
     switch (entry.kind) {
       case Prescription::Entry::Kind::position:

@@ -26,6 +26,7 @@ struct Prescription {
   };
   std::vector<Force> forces;
   bool leaves_plane = false;  ///< something is held away from it or pushed out of it
+  double strain = 0;          ///< over the whole path, as EquilibriumOptions::load_steps measures it
 };
 
 /// A weave on its way along one load path: in the plane first, in space from where that is called for.

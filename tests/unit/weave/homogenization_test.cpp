@@ -291,6 +291,27 @@ TEST(Homogenize, FillsTheStrandsOfTheDirectionsThatAreAskedFor) {
   EXPECT_EQ(::supple::testing::places(error), (std::vector<std::string>{"deformed/0", "deformed/1"}));
 }
 
+std::vector<DirectionalResponse> squares_at_30_percent(int load_steps) {
+  HomogenizationOptions options;
+  options.strain = 0.3;
+  options.directions = directions_over_half_turn(24);
+  options.equilibrium.load_steps = load_steps;
+  return homogenize(interlacing_squares(SquareType::all_slide_x), options);
+}
+
+TEST(Homogenize, FollowsThePathInStepsShortEnoughToStayOnIt) {
+  const auto automatic = squares_at_30_percent(0);
+  const auto fine = squares_at_30_percent(32);
+  const auto single = squares_at_30_percent(1);
+  int astray = 0;
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    EXPECT_GE(automatic[i].state.load_steps, 8) << "0.3 / 0.04";
+    EXPECT_NEAR(automatic[i].state.energy_density / fine[i].state.energy_density, 1, 1e-3) << i;
+    if (single[i].state.energy_density > 1.2 * fine[i].state.energy_density) ++astray;
+  }
+  EXPECT_GE(astray, 1) << "one step would do, and the test shows nothing";
+}
+
 TEST(Homogenize, SaysWhereACellFoldsFlat) {
   // Straight strands that slide are a pantograph: along 45 degrees their diagonal is 2^(1/2) of what it was where they
   // come to lie side by side, at a strain of 0.414.

@@ -24,8 +24,10 @@ struct EquilibriumOptions {
   /// gradient by all unknowns (N, N mm), EI of the weakest strand, l the mean length of rod between crossings.
   double tolerance = 1e-6;
   int max_iterations = 100;  ///< Newton iterations for one load step before it is halved
-  /// The path is followed in at least so many load steps.
-  int load_steps = 1;
+  /// The path to a state is followed in at least so many load steps. 0: in as many as keep each to a strain of 4 %, or
+  /// of sheets to a displacement of 4 % of their extent or a turn of 0.13 rad. Longer ones can miss the equilibrium
+  /// that the path leads to: of sliding weaves one of several times the energy is found instead.
+  int load_steps = 0;
   /// automatic: in the plane until an equilibrium that is reported is unstable there against a mode out of it, or
   /// something is held or loaded out of it. on: in space from the start, with twist. off: in the plane always.
   Switch out_of_plane = Switch::automatic;
