@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "supple/base/lanes.h"
+
 namespace supple::weave {
 
 /// A number with its first and second derivatives by n variables: forward-mode differentiation, exact to rounding. The
@@ -28,7 +30,7 @@ struct Jet {
 
 /// f(a) for a function with value f and derivatives d, dd at a.
 template <int n>
-inline Jet<n> compose(const Jet<n>& a, double f, double d, double dd) {
+SUPPLE_INLINE Jet<n> compose(const Jet<n>& a, double f, double d, double dd) {
   Jet<n> r(f);
   for (int i = 0; i < n; ++i) r.first[i] = d * a.first[i];
   int k = 0;
@@ -40,7 +42,7 @@ inline Jet<n> compose(const Jet<n>& a, double f, double d, double dd) {
 }
 
 template <int n>
-inline Jet<n> operator*(const Jet<n>& a, const Jet<n>& b) {
+SUPPLE_INLINE Jet<n> operator*(const Jet<n>& a, const Jet<n>& b) {
   Jet<n> r(a.value * b.value);
   for (int i = 0; i < n; ++i) r.first[i] = a.value * b.first[i] + b.value * a.first[i];
   int k = 0;
@@ -50,73 +52,73 @@ inline Jet<n> operator*(const Jet<n>& a, const Jet<n>& b) {
   return r;
 }
 template <int n>
-inline Jet<n> operator*(double a, Jet<n> b) {
+SUPPLE_INLINE Jet<n> operator*(double a, Jet<n> b) {
   b.value *= a;
   for (double& x : b.first) x *= a;
   for (double& x : b.second) x *= a;
   return b;
 }
 template <int n>
-inline Jet<n> operator*(const Jet<n>& a, double b) {
+SUPPLE_INLINE Jet<n> operator*(const Jet<n>& a, double b) {
   return b * a;
 }
 template <int n>
-inline Jet<n> operator+(Jet<n> a, const Jet<n>& b) {
+SUPPLE_INLINE Jet<n> operator+(Jet<n> a, const Jet<n>& b) {
   a.value += b.value;
   for (int i = 0; i < n; ++i) a.first[i] += b.first[i];
   for (int i = 0; i < Jet<n>::pairs; ++i) a.second[i] += b.second[i];
   return a;
 }
 template <int n>
-inline Jet<n> operator-(Jet<n> a, const Jet<n>& b) {
+SUPPLE_INLINE Jet<n> operator-(Jet<n> a, const Jet<n>& b) {
   a.value -= b.value;
   for (int i = 0; i < n; ++i) a.first[i] -= b.first[i];
   for (int i = 0; i < Jet<n>::pairs; ++i) a.second[i] -= b.second[i];
   return a;
 }
 template <int n>
-inline Jet<n> operator-(const Jet<n>& a) {
+SUPPLE_INLINE Jet<n> operator-(const Jet<n>& a) {
   return -1.0 * a;
 }
 template <int n>
-inline Jet<n> operator+(Jet<n> a, double b) {
+SUPPLE_INLINE Jet<n> operator+(Jet<n> a, double b) {
   a.value += b;
   return a;
 }
 template <int n>
-inline Jet<n> operator+(double a, Jet<n> b) {
+SUPPLE_INLINE Jet<n> operator+(double a, Jet<n> b) {
   b.value += a;
   return b;
 }
 template <int n>
-inline Jet<n> operator-(double a, const Jet<n>& b) {
+SUPPLE_INLINE Jet<n> operator-(double a, const Jet<n>& b) {
   return a + -b;
 }
 template <int n>
-inline Jet<n> inverse(const Jet<n>& a) {
+SUPPLE_INLINE Jet<n> inverse(const Jet<n>& a) {
   const double f = 1 / a.value;
   return compose(a, f, -f * f, 2 * f * f * f);
 }
-inline double inverse(double a) { return 1 / a; }
+SUPPLE_INLINE double inverse(double a) { return 1 / a; }
 
 template <int n>
-inline Jet<n> sqrt(const Jet<n>& a) {
+SUPPLE_INLINE Jet<n> sqrt(const Jet<n>& a) {
   const double f = std::sqrt(a.value);
   return compose(a, f, 0.5 / f, -0.25 / (f * a.value));
 }
 template <int n>
-inline Jet<n> sin(const Jet<n>& a) {
+SUPPLE_INLINE Jet<n> sin(const Jet<n>& a) {
   const double s = std::sin(a.value);
   return compose(a, s, std::cos(a.value), -s);
 }
 template <int n>
-inline Jet<n> cos(const Jet<n>& a) {
+SUPPLE_INLINE Jet<n> cos(const Jet<n>& a) {
   const double c = std::cos(a.value);
   return compose(a, c, -std::sin(a.value), -c);
 }
 /// The angle of the vector (x, y).
 template <int n>
-inline Jet<n> atan2(const Jet<n>& y, const Jet<n>& x) {
+SUPPLE_INLINE Jet<n> atan2(const Jet<n>& y, const Jet<n>& x) {
   const double r2 = x.value * x.value + y.value * y.value;
   const double fx = -y.value / r2;
   const double fy = x.value / r2;
@@ -143,40 +145,40 @@ struct Vector3 {
 };
 
 template <typename T, typename S>
-inline T dot(const Vector2<T>& a, const Vector2<S>& b) {
+SUPPLE_INLINE T dot(const Vector2<T>& a, const Vector2<S>& b) {
   return a.x * b.x + a.y * b.y;
 }
 template <typename T, typename S>
-inline T cross(const Vector2<T>& a, const Vector2<S>& b) {
+SUPPLE_INLINE T cross(const Vector2<T>& a, const Vector2<S>& b) {
   return a.x * b.y - a.y * b.x;
 }
 template <typename T, typename S>
-inline T dot(const Vector3<T>& a, const Vector3<S>& b) {
+SUPPLE_INLINE T dot(const Vector3<T>& a, const Vector3<S>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <typename T, typename S>
-inline Vector3<T> cross(const Vector3<T>& a, const Vector3<S>& b) {
+SUPPLE_INLINE Vector3<T> cross(const Vector3<T>& a, const Vector3<S>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <typename T>
-inline Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
+SUPPLE_INLINE Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 template <typename T>
-inline Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
+SUPPLE_INLINE Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 template <typename T>
-inline Vector3<T> operator*(const T& a, const Vector3<T>& b) {
+SUPPLE_INLINE Vector3<T> operator*(const T& a, const Vector3<T>& b) {
   return {a * b.x, a * b.y, a * b.z};
 }
 template <typename T>
-inline T norm(const Vector3<T>& a) {
+SUPPLE_INLINE T norm(const Vector3<T>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
 }
 template <typename T>
-inline T norm(const Vector2<T>& a) {
+SUPPLE_INLINE T norm(const Vector2<T>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
 }

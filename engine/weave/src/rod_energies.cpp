@@ -24,9 +24,10 @@ struct Local {
 /// Derivatives of w / (2 L) sum_k (f_k - R_k)^2 for features f of the shape and rest values R and L of the sliders.
 /// `rests` may be null for a constant rest value.
 template <int n, std::size_t count>
-double quadratic_energy(double weight, const std::array<Jet<n>, count>& features,
-                        const std::array<const RestJet*, count>& rests, const std::array<double, count>& constants,
-                        const RestJet& length, bool slides, Local<n>& local) {
+SUPPLE_INLINE double quadratic_energy(double weight, const std::array<Jet<n>, count>& features,
+                                      const std::array<const RestJet*, count>& rests,
+                                      const std::array<double, count>& constants, const RestJet& length, bool slides,
+                                      Local<n>& local) {
   const double inverse_length = 1 / length.value;
   const double w = weight * inverse_length;
   double value = 0;
@@ -122,8 +123,8 @@ namespace {
 
 /// The direction of an edge or a joint in the plane, by slots `first` and on.
 template <typename T>
-Vector2<T> planar_direction(const RodModel& model, int edge, const Turn& turn, const Eigen::Vector2d& tangent,
-                            int first, const Eigen::VectorXd& x) {
+SUPPLE_INLINE Vector2<T> planar_direction(const RodModel& model, int edge, const Turn& turn,
+                                          const Eigen::Vector2d& tangent, int first, const Eigen::VectorXd& x) {
   using std::cos;
   using std::sin;
   const auto variable = [=](double at, int index) {
@@ -144,9 +145,27 @@ Vector2<T> planar_direction(const RodModel& model, int edge, const Turn& turn, c
 }
 
 template <typename T>
-T planar_turn(const Vector2<T>& e, const Vector2<T>& f) {
+SUPPLE_INLINE T planar_turn(const Vector2<T>& e, const Vector2<T>& f) {
   using std::sqrt;
   return 2.0 * cross(e, f) * inverse(sqrt(dot(e, e) * dot(f, f)) + dot(e, f));
+}
+
+}  // namespace
+
+namespace {
+
+/// The energy of a planar turn and its derivatives.
+SUPPLE_INLINE double planar_bend(const RodModel& model, const Turn& turn, const Eigen::Vector2d& tangent,
+                                 const RestTurnValue& rest, bool slides, const Eigen::VectorXd& x, Local<4>& local) {
+  using J = Jet<4>;
+  const J k = planar_turn(planar_direction<J>(model, turn.in, turn, tangent, 0, x),
+                          planar_direction<J>(model, turn.out, turn, tangent, 2, x));
+  return quadratic_energy<4, 1>(model.stiffness(turn.strand).bend, {k}, {&rest.curvature}, {0}, rest.length, slides,
+                                local);
+}
+SUPPLE_AVX2 double planar_bend_avx2(const RodModel& model, const Turn& turn, const Eigen::Vector2d& tangent,
+                                    const RestTurnValue& rest, bool slides, const Eigen::VectorXd& x, Local<4>& local) {
+  return planar_bend(model, turn, tangent, rest, slides, x, local);
 }
 
 }  // namespace
@@ -163,12 +182,10 @@ void PlanarBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::Energy
       sum.value += 0.5 * stiffness / rest.length.value * offset * offset;
       continue;
     }
-    using J = Jet<4>;
-    const J k = planar_turn(planar_direction<J>(model_, turn.in, turn, element.tangent, 0, x),
-                            planar_direction<J>(model_, turn.out, turn, element.tangent, 2, x));
     Local<4> local;
-    sum.value += quadratic_energy<4, 1>(stiffness, {k}, {&rest.curvature}, {0}, rest.length,
-                                        !element.rest.slots().empty(), local);
+    const bool slides = !element.rest.slots().empty();
+    sum.value += has_avx2 ? planar_bend_avx2(model_, turn, element.tangent, rest, slides, x, local)
+                          : planar_bend(model_, turn, element.tangent, rest, slides, x, local);
     scatter(element.links, numbering_, order, local.gradient, local, sum);
   }
 }
@@ -208,7 +225,7 @@ struct Side {
 };
 
 template <typename T>
-T variable(double at, int index) {
+SUPPLE_INLINE T variable(double at, int index) {
   if constexpr (std::is_same_v<T, double>) {
     return at;
   } else {
@@ -216,17 +233,17 @@ T variable(double at, int index) {
   }
 }
 
-Vector3<double> plain(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+SUPPLE_INLINE Vector3<double> plain(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 /// d - (d . t) / (1 + t0 . t) (t0 + t): see `transport` of the chart.
 template <typename T, typename S>
-Vector3<T> carried(const Vector3<S>& d, const Vector3<S>& from, const Vector3<T>& to) {
+SUPPLE_INLINE Vector3<T> carried(const Vector3<S>& d, const Vector3<S>& from, const Vector3<T>& to) {
   const T along = dot(to, d) * inverse(1.0 + dot(to, from));
   return {d.x - along * (from.x + to.x), d.y - along * (from.y + to.y), d.z - along * (from.z + to.z)};
 }
 
 template <typename T>
-Side<T> edge_side(const RodModel& model, const Chart& chart, int edge, const Eigen::VectorXd& x) {
+SUPPLE_INLINE Side<T> edge_side(const RodModel& model, const Chart& chart, int edge, const Eigen::VectorXd& x) {
   using std::cos;
   using std::sin;
   const auto index = static_cast<std::size_t>(edge);
@@ -246,7 +263,7 @@ Side<T> edge_side(const RodModel& model, const Chart& chart, int edge, const Eig
 
 /// Cayley's rotation by w of v.
 template <typename T>
-Vector3<T> turned(const Vector3<T>& w, const T& factor, const Vector3<double>& v) {
+SUPPLE_INLINE Vector3<T> turned(const Vector3<T>& w, const T& factor, const Vector3<double>& v) {
   const Vector3<T> once = cross(w, v);
   const Vector3<T> twice = cross(w, once);
   return {v.x + factor * (once.x + 0.5 * twice.x), v.y + factor * (once.y + 0.5 * twice.y),
@@ -254,8 +271,8 @@ Vector3<T> turned(const Vector3<T>& w, const T& factor, const Vector3<double>& v
 }
 
 template <typename T>
-Side<T> joint_side(const RodModel& model, const Chart& chart, int joint, const Eigen::Matrix3d& frame,
-                   const Eigen::VectorXd& x) {
+SUPPLE_INLINE Side<T> joint_side(const RodModel& model, const Chart& chart, int joint, const Eigen::Matrix3d& frame,
+                                 const Eigen::VectorXd& x) {
   const Eigen::Matrix3d at = chart.joint[static_cast<std::size_t>(joint)] * frame;
   const int dof = model.joint(joint);
   const Vector3<T> w{variable<T>(x[dof], 0), variable<T>(x[dof + 1], 1), variable<T>(x[dof + 2], 2)};
@@ -274,7 +291,7 @@ using SideJet = Jet<side_variables>;
 using TurnJet = Jet<2 * side_variables>;
 
 /// A number of one side among the variables of both, where its own begin with `first`.
-TurnJet widen(const SideJet& narrow, int first) {
+SUPPLE_INLINE TurnJet widen(const SideJet& narrow, int first) {
   TurnJet wide(narrow.value);
   int entry = 0;
   for (int i = 0; i < side_variables; ++i) {
@@ -284,14 +301,14 @@ TurnJet widen(const SideJet& narrow, int first) {
   }
   return wide;
 }
-Vector3<TurnJet> widen(const Vector3<SideJet>& v, int first) {
+SUPPLE_INLINE Vector3<TurnJet> widen(const Vector3<SideJet>& v, int first) {
   return {widen(v.x, first), widen(v.y, first), widen(v.z, first)};
 }
 
 /// Either side of a turn. A side depends on its own variables alone: jets are widened once it is made.
 template <typename T>
-Side<T> side(const RodModel& model, const Chart& chart, int edge, const Turn& turn, const Eigen::Matrix3d& frame,
-             int first, const Eigen::VectorXd& x) {
+SUPPLE_INLINE Side<T> side(const RodModel& model, const Chart& chart, int edge, const Turn& turn,
+                           const Eigen::Matrix3d& frame, int first, const Eigen::VectorXd& x) {
   if constexpr (std::is_same_v<T, double>) {
     return edge >= 0 ? edge_side<double>(model, chart, edge, x)
                      : joint_side<double>(model, chart, turn.joint, frame, x);
@@ -305,24 +322,55 @@ Side<T> side(const RodModel& model, const Chart& chart, int edge, const Turn& tu
 
 /// Curvatures about the second and minus the first material director, averaged over the two sides.
 template <typename T>
-std::array<T, 2> curvatures(const Side<T>& in, const Side<T>& out) {
+SUPPLE_INLINE std::array<T, 2> curvatures(const Side<T>& in, const Side<T>& out) {
   const Vector3<T> binormal = inverse(1.0 + dot(in.tangent, out.tangent)) * cross(in.tangent, out.tangent);
   return {dot(binormal, in.m2 + out.m2), -dot(binormal, in.m1 + out.m1)};
 }
 
-double value_of(double x) { return x; }
+SUPPLE_INLINE double value_of(double x) { return x; }
 template <int n>
-double value_of(const Jet<n>& x) {
+SUPPLE_INLINE double value_of(const Jet<n>& x) {
   return x.value;
 }
 
 template <typename T>
-T twist(const Side<T>& in, const Side<T>& out, double near) {
+SUPPLE_INLINE T twist(const Side<T>& in, const Side<T>& out, double near) {
   using std::atan2;
   const Vector3<T> along = carried(in.d1, in.tangent, out.tangent);
   const T reference = -atan2(dot(along, out.d2), dot(along, out.d1));
   const double turns = std::round((near - value_of(reference)) / (2 * std::numbers::pi));
   return reference + 2 * std::numbers::pi * turns + (out.angle - in.angle);
+}
+
+/// The energies of a spatial turn and their derivatives.
+SUPPLE_INLINE double spatial_bend(const RodModel& model, const Chart& chart, const Turn& turn,
+                                  const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides,
+                                  const Eigen::VectorXd& x, Local<8>& local) {
+  using J = TurnJet;
+  const std::array<J, 2> k =
+      curvatures(side<J>(model, chart, turn.in, turn, frame, 0, x), side<J>(model, chart, turn.out, turn, frame, 4, x));
+  return quadratic_energy<8, 2>(model.stiffness(turn.strand).bend, k, {&rest.curvature, nullptr}, {0, 0}, rest.length,
+                                slides, local);
+}
+SUPPLE_AVX2 double spatial_bend_avx2(const RodModel& model, const Chart& chart, const Turn& turn,
+                                     const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides,
+                                     const Eigen::VectorXd& x, Local<8>& local) {
+  return spatial_bend(model, chart, turn, frame, rest, slides, x, local);
+}
+
+SUPPLE_INLINE double spatial_twist(const RodModel& model, const Chart& chart, const Turn& turn,
+                                   const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides, double near,
+                                   const Eigen::VectorXd& x, Local<8>& local) {
+  using J = TurnJet;
+  const J m = twist(side<J>(model, chart, turn.in, turn, frame, 0, x),
+                    side<J>(model, chart, turn.out, turn, frame, 4, x), near);
+  return quadratic_energy<8, 1>(model.stiffness(turn.strand).twist, {m}, {nullptr}, {turn.rest_twist}, rest.length,
+                                slides, local);
+}
+SUPPLE_AVX2 double spatial_twist_avx2(const RodModel& model, const Chart& chart, const Turn& turn,
+                                      const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides, double near,
+                                      const Eigen::VectorXd& x, Local<8>& local) {
+  return spatial_twist(model, chart, turn, frame, rest, slides, near, x, local);
 }
 
 }  // namespace
@@ -339,12 +387,10 @@ void SpatialBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::Energ
       sum.value += 0.5 * stiffness / rest.length.value * (offset * offset + k2 * k2);
       continue;
     }
-    using J = TurnJet;
-    const std::array<J, 2> k = curvatures(side<J>(model_, chart_, turn.in, turn, element.frame, 0, x),
-                                          side<J>(model_, chart_, turn.out, turn, element.frame, 4, x));
     Local<8> local;
-    sum.value += quadratic_energy<8, 2>(stiffness, k, {&rest.curvature, nullptr}, {0, 0}, rest.length,
-                                        !element.rest.slots().empty(), local);
+    const bool slides = !element.rest.slots().empty();
+    sum.value += has_avx2 ? spatial_bend_avx2(model_, chart_, turn, element.frame, rest, slides, x, local)
+                          : spatial_bend(model_, chart_, turn, element.frame, rest, slides, x, local);
     scatter(element.links, numbering_, order, local.gradient, local, sum);
   }
 }
@@ -361,12 +407,10 @@ void TwistEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& 
       sum.value += 0.5 * stiffness / rest.length.value * (m - turn.rest_twist) * (m - turn.rest_twist);
       continue;
     }
-    using J = TurnJet;
-    const J m = twist(side<J>(model_, chart_, turn.in, turn, element.frame, 0, x),
-                      side<J>(model_, chart_, turn.out, turn, element.frame, 4, x), near);
     Local<8> local;
-    sum.value += quadratic_energy<8, 1>(stiffness, {m}, {nullptr}, {turn.rest_twist}, rest.length,
-                                        !element.rest.slots().empty(), local);
+    const bool slides = !element.rest.slots().empty();
+    sum.value += has_avx2 ? spatial_twist_avx2(model_, chart_, turn, element.frame, rest, slides, near, x, local)
+                          : spatial_twist(model_, chart_, turn, element.frame, rest, slides, near, x, local);
     scatter(element.links, numbering_, order, local.gradient, local, sum);
   }
 }
