@@ -151,7 +151,8 @@ void add_equilibrium_options(CLI::App& command, EquilibriumArguments& arguments)
       ->check(CLI::PositiveNumber);
   command.add_option("--max-iterations", arguments.max_iterations, "Newton iterations of one load step (100)")
       ->check(CLI::PositiveNumber);
-  command.add_option("--load-steps", arguments.load_steps, "Load steps to a state at least (as many as keep each to 4 %)")
+  command
+      .add_option("--load-steps", arguments.load_steps, "Load steps to a state at least (as many as keep each to 4 %)")
       ->check(CLI::PositiveNumber);
   command.add_option("--least-distance", arguments.least_distance, "Between crossings that slide, in mm (0.5)");
   const auto switch_values = CLI::IsMember({"automatic", "on", "off"});

@@ -50,7 +50,8 @@ struct CellState {
 
 struct DirectionalResponse {
   double direction = 0;  ///< rad
-  /// d^T sigma d / (stretch - 1) with the Cauchy stress resultant; N/m (thesis equation 2.2). NaN where not converged or folded flat.
+  /// d^T sigma d / (stretch - 1) with the Cauchy stress resultant; N/m (thesis equation 2.2). NaN where not converged
+  /// or folded flat.
   double youngs_modulus = std::numeric_limits<double>::quiet_NaN();
   /// The same over the thickness, MPa; NaN without one.
   double youngs_modulus_mpa = std::numeric_limits<double>::quiet_NaN();
