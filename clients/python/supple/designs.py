@@ -111,7 +111,7 @@ class DesignOptions:
     Attributes:
         tolerance: the search ends once a step promises to lessen the relative deviation by at most this. 1e-6.
         equilibrium_tolerance: relative residual of an equilibrium. 1e-10.
-        max_iterations: from one starting point. 60.
+        max_iterations: from one starting point. 100.
         starts: starting points that are followed at most. 6.
         candidates: designs spread over the bounds from which they are chosen.
         verified_samples: samples that are simulated where the design is verified. 12.

@@ -36,7 +36,7 @@ struct DesignOptions {
   /// The search ends once a step promises to lessen the relative root mean square deviation by at most this.
   double tolerance = 1e-6;
   double equilibrium_tolerance = 1e-10;  ///< of neural::uniaxial_residual
-  int max_iterations = 60;               ///< from one starting point
+  int max_iterations = 100;              ///< from one starting point
   int starts = 6;                        ///< starting points that are followed at most
   int candidates = 0;                    ///< designs from which they are chosen; 0: default_candidates
   /// Further starting points. automatic: where the design found from `initial` does not reach the target or deviates by
