@@ -62,9 +62,10 @@ export class DesignPage {
     return [box.x + box.width / 2, box.y + box.height / 2];
   }
 
-  /** Takes hold of a point and moves it in steps; `on` is called before it is let go. */
+  /** Takes hold of a point, brought into view, and moves it in steps; `on` is called before it is let go. */
   async drag(index, right, down, on = async () => {}) {
     const { mouse } = this.page;
+    await this.handles.nth(index).locator(".dot").scrollIntoViewIfNeeded();
     const [x, y] = await this.centre(index);
     await mouse.move(x, y);
     await mouse.down();
