@@ -108,7 +108,7 @@ void study_cost(const NeuralSettings& settings) {
       options.shape.width = width;
       options.shape.parameters = static_cast<int>(samples.lower.size());
       options.epochs = epochs;
-      options.symmetries = training::strain_symmetries(tiling::family(family));
+      options.symmetries = training::energy_symmetries(tiling::family(family));
       const std::string name = "width-" + std::to_string(width) + "-designs-" + std::to_string(designs) + "-epochs-" +
                                std::to_string(epochs) + ".h5";
       const auto model = trained_model(folder / name, samples, split, options);

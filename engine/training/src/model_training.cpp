@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
 #include <iterator>
-#include <numbers>
 #include <set>
 
 #include "supple/base/error.h"
+#include "supple/tiling/symmetry.h"
 #include "supple/training/model_errors.h"
 
 namespace supple::training {
@@ -32,66 +29,6 @@ Eigen::Matrix3d strain_map(const Eigen::Matrix2d& r) {
   return map;
 }
 
-/// Rotations by multiples of 30 degrees and reflections in lines as far apart: those that a plane lattice can have
-/// along the axes are among them. Where a family's lattice is turned, so are its mirrors: they are found between its
-/// edges.
-std::vector<Eigen::Matrix2d> point_operations() {
-  std::vector<Eigen::Matrix2d> operations;
-  for (int i = 0; i < 12; ++i) {
-    const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(i * std::numbers::pi / 6).toRotationMatrix();
-    operations.push_back(rotation);
-    operations.push_back(rotation * Eigen::Vector2d(1, -1).asDiagonal());
-  }
-  return operations;
-}
-
-constexpr double same_place = 1e-7;
-
-/// Whether two points differ by a translation of the lattice.
-bool equal_on_torus(const Eigen::Matrix2d& inverse_lattice, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d difference = inverse_lattice * (a - b);
-  return (difference - difference.array().round().matrix()).norm() < same_place;
-}
-
-/// An edge of the tiling: its middle and its vector, whose sign means nothing.
-struct Edge {
-  Eigen::Vector2d middle;
-  Eigen::Vector2d vector;
-};
-
-std::vector<Edge> edges_of(const tiling::Tiling& tiling) {
-  std::vector<Edge> edges;
-  for (const auto& placement : tiling.placements) {
-    const auto& tile = tiling.tiles[static_cast<std::size_t>(placement.tile)];
-    for (std::size_t i = 0; i < tile.size(); ++i) {
-      const Eigen::Vector2d a = placement.linear * tile[i] + placement.offset;
-      const Eigen::Vector2d b = placement.linear * tile[(i + 1) % tile.size()] + placement.offset;
-      edges.push_back({0.5 * (a + b), b - a});
-    }
-  }
-  return edges;
-}
-
-/// Whether `operation`, followed by some translation, carries each edge to an edge.
-bool maps_tiling_to_itself(const Eigen::Matrix2d& operation, const tiling::Tiling& tiling) {
-  const Eigen::Matrix2d inverse = tiling.lattice.inverse();
-  const Eigen::Matrix2d on_lattice = inverse * operation * tiling.lattice;
-  if ((on_lattice - on_lattice.array().round().matrix()).norm() > same_place) return false;
-  const auto edges = edges_of(tiling);
-  const auto is_edge = [&](const Edge& image) {
-    return std::any_of(edges.begin(), edges.end(), [&](const Edge& edge) {
-      return equal_on_torus(inverse, image.middle, edge.middle) &&
-             std::min((image.vector - edge.vector).norm(), (image.vector + edge.vector).norm()) < same_place;
-    });
-  };
-  return std::any_of(edges.begin(), edges.end(), [&](const Edge& target) {
-    const Eigen::Vector2d translation = target.middle - operation * edges[0].middle;
-    return std::all_of(edges.begin(), edges.end(), [&](const Edge& edge) {
-      return is_edge({operation * edge.middle + translation, operation * edge.vector});
-    });
-  });
-}
-
 /// The versions of the engine that computed the designs.
 std::string engines_of(const dataset::Dataset& data) {
   std::set<std::string> engines;
@@ -103,22 +40,19 @@ std::string engines_of(const dataset::Dataset& data) {
 
 }  // namespace
 
-std::vector<Eigen::Matrix3d> strain_symmetries(const tiling::Family& family) {
-  // Away from the middle, where a family may have more symmetry than elsewhere.
-  std::vector<double> parameters;
-  for (std::size_t k = 0; k < family.parameters.size(); ++k) {
-    const auto& [lower, upper, preset] = family.parameters[k];
-    parameters.push_back(preset + (0.137 + 0.071 * static_cast<double>(k)) * (upper - preset));
+std::vector<EnergySymmetry> energy_symmetries(const tiling::Family& family) {
+  std::vector<EnergySymmetry> distinct;
+  for (const auto& [operation, linear, constant] : tiling::symmetries(family)) {
+    const EnergySymmetry symmetry{strain_map(operation), linear, constant};
+    if (std::none_of(distinct.begin(), distinct.end(), [&](const EnergySymmetry& known) {
+          return known.strain.isApprox(symmetry.strain, 1e-9) && known.linear.isApprox(linear, 1e-6) &&
+                 (known.constant - constant).norm() < 1e-6;
+        }))
+      distinct.push_back(symmetry);
   }
-  const auto tiling = family.shape(parameters);
-  std::vector<Eigen::Matrix3d> maps{Eigen::Matrix3d::Identity()};
-  for (const auto& candidate : point_operations()) {
-    const auto map = strain_map(candidate);
-    if (std::any_of(maps.begin(), maps.end(), [&](const auto& known) { return known.isApprox(map, 1e-9); })) continue;
-    if (maps_tiling_to_itself(candidate, tiling)) maps.push_back(map);
-  }
-  maps.erase(maps.begin());
-  return maps;
+  // The identity, which comes first.
+  distinct.erase(distinct.begin());
+  return distinct;
 }
 
 std::vector<std::pair<std::string, std::string>> describe(const ModelOptions& options) {
@@ -161,7 +95,7 @@ ModelResult train_model(const dataset::Dataset& data, const std::string& data_na
   const auto parts = split(samples, options.split);
   auto training_options = options.training;
   training_options.shape.parameters = static_cast<int>(samples.lower.size());
-  if (options.use_symmetry) training_options.symmetries = strain_symmetries(family);
+  if (options.use_symmetry) training_options.symmetries = energy_symmetries(family);
   const auto trained = train(samples, parts, training_options, checkpoint, cancellation, report);
 
   ModelResult result;

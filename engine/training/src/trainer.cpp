@@ -45,7 +45,7 @@ class Training {
         split_(split),
         options_(options),
         device_(torch::cuda::is_available() ? torch::kCUDA : torch::kCPU),
-        data_(samples, options.symmetries, device_),
+        data_(samples, options.symmetries, held_out(samples, split), device_),
         designs_(chunks_by_design(samples, split.training)) {
     const Eigen::Map<const Eigen::VectorXd> lower(samples.lower.data(), static_cast<long>(samples.lower.size()));
     const Eigen::Map<const Eigen::VectorXd> upper(samples.upper.data(), static_cast<long>(samples.upper.size()));
@@ -95,12 +95,20 @@ class Training {
     return made;
   }
 
+  /// Designs that choosing and judging know.
+  static std::vector<int> held_out(const Samples& samples, const Split& split) {
+    std::vector<int> designs;
+    for (const auto* rows : {&split.validation, &split.test})
+      for (const auto& chunk : chunks_by_design(samples, *rows)) designs.push_back(chunk.design);
+    return designs;
+  }
+
   bool patience_lost() const { return options_.patience > 0 && epochs_ - best_epoch_ >= options_.patience; }
 
   /// The branch begins with the tangents that the data hold next to rest.
   void fit_stiffness() {
     std::vector<double> targets;
-    std::vector<std::int64_t> designs;
+    std::vector<SeenDesign> designs;
     for (const auto& design : designs_) {
       int nearest = -1;
       for (const auto row : design.rows)
@@ -108,14 +116,18 @@ class Training {
             (nearest < 0 || samples_.strain.col(row).norm() < samples_.strain.col(nearest).norm()))
           nearest = static_cast<int>(row);
       if (nearest < 0) continue;
-      const auto l = Eigen::LLT<Eigen::Matrix3d>(tangent_of(nearest)).matrixL().toDenseMatrix();
-      targets.insert(targets.end(), {std::log(l(0, 0)), std::log(l(1, 1)), std::log(l(2, 2)), l(1, 0) / l(0, 0),
-                                     l(2, 0) / l(0, 0), l(2, 1) / l(1, 1)});
-      designs.push_back(design.design);
+      for (const int symmetry : data_.symmetries_of(design.design)) {
+        const auto& map = data_.stress_map(symmetry);
+        const Eigen::Matrix3d tangent = map * tangent_of(nearest) * map.transpose();
+        const auto l = Eigen::LLT<Eigen::Matrix3d>(tangent).matrixL().toDenseMatrix();
+        targets.insert(targets.end(), {std::log(l(0, 0)), std::log(l(1, 1)), std::log(l(2, 2)), l(1, 0) / l(0, 0),
+                                       l(2, 0) / l(0, 0), l(2, 1) / l(1, 1)});
+        designs.push_back({design.design, symmetry});
+      }
     }
     if (designs.empty()) return;
     const auto target = torch::tensor(targets, torch::kDouble).reshape({-1, 6}).to(torch::kFloat);
-    const auto p = data_.designs().to(torch::kCPU).index_select(0, torch::tensor(designs));
+    const auto p = data_.parameters(designs).to(torch::kCPU);
     auto parameters = to_parameters(network_, torch::kFloat, torch::kCPU);
     // The mean goes to the last bias: what is left to learn is of order one.
     parameters.back().copy_(target.mean(0));
@@ -208,8 +220,11 @@ class Training {
     for (std::size_t s = 0; s < shards; ++s) {
       const auto begin = s * chunks.size() / shards;
       parts[s].chunks = chunks.subspan(begin, (s + 1) * chunks.size() / shards - begin);
-      for (std::size_t i = 0; i < parts[s].chunks.size(); ++i)
-        parts[s].symmetry.push_back(stream.below(data_.symmetries()));
+      for (const auto& chunk : parts[s].chunks) {
+        const auto& symmetries = data_.symmetries_of(chunk.design);
+        parts[s].symmetry.push_back(
+            symmetries[static_cast<std::size_t>(stream.below(static_cast<int>(symmetries.size())))]);
+      }
       if (!with_tangents) continue;
       Eigen::Vector3d v(stream.normal(), stream.normal(), stream.normal());
       v.normalize();

@@ -1,6 +1,7 @@
 #include "training_batches.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <utility>
 
 namespace supple::training {
@@ -15,16 +16,31 @@ Tensor rows_of(const Eigen::Ref<const Eigen::MatrixXd>& columns, torch::Device d
   return tensor.to(device, torch::kFloat).contiguous();
 }
 
-Eigen::MatrixXd mapped_parameters(const Samples& samples) {
-  const auto n = static_cast<long>(samples.designs.size());
+/// Images may lie as far outside of the box as the designs that surround it do, as a share of its width.
+constexpr double image_margin = 0.05;
+/// Parameters, mapped to [-1, 1], that are of one design.
+constexpr double same_design = 1e-6;
+
+/// The identity and the given ones.
+std::vector<EnergySymmetry> with_identity(const std::vector<EnergySymmetry>& symmetries, long parameters) {
+  std::vector<EnergySymmetry> all{{Eigen::Matrix3d::Identity(), Eigen::MatrixXd::Identity(parameters, parameters),
+                                   Eigen::VectorXd::Zero(parameters)}};
+  all.insert(all.end(), symmetries.begin(), symmetries.end());
+  return all;
+}
+
+/// The designs' images, a column each, with the bounds mapped to [-1, 1].
+Eigen::MatrixXd mapped_images(const Samples& samples, const EnergySymmetry& symmetry) {
   const auto parameters = static_cast<long>(samples.lower.size());
-  Eigen::MatrixXd p(parameters, n);
-  for (long d = 0; d < n; ++d)
-    for (long k = 0; k < parameters; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const double value = samples.designs[static_cast<std::size_t>(d)].parameters[i];
-      p(k, d) = 2 * (value - samples.lower[i]) / (samples.upper[i] - samples.lower[i]) - 1;
-    }
+  const Eigen::Map<const Eigen::ArrayXd> lower(samples.lower.data(), parameters);
+  const Eigen::Map<const Eigen::ArrayXd> upper(samples.upper.data(), parameters);
+  Eigen::MatrixXd p(parameters, static_cast<long>(samples.designs.size()));
+  for (long d = 0; d < p.cols(); ++d) {
+    const Eigen::Map<const Eigen::VectorXd> own(samples.designs[static_cast<std::size_t>(d)].parameters.data(),
+                                                parameters);
+    const Eigen::VectorXd image = symmetry.linear * own + symmetry.constant;
+    p.col(d) = 2 * (image.array() - lower) / (upper - lower) - 1;
+  }
   return p;
 }
 
@@ -82,27 +98,50 @@ std::vector<Chunk> shuffled_chunks(const std::vector<Chunk>& designs, int chunk_
   return chunks;
 }
 
-TrainingData::TrainingData(const Samples& samples, const std::vector<Eigen::Matrix3d>& symmetries, torch::Device device)
-    : p_(rows_of(mapped_parameters(samples), device)),
+TrainingData::TrainingData(const Samples& samples, const std::vector<EnergySymmetry>& symmetries,
+                           const std::vector<int>& held_out, torch::Device device)
+    : designs_(static_cast<std::int64_t>(samples.designs.size())),
       strain_(rows_of(samples.strain, device)),
       stress_(rows_of(samples.stress, device)),
       energy_(rows_of(samples.energy, device).squeeze(1)),
       tangent_(rows_of(samples.tangent, device)),
-      symmetries_(1 + static_cast<int>(symmetries.size())) {
-  std::vector<Eigen::Matrix3d> strain_maps{Eigen::Matrix3d::Identity()};
-  std::vector<Eigen::Matrix3d> stress_maps{Eigen::Matrix3d::Identity()};
-  for (const auto& map : symmetries) {
-    strain_maps.push_back(map);
-    stress_maps.emplace_back(map.inverse().transpose());
+      usable_(samples.designs.size(), std::vector<int>{0}) {
+  std::vector<Eigen::Matrix3d> strain_maps;
+  std::vector<Tensor> images;
+  Eigen::MatrixXd own;
+  for (const auto& symmetry : with_identity(symmetries, static_cast<long>(samples.lower.size()))) {
+    strain_maps.push_back(symmetry.strain);
+    stress_map_of_.emplace_back(symmetry.strain.inverse().transpose());
+    const auto p = mapped_images(samples, symmetry);
+    images.push_back(rows_of(p, device));
+    if (images.size() == 1) {
+      own = p;
+      continue;
+    }
+    for (long d = 0; d < p.cols(); ++d) {
+      const bool on_held_out = std::any_of(held_out.begin(), held_out.end(), [&](int other) {
+        return (p.col(d) - own.col(other)).cwiseAbs().maxCoeff() < same_design;
+      });
+      const double reach = own.col(d).cwiseAbs().maxCoeff();
+      if (!on_held_out && p.col(d).cwiseAbs().maxCoeff() <= std::max(reach, 1 + 2 * image_margin) + same_design)
+        usable_[static_cast<std::size_t>(d)].push_back(static_cast<int>(images.size()) - 1);
+    }
   }
+  p_ = torch::cat(images);
   strain_maps_ = stacked(strain_maps, strain_.options());
-  stress_maps_ = stacked(stress_maps, strain_.options());
+  stress_maps_ = stacked(stress_map_of_, strain_.options());
+}
+
+Tensor TrainingData::parameters(std::span<const SeenDesign> designs) const {
+  std::vector<std::int64_t> rows;
+  for (const auto& [design, symmetry] : designs) rows.push_back(symmetry * designs_ + design);
+  return p_.index_select(0, torch::tensor(rows).to(p_.device()));
 }
 
 LabelledBatch TrainingData::labelled(std::span<const Chunk> chunks, std::span<const int> symmetry) const {
   std::vector<std::int64_t> rows;
   std::vector<std::int64_t> of;
-  std::vector<std::int64_t> designs;
+  std::vector<SeenDesign> designs;
   std::vector<std::int64_t> seen_through;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     for (const auto row : chunks[i].rows) {
@@ -110,14 +149,14 @@ LabelledBatch TrainingData::labelled(std::span<const Chunk> chunks, std::span<co
       of.push_back(static_cast<std::int64_t>(i));
       seen_through.push_back(symmetry[i]);
     }
-    designs.push_back(chunks[i].design);
+    designs.push_back({chunks[i].design, symmetry[i]});
   }
   const auto device = strain_.device();
   const auto index = torch::tensor(rows).to(device);
   auto e = strain_.index_select(0, index);
   auto stress = stress_.index_select(0, index);
   auto tangent = full(tangent_.index_select(0, index));
-  if (symmetries_ > 1) {
+  if (stress_map_of_.size() > 1) {
     const auto which = torch::tensor(seen_through).to(device);
     const auto strain_map = strain_maps_.index_select(0, which);
     const auto stress_map = stress_maps_.index_select(0, which);
@@ -126,10 +165,7 @@ LabelledBatch TrainingData::labelled(std::span<const Chunk> chunks, std::span<co
     tangent = (stress_map.unsqueeze(3) * tangent.unsqueeze(1)).sum(2);
     tangent = (tangent.unsqueeze(2) * stress_map.unsqueeze(1)).sum(3);
   }
-  return {{p_.index_select(0, torch::tensor(designs).to(device)), torch::tensor(of).to(device), e},
-          energy_.index_select(0, index),
-          stress,
-          tangent};
+  return {{parameters(designs), torch::tensor(of).to(device), e}, energy_.index_select(0, index), stress, tangent};
 }
 
 }  // namespace supple::training

@@ -9,6 +9,7 @@
 
 #include "supple/base/random.h"
 #include "supple/training/samples.h"
+#include "supple/training/trainer.h"
 #include "torch_network.h"
 
 namespace supple::training {
@@ -34,16 +35,27 @@ struct LabelledBatch {
   torch::Tensor tangent;  ///< rows x 3 x 3, MPa
 };
 
+/// A design as it is, or its image under a symmetry.
+struct SeenDesign {
+  std::int64_t design = 0;
+  std::int64_t symmetry = 0;  ///< 0: as it is
+};
+
 /// The samples as tensors on a device, and chunks of them as they are or seen through symmetries.
 class TrainingData {
  public:
-  /// `symmetries` are maps A of strains; the identity comes first besides them.
-  TrainingData(const Samples& samples, const std::vector<Eigen::Matrix3d>& symmetries, torch::Device device);
+  /// Designs that lie on one another by a symmetry are one design: images on `held_out` ones are not used.
+  TrainingData(const Samples& samples, const std::vector<EnergySymmetry>& symmetries, const std::vector<int>& held_out,
+               torch::Device device);
 
-  /// Number of symmetries, the identity among them.
-  int symmetries() const { return symmetries_; }
-  /// All designs' parameters, mapped from their bounds to [-1, 1]: designs x parameters.
-  const torch::Tensor& designs() const { return p_; }
+  /// Which symmetries a design may be seen through; the first is 0.
+  const std::vector<int>& symmetries_of(int design) const { return usable_[static_cast<std::size_t>(design)]; }
+  /// Parameters, mapped from their bounds to [-1, 1]: designs x parameters.
+  torch::Tensor parameters(std::span<const SeenDesign> designs) const;
+  /// A^-T, by which stresses go with strains through the symmetry.
+  const Eigen::Matrix3d& stress_map(std::int64_t symmetry) const {
+    return stress_map_of_[static_cast<std::size_t>(symmetry)];
+  }
   /// Type and device of the tensors.
   torch::TensorOptions tensor_options() const { return strain_.options(); }
 
@@ -52,12 +64,14 @@ class TrainingData {
   LabelledBatch labelled(std::span<const Chunk> chunks, std::span<const int> symmetry) const;
 
  private:
-  torch::Tensor p_;
+  std::int64_t designs_ = 0;
+  torch::Tensor p_;  ///< images under the first symmetry, the second, ... x parameters
   torch::Tensor strain_;
   torch::Tensor stress_;
   torch::Tensor energy_;
   torch::Tensor tangent_;  ///< rows x 6
-  int symmetries_ = 1;
+  std::vector<std::vector<int>> usable_;
+  std::vector<Eigen::Matrix3d> stress_map_of_;
   torch::Tensor strain_maps_;  ///< symmetries x 3 x 3: A
   torch::Tensor stress_maps_;  ///< symmetries x 3 x 3: A^-T
 };

@@ -15,9 +15,8 @@
 
 namespace supple::training {
 
-/// Maps A of strains e = (E_xx, E_yy, 2 E_xy) under which every structure of the family stores the same energy: those
-/// of the rotations and reflections that carry the tiling to itself, up to a translation. Without the identity.
-std::vector<Eigen::Matrix3d> strain_symmetries(const tiling::Family& family);
+/// What the symmetries of the family's tilings make of its energy, each once, without the identity.
+std::vector<EnergySymmetry> energy_symmetries(const tiling::Family& family);
 
 struct ModelOptions {
   std::string id;  ///< empty: the family's, in lower case

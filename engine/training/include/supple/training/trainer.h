@@ -20,6 +20,14 @@ std::string_view to_string(OptimizerKind kind);
 /// Throws "training.invalid_option".
 OptimizerKind optimizer_of(std::string_view name);
 
+/// The energy of the structure at parameters p under the strain e = (E_xx, E_yy, 2 E_xy) is that of the structure at
+/// `linear` * p + `constant` under `strain` * e.
+struct EnergySymmetry {
+  Eigen::Matrix3d strain;
+  Eigen::MatrixXd linear;
+  Eigen::VectorXd constant;
+};
+
 /// Each row adds log(1 + sqrt(x^2 + error_floor^2)) of its relative errors x of energy and stress, and of its tangent
 /// along a random direction; the thesis's loss (4.8) adds their squares. Errors far above and far below the floor then
 /// count alike: neither nearly buckled rows nor easy ones decide alone.
@@ -43,9 +51,9 @@ struct TrainingOptions {
   int patience = 0;           ///< epochs without a better validation after which training ends; 0: all are run
   int validation_interval = 5;
   std::int64_t seed = 1;
-  /// Of the family: maps A of strains e = (E_xx, E_yy, 2 E_xy) under which the energy does not change. Each chunk is
-  /// seen through a random one of them and the identity.
-  std::vector<Eigen::Matrix3d> symmetries;
+  /// Of the family. Each chunk is seen through a random one of them and the identity, as far as the image of its design
+  /// lies in the box or not further from it than the data do, and is no design that is held out.
+  std::vector<EnergySymmetry> symmetries;
 };
 
 /// Throws "training.invalid_option", which names the first option out of its range.
