@@ -36,7 +36,10 @@ class NewtonDirection : public DescentDirection {
     }
     scale_ = diagonal_scale(at.hessian);
     for (; relative_ <= options_.max_regularization; raise()) {
-      if (!cholesky_.factorize(at.hessian, regularization())) continue;
+      if (!cholesky_.factorize(at.hessian, regularization())) {
+        indefinite_ = indefinite_ || relative_ == 0;
+        continue;
+      }
       Eigen::VectorXd d = -cholesky_.solve(at.gradient);
       if (d.allFinite() && at.gradient.dot(d) < 0) return d;
     }
@@ -59,6 +62,7 @@ class NewtonDirection : public DescentDirection {
   }
 
   double regularization() const override { return relative_ * scale_; }
+  bool met_indefinite() const override { return indefinite_; }
 
  private:
   void raise() { relative_ = relative_ > 0 ? relative_ * options_.raise : options_.first_regularization; }
@@ -68,6 +72,7 @@ class NewtonDirection : public DescentDirection {
   ShiftedCholesky& cholesky_;
   double relative_ = 0;
   double scale_ = 1;
+  bool indefinite_ = false;
 };
 
 class LbfgsDirection : public DescentDirection {

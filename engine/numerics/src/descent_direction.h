@@ -30,6 +30,8 @@ class DescentDirection {
   virtual void forget() {}
   /// Added to the Hessian's diagonal for the last direction.
   virtual double regularization() const { return 0; }
+  /// Whether a Hessian has been met that is not positive definite.
+  virtual bool met_indefinite() const { return false; }
 };
 
 /// `factorization` may be null; see `minimize`.

@@ -195,6 +195,7 @@ class Minimization {
 
   MinimizerResult finish(MinimizerStop stop) {
     result_.stop = stop;
+    result_.indefinite = direction_->met_indefinite();
     return std::move(result_);
   }
 

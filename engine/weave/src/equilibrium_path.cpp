@@ -34,6 +34,9 @@ constexpr int max_branch_changes = 12;
 constexpr double first_mode_step = 1e-3;
 constexpr int mode_doublings = 12;
 
+/// Relative; equilibria of energies closer than this are mirror images.
+constexpr double same_energy = 1e-9;
+
 /// Of the path for the tangent to what is prescribed, by central differences.
 constexpr double tangent_step = 1e-6;
 
@@ -107,8 +110,7 @@ Eigen::VectorXd EquilibriumPath::response(const LoadStep& step, double share_now
   const Eigen::VectorXd rate = (gradient_at(t) - gradient_at(-t)) / (2 * t);
   objective_.set_force_share(share_now);
   objective_.set_state(q, chart);
-  const numerics::Evaluation at = objective_.evaluate(2);
-  if (!cholesky_.factorize(at.hessian, 0)) return {};
+  if (!factorized_ && !positive_definite()) return {};
   Eigen::VectorXd y = -cholesky_.solve(rate);
   if (!y.allFinite()) return {};
   return objective_.expand(y);
@@ -176,7 +178,41 @@ bool EquilibriumPath::try_part(const LoadStep& step, double part, const Eigen::V
     return false;
   }
   objective_.set_state(std::move(best->first), std::move(best->second));
-  return minimize(false);
+  Eigen::VectorXd from = objective_.q();
+  if (!minimize(false)) return false;
+  if (indefinite_) note_ridge(std::move(from));
+  return true;
+}
+
+void EquilibriumPath::note_ridge(Eigen::VectorXd from) {
+  const RodModel& model = objective_.model();
+  if (ridge_ || options_.buckling == Switch::off || model.spatial() || !model.weave().lattice ||
+      model.sliders().empty())
+    return;
+  ridge_ = std::move(from);
+}
+
+bool EquilibriumPath::prefer_lower_from(Eigen::VectorXd q) {
+  const Eigen::VectorXd found = objective_.q();
+  const double energy = energy_;
+  const double residual = residual_;
+  const bool stable = stable_;
+  const int branches = branches_left_;
+  auto history = history_;
+  objective_.set_q(std::move(q));
+  const bool lower = minimize(false) && stable_ && energy_ < energy - same_energy * std::abs(energy);
+  branches_left_ = branches + (lower ? 1 : 0);
+  stopped_ = Stop::converged;
+  if (execution_.cost)
+    execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", lower ? 1 : 0);
+  if (lower) return true;
+  objective_.set_q(found);
+  energy_ = energy;
+  residual_ = residual;
+  stable_ = stable;
+  history_ = std::move(history);
+  factorized_ = false;
+  return false;
 }
 
 bool EquilibriumPath::minimize(bool left) {
@@ -187,6 +223,8 @@ bool EquilibriumPath::minimize(bool left) {
   options.first_regularization = first_regularization;
   options.longest_expansion = longest_expansion;
   options.saddle_contraction = options_.buckling != Switch::off ? saddle_contraction : 0;
+  factorized_ = false;
+  indefinite_ = false;
   while (true) {
     options.max_iterations = options_.max_iterations * (left ? more_iterations_after_leaving : 1);
     numerics::MinimizerResult result = numerics::minimize(objective_, options, inner, &cholesky_);
@@ -194,6 +232,7 @@ bool EquilibriumPath::minimize(bool left) {
     energy_ = result.value;
     residual_ = result.gradient_norm;
     history_ = std::move(result.history);
+    indefinite_ = indefinite_ || result.indefinite;
     if (result.stop == numerics::MinimizerStop::saddle) {
       if (leave_least_stable_mode()) {
         left = true;
@@ -207,17 +246,22 @@ bool EquilibriumPath::minimize(bool left) {
       return false;
     }
     stopped_ = Stop::converged;
-    // The last factorization was of a state a quadratically short step away.
-    stable_ = (result.factorized_at >= 0 && history_.back().regularization == 0) || positive_definite();
-    if (stable_ || !leave_least_stable_mode()) return true;
+    stable_ = positive_definite();
+    if (stable_) return true;
+    indefinite_ = true;
+    if (!leave_least_stable_mode()) return true;
     left = true;
   }
 }
 
-bool EquilibriumPath::positive_definite() { return cholesky_.factorize(objective_.evaluate(2).hessian, 0); }
+bool EquilibriumPath::positive_definite() {
+  factorized_ = cholesky_.factorize(objective_.evaluate(2).hessian, 0);
+  return factorized_;
+}
 
 bool EquilibriumPath::leave_least_stable_mode() {
   if (options_.buckling == Switch::off || branches_left_ >= max_branch_changes) return false;
+  factorized_ = false;
   const numerics::Evaluation evaluation = objective_.evaluate(2);
   const numerics::Mode mode =
       numerics::least_stable_mode(evaluation.hessian, objective_.dimension(), cholesky_, execution_.cancellation);

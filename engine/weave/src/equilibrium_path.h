@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "supple/base/execution.h"
@@ -40,6 +41,14 @@ class EquilibriumPath {
   /// beyond. False where no step lowers the energy.
   bool leave_along(const Eigen::VectorXd& mode);
 
+  /// The first state, since the last call, in which a way down began on a ridge: rounding decided to which side it
+  /// went. Of cells that slide in the plane; of sheets there are too many.
+  std::optional<Eigen::VectorXd> take_ridge() { return std::exchange(ridge_, std::nullopt); }
+
+  /// From an equilibrium, looks for another one from `q` at the same loads, and goes over to it if its energy is lower
+  /// and it is stable.
+  bool prefer_lower_from(Eigen::VectorXd q);
+
   double energy() const { return energy_; }
   double residual() const { return residual_; }  ///< |g|, N
   double tolerance() const { return tolerance_; }
@@ -59,6 +68,7 @@ class EquilibriumPath {
   bool move_along(const Eigen::VectorXd& mode);
   Eigen::VectorXd response(const LoadStep& step, double share_now);
   bool try_part(const LoadStep& step, double part, const Eigen::VectorXd& response);
+  void note_ridge(Eigen::VectorXd from);
   void prescribe(const Eigen::VectorXd& change, double part, Eigen::VectorXd& q) const;
 
   WeaveObjective& objective_;
@@ -70,10 +80,13 @@ class EquilibriumPath {
   double energy_ = 0;
   double residual_ = 0;
   bool stable_ = true;
+  bool factorized_ = false;  ///< `cholesky_` holds the Hessian of the current state
+  bool indefinite_ = false;  ///< the last minimization met a Hessian that is not positive definite
   Stop stopped_ = Stop::converged;
   int iterations_ = 0;
   int load_steps_ = 0;
   int branches_left_ = 0;
+  std::optional<Eigen::VectorXd> ridge_;  ///< from where a minimization met an indefinite Hessian
   double reached_ = 1;
   std::vector<numerics::MinimizerStep> history_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "jet.h"
 #include "rod_model.h"
@@ -13,16 +14,24 @@ namespace supple::weave {
 /// rigidly or slid along itself, is at rest exactly. They need X'' in their second derivatives and no more.
 using RestJet = Jet<SliderSlots::most>;
 
+/// How the material coordinates at an edge's ends follow the sliders of an element.
+struct EdgeShares {
+  std::array<double, SliderSlots::most> from{};
+  std::array<double, SliderSlots::most> to{};
+};
+
 /// |X(to) - X(from)|, mm.
 class RestLength {
  public:
   RestLength(const RodModel& model, const Edge& edge);
   const SliderSlots& slots() const { return slots_; }
-  RestJet at(const RodModel& model, const Eigen::VectorXd& q) const;
+  /// Derivatives up to `order`.
+  RestJet at(const RodModel& model, const Eigen::VectorXd& q, int order) const;
 
  private:
   const Edge* edge_;
   SliderSlots slots_;
+  EdgeShares shares_;
   RestJet constant_;
 };
 
@@ -36,11 +45,17 @@ class RestTurn {
  public:
   RestTurn(const RodModel& model, const Turn& turn);
   const SliderSlots& slots() const { return slots_; }
-  RestTurnValue at(const RodModel& model, const Eigen::VectorXd& q) const;
+  /// Derivatives up to `order`.
+  RestTurnValue at(const RodModel& model, const Eigen::VectorXd& q, int order) const;
 
  private:
+  RestTurnValue evaluate(const RodModel& model, const Eigen::VectorXd& q, int order) const;
+
   const Turn* turn_;
   SliderSlots slots_;
+  EdgeShares in_;
+  EdgeShares out_;
+  Eigen::Vector2d tangent_;  ///< of the curve at the turn
   RestTurnValue constant_;
 };
 

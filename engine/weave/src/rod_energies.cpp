@@ -26,7 +26,7 @@ struct Local {
 template <int n, std::size_t count>
 SUPPLE_INLINE double quadratic_energy(double weight, const std::array<Jet<n>, count>& features,
                                       const std::array<const RestJet*, count>& rests,
-                                      const std::array<double, count>& constants, const RestJet& length, bool slides,
+                                      const std::array<double, count>& constants, const RestJet& length, int sliders,
                                       Local<n>& local) {
   const double inverse_length = 1 / length.value;
   const double w = weight * inverse_length;
@@ -41,8 +41,7 @@ SUPPLE_INLINE double quadratic_energy(double weight, const std::array<Jet<n>, co
       const double scaled = w * f.first[i];
       for (int j = 0; j <= i; ++j, ++entry) local.hessian[entry] += w * offset * f.second[entry] + scaled * f.first[j];
     }
-    if (!slides) continue;
-    for (int u = 0; u < rest_slots; ++u) {
+    for (int u = 0; u < sliders; ++u) {
       const double du = rests[k] ? rests[k]->first[u] : 0;
       local.gradient[n + u] -= w * offset * du + 0.5 * w * inverse_length * offset * offset * length.first[u];
       for (int i = 0; i < n; ++i)
@@ -76,7 +75,7 @@ void StretchEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum
   const int n = model_.dimension();
   for (const Element& element : elements_) {
     const Eigen::Vector3d e = model_.edge_vector(*element.edge, x);
-    const RestJet rest = element.rest.at(model_, x);
+    const RestJet rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(element.edge->strand).stretch;
     const double l = e.norm();
     const double rest_length = rest.value;
@@ -121,51 +120,52 @@ PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, const Numbering& numbe
 
 namespace {
 
-/// The direction of an edge or a joint in the plane, by slots `first` and on.
-template <typename T>
-SUPPLE_INLINE Vector2<T> planar_direction(const RodModel& model, int edge, const Turn& turn,
-                                          const Eigen::Vector2d& tangent, int first, const Eigen::VectorXd& x) {
-  using std::cos;
-  using std::sin;
-  const auto variable = [=](double at, int index) {
-    if constexpr (std::is_same_v<T, double>) {
-      return at;
-    } else {
-      return T::variable(at, first + index);
-    }
-  };
-  if (edge >= 0) {
-    const Eigen::Vector3d e = model.edge_vector(model.edges()[static_cast<std::size_t>(edge)], x);
-    return {variable(e[0], 0), variable(e[1], 1)};
-  }
-  const T angle = variable(x[model.joint(turn.joint)], 0);
-  const T c = cos(angle);
-  const T s = sin(angle);
+/// The direction of an edge or a joint in the plane.
+Eigen::Vector2d planar_direction(const RodModel& model, int edge, const Turn& turn, const Eigen::Vector2d& tangent,
+                                 const Eigen::VectorXd& x) {
+  if (edge >= 0) return model.edge_vector(model.edges()[static_cast<std::size_t>(edge)], x).head<2>();
+  const double angle = x[model.joint(turn.joint)];
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
   return {tangent[0] * c - tangent[1] * s, tangent[0] * s + tangent[1] * c};
 }
 
-template <typename T>
-SUPPLE_INLINE T planar_turn(const Vector2<T>& e, const Vector2<T>& f) {
-  using std::sqrt;
-  return 2.0 * cross(e, f) * inverse(sqrt(dot(e, e) * dot(f, f)) + dot(e, f));
+/// 2 tan(phi / 2) for the angle phi from e to f.
+double planar_turn(const Eigen::Vector2d& e, const Eigen::Vector2d& f) {
+  return 2 * (e[0] * f[1] - e[1] * f[0]) / (std::sqrt(e.squaredNorm() * f.squaredNorm()) + e.dot(f));
 }
 
-}  // namespace
-
-namespace {
+/// Adds `sign` times the derivatives of an angle to those of a turn's, from the slot `first` on: of the direction of
+/// the edge e by its components, or of a joint's by its rotation.
+void add_angle(const Eigen::Vector2d& e, bool is_edge, double sign, int first, Jet<4>& angle) {
+  if (!is_edge) {
+    angle.first[first] += sign;
+    return;
+  }
+  const double inverse_square = 1 / e.squaredNorm();
+  const Eigen::Vector2d across = inverse_square * Eigen::Vector2d(-e[1], e[0]);
+  angle.first[first] += sign * across[0];
+  angle.first[first + 1] += sign * across[1];
+  const auto second = [&](int i, int j) -> double& { return angle.second[i * (i + 1) / 2 + j]; };
+  // By x twice; by x and y; by y twice.
+  second(first, first) -= sign * 2 * across[0] * across[1];
+  second(first + 1, first) += sign * (across[0] * across[0] - across[1] * across[1]);
+  second(first + 1, first + 1) += sign * 2 * across[0] * across[1];
+}
 
 /// The energy of a planar turn and its derivatives.
-SUPPLE_INLINE double planar_bend(const RodModel& model, const Turn& turn, const Eigen::Vector2d& tangent,
-                                 const RestTurnValue& rest, bool slides, const Eigen::VectorXd& x, Local<4>& local) {
-  using J = Jet<4>;
-  const J k = planar_turn(planar_direction<J>(model, turn.in, turn, tangent, 0, x),
-                          planar_direction<J>(model, turn.out, turn, tangent, 2, x));
-  return quadratic_energy<4, 1>(model.stiffness(turn.strand).bend, {k}, {&rest.curvature}, {0}, rest.length, slides,
-                                local);
-}
-SUPPLE_AVX2 double planar_bend_avx2(const RodModel& model, const Turn& turn, const Eigen::Vector2d& tangent,
-                                    const RestTurnValue& rest, bool slides, const Eigen::VectorXd& x, Local<4>& local) {
-  return planar_bend(model, turn, tangent, rest, slides, x, local);
+double planar_bend(const RodModel& model, const Turn& turn, const Eigen::Vector2d& tangent, const RestTurnValue& rest,
+                   int sliders, const Eigen::VectorXd& x, Local<4>& local) {
+  const Eigen::Vector2d in = planar_direction(model, turn.in, turn, tangent, x);
+  const Eigen::Vector2d out = planar_direction(model, turn.out, turn, tangent, x);
+  const double k = planar_turn(in, out);
+  Jet<4> angle;
+  add_angle(in, turn.in >= 0, -1, 0, angle);
+  add_angle(out, turn.out >= 0, 1, 2, angle);
+  // k = 2 tan(phi / 2) has the derivatives 1 + k^2 / 4 and k (1 + k^2 / 4) / 2 by phi.
+  const double slope = 1 + 0.25 * k * k;
+  return quadratic_energy<4, 1>(model.stiffness(turn.strand).bend, {compose(angle, k, slope, 0.5 * k * slope)},
+                                {&rest.curvature}, {0}, rest.length, sliders, local);
 }
 
 }  // namespace
@@ -173,19 +173,18 @@ SUPPLE_AVX2 double planar_bend_avx2(const RodModel& model, const Turn& turn, con
 void PlanarBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
   for (const Element& element : elements_) {
     const Turn& turn = *element.turn;
-    const RestTurnValue rest = element.rest.at(model_, x);
+    const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).bend;
     if (order < 1) {
-      const double k = planar_turn(planar_direction<double>(model_, turn.in, turn, element.tangent, 0, x),
-                                   planar_direction<double>(model_, turn.out, turn, element.tangent, 2, x));
+      const double k = planar_turn(planar_direction(model_, turn.in, turn, element.tangent, x),
+                                   planar_direction(model_, turn.out, turn, element.tangent, x));
       const double offset = k - rest.curvature.value;
       sum.value += 0.5 * stiffness / rest.length.value * offset * offset;
       continue;
     }
     Local<4> local;
-    const bool slides = !element.rest.slots().empty();
-    sum.value += has_avx2 ? planar_bend_avx2(model_, turn, element.tangent, rest, slides, x, local)
-                          : planar_bend(model_, turn, element.tangent, rest, slides, x, local);
+    const int sliders = element.rest.slots().count();
+    sum.value += planar_bend(model_, turn, element.tangent, rest, sliders, x, local);
     scatter(element.links, numbering_, order, local.gradient, local, sum);
   }
 }
@@ -344,33 +343,33 @@ SUPPLE_INLINE T twist(const Side<T>& in, const Side<T>& out, double near) {
 
 /// The energies of a spatial turn and their derivatives.
 SUPPLE_INLINE double spatial_bend(const RodModel& model, const Chart& chart, const Turn& turn,
-                                  const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides,
+                                  const Eigen::Matrix3d& frame, const RestTurnValue& rest, int sliders,
                                   const Eigen::VectorXd& x, Local<8>& local) {
   using J = TurnJet;
   const std::array<J, 2> k =
       curvatures(side<J>(model, chart, turn.in, turn, frame, 0, x), side<J>(model, chart, turn.out, turn, frame, 4, x));
   return quadratic_energy<8, 2>(model.stiffness(turn.strand).bend, k, {&rest.curvature, nullptr}, {0, 0}, rest.length,
-                                slides, local);
+                                sliders, local);
 }
 SUPPLE_AVX2 double spatial_bend_avx2(const RodModel& model, const Chart& chart, const Turn& turn,
-                                     const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides,
+                                     const Eigen::Matrix3d& frame, const RestTurnValue& rest, int sliders,
                                      const Eigen::VectorXd& x, Local<8>& local) {
-  return spatial_bend(model, chart, turn, frame, rest, slides, x, local);
+  return spatial_bend(model, chart, turn, frame, rest, sliders, x, local);
 }
 
 SUPPLE_INLINE double spatial_twist(const RodModel& model, const Chart& chart, const Turn& turn,
-                                   const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides, double near,
+                                   const Eigen::Matrix3d& frame, const RestTurnValue& rest, int sliders, double near,
                                    const Eigen::VectorXd& x, Local<8>& local) {
   using J = TurnJet;
   const J m = twist(side<J>(model, chart, turn.in, turn, frame, 0, x),
                     side<J>(model, chart, turn.out, turn, frame, 4, x), near);
   return quadratic_energy<8, 1>(model.stiffness(turn.strand).twist, {m}, {nullptr}, {turn.rest_twist}, rest.length,
-                                slides, local);
+                                sliders, local);
 }
 SUPPLE_AVX2 double spatial_twist_avx2(const RodModel& model, const Chart& chart, const Turn& turn,
-                                      const Eigen::Matrix3d& frame, const RestTurnValue& rest, bool slides, double near,
+                                      const Eigen::Matrix3d& frame, const RestTurnValue& rest, int sliders, double near,
                                       const Eigen::VectorXd& x, Local<8>& local) {
-  return spatial_twist(model, chart, turn, frame, rest, slides, near, x, local);
+  return spatial_twist(model, chart, turn, frame, rest, sliders, near, x, local);
 }
 
 }  // namespace
@@ -378,7 +377,7 @@ SUPPLE_AVX2 double spatial_twist_avx2(const RodModel& model, const Chart& chart,
 void SpatialBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
   for (const Element& element : elements_) {
     const Turn& turn = *element.turn;
-    const RestTurnValue rest = element.rest.at(model_, x);
+    const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).bend;
     if (order < 1) {
       const auto [k1, k2] = curvatures(side<double>(model_, chart_, turn.in, turn, element.frame, 0, x),
@@ -388,9 +387,9 @@ void SpatialBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::Energ
       continue;
     }
     Local<8> local;
-    const bool slides = !element.rest.slots().empty();
-    sum.value += has_avx2 ? spatial_bend_avx2(model_, chart_, turn, element.frame, rest, slides, x, local)
-                          : spatial_bend(model_, chart_, turn, element.frame, rest, slides, x, local);
+    const int sliders = element.rest.slots().count();
+    sum.value += has_avx2 ? spatial_bend_avx2(model_, chart_, turn, element.frame, rest, sliders, x, local)
+                          : spatial_bend(model_, chart_, turn, element.frame, rest, sliders, x, local);
     scatter(element.links, numbering_, order, local.gradient, local, sum);
   }
 }
@@ -398,7 +397,7 @@ void SpatialBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::Energ
 void TwistEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
   for (const Element& element : elements_) {
     const Turn& turn = *element.turn;
-    const RestTurnValue rest = element.rest.at(model_, x);
+    const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).twist;
     const double near = chart_.twist[element.index];
     if (order < 1) {
@@ -408,9 +407,9 @@ void TwistEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& 
       continue;
     }
     Local<8> local;
-    const bool slides = !element.rest.slots().empty();
-    sum.value += has_avx2 ? spatial_twist_avx2(model_, chart_, turn, element.frame, rest, slides, near, x, local)
-                          : spatial_twist(model_, chart_, turn, element.frame, rest, slides, near, x, local);
+    const int sliders = element.rest.slots().count();
+    sum.value += has_avx2 ? spatial_twist_avx2(model_, chart_, turn, element.frame, rest, sliders, near, x, local)
+                          : spatial_twist(model_, chart_, turn, element.frame, rest, sliders, near, x, local);
     scatter(element.links, numbering_, order, local.gradient, local, sum);
   }
 }

@@ -11,6 +11,10 @@ namespace {
 constexpr double largest_strain_step = 0.04;
 constexpr double most_strain_steps = 1000;
 
+/// Load steps over a ridge, and the share of the way, from one side to the other, beyond which the ridge lies behind.
+constexpr int parts_across = 4;
+constexpr double least_way_across = 0.6;
+
 }  // namespace
 
 WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double direction,
@@ -102,8 +106,28 @@ void WeaveRun::start(bool spatial) {
 bool WeaveRun::advance_to(double share) {
   const double before = share_;
   const bool arrived = path_->advance(step_to(share));
+  if (arrived) prefer_lower_side();
   share_ = arrived ? share : before + path_->reached() * (share - before);
   return leave_plane_if_unstable() && arrived;
+}
+
+void WeaveRun::prefer_lower_side() {
+  const auto ridge = path_->take_ridge();
+  if (!ridge) return;
+  // The strands are pulled through their crossings over the ridge, as far to its other side.
+  const Eigen::VectorXd& found = objective_->q();
+  LoadStep across{Eigen::VectorXd::Zero(model_->size()), 1, parts_across};
+  std::vector<bool> held = held_of(*model_);
+  for (int i = 0; i < static_cast<int>(model_->sliders().size()); ++i) {
+    const int dof = model_->slider(i);
+    held[static_cast<std::size_t>(dof)] = true;
+    across.change[dof] = 2 * ((*ridge)[dof] - found[dof]);
+  }
+  WeaveObjective strands(*model_, found, objective_->chart(), held, energy_, {}, execution_.cost);
+  EquilibriumPath pulled(strands, options_, execution_);
+  pulled.advance(across);
+  iterations_ += pulled.iterations();
+  if (pulled.reached() > least_way_across) path_->prefer_lower_from(strands.q());
 }
 
 bool WeaveRun::leave_plane_if_unstable() {

@@ -55,6 +55,8 @@ class WeaveRun {
   std::vector<bool> held_of(const RodModel& model) const;
   LoadStep step_to(double share) const;
   void start(bool spatial);
+  /// Looks at the other side of a ridge on the way and goes over to it where the energy is lower.
+  void prefer_lower_side();
   /// Where the planar equilibrium is unstable out of its plane, goes on in space. False where that search failed.
   bool leave_plane_if_unstable();
 

@@ -116,6 +116,7 @@ TEST(Minimizer, StopsOnItsWayToASaddleIfAskedTo) {
   Scene to_the_saddle = scene_of<DoubleWell>(Eigen::Vector2d(0, 1));
   const MinimizerResult all = minimize(to_the_saddle, options);
   EXPECT_EQ(all.stop, MinimizerStop::converged);
+  EXPECT_TRUE(all.indefinite);
   EXPECT_EQ(to_the_saddle.x()[0], 0);
   options.saddle_contraction = 0.1;
   Scene scene = scene_of<DoubleWell>(Eigen::Vector2d(0, 1));

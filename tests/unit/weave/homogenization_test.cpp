@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -310,6 +311,56 @@ TEST(Homogenize, FollowsThePathInStepsShortEnoughToStayOnIt) {
     if (single[i].state.energy_density > 1.2 * fine[i].state.energy_density) ++astray;
   }
   EXPECT_GE(astray, 1) << "one step would do, and the test shows nothing";
+}
+
+/// Energies of sliding squares at a strain of 0.1 in two directions that a mirror of the cell exchanges.
+std::array<double, 2> energies_of_mirror_images(int segments, int load_steps, int& branches) {
+  HomogenizationOptions options;
+  options.strain = 0.1;
+  options.directions = {5 * pi / 24, 7 * pi / 24};
+  options.equilibrium.segments = segments;
+  options.equilibrium.load_steps = load_steps;
+  std::array<double, 2> energies{};
+  const auto responses = homogenize(interlacing_squares(SquareType::slide_both_ways), options);
+  for (std::size_t i = 0; i < 2; ++i) {
+    energies[i] = responses[i].state.energy_density;
+    branches += responses[i].state.branches;
+    EXPECT_TRUE(responses[i].state.stable);
+  }
+  return energies;
+}
+
+TEST(Homogenize, TakesTheLowerSideOfARidgeWhateverTheSegmentsAndTheLoadSteps) {
+  // At a strain below 0.0025 the loops begin to slide, one way or the other, and lock in equilibria of 0.77 and 0.83
+  // J/m^2 (with 4 segments).
+  int branches = 0;
+  for (const int load_steps : {0, 10, 25}) {
+    const auto [one, other] = energies_of_mirror_images(4, load_steps, branches);
+    EXPECT_NEAR(one, 0.7712, 1e-3) << load_steps;
+    EXPECT_NEAR(one / other, 1, 1e-6) << load_steps;
+  }
+  const auto finer = energies_of_mirror_images(8, 0, branches);
+  const auto finest = energies_of_mirror_images(16, 0, branches);
+  EXPECT_NEAR(finer[0] / finer[1], 1, 1e-6);
+  EXPECT_NEAR(finest[0] / finest[1], 1, 1e-6);
+  EXPECT_NEAR((0.7712 - finer[0]) / (finer[0] - finest[0]), 4, 0.8) << "segments converge with their square";
+  EXPECT_GE(branches, 1) << "the first side was the lower one everywhere, and the test shows nothing";
+}
+
+TEST(Homogenize, DoesNotCallASaddleStableThatTheLastStepCameTo) {
+  // Rest is stable by the sliding regularizer alone; at this strain the cell that does not slide is a saddle, which
+  // three Newton steps reach through states whose tangents are positive definite.
+  HomogenizationOptions options;
+  options.strain = 0.0025;
+  options.directions = {7 * pi / 24};
+  options.equilibrium.load_steps = 1;
+  const Weave weave = interlacing_squares(SquareType::slide_both_ways);
+  const auto slid = homogenize(weave, options).front();
+  options.equilibrium.buckling = Switch::off;
+  const auto saddle = homogenize(weave, options).front();
+  EXPECT_FALSE(saddle.state.stable);
+  EXPECT_TRUE(slid.state.stable);
+  EXPECT_LT(slid.state.energy_density, 0.02 * saddle.state.energy_density);
 }
 
 TEST(Homogenize, SaysWhereACellFoldsFlat) {

@@ -79,6 +79,7 @@ struct MinimizerResult {
   std::vector<MinimizerStep> history;  ///< the start and every iteration
   /// Newton: index into `history` of the state whose Hessian was factorized last; -1 if none was.
   int factorized_at = -1;
+  bool indefinite = false;  ///< Newton: a Hessian on the way was not positive definite
 };
 
 /// Minimizes from the objective's current state, which is the best state found when it returns (values never rise by

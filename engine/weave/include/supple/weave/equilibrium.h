@@ -31,8 +31,9 @@ struct EquilibriumOptions {
   /// automatic: in the plane until an equilibrium that is reported is unstable there against a mode out of it, or
   /// something is held or loaded out of it. on: in space from the start, with twist. off: in the plane always.
   Switch out_of_plane = Switch::automatic;
-  /// A deliberate step along the least stable mode where the tangent is not positive definite. automatic is on; off
-  /// reports the unstable equilibrium.
+  /// A deliberate step along the least stable mode where the tangent is not positive definite; of a cell in the plane
+  /// that slides, the equilibrium of lower energy of the two that the first ridge on the way parts. automatic is on;
+  /// off reports the unstable equilibrium.
   Switch buckling = Switch::automatic;
   /// Crossings of a strand keep this distance along it where one of them slides, mm; half of that at rest at most.
   double least_distance = 0.5;
