@@ -27,6 +27,11 @@ constexpr double search_tolerance = 1e-6;
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
 constexpr double least_distance = 0.1;
+/// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples; and
+/// how near each other, as a share of the bounds' widths, ends are one.
+constexpr int lead_iterations = 40;
+constexpr std::size_t refined_leads = 2;
+constexpr double same_lead = 0.01;
 
 /// What stays the same from one starting point to the next.
 class Search {
@@ -65,29 +70,49 @@ class Search {
   /// Optimizes from one starting point and keeps the result if it is the best. Where there are many samples a few of
   /// them come first: that finds the neighbourhood at a fraction of the cost.
   void follow(const Eigen::VectorXd& start) {
+    begin(start);
+    const Eigen::VectorXd x = bounds_.free_part(start);
+    refine(many_samples() && !bounds_.free.empty() ? look_around(x, options_.max_iterations).x : x);
+  }
+
+  void begin(const Eigen::VectorXd& start) {
     ++best_.starts;
-    // Where nothing is searched for, what the parameters do is told whether or not they can be built.
-    TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free,
-                              options_.equilibrium_tolerance, bounds_.free.empty() ? Buildable{} : space_.buildable);
-    if (initial_.empty()) remember_initial(residuals, start);
-    Eigen::VectorXd x = bounds_.free_part(start);
-    auto stopped = DesignStop::no_free_parameters;
-    if (!bounds_.free.empty()) {
-      if (many_samples()) {
-        look_coarsely();
-        x = optimize(coarse_, x, {.tolerance = std::max(coarse_tolerance, options_.tolerance)}).x;
-      }
-      const auto result = optimize(targets_, x, {.tolerance = options_.tolerance});
-      stopped = static_cast<DesignStop>(result.stopped);
-      x = result.x;
-    }
-    finish(residuals, x, stopped);
+    if (!initial_.empty()) return;
+    auto residuals = exact_residuals();
+    Eigen::VectorXd r;
+    residuals.residuals(bounds_.free_part(start), r);
+    for (std::size_t t = 0; t < targets_.size(); ++t) initial_.push_back(residuals.values(t));
     count(residuals);
   }
 
+  /// Optimizes by a few samples.
+  numerics::LeastSquaresResult look_around(const Eigen::VectorXd& x, int iterations) {
+    look_coarsely();
+    return optimize(coarse_, x,
+                    {.tolerance = std::max(coarse_tolerance, options_.tolerance), .max_iterations = iterations});
+  }
+
+  /// Optimizes by all samples and keeps the result if it is the best.
+  void refine(const Eigen::VectorXd& start) {
+    if (bounds_.free.empty()) return finish(start, DesignStop::no_free_parameters);
+    const auto result =
+        optimize(targets_, start, {.tolerance = options_.tolerance, .max_iterations = options_.max_iterations});
+    finish(result.x, static_cast<DesignStop>(result.stopped));
+  }
+
+  /// Where nothing is searched for, what the parameters do is told whether or not they can be built.
+  TargetResiduals exact_residuals() const {
+    return {space_.evaluator,
+            targets_,
+            weights_,
+            bounds_.held,
+            bounds_.free,
+            options_.equilibrium_tolerance,
+            bounds_.free.empty() ? Buildable{} : space_.buildable};
+  }
+
   numerics::LeastSquaresResult optimize(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
-                                        numerics::LeastSquaresOptions options) {
-    options.max_iterations = options_.max_iterations;
+                                        const numerics::LeastSquaresOptions& options) {
     TargetResiduals residuals(
         space_.evaluator, targets, weights_, bounds_.held, bounds_.free,
         std::max(std::min(search_tolerance, search_margin * options.tolerance), options_.equilibrium_tolerance),
@@ -112,10 +137,11 @@ class Search {
   }
 
   /// Works the profiles out from rest and compares with the best design.
-  void finish(TargetResiduals& residuals, const Eigen::VectorXd& x, DesignStop stopped) {
-    residuals.forget();
+  void finish(const Eigen::VectorXd& x, DesignStop stopped) {
+    auto residuals = exact_residuals();
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(x, r);
+    count(residuals);
     if (!defined || (found_ && r.norm() >= best_.error.relative_rms)) return;
     found_ = true;
     best_.parameters = residuals.parameters_of(x);
@@ -139,12 +165,6 @@ class Search {
         best_.reached = best_.reached && reached;
       }
     }
-  }
-
-  void remember_initial(TargetResiduals& residuals, const Eigen::VectorXd& start) {
-    Eigen::VectorXd r;
-    residuals.residuals(bounds_.free_part(start), r);
-    for (std::size_t t = 0; t < targets_.size(); ++t) initial_.push_back(residuals.values(t));
   }
 
   void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, double norm, int iteration) {
@@ -192,7 +212,8 @@ class Search {
     return std::isfinite(sum) ? std::sqrt(sum / weights) : std::numeric_limits<double>::infinity();
   }
 
-  /// Follows the best candidates, far enough from each other, until one reaches the target.
+  /// Follows the best candidates, far enough from each other, until one reaches the target. Where there are many
+  /// samples, all by a few of them, and then those by all that promise most.
   void try_candidates() {
     look_at_candidates();
     std::vector<std::pair<double, Eigen::Index>> order;
@@ -200,20 +221,49 @@ class Search {
     std::sort(order.begin(), order.end());
     std::vector<Eigen::VectorXd> taken;
     if (problem_.initial) taken.push_back(*problem_.initial);
-    const Eigen::VectorXd width = network_.upper - network_.lower;
+    std::vector<std::pair<double, Eigen::VectorXd>> leads;
     const bool only_one = options_.multi_start == Switch::off;
     for (const auto& [error, c] : order) {
       if (best_.starts >= options_.starts || (only_one && found_)) break;
       if (good() && options_.multi_start != Switch::on) break;
-      if (!std::isfinite(error) && found_) break;
+      if (!std::isfinite(error) && (found_ || !leads.empty())) break;
       const Eigen::VectorXd start = table_->parameters.col(c);
-      const bool near = std::any_of(taken.begin(), taken.end(), [&](const Eigen::VectorXd& other) {
-        return (start - other).cwiseQuotient(width).cwiseAbs().maxCoeff() < least_distance;
-      });
-      if (near) continue;
+      if (among(taken, start, least_distance)) continue;
       taken.push_back(start);
-      follow(start);
+      if (only_one || !many_samples()) {
+        follow(start);
+        continue;
+      }
+      begin(start);
+      const auto lead = look_around(bounds_.free_part(start), std::min(lead_iterations, options_.max_iterations));
+      if (!lead.defined) continue;
+      if (lead.norm <= good_share)
+        refine(lead.x);
+      else
+        leads.emplace_back(lead.norm, lead.x);
     }
+    refine_leads(std::move(leads));
+  }
+
+  void refine_leads(std::vector<std::pair<double, Eigen::VectorXd>> leads) {
+    std::stable_sort(leads.begin(), leads.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Eigen::VectorXd> refined;
+    for (const auto& [norm, x] : leads) {
+      if (good() && options_.multi_start != Switch::on) return;
+      if (found_ && (refined.size() >= refined_leads || !(norm < 2 * best_.error.relative_rms))) return;
+      const Eigen::VectorXd all = bounds_.all(x);
+      if (among(refined, all, same_lead)) continue;
+      refined.push_back(all);
+      refine(x);
+    }
+  }
+
+  /// Whether one of the points is so near, as a share of the bounds' widths.
+  bool among(const std::vector<Eigen::VectorXd>& points, const Eigen::VectorXd& point, double distance) const {
+    const Eigen::VectorXd width = network_.upper - network_.lower;
+    return std::any_of(points.begin(), points.end(), [&](const Eigen::VectorXd& other) {
+      return (point - other).cwiseQuotient(width).cwiseAbs().maxCoeff() < distance;
+    });
   }
 
   bool good() const { return best_.reached && best_.error.relative_rms <= good_share; }

@@ -14,6 +14,8 @@ struct FreeParameters {
 
   /// The free ones of all.
   Eigen::VectorXd free_part(const Eigen::VectorXd& all) const;
+  /// All, with these for the free ones.
+  Eigen::VectorXd all(const Eigen::VectorXd& free_ones) const;
 
   Eigen::VectorXd lower;           ///< of all parameters; equal to `upper` where they are held
   Eigen::VectorXd upper;           ///< of all

@@ -11,14 +11,15 @@
 
 namespace supple::neural {
 
-/// 32 bytes of numbers that are computed with together: four doubles or eight floats. As with Lanes, none crosses the
-/// border of a function that is not inlined.
+/// 32 bytes of numbers that are computed with together: four doubles or eight floats; Wide is twice as many. As with
+/// Lanes, none crosses the border of a function that is not inlined.
 template <class Real>
 struct Packs;
 
 template <>
 struct Packs<double> {
   using Pack = double __attribute__((vector_size(32)));
+  using Wide = double __attribute__((vector_size(64)));
   using Integers = std::int64_t __attribute__((vector_size(32)));
   static constexpr int count = 4;
   static constexpr int mantissa_bits = 52;
@@ -36,6 +37,7 @@ struct Packs<double> {
 template <>
 struct Packs<float> {
   using Pack = float __attribute__((vector_size(32)));
+  using Wide = float __attribute__((vector_size(64)));
   using Integers = std::int32_t __attribute__((vector_size(32)));
   static constexpr int count = 8;
   static constexpr int mantissa_bits = 23;
