@@ -9,12 +9,6 @@ namespace {
 /// A vector in its first column, its derivatives by the parameters in the others.
 using Dual = Eigen::MatrixXd;
 
-Dual linear(const Eigen::Ref<const Eigen::MatrixXd>& weights, const Eigen::VectorXd& bias, const Dual& x) {
-  Dual y = weights * x;
-  y.col(0) += bias;
-  return y;
-}
-
 Dual activated(Activation activation, Dual z) {
   for (long i = 0; i < z.rows(); ++i) {
     const auto [value, slope] = value_and_slope(activation, z(i, 0));
@@ -76,15 +70,32 @@ std::pair<double, double> value_and_slope(Activation activation, double z) {
   }
 }
 
-Eigen::VectorXd strain_branch_at_rest(const Network& network) {
+DesignLayers::DesignLayers(const Network& network) {
+  const auto packed = [](const Eigen::Ref<const Eigen::MatrixXd>& weights, const Eigen::VectorXd& bias) {
+    return Layer{PackedMatrix<double>(weights), bias};
+  };
+  for (const auto& layer : network.stiffness) stiffness_.push_back(packed(layer.weights, layer.bias));
+  for (const auto& layer : network.parameter) parameter_.push_back(packed(layer.weights, layer.bias));
+  for (const auto& layer : network.trunk)
+    trunk_.push_back(packed(trunk_.empty() ? layer.weights.rightCols(network.shape.width) : layer.weights, layer.bias));
   Dual x = activated(network.shape.activation, network.strain[0].bias);
   for (std::size_t i = 1; i < network.strain.size(); ++i)
-    x = activated(network.shape.activation, linear(network.strain[i].weights, network.strain[i].bias, x));
-  return network.trunk[0].weights.leftCols(network.shape.width) * x.col(0);
+    x = activated(network.shape.activation, network.strain[i].weights * x + network.strain[i].bias);
+  strain_at_rest_ = network.trunk[0].weights.leftCols(network.shape.width) * x.col(0);
 }
 
-DesignContent evaluate_design(const Network& network, const Eigen::VectorXd& strain_at_rest,
-                              std::span<const double> parameters, bool with_derivatives) {
+Dual DesignLayers::Layer::operator()(const Dual& x) const {
+  const int rows = weights.rows();
+  Dual y(padded_rows(rows), x.cols());
+  multiply(weights, Factor<double>{x.data(), x.rows()}, static_cast<int>(x.cols()), y.data(),
+           static_cast<int>(y.rows()));
+  y.col(0).head(rows) += bias;
+  if (y.rows() == rows) return y;
+  return y.topRows(rows);
+}
+
+DesignContent DesignLayers::evaluate(const Network& network, std::span<const double> parameters,
+                                     bool with_derivatives) const {
   const auto& shape = network.shape;
   const long n = shape.parameters;
   Dual p = Dual::Zero(n, with_derivatives ? 1 + n : 1);
@@ -103,25 +114,23 @@ DesignContent evaluate_design(const Network& network, const Eigen::VectorXd& str
     content.input = first;
   } else {
     Dual q = p;
-    for (std::size_t i = 0; i < 2; ++i)
-      q = activated(Activation::swish, linear(network.stiffness[i].weights, network.stiffness[i].bias, q));
-    scale(linear(network.stiffness[2].weights, network.stiffness[2].bias, q), content);
+    for (std::size_t i = 0; i < 2; ++i) q = activated(Activation::swish, stiffness_[i](q));
+    scale(stiffness_[2](q), content);
     content.input = first.leftCols<3>() * content.skip + first.rightCols<3>();
   }
   for (const auto& skip_by : content.skip_by) content.input_by.emplace_back(first.leftCols<3>() * skip_by);
 
   Dual h = p;
-  for (const auto& layer : network.parameter) h = activated(shape.activation, linear(layer.weights, layer.bias, h));
-  const Dual meeting = linear(network.trunk[0].weights.rightCols(shape.width), network.trunk[0].bias, h);
+  for (const auto& layer : parameter_) h = activated(shape.activation, layer(h));
+  const Dual meeting = trunk_[0](h);
   content.meeting = meeting.col(0);
   content.meeting_by = meeting.rightCols(p.cols() - 1);
 
   Dual x = meeting;
-  x.col(0) += strain_at_rest;
+  x.col(0) += strain_at_rest_;
   x = activated(shape.activation, std::move(x));
-  for (std::size_t i = 1; i + 1 < network.trunk.size(); ++i)
-    x = activated(shape.activation, linear(network.trunk[i].weights, network.trunk[i].bias, x));
-  const Dual rest = linear(network.trunk.back().weights, network.trunk.back().bias, x);
+  for (std::size_t i = 1; i + 1 < trunk_.size(); ++i) x = activated(shape.activation, trunk_[i](x));
+  const Dual rest = trunk_.back()(x);
   content.rest = rest.col(0);
   content.rest_by = rest.rightCols(p.cols() - 1);
   return content;

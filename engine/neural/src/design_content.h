@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "supple/neural/network.h"
+#include "supple/neural/packed_matrix.h"
 
 namespace supple::neural {
 
@@ -26,12 +27,24 @@ struct DesignContent {
 /// f and f' of an activation.
 std::pair<double, double> value_and_slope(Activation activation, double z);
 
-/// Evaluates the parameter and stiffness branches, and the trunk at rest: strain_at_rest is the strain branch's part of
-/// the first trunk layer there, which no parameter changes.
-DesignContent evaluate_design(const Network& network, const Eigen::VectorXd& strain_at_rest,
-                              std::span<const double> parameters, bool with_derivatives);
+/// The layers that see a design's parameters, packed for products with few columns.
+class DesignLayers {
+ public:
+  explicit DesignLayers(const Network& network);
 
-/// The strain branch's part of the first trunk layer at rest.
-Eigen::VectorXd strain_branch_at_rest(const Network& network);
+  /// Evaluates the parameter and stiffness branches, and the trunk at rest. `network` is the one that was packed.
+  DesignContent evaluate(const Network& network, std::span<const double> parameters, bool with_derivatives) const;
+
+ private:
+  struct Layer {
+    PackedMatrix<double> weights;
+    Eigen::VectorXd bias;
+    Eigen::MatrixXd operator()(const Eigen::MatrixXd& x) const;
+  };
+  std::vector<Layer> stiffness_;
+  std::vector<Layer> parameter_;
+  std::vector<Layer> trunk_;        ///< of the first, the columns that see the parameter branch
+  Eigen::VectorXd strain_at_rest_;  ///< the strain branch's part of the first trunk layer, which no parameter changes
+};
 
 }  // namespace supple::neural

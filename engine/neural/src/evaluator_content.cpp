@@ -32,7 +32,7 @@ PackedLayer<Real>::PackedLayer(const Eigen::Ref<const Eigen::MatrixXd>& weights,
 template <class Real>
 PackedNetwork<Real>::PackedNetwork(const Network& of)
     : network(of),
-      strain_at_rest(strain_branch_at_rest(of)),
+      design_layers(of),
       first_bias(padded<Real>(of.strain[0].bias)),
       hidden(hidden_layers<Real>(of)),
       last(of.trunk.back().weights, of.trunk.back().bias) {}
@@ -40,7 +40,7 @@ PackedNetwork<Real>::PackedNetwork(const Network& of)
 template <class Real>
 PackedDesign<Real>::PackedDesign(const PackedNetwork<Real>& of, std::span<const double> parameters,
                                  bool with_parameter_derivatives)
-    : exact(evaluate_design(of.network, of.strain_at_rest, parameters, with_parameter_derivatives)),
+    : exact(of.design_layers.evaluate(of.network, parameters, with_parameter_derivatives)),
       with_derivatives(with_parameter_derivatives),
       input(exact.input),
       meeting(padded<Real>(exact.meeting)) {

@@ -27,7 +27,7 @@ struct PackedNetwork {
   explicit PackedNetwork(const Network& of);
 
   Network network;
-  Eigen::VectorXd strain_at_rest;
+  DesignLayers design_layers;
   std::vector<Real> first_bias;
   /// Of the layers between the first of the strain branch and the last of the trunk: the hidden ones, in order.
   std::vector<PackedLayer<Real>> hidden;

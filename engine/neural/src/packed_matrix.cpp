@@ -182,19 +182,25 @@ void PackedMatrix<Real>::assign(const Real* numbers, int rows, int columns, int 
       for (int i = 0; i < panel_rows && first + i < rows; ++i) to[i] = numbers[(first + i) * down + k * right];
 }
 
+Instructions best_instructions() {
+  return has_avx512 ? Instructions::avx512 : has_avx2 ? Instructions::avx2 : Instructions::any;
+}
+
 template <class Real>
-void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
-  if (has_avx512)
-    multiply_avx512(a, b, n, c, stride_c);
-  else if (has_avx2)
-    multiply_avx2(a, b, n, c, stride_c);
-  else
-    multiply_any(a, b, n, c, stride_c);
+void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c, Instructions use) {
+  switch (use) {
+    case Instructions::avx512:
+      return multiply_avx512(a, b, n, c, stride_c);
+    case Instructions::avx2:
+      return multiply_avx2(a, b, n, c, stride_c);
+    default:
+      return multiply_any(a, b, n, c, stride_c);
+  }
 }
 
 template class PackedMatrix<double>;
 template class PackedMatrix<float>;
-template void multiply(const PackedMatrix<double>&, const Factor<double>&, int, double*, int);
-template void multiply(const PackedMatrix<float>&, const Factor<float>&, int, float*, int);
+template void multiply(const PackedMatrix<double>&, const Factor<double>&, int, double*, int, Instructions);
+template void multiply(const PackedMatrix<float>&, const Factor<float>&, int, float*, int, Instructions);
 
 }  // namespace supple::neural

@@ -48,9 +48,15 @@ struct Factor {
   SUPPLE_INLINE Factor from_column(std::ptrdiff_t j) const { return {numbers + j * stride, stride, step}; }
 };
 
+enum class Instructions { any, avx2, avx512 };
+/// The last of them that this machine has.
+Instructions best_instructions();
+
 /// c = a b for n columns: c[j stride_c + i] = sum_k a(i, k) b(k, j). Writes padded_rows(a.rows()) rows of
-/// each column. 2 n padded_rows(a.rows()) a.columns() flops.
+/// each column. 2 n padded_rows(a.rows()) a.columns() flops. AVX2 and AVX-512 give the same bits. `use` is for tests:
+/// beyond what the machine has, the program is killed.
 template <class Real>
-void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c);
+void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c,
+              Instructions use = best_instructions());
 
 }  // namespace supple::neural
