@@ -32,6 +32,8 @@ constexpr double least_distance = 0.1;
 constexpr int lead_iterations = 40;
 constexpr std::size_t refined_leads = 2;
 constexpr double same_lead = 0.01;
+/// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
+constexpr int rounds_from_rest = 3;
 
 /// What stays the same from one starting point to the next.
 class Search {
@@ -92,12 +94,19 @@ class Search {
                     {.tolerance = std::max(coarse_tolerance, options_.tolerance), .max_iterations = iterations});
   }
 
-  /// Optimizes by all samples and keeps the result if it is the best.
-  void refine(const Eigen::VectorXd& start) {
-    if (bounds_.free.empty()) return finish(start, DesignStop::no_free_parameters);
-    const auto result =
-        optimize(targets_, start, {.tolerance = options_.tolerance, .max_iterations = options_.max_iterations});
-    finish(result.x, static_cast<DesignStop>(result.stopped));
+  /// Optimizes by all samples and keeps the result if it is the best. Where strains have several equilibria, the search
+  /// may have followed others than those that are found from rest: then it goes on from these.
+  void refine(Eigen::VectorXd x) {
+    if (bounds_.free.empty()) {
+      finish(x, DesignStop::no_free_parameters);
+      return;
+    }
+    for (int round = 0; round < rounds_from_rest; ++round) {
+      const auto result =
+          optimize(targets_, x, {.tolerance = options_.tolerance, .max_iterations = options_.max_iterations});
+      x = result.x;
+      if (finish(x, static_cast<DesignStop>(result.stopped)) <= result.norm + good_share) return;
+    }
   }
 
   /// Where nothing is searched for, what the parameters do is told whether or not they can be built.
@@ -136,13 +145,15 @@ class Search {
                        [](const SampledTarget& target) { return target.y.size() > 2 * coarse_samples; });
   }
 
-  /// Works the profiles out from rest and compares with the best design.
-  void finish(const Eigen::VectorXd& x, DesignStop stopped) {
+  /// Works the profiles out from rest and compares with the best design. Returns the relative root mean square
+  /// deviation, infinite where there is no equilibrium.
+  double finish(const Eigen::VectorXd& x, DesignStop stopped) {
     auto residuals = exact_residuals();
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(x, r);
     count(residuals);
-    if (!defined || (found_ && r.norm() >= best_.error.relative_rms)) return;
+    if (!defined) return std::numeric_limits<double>::infinity();
+    if (found_ && r.norm() >= best_.error.relative_rms) return r.norm();
     found_ = true;
     best_.parameters = residuals.parameters_of(x);
     best_.stopped = stopped;
@@ -165,6 +176,7 @@ class Search {
         best_.reached = best_.reached && reached;
       }
     }
+    return r.norm();
   }
 
   void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, double norm, int iteration) {
