@@ -117,9 +117,11 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
       .add_option("--equilibrium-tolerance", arguments.equilibrium_tolerance,
                   "Relative residual of an equilibrium (1e-10)")
       ->check(CLI::PositiveNumber);
-  command.add_option("--max-iterations", arguments.max_iterations, "Iterations from one starting point (100)")
+  command.add_option("--max-iterations", arguments.max_iterations, "Iterations from one starting point (200)")
       ->check(CLI::PositiveNumber);
-  command.add_option("--starts", arguments.starts, "Starting points that are followed at most (6)")
+  command
+      .add_option("--starts", arguments.starts,
+                  "Starting points that are followed at most (16, of each of all families 4)")
       ->check(CLI::PositiveNumber);
   command.add_option("--candidates", arguments.candidates, "Designs among which they are chosen")
       ->check(CLI::PositiveNumber);

@@ -13,7 +13,7 @@
 namespace supple::design {
 namespace {
 
-constexpr int candidates_per_parameter = 16;
+constexpr int candidates_per_parameter = 40;
 /// Tables that are kept for each model.
 constexpr std::size_t most_tables = 32;
 /// Enough to tell good candidates from bad ones, and what single precision gives everywhere.

@@ -27,10 +27,12 @@ constexpr double search_tolerance = 1e-6;
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
 constexpr double least_distance = 0.1;
+/// Where their number is left open.
+constexpr int starts_in_one_space = 16;
 /// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples; and
 /// how near each other, as a share of the bounds' widths, ends are one.
-constexpr int lead_iterations = 40;
-constexpr std::size_t refined_leads = 2;
+constexpr int lead_iterations = 30;
+constexpr std::size_t refined_leads = 3;
 constexpr double same_lead = 0.01;
 /// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
 constexpr int rounds_from_rest = 3;
@@ -135,6 +137,8 @@ class Search {
     return result;
   }
 
+  int most_starts() const { return options_.starts > 0 ? options_.starts : starts_in_one_space; }
+
   void count(const TargetResiduals& residuals) {
     evaluations_ += residuals.evaluations();
     restarts_ += residuals.restarts();
@@ -182,7 +186,7 @@ class Search {
   void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, double norm, int iteration) {
     if (execution_->progress) {
       const double share = static_cast<double>(iteration) / options_.max_iterations;
-      execution_->progress->report(std::min(0.99, (best_.starts - 1 + share) / options_.starts), "optimization");
+      execution_->progress->report(std::min(0.99, (best_.starts - 1 + share) / most_starts()), "optimization");
     }
     if (!*progress_ || (reported_ && norm >= least_reported_)) return;
     reported_ = true;
@@ -236,7 +240,7 @@ class Search {
     std::vector<std::pair<double, Eigen::VectorXd>> leads;
     const bool only_one = options_.multi_start == Switch::off;
     for (const auto& [error, c] : order) {
-      if (best_.starts >= options_.starts || (only_one && found_)) break;
+      if (best_.starts >= most_starts() || (only_one && found_)) break;
       if (good() && options_.multi_start != Switch::on) break;
       if (!std::isfinite(error) && (found_ || !leads.empty())) break;
       const Eigen::VectorXd start = table_->parameters.col(c);

@@ -8,6 +8,12 @@
 #include "supple/base/threads.h"
 
 namespace supple::design {
+namespace {
+
+/// Where their number is left open: the other spaces are chances enough.
+constexpr int starts_in_each_space = 4;
+
+}  // namespace
 
 std::string_view to_string(DesignStop stop) {
   if (stop == DesignStop::no_free_parameters) return "no_free_parameters";
@@ -22,6 +28,8 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   std::optional<double> best;
   std::size_t done = 0;
   const bool several = spaces.size() > 1;
+  DesignOptions of_each = options;
+  if (several && options.starts == 0) of_each.starts = starts_in_each_space;
   parallel_for(static_cast<int>(spaces.size()), [&](int index) {
     const auto i = static_cast<std::size_t>(index);
     OnProgress of_space;
@@ -35,7 +43,7 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
     const Execution inner{execution.cancellation, several ? nullptr : execution.progress,
                           execution.cost ? &bills[i] : nullptr};
     try {
-      found[i] = find_design(spaces[i], problem, options, inner, of_space);
+      found[i] = find_design(spaces[i], problem, of_each, inner, of_space);
       found[i]->space = i;
     } catch (const Error& error) {
       if (!several || error.code() != "design.no_equilibrium") throw;

@@ -36,9 +36,10 @@ struct DesignOptions {
   /// The search ends once a step promises to lessen the relative root mean square deviation by at most this.
   double tolerance = 1e-6;
   double equilibrium_tolerance = 1e-10;  ///< of neural::uniaxial_residual
-  int max_iterations = 100;              ///< from one starting point
-  int starts = 6;                        ///< starting points that are followed at most
-  int candidates = 0;                    ///< designs from which they are chosen; 0: default_candidates
+  int max_iterations = 200;              ///< from one starting point
+  /// Starting points that are followed at most. 0: 16 in one space, 4 in each of several.
+  int starts = 0;
+  int candidates = 0;  ///< designs from which they are chosen; 0: default_candidates
   /// Further starting points. automatic: where the design found from `initial` does not reach the target or deviates by
   /// more than 0.1 %, and without `initial`.
   Switch multi_start = Switch::automatic;
