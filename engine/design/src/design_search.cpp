@@ -18,6 +18,8 @@ constexpr double reached_share = 0.01;
 /// Further starting points are tried while the relative root mean square deviation is larger: what is reached by less
 /// may be a local minimum.
 constexpr double good_share = 1e-3;
+/// What deviates less is near: the search begins with all samples.
+constexpr double near_share = 0.1;
 /// Samples of each target by which candidates are compared.
 constexpr int coarse_samples = 10;
 /// What suffices of a search among those samples, and of equilibria while a search is under way.
@@ -72,21 +74,24 @@ class Search {
 
  private:
   /// Optimizes from one starting point and keeps the result if it is the best. Where there are many samples a few of
-  /// them come first: that finds the neighbourhood at a fraction of the cost.
+  /// them come first, unless it is near already: that finds the neighbourhood at a fraction of the cost.
   void follow(const Eigen::VectorXd& start) {
-    begin(start);
+    const bool near = begin(start) <= near_share;
     const Eigen::VectorXd x = bounds_.free_part(start);
-    refine(many_samples() && !bounds_.free.empty() ? look_around(x, options_.max_iterations).x : x);
+    const bool coarsely = !near && many_samples() && !bounds_.free.empty();
+    refine(coarsely ? look_around(x, options_.max_iterations).x : x);
   }
 
-  void begin(const Eigen::VectorXd& start) {
+  /// The first starting point's profile is part of the answer. Its relative root mean square deviation, or infinity.
+  double begin(const Eigen::VectorXd& start) {
     ++best_.starts;
-    if (!initial_.empty()) return;
+    if (!initial_.empty()) return std::numeric_limits<double>::infinity();
     auto residuals = exact_residuals();
     Eigen::VectorXd r;
-    residuals.residuals(bounds_.free_part(start), r);
+    const bool defined = residuals.residuals(bounds_.free_part(start), r);
     for (std::size_t t = 0; t < targets_.size(); ++t) initial_.push_back(residuals.values(t));
     count(residuals);
+    return defined ? r.norm() : std::numeric_limits<double>::infinity();
   }
 
   /// Optimizes by a few samples.
