@@ -457,7 +457,7 @@ def test_profiles_are_jobs_where_the_client_prefers_it(designs: Api) -> None:
 def test_the_contract_names_the_defaults_that_the_server_has(designs: Api) -> None:
     schemas = designs.contract.spec["components"]["schemas"]
     accuracy = {name: schema.get("default") for name, schema in schemas["DesignAccuracy"]["properties"].items()}
-    spelled = {**{name: value for name, value in accuracy.items() if value is not None}, "candidates": 16}
+    spelled = {**{name: value for name, value in accuracy.items() if value is not None}, "candidates": 40, "starts": 16}
     request = {**known_problem(designs, family="IH29"), "accuracy": {}}
     plain, explicit = (designs.ok(DESIGNS, {**request, **more}) for more in (
         {}, {"accuracy": spelled, "effects": {"multi_start": "automatic", "envelope": "automatic"}, "verify": False,
