@@ -42,11 +42,11 @@ std::string engines_of(const dataset::Dataset& data) {
 
 std::vector<EnergySymmetry> energy_symmetries(const tiling::Family& family) {
   std::vector<EnergySymmetry> distinct;
-  for (const auto& [operation, linear, constant] : tiling::symmetries(family)) {
-    const EnergySymmetry symmetry{strain_map(operation), linear, constant};
+  for (const auto& of_tilings : tiling::symmetries(family)) {
+    const EnergySymmetry symmetry{strain_map(of_tilings.operation), of_tilings.linear, of_tilings.constant};
     if (std::none_of(distinct.begin(), distinct.end(), [&](const EnergySymmetry& known) {
-          return known.strain.isApprox(symmetry.strain, 1e-9) && known.linear.isApprox(linear, 1e-6) &&
-                 (known.constant - constant).norm() < 1e-6;
+          return known.strain.isApprox(symmetry.strain, 1e-9) && known.linear.isApprox(symmetry.linear, 1e-6) &&
+                 (known.constant - symmetry.constant).norm() < 1e-6;
         }))
       distinct.push_back(symmetry);
   }
