@@ -31,10 +31,12 @@ constexpr double search_margin = 1e-2;
 constexpr double least_distance = 0.1;
 /// Where their number is left open.
 constexpr int starts_in_one_space = 16;
-/// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples; and
-/// how near each other, as a share of the bounds' widths, ends are one.
+/// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples, one
+/// for so many starting points and a few at most; and how near each other, as a share of the bounds' widths, ends are
+/// one.
 constexpr int lead_iterations = 30;
-constexpr std::size_t refined_leads = 3;
+constexpr int starts_of_a_refined_lead = 4;
+constexpr int most_refined_leads = 3;
 constexpr double same_lead = 0.01;
 /// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
 constexpr int rounds_from_rest = 3;
@@ -268,10 +270,12 @@ class Search {
 
   void refine_leads(std::vector<std::pair<double, Eigen::VectorXd>> leads) {
     std::stable_sort(leads.begin(), leads.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    const auto most =
+        static_cast<std::size_t>(std::clamp(most_starts() / starts_of_a_refined_lead, 1, most_refined_leads));
     std::vector<Eigen::VectorXd> refined;
     for (const auto& [norm, x] : leads) {
       if (good() && options_.multi_start != Switch::on) return;
-      if (found_ && (refined.size() >= refined_leads || !(norm < 2 * best_.error.relative_rms))) return;
+      if (found_ && (refined.size() >= most || !(norm < 2 * best_.error.relative_rms))) return;
       const Eigen::VectorXd all = bounds_.all(x);
       if (among(refined, all, same_lead)) continue;
       refined.push_back(all);
