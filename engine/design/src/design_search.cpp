@@ -166,7 +166,7 @@ class Search {
     if (!defined) return std::numeric_limits<double>::infinity();
     if (found_ && r.norm() >= best_.error.relative_rms) return r.norm();
     found_ = true;
-    best_.parameters = residuals.parameters_of(x);
+    best_.parameters = residuals.last_parameters();
     best_.stopped = stopped;
     best_.residual = residuals.largest_residual();
     best_.error = {r.norm(), 0};
@@ -276,7 +276,7 @@ class Search {
     for (const auto& [norm, x] : leads) {
       if (good() && options_.multi_start != Switch::on) return;
       if (found_ && (refined.size() >= most || !(norm < 2 * best_.error.relative_rms))) return;
-      const Eigen::VectorXd all = bounds_.all(x);
+      const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, x);
       if (among(refined, all, same_lead)) continue;
       refined.push_back(all);
       refine(x);

@@ -55,10 +55,10 @@ Eigen::VectorXd FreeParameters::free_part(const Eigen::VectorXd& all) const {
   return part;
 }
 
-Eigen::VectorXd FreeParameters::all(const Eigen::VectorXd& free_ones) const {
-  Eigen::VectorXd result = held;
-  for (std::size_t k = 0; k < free.size(); ++k) result[free[k]] = free_ones[static_cast<Eigen::Index>(k)];
-  return result;
+Eigen::VectorXd all_parameters(Eigen::VectorXd held, const std::vector<Eigen::Index>& free,
+                               const Eigen::VectorXd& part) {
+  for (std::size_t k = 0; k < free.size(); ++k) held[free[k]] = part[static_cast<Eigen::Index>(k)];
+  return held;
 }
 
 }  // namespace supple::design

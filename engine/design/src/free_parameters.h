@@ -14,13 +14,15 @@ struct FreeParameters {
 
   /// The free ones of all.
   Eigen::VectorXd free_part(const Eigen::VectorXd& all) const;
-  /// All, with these for the free ones.
-  Eigen::VectorXd all(const Eigen::VectorXd& free_ones) const;
 
   Eigen::VectorXd lower;           ///< of all parameters; equal to `upper` where they are held
   Eigen::VectorXd upper;           ///< of all
   Eigen::VectorXd held;            ///< of all; where they are free the middle of the bounds
   std::vector<Eigen::Index> free;  ///< ascending
 };
+
+/// All parameters: the held ones, with `part` in the places `free`.
+Eigen::VectorXd all_parameters(Eigen::VectorXd held, const std::vector<Eigen::Index>& free,
+                               const Eigen::VectorXd& part);
 
 }  // namespace supple::design

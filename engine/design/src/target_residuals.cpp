@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "free_parameters.h"
+
 namespace supple::design {
 namespace {
 
@@ -44,14 +46,8 @@ TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::
   }
 }
 
-Eigen::VectorXd TargetResiduals::parameters_of(const Eigen::VectorXd& free) const {
-  Eigen::VectorXd all = held_;
-  for (std::size_t k = 0; k < free_.size(); ++k) all[free_[k]] = free[static_cast<Eigen::Index>(k)];
-  return all;
-}
-
 bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
-  last_ = parameters_of(x);
+  last_ = all_parameters(held_, free_, x);
   design_ = evaluator_.design(span_of(last_), true);
   if (buildable_ && !buildable_(last_)) return false;
   bool converged = false;

@@ -22,10 +22,6 @@ class TargetResiduals : public numerics::ResidualFunction {
   bool residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) override;
   void jacobian(Eigen::MatrixXd& jacobian) override;
 
-  /// The next call of `residuals` starts from rest.
-  void forget() { known_.reset(); }
-
-  Eigen::VectorXd parameters_of(const Eigen::VectorXd& free) const;
   const Eigen::VectorXd& last_parameters() const { return last_; }
   /// Values of one target's samples at the last parameters; NaN where there is no equilibrium.
   Eigen::VectorXd values(std::size_t target) const;

@@ -203,8 +203,6 @@ bool EquilibriumPath::prefer_lower_from(Eigen::VectorXd q) {
   const bool lower = minimize(false) && stable_ && energy_ < energy - same_energy * std::abs(energy);
   branches_left_ = branches + (lower ? 1 : 0);
   stopped_ = Stop::converged;
-  if (execution_.cost)
-    execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", lower ? 1 : 0);
   if (lower) return true;
   objective_.set_q(found);
   energy_ = energy;

@@ -136,22 +136,10 @@ SUPPLE_INLINE Jet<n> atan2(const Jet<n>& y, const Jet<n>& x) {
 
 /// Vectors of numbers or jets. Eigen's own are avoided: its expressions copy jets.
 template <typename T>
-struct Vector2 {
-  T x, y;
-};
-template <typename T>
 struct Vector3 {
   T x, y, z;
 };
 
-template <typename T, typename S>
-SUPPLE_INLINE T dot(const Vector2<T>& a, const Vector2<S>& b) {
-  return a.x * b.x + a.y * b.y;
-}
-template <typename T, typename S>
-SUPPLE_INLINE T cross(const Vector2<T>& a, const Vector2<S>& b) {
-  return a.x * b.y - a.y * b.x;
-}
 template <typename T, typename S>
 SUPPLE_INLINE T dot(const Vector3<T>& a, const Vector3<S>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -174,11 +162,6 @@ SUPPLE_INLINE Vector3<T> operator*(const T& a, const Vector3<T>& b) {
 }
 template <typename T>
 SUPPLE_INLINE T norm(const Vector3<T>& a) {
-  using std::sqrt;
-  return sqrt(dot(a, a));
-}
-template <typename T>
-SUPPLE_INLINE T norm(const Vector2<T>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
 }

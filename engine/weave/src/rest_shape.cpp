@@ -67,6 +67,10 @@ Chord chord(const RodModel& model, const Edge& edge, const EdgeShares& shares, i
 
 }  // namespace
 
+double planar_turn(const Eigen::Vector2d& e, const Eigen::Vector2d& f) {
+  return 2 * (e[0] * f[1] - e[1] * f[0]) / (std::sqrt(e.squaredNorm() * f.squaredNorm()) + e.dot(f));
+}
+
 RestLength::RestLength(const RodModel& model, const Edge& edge) : edge_(&edge) {
   slots_.add(edge.from);
   slots_.add(edge.to);
@@ -100,12 +104,8 @@ RestTurnValue RestTurn::evaluate(const RodModel& model, const Eigen::VectorXd& q
   const Chord out = side(turn_->out, out_);
   RestTurnValue value{0.5 * (in.length + out.length), {}};
   if (turn_->naturally_straight) return value;
-  const Eigen::Vector2d& e = in.vector;
-  const Eigen::Vector2d& f = out.vector;
-  const double k = 2 * (e[0] * f[1] - e[1] * f[0]) / (std::sqrt(e.squaredNorm() * f.squaredNorm()) + e.dot(f));
-  // k = 2 tan(phi / 2) has the derivatives 1 + k^2 / 4 and k (1 + k^2 / 4) / 2 by phi.
-  const double slope = 1 + 0.25 * k * k;
-  value.curvature = order < 1 ? RestJet(k) : compose(out.angle - in.angle, k, slope, 0.5 * k * slope);
+  const double turn = planar_turn(in.vector, out.vector);
+  value.curvature = order < 1 ? RestJet(turn) : planar_turn(turn, out.angle - in.angle);
   return value;
 }
 

@@ -14,6 +14,16 @@ namespace supple::weave {
 /// rigidly or slid along itself, is at rest exactly. They need X'' in their second derivatives and no more.
 using RestJet = Jet<SliderSlots::most>;
 
+/// 2 tan(phi / 2) for the angle phi from e to f.
+double planar_turn(const Eigen::Vector2d& e, const Eigen::Vector2d& f);
+/// The turn of that value as a function of what the angle depends on.
+template <int n>
+Jet<n> planar_turn(double turn, const Jet<n>& angle) {
+  // Its derivatives by the angle are 1 + turn^2 / 4 and turn (1 + turn^2 / 4) / 2.
+  const double slope = 1 + 0.25 * turn * turn;
+  return compose(angle, turn, slope, 0.5 * turn * slope);
+}
+
 /// How the material coordinates at an edge's ends follow the sliders of an element.
 struct EdgeShares {
   std::array<double, SliderSlots::most> from{};

@@ -130,11 +130,6 @@ Eigen::Vector2d planar_direction(const RodModel& model, int edge, const Turn& tu
   return {tangent[0] * c - tangent[1] * s, tangent[0] * s + tangent[1] * c};
 }
 
-/// 2 tan(phi / 2) for the angle phi from e to f.
-double planar_turn(const Eigen::Vector2d& e, const Eigen::Vector2d& f) {
-  return 2 * (e[0] * f[1] - e[1] * f[0]) / (std::sqrt(e.squaredNorm() * f.squaredNorm()) + e.dot(f));
-}
-
 /// Adds `sign` times the derivatives of an angle to those of a turn's, from the slot `first` on: of the direction of
 /// the edge e by its components, or of a joint's by its rotation.
 void add_angle(const Eigen::Vector2d& e, bool is_edge, double sign, int first, Jet<4>& angle) {
@@ -162,10 +157,8 @@ double planar_bend(const RodModel& model, const Turn& turn, const Eigen::Vector2
   Jet<4> angle;
   add_angle(in, turn.in >= 0, -1, 0, angle);
   add_angle(out, turn.out >= 0, 1, 2, angle);
-  // k = 2 tan(phi / 2) has the derivatives 1 + k^2 / 4 and k (1 + k^2 / 4) / 2 by phi.
-  const double slope = 1 + 0.25 * k * k;
-  return quadratic_energy<4, 1>(model.stiffness(turn.strand).bend, {compose(angle, k, slope, 0.5 * k * slope)},
-                                {&rest.curvature}, {0}, rest.length, sliders, local);
+  return quadratic_energy<4, 1>(model.stiffness(turn.strand).bend, {planar_turn(k, angle)}, {&rest.curvature}, {0},
+                                rest.length, sliders, local);
 }
 
 }  // namespace

@@ -127,7 +127,10 @@ void WeaveRun::prefer_lower_side() {
   EquilibriumPath pulled(strands, options_, execution_);
   pulled.advance(across);
   iterations_ += pulled.iterations();
-  if (pulled.reached() > least_way_across) path_->prefer_lower_from(strands.q());
+  const bool lower = pulled.reached() > least_way_across && path_->prefer_lower_from(strands.q());
+  looked_across_ = true;
+  if (execution_.cost)
+    execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", lower ? 1 : 0);
 }
 
 bool WeaveRun::leave_plane_if_unstable() {
@@ -178,7 +181,7 @@ void WeaveRun::bill_effects() const {
                               : "no neighbouring crossings came within the barrier's range",
                      near);
   }
-  if (branches() == 0)
+  if (branches() == 0 && !looked_across_)
     cost->add_effect("buckling", false,
                      options_.buckling == Switch::off ? "switched off by the request"
                                                       : "the tangent stiffness stayed positive definite");

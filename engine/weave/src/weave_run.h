@@ -74,6 +74,7 @@ class WeaveRun {
   int load_steps_ = 0;
   int branches_ = 0;
   bool buckled_out_ = false;
+  bool looked_across_ = false;  ///< at the other side of a ridge
 };
 
 /// Deformed polylines of all strands, closed ones with their first point at the end again, in the cell of the first

@@ -347,6 +347,23 @@ TEST(Homogenize, TakesTheLowerSideOfARidgeWhateverTheSegmentsAndTheLoadSteps) {
   EXPECT_GE(branches, 1) << "the first side was the lower one everywhere, and the test shows nothing";
 }
 
+TEST(Homogenize, BillsThatItLookedAtTheOtherSideWhereThatIsNotLower) {
+  const Weave weave = interlacing_squares(SquareType::slide_both_ways);
+  int looked_in_vain = 0;
+  for (const double direction : directions_over_half_turn(24)) {
+    CostLedger ledger;
+    Execution execution;
+    execution.cost = &ledger;
+    HomogenizationOptions options;
+    options.strain = 0.1;
+    options.directions = {direction};
+    const auto response = homogenize(weave, options, execution).front();
+    for (const auto& effect : ledger.effects())
+      if (effect.name == "buckling" && effect.ran && response.state.branches == 0) ++looked_in_vain;
+  }
+  EXPECT_GE(looked_in_vain, 1);
+}
+
 TEST(Homogenize, DoesNotCallASaddleStableThatTheLastStepCameTo) {
   // Rest is stable by the sliding regularizer alone; at this strain the cell that does not slide is a saddle, which
   // three Newton steps reach through states whose tangents are positive definite.
