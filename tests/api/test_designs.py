@@ -198,6 +198,9 @@ def test_any_family_is_a_ranking_of_the_best_of_each(designs: Api) -> None:
     request = known_problem(designs, "poisson", "IH29")
     answer = designs.ok(DESIGNS, {**request, "family": "any"})
     assert [candidate["family"] for candidate in answer["ranking"]] == ["IH29", "IH67"]
+    for candidate in answer["ranking"]:
+        model = designs.get(f"/v1/models/{candidate['model']}").json()
+        assert candidate["model_error"] == model["errors"]["design_split"]["gradient"]["mean"]
     errors = [candidate["error"]["relative_rms"] for candidate in answer["ranking"]]
     assert errors == sorted(errors) and errors[0] < 1e-4 < errors[1]
     best = answer["ranking"][0]

@@ -83,12 +83,19 @@ class DesignProfile:
 
 @dataclass(frozen=True)
 class DesignCandidate:
-    """The best design of one family."""
+    """The best design of one family.
+
+    Attributes:
+        error: how far it is from the targets.
+        model_error: mean relative error of the model's stress on designs that its training has not seen; None where
+            nobody measured it.
+    """
 
     family: str
     model: str
     parameters: Array
     error: DesignError
+    model_error: Optional[float]
     stopped: str
 
 
@@ -107,7 +114,8 @@ class Design:
         iterations, starts: of the search in this family.
         stopped: "converged", "reached", "iteration_limit", "step_too_small" or "no_free_parameters".
         message: what to know about the result; empty where there is nothing.
-        ranking: the best design of each family that was searched, best first.
+        ranking: the best design of each family that was searched, best first by the root of the squares of its deviation
+            and of its model's error.
         structure: paths of the structure's files on the server, by "svg", "dxf" and "stl".
     """
 
@@ -260,6 +268,7 @@ def _candidate(document: Mapping[str, Any]) -> DesignCandidate:
         model=str(document["model"]),
         parameters=_array(document["parameters"]),
         error=_error(document["error"]),
+        model_error=None if document["model_error"] is None else float(document["model_error"]),
         stopped=str(document["stopped"]),
     )
 

@@ -69,6 +69,7 @@ class Search {
     bill_multi_start();
     add_envelope();
     best_.message = message_about(best_, space_.model, bounds_.free);
+    best_.model_error = neural::mean_stress_error(space_.model);
     best_.evaluations = evaluations_;
     bill();
     return best_;

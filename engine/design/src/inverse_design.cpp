@@ -1,6 +1,7 @@
 #include "supple/design/inverse_design.h"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -12,6 +13,13 @@ namespace {
 
 /// Where their number is left open: the other spaces are chances enough.
 constexpr int starts_in_each_space = 4;
+/// Of a model whose errors nobody measured: any that is known comes first.
+constexpr double unknown_model_error = 1;
+
+/// A deviation that is far below the model's own error says nothing about the structure.
+double expected_deviation(double relative_rms, std::optional<double> model_error) {
+  return std::hypot(relative_rms, model_error.value_or(unknown_model_error));
+}
 
 }  // namespace
 
@@ -36,8 +44,9 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
     if (progress)
       of_space = [&, i](const DesignProgress& news) {
         const std::lock_guard lock(mutex);
-        if (best && news.error.relative_rms >= *best) return;
-        best = news.error.relative_rms;
+        const double expected = expected_deviation(news.error.relative_rms, neural::mean_stress_error(spaces[i].model));
+        if (best && expected >= *best) return;
+        best = expected;
         progress({i, news.parameters, news.samples, news.achieved, news.error, news.iteration});
       };
     const Execution inner{execution.cancellation, several ? nullptr : execution.progress,
@@ -59,8 +68,11 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   }
   if (ranking.empty())
     throw Error("design.no_equilibrium", "No design that was tried has an equilibrium at every sample of the targets.");
+  const auto expected = [](const Design& design) {
+    return expected_deviation(design.error.relative_rms, design.model_error);
+  };
   std::stable_sort(ranking.begin(), ranking.end(),
-                   [](const Design& a, const Design& b) { return a.error.relative_rms < b.error.relative_rms; });
+                   [&](const Design& a, const Design& b) { return expected(a) < expected(b); });
   return ranking;
 }
 

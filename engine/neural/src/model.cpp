@@ -4,6 +4,11 @@
 
 namespace supple::neural {
 
+std::optional<double> mean_stress_error(const Model& model) {
+  if (!model.design_split) return std::nullopt;
+  return model.design_split->gradient.mean;
+}
+
 bool in_range(const Model& model, std::span<const double> parameters, const Eigen::Vector3d& strain,
               double energy_density, double rest_stiffness) {
   constexpr double rounding = 1e-9;

@@ -124,6 +124,12 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
     write_model(out, found.models[design.space], false);
     out.key("parameters").numbers(design.parameters);
     write_error(out, design.error);
+    out.key("model_error");
+    if (design.model_error) {
+      out.number(*design.model_error);
+    } else {
+      out.null();
+    }
     out.field("stopped", design::to_string(design.stopped)).end_object();
   }
   out.end_array();

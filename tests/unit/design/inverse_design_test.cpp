@@ -187,6 +187,24 @@ TEST(InverseDesign, RanksFamilies) {
   EXPECT_LE(ranking[1].error.relative_rms, ranking[2].error.relative_rms);
 }
 
+TEST(InverseDesign, RanksFamiliesByWhatTheirModelsKnowToo) {
+  TestSpace exact(2, 11);
+  TestSpace rough(2, 11);
+  TestSpace unknown(2, 11);
+  const DesignProblem problem{{target_of(exact, exact.at({0.3, 0.4}), Task::stiffness)}, {}, {}};
+  exact.model.design_split.emplace().gradient.mean = 0.01;
+  rough.model.design_split.emplace().gradient.mean = 0.08;
+  const std::vector<DesignSpace> spaces{unknown.space(), rough.space(), exact.space()};
+  const auto ranking = find_designs(spaces, problem);
+  ASSERT_EQ(ranking.size(), 3U);
+  EXPECT_EQ(ranking[0].space, 2U);
+  EXPECT_EQ(ranking[1].space, 1U);
+  EXPECT_EQ(ranking[2].space, 0U);
+  EXPECT_EQ(ranking[0].model_error, 0.01);
+  EXPECT_FALSE(ranking[2].model_error);
+  EXPECT_EQ(ranking[0].error.relative_rms, ranking[1].error.relative_rms) << "the networks are the same";
+}
+
 TEST(InverseDesign, GivesTheSameAnswerAgain) {
   const TestSpace test(3, 13);
   const DesignProblem problem{{target_of(test, test.at({0.1, 0.5, 0.6}), Task::poisson)}, {}, {}};

@@ -2,9 +2,9 @@
 import { h, replace } from "../base/dom";
 import { digits, percent, seconds } from "../base/format";
 import { icon } from "../base/icons";
-import type { DesignStop } from "../contract/types";
+import type { DesignCandidate, DesignStop } from "../contract/types";
 import type { DesignSession } from "./session";
-import { type ModelError, modelError, type Shown } from "./shown";
+import { expectedDeviation, type ModelError, modelError, type Shown } from "./shown";
 import { TASK_WORDS } from "./state";
 
 const STOP_WORDS: Record<DesignStop, string> = {
@@ -64,18 +64,28 @@ function notes(shown: Shown): HTMLElement[] {
 }
 
 function rankingList(session: DesignSession, shown: Shown): HTMLElement[] {
-  const best = Math.max(shown.ranking[0].error.relative_rms, 1e-4);
+  const best = expectedDeviation(shown.ranking[0]);
   const items = shown.ranking.map((candidate) => {
     const chosen = candidate.family === shown.found.family;
     // A bar of full length is the best; others are as short as they are worse.
-    const bar = h("meter", { min: 0, max: 1, value: best / Math.max(candidate.error.relative_rms, best), "aria-hidden": "true" });
+    const bar = h("meter", { min: 0, max: 1, value: best / Math.max(expectedDeviation(candidate), best), "aria-hidden": "true" });
     const row = h(
       "button",
-      { type: "button", class: "rank", "aria-current": chosen ? "true" : null, title: `Go on with ${candidate.family}`,
+      { type: "button", class: "rank", "aria-current": chosen ? "true" : null, title: `Go on with ${candidate.family}, whose model errs by ${modelWords(candidate)}`,
         onclick: () => session.apply({ family: candidate.family, found: { family: candidate.family, parameters: candidate.parameters }, byHand: false }) },
-      h("span", { class: "rank-name" }, candidate.family), bar, h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
+      h("span", { class: "rank-name" }, candidate.family), bar,
+      h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
+      h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`),
     );
     return h("li", {}, row);
   });
-  return [h("h3", {}, "Families by deviation"), h("ol", {}, ...items)];
+  return [
+    h("h3", {}, "Families, best first"),
+    h("p", { class: "muted" }, "Deviation ± the model’s mean error"),
+    h("ol", {}, ...items),
+  ];
+}
+
+function modelWords({ model_error: error }: DesignCandidate): string {
+  return error === null ? "an unknown amount" : percent(error);
 }

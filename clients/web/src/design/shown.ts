@@ -52,6 +52,11 @@ export function modelError(model: Model | undefined, { task }: ProfileKind): Mod
   return error && task !== "poisson" ? { mean: error.mean, percentile99: error.percentile_99 } : null;
 }
 
+/** By which families are ranked: a deviation far below the model's own error says nothing about the structure. */
+export function expectedDeviation({ error, model_error }: DesignCandidate): number {
+  return Math.hypot(error.relative_rms, model_error ?? 1);
+}
+
 /** Where a simulation is to be expected: a model's mean error on either side of its profile. Null beside gaps. */
 export function errorBand({ x, achieved }: Shown, error: ModelError | null): Band | null {
   if (!error) return null;

@@ -84,8 +84,9 @@ struct Design {
   /// Strains at which the network was evaluated for the search, those of the candidates not counted.
   std::int64_t evaluations = 0;
   DesignStop stopped = DesignStop::converged;
-  std::string message;  ///< what to know about the result; empty where there is nothing
-  double residual = 0;  ///< largest of the equilibria
+  std::string message;                ///< what to know about the result; empty where there is nothing
+  double residual = 0;                ///< largest of the equilibria
+  std::optional<double> model_error;  ///< neural::mean_stress_error
 };
 
 /// The best design so far.
@@ -111,8 +112,10 @@ using OnProgress = std::function<void(const DesignProgress&)>;
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options = {},
                    const Execution& execution = {}, const OnProgress& progress = {});
 
-/// The best design of each space, best first. Problems with `initial` or `fixed` have one space. Spaces without any
-/// equilibrium are left out; "design.no_equilibrium" is thrown where none remains.
+/// The best design of each space, best first by what is to be expected of the structure: the root of the squares of its
+/// relative root mean square deviation and of the model's error, which is 1 where it is unknown. Problems with
+/// `initial` or `fixed` have one space. Spaces without any equilibrium are left out; "design.no_equilibrium" is thrown
+/// where none remains.
 std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const DesignProblem& problem,
                                  const DesignOptions& options = {}, const Execution& execution = {},
                                  const OnProgress& progress = {});

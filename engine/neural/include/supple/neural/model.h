@@ -63,6 +63,9 @@ struct Model {
   std::optional<SplitErrors> row_split;     ///< rows of known designs, as the thesis tests
 };
 
+/// Mean relative error of the stress on designs that training has not seen; none where nobody measured it.
+std::optional<double> mean_stress_error(const Model& model);
+
 /// Whether these parameters and this strain (E_xx, E_yy, 2 E_xy) lie within what the model was trained on, given the
 /// energy density it predicts there and the rest stiffness s of its design (Evaluator::Design::rest_stiffness). Bounds
 /// of parameters allow for rounding.
