@@ -1,6 +1,7 @@
 #include "model_commands.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -64,7 +65,17 @@ void print_errors(const char* split, const neural::SplitErrors& errors) {
   line("energy", errors.energy);
 }
 
+/// Each step of a training allocates and frees the same tensors: without these the allocator gives pages back to the
+/// system and takes them anew, a fifth of the time.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
+
 void train(TrainArguments& arguments, const StopSignals& signals, bool& interrupted) {
+  keep_freed_memory();
   auto& training = arguments.options.training;
   training.shape.form = neural::energy_form_of(arguments.form);
   training.shape.activation = neural::activation_of(arguments.activation);

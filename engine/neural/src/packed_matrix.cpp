@@ -2,6 +2,8 @@
 #pragma GCC diagnostic ignored "-Wpsabi"
 #include "supple/neural/packed_matrix.h"
 
+#include <cstring>
+
 #include "supple/neural/packs.h"
 
 namespace supple::neural {
@@ -173,13 +175,23 @@ template <class Real>
 void PackedMatrix<Real>::assign(const Real* numbers, int rows, int columns, int stride, bool transposed) {
   rows_ = rows;
   columns_ = columns;
-  numbers_.assign(static_cast<std::size_t>(padded_rows(rows)) * static_cast<std::size_t>(columns), Real(0));
+  numbers_.resize(static_cast<std::size_t>(padded_rows(rows)) * static_cast<std::size_t>(columns));
   const std::ptrdiff_t down = transposed ? stride : 1;
   const std::ptrdiff_t right = transposed ? 1 : stride;
   Real* to = numbers_.data();
-  for (int first = 0; first < padded_rows(rows); first += panel_rows)
+  int first = 0;
+  // Whole panels have a loop of known length: training packs as often as it multiplies.
+  for (; first + panel_rows <= rows; first += panel_rows)
+    for (int k = 0; k < columns; ++k, to += panel_rows) {
+      const Real* from = numbers + first * down + k * right;
+      if (down == 1)
+        std::memcpy(to, from, panel_rows * sizeof(Real));
+      else
+        for (int i = 0; i < panel_rows; ++i) to[i] = from[i * down];
+    }
+  for (; first < padded_rows(rows); first += panel_rows)
     for (int k = 0; k < columns; ++k, to += panel_rows)
-      for (int i = 0; i < panel_rows && first + i < rows; ++i) to[i] = numbers[(first + i) * down + k * right];
+      for (int i = 0; i < panel_rows; ++i) to[i] = first + i < rows ? numbers[(first + i) * down + k * right] : Real(0);
 }
 
 Instructions best_instructions() {

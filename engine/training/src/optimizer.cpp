@@ -37,6 +37,33 @@ Tensor eigenvectors(const Tensor& symmetric) {
   return vectors.t().contiguous().to(symmetric.options());
 }
 
+/// Takes g into Adam's two moments, which `first_share` and `second_share` correct for their beginning, and returns its
+/// direction.
+Tensor direction_of(Tensor& first, Tensor& second, const Tensor& g, double first_share, double second_share) {
+  if (!for_our_kernels(g)) {
+    first.mul_(first_decay).add_(g, 1 - first_decay);
+    second.mul_(second_decay).addcmul_(g, g, 1 - second_decay);
+    return first / first_share / (second / second_share).sqrt_().add_(smallest_deviation);
+  }
+  // One pass instead of nine.
+  auto direction = torch::empty_like(first);
+  const auto whole = g.contiguous();
+  const float* from = whole.data_ptr<float>();
+  float* m = first.data_ptr<float>();
+  float* v = second.data_ptr<float>();
+  float* to = direction.data_ptr<float>();
+  const auto mean = static_cast<float>(1 / first_share);
+  const auto variance = static_cast<float>(1 / second_share);
+  constexpr auto keep = static_cast<float>(first_decay);
+  constexpr auto keep_square = static_cast<float>(second_decay);
+  for (std::int64_t i = 0; i < first.numel(); ++i) {
+    m[i] = keep * m[i] + (1 - keep) * from[i];
+    v[i] = keep_square * v[i] + (1 - keep_square) * from[i] * from[i];
+    to[i] = mean * m[i] / (std::sqrt(variance * v[i]) + static_cast<float>(smallest_deviation));
+  }
+  return direction;
+}
+
 }  // namespace
 
 Optimizer::Optimizer(OptimizerKind kind, Parameters& parameters, std::size_t preconditioned)
@@ -85,12 +112,9 @@ void Optimizer::step(Block& block, const Tensor& gradient, double learning_rate)
     if (steps_ == 1 || steps_ % basis_interval == 0) renew_bases(block);
     g = product(product(block.left_basis, true, g, false), false, block.right_basis, false);
   }
-  block.first.mul_(first_decay).add_(g, 1 - first_decay);
-  block.second.mul_(second_decay).addcmul_(g, g, 1 - second_decay);
   const auto t = static_cast<double>(steps_);
-  const auto mean = block.first / (1 - std::pow(first_decay, t));
-  const auto deviation = (block.second / (1 - std::pow(second_decay, t))).sqrt_().add_(smallest_deviation);
-  Tensor change = mean / deviation;
+  Tensor change =
+      direction_of(block.first, block.second, g, 1 - std::pow(first_decay, t), 1 - std::pow(second_decay, t));
   if (block.has_bases)
     change = product(product(block.left_basis, false, change, false), false, block.right_basis, true);
   part(block, parameters_[block.parameter]).add_(change, -learning_rate);

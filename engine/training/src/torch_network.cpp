@@ -275,14 +275,13 @@ Response response(const NetworkShape& shape, const Parameters& parameters, const
   const auto scaled = scaling(stiffness_outputs(shape, parameters, batch.p));
   const auto map = scaled.map.index_select(0, batch.of);
   const auto stiffness = scaled.stiffness.index_select(0, batch.of);
-  // At rest only the value is needed: channel 1.
-  const auto rest =
-      outputs_by_jets(shape, parameters, torch::zeros({1, batch.p.size(0), 6}, batch.e.options()), meeting, v)[0];
-  const auto inputs = torch::cat({jets_of_map(map, batch.e, second), jets_of_map(identity, batch.e, second)}, 2);
-  const auto n = outputs_by_jets(shape, parameters, inputs, meeting.index_select(0, batch.of), v);
-  const auto skip = torch::constant_pad_nd(jets_of_map(map, batch.e, second), {0, shape.residuals - 3});
-  const auto jets = n + skip;
-  const auto r = jets[0] - rest.index_select(0, batch.of);
+  const auto mapped = jets_of_map(map, batch.e, second);
+  const auto inputs = torch::cat({mapped, jets_of_map(identity, batch.e, second)}, 2);
+  // The designs at rest are further rows: their values alone are needed, but a pass of their own costs more.
+  const auto n = outputs_by_jets(shape, parameters, torch::constant_pad_nd(inputs, {0, 0, 0, batch.p.size(0)}),
+                                 torch::cat({meeting.index_select(0, batch.of), meeting}), v);
+  const auto jets = n.narrow(1, 0, rows) + torch::constant_pad_nd(mapped, {0, shape.residuals - 3});
+  const auto r = jets[0] - n[0].narrow(0, rows, batch.p.size(0)).index_select(0, batch.of);
   result.energy = 0.5 * stiffness * (r * r).sum(1);
   result.stress = stiffness.unsqueeze(1) * (r.unsqueeze(0) * jets.slice(0, 1, 4)).sum(2).t();
   if (second) {
