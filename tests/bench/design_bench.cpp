@@ -43,7 +43,7 @@ std::vector<double> random_parameters(const neural::Model& model, RandomStream& 
 }
 
 std::optional<design::Target> target_of(const LoadedSpace& space, const std::vector<double>& parameters,
-                                        design::Task task, double direction, double strain) {
+                                        design::Task task, double direction, double strain, int directions) {
   design::Target target;
   target.task = task;
   target.direction = direction;
@@ -51,7 +51,7 @@ std::optional<design::Target> target_of(const LoadedSpace& space, const std::vec
   // The control points are the samples, so that the design they were made from has no deviation at all.
   target.interpolation = numerics::Interpolation::linear;
   const bool over_strain = task == design::Task::stress_strain;
-  const int points = over_strain ? 10 : 50;
+  const int points = over_strain ? 10 : directions;
   design::ProfileSamples samples{task, direction, strain, design::StrainMeasure::green, {}};
   for (int i = 0; i < points; ++i)
     samples.x.push_back(over_strain ? -0.1 + 0.3 * i / (points - 1) : std::numbers::pi * i / points);
@@ -75,5 +75,6 @@ int main(int argc, char** argv) {
                       {"speed", [&] { study_design_speed(settings); }},
                       {"accuracy", [&] { study_design_accuracy(settings); }},
                       {"solvers", [&] { study_solvers(settings); }},
-                      {"verification", [&] { study_verification(settings); }}});
+                      {"verification", [&] { study_verification(settings); }},
+                      {"width", [&] { study_width(settings); }}});
 }

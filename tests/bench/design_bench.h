@@ -33,10 +33,10 @@ std::string design_introduction(const DesignSettings& settings, const std::strin
 std::vector<std::unique_ptr<LoadedSpace>> spaces_of(const DesignSettings& settings);
 std::vector<double> random_parameters(const neural::Model& model, RandomStream& random);
 
-/// The target that a design has exactly: 10 strains from -0.1 to 0.2, or 50 directions. None where the design has no
-/// equilibrium at one of them.
+/// The target that a design has exactly: 10 strains from -0.1 to 0.2, or so many directions. None where the design has
+/// no equilibrium at one of them.
 std::optional<design::Target> target_of(const LoadedSpace& space, const std::vector<double>& parameters,
-                                        design::Task task, double direction, double strain);
+                                        design::Task task, double direction, double strain, int directions = 50);
 
 inline constexpr design::Task all_tasks[] = {design::Task::stress_strain, design::Task::stiffness,
                                              design::Task::poisson};
@@ -46,5 +46,6 @@ void study_design_speed(const DesignSettings& settings);
 void study_design_accuracy(const DesignSettings& settings);
 void study_solvers(const DesignSettings& settings);
 void study_verification(const DesignSettings& settings);
+void study_width(const DesignSettings& settings);
 
 }  // namespace supple::bench

@@ -1,5 +1,7 @@
-// Designs found for random targets, simulated at their native scale.
+// Profiles of random designs by the networks and by simulation at their native scale.
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "design_bench.h"
@@ -10,62 +12,132 @@
 #include "supple/tiling/structure.h"
 
 namespace supple::bench {
+namespace {
 
-void study_verification(const DesignSettings& settings) {
+/// Of random parameters, for each design wanted.
+constexpr int most_draws = 4;
+
+/// A random design within the bounds and what simulation says of it.
+struct Simulated {
+  std::vector<double> parameters;
+  design::ProfileSamples samples;
+  Eigen::VectorXd y;  ///< NaN where the simulation did not get there
+};
+
+/// What one task's simulations of a family came to.
+struct Truth {
+  std::vector<Simulated> designs;
+  std::vector<double> seconds;  ///< elapsed
+  int unreached = 0;            ///< samples
+};
+
+Truth simulate(const LoadedSpace& space, design::Task task, int designs, const DesignSettings& settings) {
+  Truth truth;
+  RandomStream random("verification " + space.model.family, static_cast<std::uint64_t>(task) + 1);
+  // Some corners of the bounds hold no structure.
+  for (int i = 0; static_cast<int>(truth.designs.size()) < designs && i < most_draws * designs; ++i) {
+    const auto parameters = random_parameters(space.model, random);
+    const auto target = target_of(space, parameters, task, random.uniform(0, std::numbers::pi), 0.05);
+    if (!target) continue;
+    try {
+      const auto structure = tiling::make_structure(tiling::family(space.model.family), parameters);
+      const auto samples = design::thinned(design::sample_target(*target).samples, settings.brief ? 2 : 8);
+      microscale::SimulationOptions options;
+      options.mesh.mesh_size = settings.brief ? 1 : 0.5;
+      const double start = wall_seconds();
+      truth.designs.push_back({parameters, samples, design::simulate_profile(structure, samples, options)});
+      truth.seconds.push_back(wall_seconds() - start);
+      truth.unreached += static_cast<int>(truth.designs.back().y.array().isNaN().count());
+      std::printf("%s %s: %zu of %d designs simulated\n", space.model.family.c_str(), to_string(task).data(),
+                  truth.designs.size(), designs);
+      std::fflush(stdout);
+    } catch (const Error& failure) {
+      std::printf("%s: %s\n", space.model.family.c_str(), failure.what());
+    }
+  }
+  return truth;
+}
+
+/// Root mean square difference over the simulation's root mean square, where it got to; NaN where it got nowhere.
+double relative_difference(const LoadedSpace& space, const Simulated& design) {
+  const auto network = design::evaluate_profile(space.model, space.evaluator, design.parameters, design.samples);
+  double difference = 0;
+  double size = 0;
+  for (Eigen::Index k = 0; k < design.y.size(); ++k) {
+    if (!std::isfinite(design.y[k])) continue;
+    difference += std::pow(design.y[k] - network.y[k], 2);
+    size += std::pow(design.y[k], 2);
+  }
+  return std::sqrt(difference / size);
+}
+
+/// CPU seconds of finding each design again from the profile that the network has of it.
+std::vector<double> search_seconds(const LoadedSpace& space, design::Task task, const Truth& truth) {
+  std::vector<double> seconds;
+  for (const auto& design : truth.designs) {
+    const auto target = target_of(space, design.parameters, task, design.samples.direction, 0.05);
+    if (target) seconds.push_back(cpu_time([&] { design::find_design(space.space(), {{*target}, {}, {}}); }));
+  }
+  return seconds;
+}
+
+void compare(const DesignSettings& settings, const std::string& study, const std::string& title,
+             const std::string& text) {
   const int designs = settings.designs > 0 ? settings.designs : settings.brief ? 1 : 5;
-  Report report(settings.folder, "designs-verification", "Inverse design: networks against simulations");
-  Table table("designs-verification", {{"family", "Family"},
-                                       {"task", "Task"},
-                                       {"designs", "Designs"},
-                                       {"median_error", "Network against simulation, median"},
-                                       {"worst_error", "Worst"},
-                                       {"unreached", "Samples not reached"},
-                                       {"median_s", "Simulation, median elapsed s"}});
+  Report report(settings.folder, "designs-" + study, title);
+  Table table("designs-" + study, {{"family", "Family"},
+                                   {"width", "Width"},
+                                   {"model_error", "Mean error of its stress, as its card says"},
+                                   {"task", "Task"},
+                                   {"designs", "Designs"},
+                                   {"median_error", "Network against simulation, median"},
+                                   {"worst_error", "Worst"},
+                                   {"unreached", "Samples not reached"},
+                                   {"search_ms", "Search, median ms"},
+                                   {"median_s", "Simulation, median elapsed s"}});
+  // Models of one family meet the same designs.
+  std::map<std::pair<std::string, design::Task>, Truth> truths;
   for (const auto& space : spaces_of(settings)) {
     for (const auto task : all_tasks) {
+      const auto [known, added] = truths.try_emplace({space->model.family, task});
+      if (added) known->second = simulate(*space, task, designs, settings);
+      const Truth& truth = known->second;
       std::vector<double> errors;
-      std::vector<double> seconds;
-      int unreached = 0;
-      RandomStream random("verification " + space->model.family, static_cast<std::uint64_t>(task) + 1);
-      for (int i = 0; i < designs; ++i) {
-        const auto parameters = random_parameters(space->model, random);
-        const auto target = target_of(*space, parameters, task, random.uniform(0, std::numbers::pi), 0.05);
-        if (!target) continue;
-        try {
-          const auto structure = tiling::make_structure(tiling::family(space->model.family), parameters);
-          const auto samples = design::thinned(design::sample_target(*target).samples, settings.brief ? 2 : 8);
-          microscale::SimulationOptions options;
-          options.mesh.mesh_size = settings.brief ? 1 : 0.5;
-          const double start = wall_seconds();
-          const auto simulated = design::simulate_profile(structure, samples, options);
-          seconds.push_back(wall_seconds() - start);
-          const auto network = design::evaluate_profile(space->model, space->evaluator, parameters, samples);
-          double difference = 0;
-          double size = 1e-300;
-          for (Eigen::Index k = 0; k < simulated.size(); ++k) {
-            if (!std::isfinite(simulated[k])) {
-              ++unreached;
-              continue;
-            }
-            difference += std::pow(simulated[k] - network.y[k], 2);
-            size += std::pow(simulated[k], 2);
-          }
-          errors.push_back(std::sqrt(difference / size));
-        } catch (const Error& failure) {
-          std::printf("%s: %s\n", space->model.family.c_str(), failure.what());
-        }
-      }
-      if (errors.empty()) continue;
-      table.row({space->model.family, std::string(to_string(task)), count(static_cast<double>(errors.size())),
-                 number(median(errors)), number(quantile(errors, 1)), count(unreached), number(median(seconds))});
+      for (const auto& design : truth.designs)
+        if (const double error = relative_difference(*space, design); std::isfinite(error)) errors.push_back(error);
+      const auto searches = search_seconds(*space, task, truth);
+      if (errors.empty() || searches.empty()) continue;
+      table.row({space->model.family, count(space->model.network.shape.width),
+                 number(neural::mean_stress_error(space->model).value_or(std::nan(""))), std::string(to_string(task)),
+                 count(static_cast<double>(errors.size())), number(median(errors)), number(quantile(errors, 1)),
+                 count(truth.unreached), number(1e3 * median(searches)), number(median(truth.seconds))});
     }
   }
   report.table(table);
   report.write(design_introduction(
-      settings, "verification",
-      "Random designs within the bounds; stress from -0.1 to 0.2 of strain along a random direction, stiffness and "
-      "Poisson's ratio at a strain of 0.05. Errors are root mean square differences over the simulation's root mean "
-      "square."));
+      settings, study,
+      text +
+          " Stress from -0.1 to 0.2 of strain along a random direction, stiffness and Poisson's ratio at a strain of "
+          "0.05, at up to eight of the samples. Errors are root mean square differences over the simulation's root "
+          "mean square; a search finds the design again from the network's own profile of it."));
+}
+
+}  // namespace
+
+void study_verification(const DesignSettings& settings) {
+  compare(settings, "verification", "Inverse design: networks against simulations",
+          "Random designs within the bounds.");
+}
+
+void study_width(const DesignSettings& settings) {
+  std::map<std::string, int> models;
+  for (const auto& space : spaces_of(settings)) ++models[space->model.family];
+  if (std::none_of(models.begin(), models.end(), [](const auto& family) { return family.second > 1; })) {
+    std::printf("width: --models names no folder with two models of one family\n");
+    return;
+  }
+  compare(settings, "width", "Inverse design: what the width of a network costs and gives",
+          "Networks of several widths, trained on the same data for as many epochs, meet the same random designs.");
 }
 
 }  // namespace supple::bench
