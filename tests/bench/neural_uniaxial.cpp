@@ -2,8 +2,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "measurement.h"
@@ -39,15 +45,6 @@ std::vector<double> stretches(bool tension) {
   return values;
 }
 
-struct Point {
-  int design = 0;
-  double direction = 0;
-  double stretch = 1;
-  double native = 0;  ///< d^T S d, MPa
-  double network = 0;
-  bool in_range = true;
-};
-
 /// The simulation pulls along a direction of space, F^T d = s d with the rest of F free: its stress is uniaxial, S =
 /// sigma m m^T, along the direction m of the material that F^-1 d has. The thesis's problem for networks (4.9c) gives
 /// m^T E m and leaves the other strains free: the same state, asked for along m.
@@ -64,6 +61,95 @@ MaterialLoad material_load(const microscale::State& state, double direction) {
     return m[0] * m[0] * t[0] + m[1] * m[1] * t[1] + 2 * m[0] * m[1] * t[2];
   };
   return {std::atan2(m[1], m[0]), along(state.green_strain), along(state.stress)};
+}
+
+/// A state of a simulated curve.
+struct Place {
+  double stretch = 1;
+  MaterialLoad load;
+};
+struct Curve {
+  std::vector<double> parameters;
+  double direction = 0;
+  std::vector<Place> places;
+  double seconds = 0;  ///< CPU time of one thread
+};
+
+Curve simulate(microscale::Simulator& simulator, std::vector<double> parameters, double direction) {
+  Curve curve{std::move(parameters), direction, {}, 0};
+  for (const bool tension : {false, true}) {
+    const auto load = stretches(tension);
+    microscale::SimulationResult native;
+    curve.seconds += cpu_time([&] { native = simulator.run(microscale::UniaxialLoad{direction, load}); });
+    for (std::size_t i = 0; i < native.states.size(); ++i) {
+      if (native.states[i].stopped != microscale::Stop::converged) break;
+      curve.places.push_back({load[i], material_load(native.states[i], direction)});
+    }
+  }
+  return curve;
+}
+
+/// Curves that earlier runs have simulated, by the number of their draw, a line each. They do not depend on the models.
+class KeptCurves {
+ public:
+  explicit KeptCurves(std::filesystem::path file) : file_(std::move(file)) {
+    std::ifstream in(file_);
+    for (std::string line; std::getline(in, line);) {
+      std::istringstream text(line);
+      int draw = 0;
+      Curve curve;
+      std::size_t places = 0;
+      if (!(text >> draw >> curve.seconds >> places)) continue;
+      curve.places.resize(places);
+      for (auto& [stretch, load] : curve.places) text >> stretch >> load.direction >> load.green_strain >> load.stress;
+      if (text) curves_[draw] = std::move(curve);
+    }
+  }
+
+  const Curve* find(int draw) const {
+    const auto found = curves_.find(draw);
+    return found == curves_.end() ? nullptr : &found->second;
+  }
+
+  void keep(int draw, const Curve& curve) {
+    std::ofstream out(file_, std::ios::app);
+    out.precision(17);
+    out << draw << ' ' << curve.seconds << ' ' << curve.places.size();
+    for (const auto& [stretch, load] : curve.places)
+      out << ' ' << stretch << ' ' << load.direction << ' ' << load.green_strain << ' ' << load.stress;
+    out << '\n';
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::map<int, Curve> curves_;
+};
+
+std::vector<Curve> simulated_curves(const NeuralSettings& settings, const tiling::Family& family, int wanted) {
+  KeptCurves kept(work_folder(settings, "uniaxial") / (family.id + ".txt"));
+  RandomStream stream("uniaxial study " + family.id, 1);
+  std::vector<Curve> curves;
+  for (int draw = 0; static_cast<int>(curves.size()) < wanted; ++draw) {
+    std::vector<double> parameters;
+    for (const auto& parameter : family.parameters)
+      parameters.push_back(stream.uniform(parameter.lower, parameter.upper));
+    const double direction = stream.uniform(0, std::numbers::pi);
+    if (const auto* known = kept.find(draw)) {
+      curves.push_back(*known);
+      curves.back().parameters = parameters;
+      curves.back().direction = direction;
+      continue;
+    }
+    std::optional<microscale::Simulator> simulator;
+    try {
+      simulator.emplace(tiling::make_structure(family, parameters), options_of(family.id, settings.brief));
+    } catch (const Error&) {
+      continue;  // no structure at these parameters
+    }
+    curves.push_back(simulate(*simulator, parameters, direction));
+    kept.keep(draw, curves.back());
+  }
+  return curves;
 }
 
 }  // namespace
@@ -92,66 +178,41 @@ void study_uniaxial(const NeuralSettings& settings) {
   for (const auto& model : models_of(settings)) {
     const auto& family = tiling::family(model.family);
     const neural::Evaluator evaluator(model.network);
-    RandomStream stream("uniaxial study " + model.family, 1);
-    std::vector<Point> all;
+    std::vector<double> errors;
     std::vector<double> curve_errors;
     double network_seconds = 0;
     double native_seconds = 0;
     int states = 0;
-    int native_states = 0;
     int failed = 0;
     const int wanted = settings.brief ? 1 : settings.designs_or(50);
-    for (int design = 0; design < wanted;) {
-      std::vector<double> parameters;
-      for (const auto& parameter : family.parameters)
-        parameters.push_back(stream.uniform(parameter.lower, parameter.upper));
-      const double direction = stream.uniform(0, std::numbers::pi);
-      std::optional<microscale::Simulator> simulator;
-      try {
-        simulator.emplace(tiling::make_structure(family, parameters), options_of(model.family, settings.brief));
-      } catch (const Error&) {
-        continue;  // no structure at these parameters
-      }
-      std::vector<Point> curve;
-      const auto prepared = evaluator.design(parameters);
-      for (const bool tension : {false, true}) {
-        const auto load = stretches(tension);
-        microscale::SimulationResult native;
-        native_seconds += cpu_time([&] { native = simulator->run(microscale::UniaxialLoad{direction, load}); });
-        for (std::size_t i = 0; i < native.states.size(); ++i) {
-          const auto& state = native.states[i];
-          if (state.stopped != microscale::Stop::converged) break;
-          ++native_states;
-          const auto wanted_load = material_load(state, direction);
-          std::vector<neural::UniaxialState> predicted;
-          network_seconds += cpu_time([&] {
-            predicted = neural::uniaxial_path(evaluator, prepared, wanted_load.direction,
-                                              std::vector{wanted_load.green_strain});
-          });
-          ++states;
-          if (!predicted[0].converged) ++failed;
-          const bool inside = neural::in_range(model, parameters, predicted[0].strain, predicted[0].energy_density,
-                                               prepared.rest_stiffness());
-          curve.push_back({design, direction, load[i], wanted_load.stress, predicted[0].directional_stress, inside});
-        }
-      }
+    const auto curves = simulated_curves(settings, family, wanted);
+    for (std::size_t design = 0; design < curves.size(); ++design) {
+      const auto& curve = curves[design];
+      const auto prepared = evaluator.design(curve.parameters);
+      native_seconds += curve.seconds;
       double largest = 0;
-      for (const auto& point : curve) largest = std::max(largest, std::abs(point.native));
-      for (const auto& point : curve) curve_errors.push_back(100 * std::abs(point.network - point.native) / largest);
-      all.insert(all.end(), curve.begin(), curve.end());
-      ++design;
-    }
-    std::vector<double> errors;
-    for (const auto& point : all) {
-      errors.push_back(100 * std::abs(point.network / point.native - 1));
-      points.row({model.family, std::to_string(point.design), number(point.direction, 6), number(point.stretch, 6),
-                  number(point.native, 6), number(point.network, 6), point.in_range ? "1" : "0"});
+      for (const auto& place : curve.places) largest = std::max(largest, std::abs(place.load.stress));
+      for (const auto& [stretch, load] : curve.places) {
+        std::vector<neural::UniaxialState> predicted;
+        network_seconds += cpu_time([&] {
+          predicted = neural::uniaxial_path(evaluator, prepared, load.direction, std::vector{load.green_strain});
+        });
+        ++states;
+        const auto& state = predicted[0];
+        if (!state.converged) ++failed;
+        const bool inside =
+            neural::in_range(model, curve.parameters, state.strain, state.energy_density, prepared.rest_stiffness());
+        errors.push_back(100 * std::abs(state.directional_stress / load.stress - 1));
+        curve_errors.push_back(100 * std::abs(state.directional_stress - load.stress) / largest);
+        points.row({model.family, std::to_string(design), number(curve.direction, 6), number(stretch, 6),
+                    number(load.stress, 6), number(state.directional_stress, 6), inside ? "1" : "0"});
+      }
     }
     const double network_ms = 1e3 * network_seconds / states;
-    table.row({model.family, std::to_string(wanted), std::to_string(all.size()), number(mean(errors)),
+    table.row({model.family, std::to_string(wanted), std::to_string(states), number(mean(errors)),
                number(median(errors)), number(quantile(errors, 0.99)), number(quantile(errors, 1)),
                number(mean(curve_errors)), number(quantile(curve_errors, 1)), number(network_ms),
-               number(1e3 * native_seconds / native_states), std::to_string(failed)});
+               number(1e3 * native_seconds / states), std::to_string(failed)});
     report.target(model.family + ": mean error of the directional stress", "0.475 %", number(mean(errors)) + " %",
                   mean(errors) <= 0.475);
     report.target(model.family + ": worst error", "3.57 %", number(quantile(errors, 1)) + " %",
