@@ -6,6 +6,13 @@
 
 #include "supple/base/lanes.h"
 
+/// Instrumented, functions that hold hundreds of these take minutes to compile.
+#ifdef SUPPLE_SANITIZED
+#define SUPPLE_JET_INLINE inline
+#else
+#define SUPPLE_JET_INLINE SUPPLE_INLINE
+#endif
+
 namespace supple::weave {
 
 /// A number with its first and second derivatives by n variables: forward-mode differentiation, exact to rounding. The
@@ -30,7 +37,7 @@ struct Jet {
 
 /// f(a) for a function with value f and derivatives d, dd at a.
 template <int n>
-SUPPLE_INLINE Jet<n> compose(const Jet<n>& a, double f, double d, double dd) {
+SUPPLE_JET_INLINE Jet<n> compose(const Jet<n>& a, double f, double d, double dd) {
   Jet<n> r(f);
   for (int i = 0; i < n; ++i) r.first[i] = d * a.first[i];
   int k = 0;
@@ -42,7 +49,7 @@ SUPPLE_INLINE Jet<n> compose(const Jet<n>& a, double f, double d, double dd) {
 }
 
 template <int n>
-SUPPLE_INLINE Jet<n> operator*(const Jet<n>& a, const Jet<n>& b) {
+SUPPLE_JET_INLINE Jet<n> operator*(const Jet<n>& a, const Jet<n>& b) {
   Jet<n> r(a.value * b.value);
   for (int i = 0; i < n; ++i) r.first[i] = a.value * b.first[i] + b.value * a.first[i];
   int k = 0;
@@ -52,73 +59,73 @@ SUPPLE_INLINE Jet<n> operator*(const Jet<n>& a, const Jet<n>& b) {
   return r;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator*(double a, Jet<n> b) {
+SUPPLE_JET_INLINE Jet<n> operator*(double a, Jet<n> b) {
   b.value *= a;
   for (double& x : b.first) x *= a;
   for (double& x : b.second) x *= a;
   return b;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator*(const Jet<n>& a, double b) {
+SUPPLE_JET_INLINE Jet<n> operator*(const Jet<n>& a, double b) {
   return b * a;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator+(Jet<n> a, const Jet<n>& b) {
+SUPPLE_JET_INLINE Jet<n> operator+(Jet<n> a, const Jet<n>& b) {
   a.value += b.value;
   for (int i = 0; i < n; ++i) a.first[i] += b.first[i];
   for (int i = 0; i < Jet<n>::pairs; ++i) a.second[i] += b.second[i];
   return a;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator-(Jet<n> a, const Jet<n>& b) {
+SUPPLE_JET_INLINE Jet<n> operator-(Jet<n> a, const Jet<n>& b) {
   a.value -= b.value;
   for (int i = 0; i < n; ++i) a.first[i] -= b.first[i];
   for (int i = 0; i < Jet<n>::pairs; ++i) a.second[i] -= b.second[i];
   return a;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator-(const Jet<n>& a) {
+SUPPLE_JET_INLINE Jet<n> operator-(const Jet<n>& a) {
   return -1.0 * a;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator+(Jet<n> a, double b) {
+SUPPLE_JET_INLINE Jet<n> operator+(Jet<n> a, double b) {
   a.value += b;
   return a;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator+(double a, Jet<n> b) {
+SUPPLE_JET_INLINE Jet<n> operator+(double a, Jet<n> b) {
   b.value += a;
   return b;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> operator-(double a, const Jet<n>& b) {
+SUPPLE_JET_INLINE Jet<n> operator-(double a, const Jet<n>& b) {
   return a + -b;
 }
 template <int n>
-SUPPLE_INLINE Jet<n> inverse(const Jet<n>& a) {
+SUPPLE_JET_INLINE Jet<n> inverse(const Jet<n>& a) {
   const double f = 1 / a.value;
   return compose(a, f, -f * f, 2 * f * f * f);
 }
-SUPPLE_INLINE double inverse(double a) { return 1 / a; }
+SUPPLE_JET_INLINE double inverse(double a) { return 1 / a; }
 
 template <int n>
-SUPPLE_INLINE Jet<n> sqrt(const Jet<n>& a) {
+SUPPLE_JET_INLINE Jet<n> sqrt(const Jet<n>& a) {
   const double f = std::sqrt(a.value);
   return compose(a, f, 0.5 / f, -0.25 / (f * a.value));
 }
 template <int n>
-SUPPLE_INLINE Jet<n> sin(const Jet<n>& a) {
+SUPPLE_JET_INLINE Jet<n> sin(const Jet<n>& a) {
   const double s = std::sin(a.value);
   return compose(a, s, std::cos(a.value), -s);
 }
 template <int n>
-SUPPLE_INLINE Jet<n> cos(const Jet<n>& a) {
+SUPPLE_JET_INLINE Jet<n> cos(const Jet<n>& a) {
   const double c = std::cos(a.value);
   return compose(a, c, -std::sin(a.value), -c);
 }
 /// The angle of the vector (x, y).
 template <int n>
-SUPPLE_INLINE Jet<n> atan2(const Jet<n>& y, const Jet<n>& x) {
+SUPPLE_JET_INLINE Jet<n> atan2(const Jet<n>& y, const Jet<n>& x) {
   const double r2 = x.value * x.value + y.value * y.value;
   const double fx = -y.value / r2;
   const double fy = x.value / r2;
@@ -141,27 +148,27 @@ struct Vector3 {
 };
 
 template <typename T, typename S>
-SUPPLE_INLINE T dot(const Vector3<T>& a, const Vector3<S>& b) {
+SUPPLE_JET_INLINE T dot(const Vector3<T>& a, const Vector3<S>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <typename T, typename S>
-SUPPLE_INLINE Vector3<T> cross(const Vector3<T>& a, const Vector3<S>& b) {
+SUPPLE_JET_INLINE Vector3<T> cross(const Vector3<T>& a, const Vector3<S>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <typename T>
-SUPPLE_INLINE Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
+SUPPLE_JET_INLINE Vector3<T> operator+(const Vector3<T>& a, const Vector3<T>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 template <typename T>
-SUPPLE_INLINE Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
+SUPPLE_JET_INLINE Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 template <typename T>
-SUPPLE_INLINE Vector3<T> operator*(const T& a, const Vector3<T>& b) {
+SUPPLE_JET_INLINE Vector3<T> operator*(const T& a, const Vector3<T>& b) {
   return {a * b.x, a * b.y, a * b.z};
 }
 template <typename T>
-SUPPLE_INLINE T norm(const Vector3<T>& a) {
+SUPPLE_JET_INLINE T norm(const Vector3<T>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
 }
