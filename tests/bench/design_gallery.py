@@ -59,8 +59,8 @@ ENTRIES = [
           lambda a, y: 2.1 + 2 * np.exp(-(((a - math.pi / 2) / 0.35) ** 2)), {"strain": 0.03}),
     Entry("isotropic", "The same stiffness in all directions", "stiffness", "IH21", [0.19, 0.78],
           lambda a, y: np.full_like(a, 0.24), {"strain": 0.03}),
-    Entry("auxetic", "Poisson's ratio changes its sign along the axes", "poisson", "IH29", [0.37],
-          lambda a, y: 0.5 - 0.55 * np.cos(4 * a), {"strain": 0.03}),
+    Entry("auxetic", "Poisson's ratio changes its sign four times", "poisson", "IH28", [0.3, 0.5],
+          lambda a, y: 0.4 - 0.6 * np.cos(4 * a + 1), {"strain": 0.03}),
     Entry("any-family", "Which family does it best? Stiffness with two lobes", "stiffness", "any", [],
           lambda a, y: 3.4 + 1.1 * np.cos(2 * a), {"strain": 0.03}),
 ]

@@ -27,7 +27,7 @@ def design_document(**more: Any) -> Dict[str, Any]:
     return {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.15, 0.65], "profile": profile_document(),
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
             "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
-                         "stopped": "converged"}], "structure": {"svg": "/s", "dxf": "/d", "stl": "/t"}, **more}
+                         "model_error": None, "stopped": "converged"}], "structure": {"svg": "/s", "dxf": "/d", "stl": "/t"}, **more}
 
 
 def test_what_is_not_given_is_left_to_the_server() -> None:
@@ -76,6 +76,7 @@ def test_missing_values_are_nan_and_missing_curves_none() -> None:
     assert np.isnan(result.profile.initial[0]) and result.profile.initial[1] == 2
     assert result.profile.lower is None and result.profile.verified is None and result.profile.strain is None
     assert result.profile.in_range.tolist() == [True, False] and result.ranking[0].error.max == 0.3
+    assert result.ranking[0].model_error is None
     verified = {"x": [0.1], "y": [None], "model": [1.02]}
     document = profile_document(envelope={"lower": [0, 0.5], "upper": [0, 3]}, verified=verified)
     full = design_from_wire({**design_document(profile=document, also=[profile_document()]), **BILL})

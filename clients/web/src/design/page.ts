@@ -1,6 +1,7 @@
 // The design page, put together.
 import { button } from "../base/controls";
 import { h } from "../base/dom";
+import { late } from "../base/late";
 import { shareButton } from "../base/share";
 import { undoKeys } from "../base/undo_keys";
 import { ConnectionLost, explain } from "../contract/client";
@@ -41,11 +42,13 @@ export function designPage({ client, link }: Surroundings): Page {
     h("div", { class: "column right" }, tilingPreview(session, client), resultCard(session), verificationCard(session, verification), pinList(pins, client)),
   );
 
-  let timer: ReturnType<typeof setTimeout> | undefined;
+  const linkLater = late(() => link.write(writeLink(session.state.get())), LINK_PAUSE_MS);
   session.state.watch((state) => {
-    if (state.points.length === 0) return;
-    clearTimeout(timer);
-    timer = setTimeout(() => link.write(writeLink(state)), LINK_PAUSE_MS);
+    if (state.points.length > 0) linkLater.ask();
+  });
+  // A change that is done is in the address at once: a reload must not take it back.
+  session.steps.watch(() => {
+    if (session.state.get().points.length > 0) linkLater.now();
   });
 
   const keys = undoKeys(session);
@@ -73,7 +76,7 @@ export function designPage({ client, link }: Surroundings): Page {
     },
     close() {
       document.removeEventListener("keydown", keys);
-      clearTimeout(timer);
+      linkLater.cancel();
     },
     reconnected() {
       if (started) session.retry();

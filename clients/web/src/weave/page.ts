@@ -2,6 +2,7 @@
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h } from "../base/dom";
+import { late } from "../base/late";
 import { shareButton } from "../base/share";
 import { undoKeys } from "../base/undo_keys";
 import type { Page, Surroundings } from "../page";
@@ -64,11 +65,13 @@ export function weavePage({ client, link }: Surroundings): Page {
     return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share, exportMenu(session, profile, client));
   }
 
-  let timer: ReturnType<typeof setTimeout> | undefined;
+  const linkLater = late(writeNow, LINK_PAUSE_MS);
   session.state.watch(() => {
-    if (!started) return;
-    clearTimeout(timer);
-    timer = setTimeout(writeNow, LINK_PAUSE_MS);
+    if (started) linkLater.ask();
+  });
+  // A change that is done is in the address at once: a reload must not take it back.
+  session.steps.watch(() => {
+    if (started) linkLater.now();
   });
 
   const undoKey = undoKeys(session);
@@ -92,7 +95,7 @@ export function weavePage({ client, link }: Surroundings): Page {
     },
     close() {
       document.removeEventListener("keydown", keys);
-      clearTimeout(timer);
+      linkLater.cancel();
     },
     reconnected() {
       if (!started) return;
