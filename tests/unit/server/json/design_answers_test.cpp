@@ -45,9 +45,16 @@ TEST(DesignAnswers, NameTheModelOfTheBestDesign) {
   EXPECT_EQ(answer["sha256"], "bb");
   EXPECT_EQ(answer["parameters"], (json{0.125, 0.5}));
   EXPECT_EQ(answer["ranking"][0]["family"], "IH21");
+  EXPECT_TRUE(answer["ranking"][0]["model_error"].is_null()) << "nobody measured it";
   EXPECT_EQ(answer["structure"]["stl"], "/v1/families/IH21/structure?parameters=0.125,0.5&format=stl");
   EXPECT_EQ(answer["accuracy"]["residual"], 1e-11);
   EXPECT_EQ(answer["error"], (json{{"relative_rms", 0.25}, {"max", 2.0}}));
+}
+
+TEST(DesignAnswers, SayHowFarTheModelIsOff) {
+  auto designs = found();
+  designs.ranking[0].model_error = 0.0625;
+  EXPECT_EQ(written(designs)["ranking"][0]["model_error"], 0.0625);
 }
 
 TEST(DesignAnswers, HaveNullWhereThereIsNoEquilibrium) {
