@@ -1,5 +1,6 @@
 // Inverse design with the shipped models: how often a known design is found again, what designs, drags and searches
-// over all families cost, what accuracy costs, the solver against its rivals, and verification by simulation.
+// over all families cost, what accuracy costs, the solver against its rivals, verification by simulation,
+// and what the width of networks costs and gives.
 //
 //   design_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--out DIR] [STUDY ...]
 //   default: all studies into docs/bench

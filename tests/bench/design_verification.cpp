@@ -58,19 +58,6 @@ Truth simulate(const LoadedSpace& space, design::Task task, int designs, const D
   return truth;
 }
 
-/// Root mean square difference over the simulation's root mean square, where it got to; NaN where it got nowhere.
-double relative_difference(const LoadedSpace& space, const Simulated& design) {
-  const auto network = design::evaluate_profile(space.model, space.evaluator, design.parameters, design.samples);
-  double difference = 0;
-  double size = 0;
-  for (Eigen::Index k = 0; k < design.y.size(); ++k) {
-    if (!std::isfinite(design.y[k])) continue;
-    difference += std::pow(design.y[k] - network.y[k], 2);
-    size += std::pow(design.y[k], 2);
-  }
-  return std::sqrt(difference / size);
-}
-
 /// CPU seconds of finding each design again from the profile that the network has of it.
 std::vector<double> search_seconds(const LoadedSpace& space, design::Task task, const Truth& truth) {
   std::vector<double> seconds;
@@ -103,8 +90,11 @@ void compare(const DesignSettings& settings, const std::string& study, const std
       if (added) known->second = simulate(*space, task, designs, settings);
       const Truth& truth = known->second;
       std::vector<double> errors;
-      for (const auto& design : truth.designs)
-        if (const double error = relative_difference(*space, design); std::isfinite(error)) errors.push_back(error);
+      for (const auto& design : truth.designs) {
+        const auto network =
+            design::evaluate_profile(space->model, space->evaluator, design.parameters, design.samples);
+        if (const auto error = design::relative_difference(design.y, network.y)) errors.push_back(*error);
+      }
       const auto searches = search_seconds(*space, task, truth);
       if (errors.empty() || searches.empty()) continue;
       table.row({space->model.family, count(space->model.network.shape.width),
@@ -136,8 +126,10 @@ void study_width(const DesignSettings& settings) {
     std::printf("width: --models names no folder with two models of one family\n");
     return;
   }
-  compare(settings, "width", "Inverse design: what the width of a network costs and gives",
-          "Networks of several widths, trained on the same data for as many epochs, meet the same random designs.");
+  compare(
+      settings, "width", "Inverse design: what the width of a network costs and gives",
+      "Networks of several widths meet the same random designs. On this page they were trained with `supple-lab train "
+      "--family IH29 --data models/datasets/IH29.h5 --width W --epochs 900`; that of 96 is the shipped one.");
 }
 
 }  // namespace supple::bench

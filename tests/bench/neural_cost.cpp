@@ -127,8 +127,8 @@ void study_cost(const NeuralSettings& settings) {
           "models/datasets. Errors are relative ones on " +
           std::to_string(tested) +
           " designs that none of them has seen. Training is the CPU time of all threads; evaluations are energy, "
-          "stress and tangent of 50 strains of one design, CPU time of one thread. The shipped model is trained for "
-          "ten times as many epochs."));
+          "stress and tangent of 50 strains of one design, CPU time of one thread. The shipped model's card says how "
+          "long that one was trained."));
 }
 
 }  // namespace supple::bench

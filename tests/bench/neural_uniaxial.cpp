@@ -89,7 +89,8 @@ Curve simulate(microscale::Simulator& simulator, std::vector<double> parameters,
   return curve;
 }
 
-/// Curves that earlier runs have simulated, by the number of their draw, a line each. They do not depend on the models.
+/// Curves that earlier runs have simulated, by the number of their draw, a line each. They do not depend on the models;
+/// a change of the simulation asks for the work folder to be removed.
 class KeptCurves {
  public:
   explicit KeptCurves(std::filesystem::path file) : file_(std::move(file)) {
@@ -230,7 +231,8 @@ void study_uniaxial(const NeuralSettings& settings) {
       "along which the network is asked for the same m^T E m, each state from rest. "
       "Errors are |s - s*| / |s*| of the directional stress s = m^T S m at each place, as the "
       "thesis's relative error; beside it the same difference over the largest |s*| of its curve. "
-      "CPU time, one thread."));
+      "CPU time, one thread; simulations that an earlier run has kept in the work folder have the time they took "
+      "then."));
 }
 
 }  // namespace supple::bench

@@ -79,7 +79,7 @@ void print_samples(const nlohmann::json& profile) {
 
 void print_ranking(const nlohmann::json& ranking) {
   fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>11}  {:>10}  {:<16}  {}\n", "rank", "family", "model", "deviation",
-             "model's", "largest", "stopped", "parameters");
+             "model error", "largest", "stopped", "parameters");
   int rank = 0;
   for (const auto& candidate : ranking) {
     const auto& error = candidate.at("error");

@@ -1,6 +1,7 @@
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 import { digits, fixed, percent, plain, seconds } from "../src/base/format";
 import { History } from "../src/base/history";
+import { late } from "../src/base/late";
 import { Latest } from "../src/base/latest";
 import { EventReader } from "../src/contract/jobs";
 import { heightDomain, radialDomain, widthDomain } from "../src/base/domains";
@@ -104,5 +105,29 @@ describe("what a plot shows", () => {
     for (const domain of [heightDomain([]), widthDomain([]), radialDomain("poisson", [])]) {
       expect(domain[1]).toBeGreaterThan(domain[0]);
     }
+  });
+});
+
+describe("an action that waits for a pause", () => {
+  it("runs once after the last request, at once when told, and never once cancelled", () => {
+    vi.useFakeTimers();
+    const action = vi.fn();
+    const waiting = late(action, 100);
+    waiting.ask();
+    vi.advanceTimersByTime(99);
+    waiting.ask();
+    vi.advanceTimersByTime(99);
+    expect(action).toHaveBeenCalledTimes(0);
+    vi.advanceTimersByTime(1);
+    expect(action).toHaveBeenCalledTimes(1);
+    waiting.ask();
+    waiting.now();
+    vi.advanceTimersByTime(200);
+    expect(action).toHaveBeenCalledTimes(2);
+    waiting.ask();
+    waiting.cancel();
+    vi.advanceTimersByTime(200);
+    expect(action).toHaveBeenCalledTimes(2);
+    vi.useRealTimers();
   });
 });

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import type { Model } from "../src/contract/types";
-import { errorBand, modelError, type Shown } from "../src/design/shown";
+import type { DesignCandidate, Model } from "../src/contract/types";
+import { errorBand, expectedDeviation, modelError, type Shown } from "../src/design/shown";
 
 const model = { errors: { design_split: { gradient: { mean: 0.1, percentile_99: 0.4 } } } } as unknown as Model;
 const shown = (achieved: readonly (number | null)[]) => ({ task: "stress_strain", x: [-0.1, 0, 0.1], achieved }) as unknown as Shown;
@@ -25,5 +25,16 @@ describe("a model's error", () => {
   it("is not drawn across gaps", () => {
     expect(errorBand(shown([-2, null, 3]), { mean: 0.1, percentile99: 0.4 })).toBeNull();
     expect(errorBand(shown([-2, 0, 3]), null)).toBeNull();
+  });
+});
+
+describe("families", () => {
+  const candidate = (deviation: number, model: number | null): DesignCandidate =>
+    ({ error: { relative_rms: deviation, max: 0 }, model_error: model }) as DesignCandidate;
+
+  it("are compared by deviation and by the model’s error, an unknown one being the worst", () => {
+    expect(expectedDeviation(candidate(0.03, 0.04))).toBeCloseTo(0.05);
+    expect(expectedDeviation(candidate(0.01, 0.01))).toBeLessThan(expectedDeviation(candidate(0.0001, 0.08)));
+    expect(expectedDeviation(candidate(0, null))).toBeGreaterThan(expectedDeviation(candidate(0.9, 0.1)));
   });
 });

@@ -86,6 +86,18 @@ Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const Profi
   return y;
 }
 
+std::optional<double> relative_difference(const Eigen::VectorXd& simulated, const Eigen::VectorXd& model) {
+  double difference = 0;
+  double size = 0;
+  for (Eigen::Index i = 0; i < simulated.size(); ++i) {
+    if (!std::isfinite(simulated[i])) continue;
+    difference += std::pow(simulated[i] - model[i], 2);
+    size += std::pow(simulated[i], 2);
+  }
+  if (size == 0) return std::nullopt;
+  return std::sqrt(difference / size);
+}
+
 ProfileSamples thinned(const ProfileSamples& samples, int count) {
   const auto n = static_cast<long>(samples.x.size());
   if (count >= n) return samples;

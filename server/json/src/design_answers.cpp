@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "answer_parts.h"
+#include "supple/design/verification.h"
 
 namespace supple::json {
 namespace {
@@ -52,14 +53,8 @@ void write_verified(JsonWriter& out, const VerifiedProfile* verified) {
   out.begin_object().key("x").numbers(verified->x);
   write_numbers_or_nulls(out, "y", verified->simulated);
   out.key("model").numbers(verified->model);
-  double difference = 0;
-  double size = 0;
-  for (Eigen::Index i = 0; i < verified->simulated.size(); ++i) {
-    if (!std::isfinite(verified->simulated[i])) continue;
-    difference += std::pow(verified->simulated[i] - verified->model[i], 2);
-    size += std::pow(verified->simulated[i], 2);
-  }
-  if (size > 0) out.field("relative_rms", std::sqrt(difference / size));
+  if (const auto difference = design::relative_difference(verified->simulated, verified->model))
+    out.field("relative_rms", *difference);
   out.end_object();
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "supple/tiling/structure.h"
@@ -79,6 +80,12 @@ TEST(SimulatedProfile, BillsItsEffectAndCanBeCancelled) {
   EXPECT_THROW(simulate_profile(structure(), {Task::stress_strain, 0, 0, StrainMeasure::green, {0.01}}, coarse(),
                                 {.cancellation = token}),
                std::exception);
+}
+
+TEST(RelativeDifference, IsOverWhatTheSimulationGotTo) {
+  const double missing = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NEAR(*relative_difference(Eigen::Vector3d(3, 4, missing), Eigen::Vector3d(3, 5, 6)), 0.2, 1e-15);
+  EXPECT_FALSE(relative_difference(Eigen::Vector2d(0, missing), Eigen::Vector2d(1, 2)));
 }
 
 TEST(ThinnedSamples, KeepBothEndsOverStrainAndStayEvenOverDirections) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,10 @@ namespace supple::design {
 /// effect "verification" and the stages of the simulations.
 Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const ProfileSamples& samples,
                                  const microscale::SimulationOptions& options, const Execution& execution = {});
+
+/// Root mean square of model - simulated over that of `simulated`, where the simulation got to; none where it got
+/// nowhere or its values are zero.
+std::optional<double> relative_difference(const Eigen::VectorXd& simulated, const Eigen::VectorXd& model);
 
 /// At most `count` of the samples, evenly spaced, the first (and over strain the last) among them.
 ProfileSamples thinned(const ProfileSamples& samples, int count);
