@@ -47,11 +47,11 @@ std::string names_of(const std::vector<std::filesystem::path>& files) {
 
 void write_log(const std::filesystem::path& path, const std::vector<training::EpochReport>& history) {
   std::ofstream log(path);
-  log << "epoch,loss,validation_gradient,validation_energy,learning_rate,seconds\n";
+  log << "epoch,loss,validation_gradient,validation_energy,validation_stiffness,learning_rate,seconds\n";
   for (const auto& r : history) {
     const auto measured = [](double error) { return error < 0 ? std::string() : fmt::format("{:.6g}", error); };
-    log << fmt::format("{},{:.6g},{},{},{:.6g},{:.1f}\n", r.epoch, r.loss, measured(r.validation_gradient),
-                       measured(r.validation_energy), r.learning_rate, r.seconds);
+    log << fmt::format("{},{:.6g},{},{},{},{:.6g},{:.1f}\n", r.epoch, r.loss, measured(r.validation_gradient),
+                       measured(r.validation_energy), measured(r.validation_stiffness), r.learning_rate, r.seconds);
   }
   if (!log) throw Error("file.write_failed", "Cannot write " + path.string() + ".");
 }
@@ -89,8 +89,11 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
   const auto checkpoint = checkpoint_path(arguments.out);
   const auto report = [&](const training::EpochReport& r) {
     if (arguments.quiet || r.validation_gradient < 0) return;
-    fmt::print(stderr, "epoch {}/{}: loss {:.4f}, validation: gradient {:.2f} %, energy {:.2f} %; {:.0f} s\n", r.epoch,
-               training.epochs, r.loss, 100 * r.validation_gradient, 100 * r.validation_energy, r.seconds);
+    fmt::print(
+        stderr,
+        "epoch {}/{}: loss {:.4f}, validation: gradient {:.2f} %, energy {:.2f} %, stiffness {:.2f} %; {:.0f} s\n",
+        r.epoch, training.epochs, r.loss, 100 * r.validation_gradient, 100 * r.validation_energy,
+        100 * r.validation_stiffness, r.seconds);
   };
   const auto result = training::train_model(data, names_of(arguments.files), engine_version(), arguments.options,
                                             checkpoint, signals.cancellation(), report);

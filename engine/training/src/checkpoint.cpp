@@ -12,24 +12,24 @@ namespace supple::training {
 namespace {
 
 constexpr const char* layout_name = "supple training checkpoint";
-constexpr std::int64_t layout_version = 1;
+constexpr std::int64_t layout_version = 2;
 
 /// The reports as a table.
-constexpr int report_columns = 6;
+constexpr int report_columns = 7;
 
 std::vector<double> table_of(const std::vector<EpochReport>& history) {
   std::vector<double> table;
   for (const auto& r : history)
     table.insert(table.end(), {static_cast<double>(r.epoch), r.loss, r.validation_gradient, r.validation_energy,
-                               r.learning_rate, r.seconds});
+                               r.validation_stiffness, r.learning_rate, r.seconds});
   return table;
 }
 
 std::vector<EpochReport> history_of(const std::vector<double>& table) {
   std::vector<EpochReport> history;
   for (std::size_t i = 0; i + report_columns <= table.size(); i += report_columns)
-    history.push_back(
-        {static_cast<int>(table[i]), table[i + 1], table[i + 2], table[i + 3], table[i + 4], table[i + 5]});
+    history.push_back({static_cast<int>(table[i]), table[i + 1], table[i + 2], table[i + 3], table[i + 4], table[i + 5],
+                       table[i + 6]});
   return history;
 }
 

@@ -42,7 +42,7 @@ SUPPLE_INLINE void store(float* to, std::ptrdiff_t channel, const Place<Channels
 template <Activation A, int Channels>
 SUPPLE_INLINE void forward(const JetSizes& sizes, const float* v, const float* bias, const float* z, float* y) {
   const std::ptrdiff_t channel = static_cast<std::ptrdiff_t>(sizes.rows) * sizes.width;
-  for (std::ptrdiff_t begin = 0; begin < channel; begin += sizes.width) {
+  for (std::ptrdiff_t begin = 0; begin < channel; begin += sizes.width, v += 3) {
     for (int i = 0; i < sizes.width; i += count) {
       Place<Channels> in;
       load(z + begin + i, channel, in);
@@ -66,7 +66,7 @@ SUPPLE_INLINE void backward(const JetSizes& sizes, const float* v, const float* 
                             float* by_z, float* by_bias) {
   const std::ptrdiff_t channel = static_cast<std::ptrdiff_t>(sizes.rows) * sizes.width;
   std::fill_n(by_bias, sizes.width, 0.0F);
-  for (std::ptrdiff_t begin = 0; begin < channel; begin += sizes.width) {
+  for (std::ptrdiff_t begin = 0; begin < channel; begin += sizes.width, v += 3) {
     for (int i = 0; i < sizes.width; i += count) {
       Place<Channels> in;
       Place<Channels> by;
@@ -153,20 +153,20 @@ SUPPLE_AVX2 void backward_avx2(Activation activation, const JetSizes& sizes, con
 
 }  // namespace
 
-void jet_forward(Activation activation, const JetSizes& sizes, const float* direction, const float* bias,
+void jet_forward(Activation activation, const JetSizes& sizes, const float* directions, const float* bias,
                  const float* z, float* y) {
   if (has_avx2)
-    forward_avx2(activation, sizes, direction, bias, z, y);
+    forward_avx2(activation, sizes, directions, bias, z, y);
   else
-    forward_all(activation, sizes, direction, bias, z, y);
+    forward_all(activation, sizes, directions, bias, z, y);
 }
 
-void jet_backward(Activation activation, const JetSizes& sizes, const float* direction, const float* bias,
+void jet_backward(Activation activation, const JetSizes& sizes, const float* directions, const float* bias,
                   const float* z, const float* g, float* by_z, float* by_bias) {
   if (has_avx2)
-    backward_avx2(activation, sizes, direction, bias, z, g, by_z, by_bias);
+    backward_avx2(activation, sizes, directions, bias, z, g, by_z, by_bias);
   else
-    backward_all(activation, sizes, direction, bias, z, g, by_z, by_bias);
+    backward_all(activation, sizes, directions, bias, z, g, by_z, by_bias);
 }
 
 }  // namespace supple::training

@@ -7,13 +7,14 @@
 namespace supple::training {
 
 /// f(x weights^T + bias) of jets x: channels x rows x inputs -> channels x rows x outputs, outputs a multiple of 16, in
-/// single precision. Differentiable once, by x, weights and bias. `direction` (3) is that of the second derivative of
-/// five channels. One pass each of our kernels forward, and two products backward; safe in several threads.
+/// single precision. Differentiable once, by x, weights and bias. `directions` (rows x 3, contiguous) are those of the
+/// second derivative of five channels. One pass each of our kernels forward, and two products backward; safe in several
+/// threads.
 torch::Tensor jet_layer(neural::Activation activation, const torch::Tensor& x, const torch::Tensor& weights,
-                        const torch::Tensor& bias, const torch::Tensor& direction);
+                        const torch::Tensor& bias, const torch::Tensor& directions);
 
 /// f(z) of jets whose number of rows and outputs are as in jet_layer.
-torch::Tensor jet_activation(neural::Activation activation, const torch::Tensor& z, const torch::Tensor& direction);
+torch::Tensor jet_activation(neural::Activation activation, const torch::Tensor& z, const torch::Tensor& directions);
 
 /// x weights^T for jets, without bias or activation; any number of outputs.
 torch::Tensor linear_layer(const torch::Tensor& x, const torch::Tensor& weights);

@@ -32,6 +32,7 @@ struct Judged {
   const dataset::Row* row = nullptr;
   double energy_error = 0;
   double gradient_error = 0;
+  double stiffness_error = 0;
 
   const dataset::Path& path() const { return design->paths[static_cast<std::size_t>(row->path)]; }
 };
@@ -44,7 +45,7 @@ std::vector<Judged> judge(const neural::Model& model, const dataset::Dataset& da
     const auto& source = samples.source[static_cast<std::size_t>(errors.rows[i])];
     const auto& design = data.designs[static_cast<std::size_t>(source.design)];
     judged.push_back({&design, &design.rows[static_cast<std::size_t>(source.row)], errors.energy[static_cast<long>(i)],
-                      errors.gradient[static_cast<long>(i)]});
+                      errors.gradient[static_cast<long>(i)], errors.stiffness[static_cast<long>(i)]});
   }
   return judged;
 }
@@ -90,6 +91,12 @@ constexpr const char* statistics_head =
     "| | Samples | Gradient: mean | RMS | Median | 99th percentile | Energy: mean | RMS | Median | 99th percentile |\n"
     "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
 
+std::string stiffness_row(const std::string& name, const std::vector<Judged>& judged) {
+  const auto errors = errors_of(judged, &Judged::stiffness_error);
+  return fmt::format("| {} | {:.2f} | {:.1f} | {:.1f} |\n", name, 100 * quantile(errors, 0.5),
+                     100 * quantile(errors, 0.75), 100 * quantile(errors, 0.9));
+}
+
 std::string error_section(const neural::Model& model) {
   std::string text =
       "## Errors\n\nRelative, in percent: |S - S*| / |S*| of the stress (the energy's gradient) and |psi - "
@@ -112,14 +119,21 @@ std::string error_section(const neural::Model& model) {
 std::string where_section(const std::vector<Judged>& judged) {
   std::string text = "\n## Where they are\n\nOn designs that training has not seen.\n\n";
   text += statistics_head;
+  std::string stiffness;
   for (const auto& kind : kinds()) {
     std::vector<Judged> some;
     std::copy_if(judged.begin(), judged.end(), std::back_inserter(some), kind.belongs);
     if (some.empty()) continue;
     text += statistics_row(kind.name, statistics(errors_of(some, &Judged::gradient_error)),
                            statistics(errors_of(some, &Judged::energy_error)), static_cast<std::int64_t>(some.size()));
+    stiffness += stiffness_row(kind.name, some);
   }
-  return text;
+  text +=
+      "\nOf the tangent stiffness against more of the state's own load, |v^T (C - C*) v| / |v^T C* v| with v = C*^-1 "
+      "S*. "
+      "Where a structure buckles it jumps or vanishes, so that shares of the states say more than means.\n\n"
+      "| | Median | Of three quarters at most | Of nine tenths at most |\n|---|---:|---:|---:|\n";
+  return text + stiffness_row("all", judged) + stiffness;
 }
 
 std::string trust_section(const neural::Model& model, const std::vector<Judged>& judged) {
@@ -196,14 +210,14 @@ std::string model_card(const neural::Model& model, const dataset::Dataset& data,
 void write_row_errors(const std::filesystem::path& path, const neural::Model& model, const dataset::Dataset& data) {
   std::ofstream file(path);
   file << "design,load,direction,stretch,lateral_stretch,strain_norm,energy_density,branch,contacts,gradient_error,"
-          "energy_error\n";
+          "energy_error,stiffness_error\n";
   for (const auto& j : judge(model, data)) {
     const auto& e = j.row->green_strain;
     const double norm = std::sqrt(e[0] * e[0] + e[1] * e[1] + 2 * e[2] * e[2]);
-    file << fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g}\n", j.design->index,
+    file << fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g},{:.6g}\n", j.design->index,
                         j.path().kind == dataset::LoadKind::uniaxial ? "uniaxial" : "biaxial", j.path().direction,
                         j.row->stretch, j.row->lateral_stretch, norm, j.row->energy_density, j.row->branch,
-                        j.row->contacts, j.gradient_error, j.energy_error);
+                        j.row->contacts, j.gradient_error, j.energy_error, j.stiffness_error);
   }
   if (!file) throw Error("file.write_failed", "Cannot write " + path.string() + ".");
 }

@@ -1,5 +1,6 @@
 #include "supple/training/model_errors.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -32,7 +33,13 @@ std::vector<DesignRows> by_design(const Samples& samples, const std::vector<int>
   return groups;
 }
 
-double quantile(const std::vector<double>& sorted, double share) {
+Eigen::Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& c) {
+  Eigen::Matrix3d matrix;
+  matrix << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return matrix;
+}
+
+double quantile_of_sorted(const std::vector<double>& sorted, double share) {
   const double position = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(position);
   const auto above = std::min(below + 1, sorted.size() - 1);
@@ -48,6 +55,7 @@ RowErrors row_errors(const neural::Network& network, const Samples& samples, con
   const auto n = static_cast<long>(errors.rows.size());
   errors.energy.resize(n);
   errors.gradient.resize(n);
+  errors.stiffness.resize(n);
   const neural::Evaluator evaluator(network);
   const auto groups = by_design(samples, errors.rows);
   parallel_for(static_cast<int>(groups.size()), [&](int g) {
@@ -55,24 +63,34 @@ RowErrors row_errors(const neural::Network& network, const Samples& samples, con
     Eigen::Matrix3Xd strains(3, static_cast<long>(positions.size()));
     for (std::size_t j = 0; j < positions.size(); ++j)
       strains.col(static_cast<long>(j)) = samples.strain.col(errors.rows[static_cast<std::size_t>(positions[j])]);
-    const auto answer = evaluator.evaluate(evaluator.design(sampled->parameters), strains, neural::Order::stress);
+    const auto answer = evaluator.evaluate(evaluator.design(sampled->parameters), strains, neural::Order::tangent);
     for (std::size_t j = 0; j < positions.size(); ++j) {
       const auto column = static_cast<long>(j);
       const int row = errors.rows[static_cast<std::size_t>(positions[j])];
       const Eigen::Vector3d exact = samples.stress.col(row);
       errors.energy[positions[j]] = std::abs(answer.energy_density[column] / samples.energy[row] - 1);
       errors.gradient[positions[j]] = (answer.stress.col(column) - exact).norm() / exact.norm();
+      const Eigen::Matrix3d tangent = symmetric(samples.tangent.col(row));
+      const Eigen::Vector3d v = tangent.fullPivLu().solve(exact);
+      errors.stiffness[positions[j]] =
+          std::abs(v.dot(symmetric(answer.tangent.col(column)) * v) / v.dot(tangent * v) - 1);
     }
   });
   return errors;
+}
+
+double quantile(const Eigen::VectorXd& errors, double share) {
+  std::vector<double> sorted(errors.begin(), errors.end());
+  std::sort(sorted.begin(), sorted.end());
+  return quantile_of_sorted(sorted, share);
 }
 
 neural::ErrorStatistics statistics(const Eigen::VectorXd& errors) {
   if (errors.size() == 0) return {};
   std::vector<double> sorted(errors.begin(), errors.end());
   std::sort(sorted.begin(), sorted.end());
-  return {errors.mean(), std::sqrt(errors.squaredNorm() / static_cast<double>(errors.size())), quantile(sorted, 0.5),
-          quantile(sorted, 0.99)};
+  return {errors.mean(), std::sqrt(errors.squaredNorm() / static_cast<double>(errors.size())),
+          quantile_of_sorted(sorted, 0.5), quantile_of_sorted(sorted, 0.99)};
 }
 
 neural::SplitErrors split_errors(const neural::Network& network, const Samples& samples, const std::vector<int>& rows) {

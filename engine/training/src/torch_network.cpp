@@ -104,18 +104,18 @@ Tensor branch_of_designs(const NetworkShape& shape, const Parameters& parameters
 /// The last layer's outputs N, without its bias: channels x rows x outputs, from the jets of the strain branch's input.
 /// `meeting` is the parameter branch's addend for each row.
 Tensor outputs_by_jets(const NetworkShape& shape, const Parameters& parameters, Tensor x, const Tensor& meeting,
-                       const Tensor& direction) {
+                       const Tensor& directions) {
   const Places places(shape);
   for (int l = 0; l < shape.strain_layers; ++l)
     x = jet_layer(shape.activation, x, weights(parameters, places.strain, l), bias(parameters, places.strain, l),
-                  direction);
+                  directions);
   // Where the branches meet, the addend differs from row to row: the kernel's bias is zero there.
   x = linear_layer(x, weights(parameters, places.trunk, 0).slice(1, 0, shape.width));
   x = torch::cat({x.slice(0, 0, 1) + meeting.unsqueeze(0), x.slice(0, 1)}, 0);
-  x = jet_activation(shape.activation, x, direction);
+  x = jet_activation(shape.activation, x, directions);
   for (int l = 1; l < shape.trunk_layers; ++l)
     x = jet_layer(shape.activation, x, weights(parameters, places.trunk, l), bias(parameters, places.trunk, l),
-                  direction);
+                  directions);
   return linear_layer(x, weights(parameters, places.trunk, shape.trunk_layers));
 }
 
@@ -236,23 +236,23 @@ Tensor energy(const NetworkShape& shape, const Parameters& parameters, const Bat
 }
 
 Response response_by_autograd(const NetworkShape& shape, const Parameters& parameters, const Batch& batch,
-                              const Tensor& direction) {
+                              const Tensor& directions) {
   auto leaf = batch;
   leaf.e = batch.e.detach().clone().set_requires_grad(true);
   Response result;
   result.energy = energy(shape, parameters, leaf);
   result.stress = torch::autograd::grad({result.energy.sum()}, {leaf.e}, {}, true, true)[0];
-  if (direction.defined()) {
-    const auto along = (result.stress * direction).sum();
-    result.stiffness = (torch::autograd::grad({along}, {leaf.e}, {}, true, true)[0] * direction).sum(1);
+  if (directions.defined()) {
+    const auto along = (result.stress * directions).sum();
+    result.stiffness = (torch::autograd::grad({along}, {leaf.e}, {}, true, true)[0] * directions).sum(1);
   }
   return result;
 }
 
 Response response(const NetworkShape& shape, const Parameters& parameters, const Batch& batch,
-                  const Tensor& direction) {
-  const bool second = direction.defined();
-  const auto v = second ? direction : torch::zeros({3}, batch.e.options());
+                  const Tensor& directions) {
+  const bool second = directions.defined();
+  const auto v = second ? directions : torch::zeros({batch.e.size(0), 3}, batch.e.options());
   const auto meeting = branch_of_designs(shape, parameters, batch.p, true);
   const Places places(shape);
   const auto rows = batch.e.size(0);
@@ -279,13 +279,14 @@ Response response(const NetworkShape& shape, const Parameters& parameters, const
   const auto inputs = torch::cat({mapped, jets_of_map(identity, batch.e, second)}, 2);
   // The designs at rest are further rows: their values alone are needed, but a pass of their own costs more.
   const auto n = outputs_by_jets(shape, parameters, torch::constant_pad_nd(inputs, {0, 0, 0, batch.p.size(0)}),
-                                 torch::cat({meeting.index_select(0, batch.of), meeting}), v);
+                                 torch::cat({meeting.index_select(0, batch.of), meeting}),
+                                 torch::constant_pad_nd(v, {0, 0, 0, batch.p.size(0)}));
   const auto jets = n.narrow(1, 0, rows) + torch::constant_pad_nd(mapped, {0, shape.residuals - 3});
   const auto r = jets[0] - n[0].narrow(0, rows, batch.p.size(0)).index_select(0, batch.of);
   result.energy = 0.5 * stiffness * (r * r).sum(1);
   result.stress = stiffness.unsqueeze(1) * (r.unsqueeze(0) * jets.slice(0, 1, 4)).sum(2).t();
   if (second) {
-    const auto along = (jets.slice(0, 1, 4) * v.reshape({3, 1, 1})).sum(0);
+    const auto along = (jets.slice(0, 1, 4) * v.t().unsqueeze(2)).sum(0);
     result.stiffness = stiffness * ((along * along).sum(1) + (r * jets[4]).sum(1));
   }
   return result;

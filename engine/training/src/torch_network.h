@@ -40,7 +40,7 @@ struct Batch {
 /// precision, on any device. What everything else is compared with.
 torch::Tensor energy(const neural::NetworkShape& shape, const Parameters& parameters, const Batch& batch);
 
-/// Energy (rows), stress (rows x 3) and, where a direction v is given, v^T C v (rows) of the tangent C.
+/// Energy (rows), stress (rows x 3) and, where a direction v of each is given, v^T C v (rows) of the tangent C.
 struct Response {
   torch::Tensor energy;
   torch::Tensor stress;
@@ -48,12 +48,13 @@ struct Response {
 };
 
 /// The same with jets through our kernels: single precision on the processor, differentiable once by the parameters.
+/// `directions` are rows x 3, or undefined.
 Response response(const neural::NetworkShape& shape, const Parameters& parameters, const Batch& batch,
-                  const torch::Tensor& direction);
+                  const torch::Tensor& directions);
 
 /// The same through autograd of `energy`, on any device and in any precision.
 Response response_by_autograd(const neural::NetworkShape& shape, const Parameters& parameters, const Batch& batch,
-                              const torch::Tensor& direction);
+                              const torch::Tensor& directions);
 
 /// The stiffness branch's six outputs: designs x 6.
 torch::Tensor stiffness_outputs(const neural::NetworkShape& shape, const Parameters& parameters,

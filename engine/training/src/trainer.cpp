@@ -181,7 +181,10 @@ class Training {
       for (const auto& chunk : batch) rows += static_cast<std::int64_t>(chunk.rows.size());
     }
     ++epochs_;
-    EpochReport report{epochs_, loss / static_cast<double>(rows), -1, -1, learning_rate(optimizer_->steps()), seconds_};
+    EpochReport report{.epoch = epochs_,
+                       .loss = loss / static_cast<double>(rows),
+                       .learning_rate = learning_rate(optimizer_->steps()),
+                       .seconds = seconds_};
     if (epochs_ % options_.validation_interval == 0 || epochs_ == options_.epochs) validate(report);
     history_.push_back(report);
     return true;
@@ -197,6 +200,7 @@ class Training {
     const auto errors = row_errors(network_, samples_, split_.validation);
     report.validation_gradient = errors.gradient.mean();
     report.validation_energy = errors.energy.mean();
+    report.validation_stiffness = statistics(errors.stiffness).median;
     if (const double error = report.validation_gradient + report.validation_energy;
         error < best_error_ * (1 - least_improvement)) {
       best_error_ = error;
@@ -210,7 +214,7 @@ class Training {
     struct Shard {
       std::span<const Chunk> chunks;
       std::vector<int> symmetry;  ///< of each chunk
-      Tensor direction;
+      Tensor directions;          ///< unit vectors, rows x 3; undefined without tangents
       std::vector<Tensor> gradients;
       double loss = 0;
     };
@@ -225,17 +229,15 @@ class Training {
         parts[s].symmetry.push_back(
             symmetries[static_cast<std::size_t>(stream.below(static_cast<int>(symmetries.size())))]);
       }
-      if (!with_tangents) continue;
-      Eigen::Vector3d v(stream.normal(), stream.normal(), stream.normal());
-      v.normalize();
-      parts[s].direction = torch::tensor({v[0], v[1], v[2]}, torch::kDouble).to(data_.tensor_options());
+      if (!with_tangents || parts[s].chunks.empty()) continue;
+      parts[s].directions = unit_vectors(stream, parts[s].chunks).to(data_.tensor_options());
     }
     parallel_for(static_cast<int>(shards), [&](int s) {
       auto& part = parts[static_cast<std::size_t>(s)];
       if (part.chunks.empty()) return;
       auto leaves = copies(parameters_);
       for (auto& leaf : leaves) leaf.set_requires_grad(true);
-      const auto loss = loss_of(leaves, part.chunks, part.symmetry, part.direction);
+      const auto loss = loss_of(leaves, part.chunks, part.symmetry, part.directions);
       (loss / rows).backward();
       part.gradients = gradients(leaves);
       part.loss = loss.item<double>();
@@ -261,19 +263,29 @@ class Training {
     return loss;
   }
 
-  /// Sum of the losses of the chunks' rows; of tangents only where there is a direction.
+  static Tensor unit_vectors(RandomStream& stream, std::span<const Chunk> chunks) {
+    std::vector<double> numbers;
+    for (const auto& chunk : chunks)
+      for (std::size_t i = 0; i < chunk.rows.size(); ++i) {
+        const Eigen::Vector3d v = Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal()).normalized();
+        numbers.insert(numbers.end(), v.begin(), v.end());
+      }
+    return torch::tensor(numbers, torch::kDouble).reshape({-1, 3});
+  }
+
+  /// Sum of the losses of the chunks' rows; of tangents only where there are directions.
   Tensor loss_of(const Parameters& parameters, std::span<const Chunk> chunks, std::span<const int> symmetry,
-                 const Tensor& direction) const {
-    const auto [batch, energy, stress, tangent] = data_.labelled(chunks, symmetry);
-    const auto answer = device_.is_cpu() ? response(options_.shape, parameters, batch, direction)
-                                         : response_by_autograd(options_.shape, parameters, batch, direction);
+                 const Tensor& unit_vectors) const {
+    const auto [batch, energy, stress, tangent, whitening] = data_.labelled(chunks, symmetry);
+    Tensor directions;
+    if (unit_vectors.defined()) directions = (whitening * unit_vectors.unsqueeze(1)).sum(2);
+    const auto answer = device_.is_cpu() ? response(options_.shape, parameters, batch, directions)
+                                         : response_by_autograd(options_.shape, parameters, batch, directions);
     auto loss = options_.energy_weight * robust((answer.energy / energy - 1).square()) +
                 options_.stress_weight * robust((answer.stress - stress).square().sum(1) / stress.square().sum(1));
-    if (direction.defined()) {
-      const auto along = (tangent * direction).sum(2).mul(direction).sum(1);
-      // The mean of (v^T D v)^2 over unit vectors is of the order of a third of |D|^2 / 3.
-      const auto relative = 3 * (answer.stiffness - along).square() / tangent.square().sum({1, 2});
-      loss = loss + options_.tangent_weight * robust(relative);
+    if (directions.defined()) {
+      const auto along = (tangent * directions.unsqueeze(1)).sum(2).mul(directions).sum(1);
+      loss = loss + options_.tangent_weight * robust((answer.stiffness - along).square());
     }
     return loss.sum();
   }

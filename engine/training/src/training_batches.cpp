@@ -1,5 +1,6 @@
 #include "training_batches.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <utility>
@@ -20,6 +21,26 @@ Tensor rows_of(const Eigen::Ref<const Eigen::MatrixXd>& columns, torch::Device d
 constexpr double image_margin = 0.05;
 /// Parameters, mapped to [-1, 1], that are of one design.
 constexpr double same_design = 1e-6;
+
+/// Eigenvalues of tangents below this share of the largest count as this share: next to buckling there is no scale.
+constexpr double smallest_stiffness = 3e-4;
+
+/// |C|^-1/2 of each tangent, both as 11, 12, 13, 22, 23, 33.
+Eigen::MatrixXd whitenings(const Eigen::Matrix<double, 6, -1>& tangents) {
+  Eigen::MatrixXd result(6, tangents.cols());
+  for (long i = 0; i < tangents.cols(); ++i) {
+    const auto c = tangents.col(i);
+    Eigen::Matrix3d tangent;
+    tangent << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(tangent);
+    const Eigen::Array3d size = eigen.eigenvalues().array().abs();
+    const Eigen::Array3d bounded = size.max(smallest_stiffness * size.maxCoeff());
+    const Eigen::Matrix3d w =
+        eigen.eigenvectors() * bounded.rsqrt().matrix().asDiagonal() * eigen.eigenvectors().transpose();
+    result.col(i) << w(0, 0), w(0, 1), w(0, 2), w(1, 1), w(1, 2), w(2, 2);
+  }
+  return result;
+}
 
 /// The identity and the given ones.
 std::vector<EnergySymmetry> with_identity(const std::vector<EnergySymmetry>& symmetries, long parameters) {
@@ -105,6 +126,7 @@ TrainingData::TrainingData(const Samples& samples, const std::vector<EnergySymme
       stress_(rows_of(samples.stress, device)),
       energy_(rows_of(samples.energy, device).squeeze(1)),
       tangent_(rows_of(samples.tangent, device)),
+      whitening_(rows_of(whitenings(samples.tangent), device)),
       usable_(samples.designs.size(), std::vector<int>{0}) {
   std::vector<Eigen::Matrix3d> strain_maps;
   std::vector<Tensor> images;
@@ -156,6 +178,7 @@ LabelledBatch TrainingData::labelled(std::span<const Chunk> chunks, std::span<co
   auto e = strain_.index_select(0, index);
   auto stress = stress_.index_select(0, index);
   auto tangent = full(tangent_.index_select(0, index));
+  auto whitening = full(whitening_.index_select(0, index));
   if (stress_map_of_.size() > 1) {
     const auto which = torch::tensor(seen_through).to(device);
     const auto strain_map = strain_maps_.index_select(0, which);
@@ -164,8 +187,13 @@ LabelledBatch TrainingData::labelled(std::span<const Chunk> chunks, std::span<co
     stress = (stress_map * stress.unsqueeze(1)).sum(2);
     tangent = (stress_map.unsqueeze(3) * tangent.unsqueeze(1)).sum(2);
     tangent = (tangent.unsqueeze(2) * stress_map.unsqueeze(1)).sum(3);
+    whitening = (strain_map.unsqueeze(3) * whitening.unsqueeze(1)).sum(2);
   }
-  return {{parameters(designs), torch::tensor(of).to(device), e}, energy_.index_select(0, index), stress, tangent};
+  return {{parameters(designs), torch::tensor(of).to(device), e},
+          energy_.index_select(0, index),
+          stress,
+          tangent,
+          whitening};
 }
 
 }  // namespace supple::training

@@ -33,6 +33,9 @@ struct LabelledBatch {
   torch::Tensor energy;   ///< rows, MPa
   torch::Tensor stress;   ///< rows x 3, MPa
   torch::Tensor tangent;  ///< rows x 3 x 3, MPa
+  /// rows x 3 x 3, MPa^-1/2: maps unit vectors to strains that all cost the same, v^T C v = 1 of the tangent C.
+  /// Absolute eigenvalues stand for negative ones, and small ones are bounded below.
+  torch::Tensor whitening;
 };
 
 /// A design as it is, or its image under a symmetry.
@@ -60,7 +63,7 @@ class TrainingData {
   torch::TensorOptions tensor_options() const { return strain_.options(); }
 
   /// The rows of the chunks, each chunk seen through the symmetry of its number: e -> A e, S -> A^-T S, C -> A^-T C
-  /// A^-1. About 100 flops a row.
+  /// A^-1, W -> A W. About 150 flops a row.
   LabelledBatch labelled(std::span<const Chunk> chunks, std::span<const int> symmetry) const;
 
  private:
@@ -69,7 +72,8 @@ class TrainingData {
   torch::Tensor strain_;
   torch::Tensor stress_;
   torch::Tensor energy_;
-  torch::Tensor tangent_;  ///< rows x 6
+  torch::Tensor tangent_;    ///< rows x 6
+  torch::Tensor whitening_;  ///< rows x 6
   std::vector<std::vector<int>> usable_;
   std::vector<Eigen::Matrix3d> stress_map_of_;
   torch::Tensor strain_maps_;  ///< symmetries x 3 x 3: A

@@ -97,13 +97,14 @@ Batch random_batch(torch::Dtype type) {
 TEST_P(TorchNetwork, TrainingKernelsAgreeWithAutograd) {
   const auto batch = random_batch(torch::kFloat);
   const auto exact_batch = random_batch(torch::kDouble);
-  const auto direction = torch::tensor({0.6, -0.64, 0.48}, torch::kDouble);
+  // Of each row its own.
+  const auto directions = torch::rand({40, 3}, torch::kDouble) - 0.4;
   auto ours = to_parameters(network, torch::kFloat, torch::kCPU);
   auto exact = to_parameters(network, torch::kDouble, torch::kCPU);
   for (auto* parameters : {&ours, &exact})
     for (auto& tensor : *parameters) tensor.set_requires_grad(true);
-  const auto a = response(network.shape, ours, batch, direction.to(torch::kFloat));
-  const auto b = response_by_autograd(network.shape, exact, exact_batch, direction);
+  const auto a = response(network.shape, ours, batch, directions.to(torch::kFloat));
+  const auto b = response_by_autograd(network.shape, exact, exact_batch, directions);
   const auto close = [](const Tensor& value, const Tensor& expected, double tolerance, const std::string& what) {
     EXPECT_LE(largest(value.to(torch::kDouble) - expected), tolerance * largest(expected)) << what;
   };

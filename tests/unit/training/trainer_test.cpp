@@ -140,14 +140,15 @@ TEST(Training, OptionsOutOfRangeAreNamed) {
 
 TEST(ModelErrors, AreThoseOfTheRowsThatCount) {
   const auto result = train(samples(), parts(), small_options(2), {}, {}, ignore);
-  // Data that the network itself made, energies and stresses then raised by one and two percent.
+  // Data that the network itself made, energies, stresses and tangents then raised by one, two and three percent.
   auto made = samples();
   const neural::Evaluator evaluator(result.network);
   for (const auto& design : made.designs) {
     const auto answer = evaluator.evaluate(evaluator.design(design.parameters),
-                                           made.strain.middleCols(design.first, design.count), neural::Order::stress);
+                                           made.strain.middleCols(design.first, design.count), neural::Order::tangent);
     made.energy.segment(design.first, design.count) = answer.energy_density / 1.01;
     made.stress.middleCols(design.first, design.count) = answer.stress / 1.02;
+    made.tangent.middleCols(design.first, design.count) = answer.tangent / 1.03;
   }
   made.energy[3] = 0.5 * least_judged_energy;
   const auto errors = row_errors(result.network, made, {0, 3, 25, 700});
@@ -155,6 +156,7 @@ TEST(ModelErrors, AreThoseOfTheRowsThatCount) {
   for (long i = 0; i < 3; ++i) {
     EXPECT_NEAR(errors.energy[i], 0.01, 1e-12);
     EXPECT_NEAR(errors.gradient[i], 0.02, 1e-12);
+    EXPECT_NEAR(errors.stiffness[i], 0.03, 1e-9);
   }
   const auto range = strain_range(result.network, samples(), parts().training);
   EXPECT_LT(range.smallest_principal, -0.15);

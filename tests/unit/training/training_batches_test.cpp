@@ -39,6 +39,40 @@ TEST(TrainingData, SeesAChunkThroughASymmetryOfStrainAndParameters) {
   EXPECT_TRUE(torch::allclose(seen.tangent, plain.tangent * signs.unsqueeze(0) * signs.unsqueeze(1)));
 }
 
+/// v^T C v of C's image of each unit vector under the whitening.
+torch::Tensor costs(const LabelledBatch& seen, const torch::Tensor& unit_vectors) {
+  const auto v = (seen.whitening * unit_vectors.unsqueeze(1)).sum(2);
+  return (seen.tangent * v.unsqueeze(1)).sum(2).mul(v).sum(1);
+}
+
+TEST(TrainingData, WhitensDirectionsThroughAnySymmetry) {
+  auto samples = law_samples(3, 6, 1);
+  // Soft along one strain, stiff along another; and past buckling, where one eigenvalue is negative.
+  samples.tangent.col(0) << 100, 99, 0, 100, 0, 1e-1;
+  samples.tangent.col(1) << 5, 0, 0, 2, 0, -1;
+  const TrainingData data(samples, {mirror(samples)}, {}, torch::kCPU);
+  const std::vector<Chunk> chunks{{0, {0, 1, 2}}};
+  for (const int symmetry : {0, 1}) {
+    const auto seen = data.labelled(chunks, std::array{symmetry});
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto cost = costs(seen, torch::eye(3)[axis].expand({3, 3}));
+      EXPECT_NEAR(cost[0].item<double>(), 1, 1e-3) << "axis " << axis << ", symmetry " << symmetry;
+      EXPECT_NEAR(cost[1].item<double>(), axis < 2 ? 1 : -1, 1e-3) << "axis " << axis << ", symmetry " << symmetry;
+      EXPECT_NEAR(cost[2].item<double>(), 1, 1e-3) << "axis " << axis << ", symmetry " << symmetry;
+    }
+  }
+}
+
+TEST(TrainingData, BoundsWhitenedDirectionsNextToBuckling) {
+  auto samples = law_samples(1, 2, 1);
+  samples.tangent.col(0) << 4, 0, 0, 1, 0, 1e-9;
+  const TrainingData data(samples, {}, {}, torch::kCPU);
+  const auto seen = data.labelled(std::vector<Chunk>{{0, {0}}}, std::array{0});
+  const auto longest = seen.whitening.abs().max().item<double>();
+  EXPECT_LT(longest, 100);
+  EXPECT_GT(longest, 10);
+}
+
 TEST(TrainingData, UsesNoImageThatIsHeldOutOrFarOutOfTheBox) {
   auto samples = law_samples(5, 2, 1);
   const std::array mapped{0.3, -0.3, 1.05, 0.7, 0.0};
