@@ -1,7 +1,9 @@
 // The search for one family's design.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "design_report.h"
@@ -28,15 +30,18 @@ constexpr double search_tolerance = 1e-6;
 /// Equilibria are so much more accurate than what the search distinguishes, or it would chase their errors.
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
-constexpr double least_distance = 0.1;
+constexpr double least_distance = 0.07;
+/// Every other starting point is chosen and followed by deviations that count less beyond this share of the target's
+/// scale: where profiles jump, squares of a few samples hide that all others agree.
+constexpr double outlier_share = 0.1;
 /// Where their number is left open.
 constexpr int starts_in_one_space = 16;
 /// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples, one
 /// for so many starting points and a few at most; and how near each other, as a share of the bounds' widths, ends are
 /// one.
 constexpr int lead_iterations = 30;
-constexpr int starts_of_a_refined_lead = 4;
-constexpr int most_refined_leads = 3;
+constexpr int starts_of_a_refined_lead = 2;
+constexpr int most_refined_leads = 6;
 constexpr double same_lead = 0.01;
 /// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
 constexpr int rounds_from_rest = 3;
@@ -82,7 +87,7 @@ class Search {
     const bool near = begin(start) <= near_share;
     const Eigen::VectorXd x = bounds_.free_part(start);
     const bool coarsely = !near && many_samples() && !bounds_.free.empty();
-    refine(coarsely ? look_around(x, options_.max_iterations).x : x);
+    refine(coarsely ? look_around(x, options_.max_iterations, 0).x : x);
   }
 
   /// The first starting point's profile is part of the answer. Its relative root mean square deviation, or infinity.
@@ -97,20 +102,26 @@ class Search {
     return defined ? r.norm() : std::numeric_limits<double>::infinity();
   }
 
-  /// Optimizes by a few samples.
-  numerics::LeastSquaresResult look_around(const Eigen::VectorXd& x, int iterations) {
+  /// Optimizes by a few samples, for `outlier` as in TargetResiduals.
+  numerics::LeastSquaresResult look_around(const Eigen::VectorXd& x, int iterations, double outlier) {
     look_coarsely();
     return optimize(coarse_, x,
-                    {.tolerance = std::max(coarse_tolerance, options_.tolerance), .max_iterations = iterations});
+                    {.tolerance = std::max(coarse_tolerance, options_.tolerance), .max_iterations = iterations},
+                    outlier);
   }
 
   /// Optimizes by all samples and keeps the result if it is the best. Where strains have several equilibria, the search
   /// may have followed others than those that are found from rest: then it goes on from these.
-  void refine(Eigen::VectorXd x) {
+  void refine(Eigen::VectorXd x, double outlier = 0) {
     if (bounds_.free.empty()) {
       finish(x, DesignStop::no_free_parameters);
       return;
     }
+    if (outlier > 0)
+      x = optimize(targets_, x,
+                   {.tolerance = std::max(coarse_tolerance, options_.tolerance), .max_iterations = lead_iterations},
+                   outlier)
+              .x;
     for (int round = 0; round < rounds_from_rest; ++round) {
       const auto result =
           optimize(targets_, x, {.tolerance = options_.tolerance, .max_iterations = options_.max_iterations});
@@ -131,15 +142,15 @@ class Search {
   }
 
   numerics::LeastSquaresResult optimize(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
-                                        const numerics::LeastSquaresOptions& options) {
+                                        const numerics::LeastSquaresOptions& options, double outlier = 0) {
     TargetResiduals residuals(
         space_.evaluator, targets, weights_, bounds_.held, bounds_.free,
         std::max(std::min(search_tolerance, search_margin * options.tolerance), options_.equilibrium_tolerance),
-        space_.buildable);
+        space_.buildable, outlier);
     auto result = numerics::minimize_least_squares(
         residuals, x, bounds_.free_part(bounds_.lower), bounds_.free_part(bounds_.upper), options,
         Execution{execution_->cancellation},
-        [&](const Eigen::VectorXd&, double norm, int iteration) { report(residuals, targets, norm, iteration); });
+        [&](const Eigen::VectorXd&, double, int iteration) { report(residuals, targets, iteration); });
     best_.iterations += result.iterations;
     count(residuals);
     return result;
@@ -191,12 +202,15 @@ class Search {
     return r.norm();
   }
 
-  void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, double norm, int iteration) {
+  void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, int iteration) {
     if (execution_->progress) {
       const double share = static_cast<double>(iteration) / options_.max_iterations;
       execution_->progress->report(std::min(0.99, (best_.starts - 1 + share) / most_starts()), "optimization");
     }
-    if (!*progress_ || (reported_ && norm >= least_reported_)) return;
+    if (!*progress_) return;
+    // Of all deviations in full, whatever the search counts.
+    const double norm = deviation(targets, 0, [&](std::size_t t) { return residuals.values(t); });
+    if (reported_ && norm >= least_reported_) return;
     reported_ = true;
     least_reported_ = norm;
     const Eigen::VectorXd values = residuals.values(0);
@@ -221,66 +235,112 @@ class Search {
     table_ = space_.candidates.table(bounds_.lower, bounds_.upper, count, profiles, space_.buildable, *execution_);
   }
 
-  /// The relative root mean square deviation of a candidate; infinite where it has no equilibrium.
-  double candidate_error(Eigen::Index candidate) const {
+  /// The relative root mean square deviation, for `outlier` as in TargetResiduals, where values_of(t) are the profile's
+  /// at the samples of targets[t]; infinite where one of them has no equilibrium.
+  template <class ValuesOf>
+  double deviation(const std::vector<SampledTarget>& targets, double outlier, ValuesOf&& values_of) const {
     double sum = 0;
     double weights = 0;
-    Eigen::Index at = 0;
-    for (std::size_t t = 0; t < coarse_.size(); ++t) {
-      const auto n = coarse_[t].y.size();
-      const Eigen::VectorXd deviations = coarse_[t].deviations(table_->y.col(candidate).segment(at, n));
-      sum += weights_[t] * coarse_[t].weights.dot(deviations.cwiseAbs2()) / (coarse_[t].scale * coarse_[t].scale);
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+      Eigen::VectorXd deviations = targets[t].deviations(values_of(t)) / targets[t].scale;
+      if (outlier > 0)
+        for (double& deviation : deviations) deviation = lessened(deviation, outlier).value;
+      sum += weights_[t] * targets[t].weights.dot(deviations.cwiseAbs2());
       weights += weights_[t];
-      at += n;
     }
     return std::isfinite(sum) ? std::sqrt(sum / weights) : std::numeric_limits<double>::infinity();
   }
 
-  /// Follows the best candidates, far enough from each other, until one reaches the target. Where there are many
-  /// samples, all by a few of them, and then those by all that promise most.
-  void try_candidates() {
-    look_at_candidates();
-    std::vector<std::pair<double, Eigen::Index>> order;
-    for (Eigen::Index c = 0; c < table_->parameters.cols(); ++c) order.emplace_back(candidate_error(c), c);
-    std::sort(order.begin(), order.end());
-    std::vector<Eigen::VectorXd> taken;
-    if (problem_.initial) taken.push_back(*problem_.initial);
-    std::vector<std::pair<double, Eigen::VectorXd>> leads;
-    const bool only_one = options_.multi_start == Switch::off;
-    for (const auto& [error, c] : order) {
-      if (best_.starts >= most_starts() || (only_one && found_)) break;
-      if (good() && options_.multi_start != Switch::on) break;
-      if (!std::isfinite(error) && (found_ || !leads.empty())) break;
-      const Eigen::VectorXd start = table_->parameters.col(c);
-      if (among(taken, start, least_distance)) continue;
-      taken.push_back(start);
-      if (only_one || !many_samples()) {
-        follow(start);
-        continue;
-      }
-      begin(start);
-      const auto lead = look_around(bounds_.free_part(start), std::min(lead_iterations, options_.max_iterations));
-      if (!lead.defined) continue;
-      if (lead.norm <= good_share)
-        refine(lead.x);
-      else
-        leads.emplace_back(lead.norm, lead.x);
-    }
-    refine_leads(std::move(leads));
+  double candidate_error(Eigen::Index candidate, double outlier) const {
+    Eigen::Index at = 0;
+    return deviation(coarse_, outlier, [&](std::size_t t) -> Eigen::VectorXd {
+      const auto begin = at;
+      at += coarse_[t].y.size();
+      return table_->y.col(candidate).segment(begin, coarse_[t].y.size());
+    });
   }
 
-  void refine_leads(std::vector<std::pair<double, Eigen::VectorXd>> leads) {
-    std::stable_sort(leads.begin(), leads.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  /// A way to judge candidates, and where the search came to from the best of them.
+  struct Ranking {
+    double outlier = 0;                                       ///< as in TargetResiduals
+    std::vector<std::pair<double, Eigen::Index>> candidates;  ///< errors and candidates, the best first
+    std::size_t next = 0;
+    std::vector<std::pair<double, Eigen::VectorXd>> leads;  ///< errors and free parameters
+  };
+
+  Ranking ranking(double outlier) const {
+    Ranking made;
+    made.outlier = outlier;
+    for (Eigen::Index c = 0; c < table_->parameters.cols(); ++c)
+      made.candidates.emplace_back(candidate_error(c, outlier), c);
+    std::sort(made.candidates.begin(), made.candidates.end());
+    return made;
+  }
+
+  /// The best candidate that is not near one of those taken, if there is one: with its error.
+  std::optional<std::pair<double, Eigen::VectorXd>> next_start(Ranking& ranking,
+                                                               const std::vector<Eigen::VectorXd>& taken) const {
+    while (ranking.next < ranking.candidates.size()) {
+      const auto& [error, candidate] = ranking.candidates[ranking.next++];
+      const Eigen::VectorXd start = table_->parameters.col(candidate);
+      if (!among(taken, start, least_distance)) return std::pair{error, start};
+    }
+    return std::nullopt;
+  }
+
+  /// Follows the best candidates, far enough from each other, until one reaches the target: by turns the best when
+  /// outliers count less and when all deviations count. Where there are many samples, all by a few of them, and then
+  /// those by all that promise most.
+  void try_candidates() {
+    look_at_candidates();
+    std::array rankings{ranking(outlier_share), ranking(0)};
+    std::vector<Eigen::VectorXd> taken;
+    if (problem_.initial) taken.push_back(*problem_.initial);
+    const bool only_one = options_.multi_start == Switch::off;
+    bool any_lead = false;
+    for (std::size_t turn = 0;; turn = 1 - turn) {
+      if (best_.starts >= most_starts() || (only_one && found_)) break;
+      if (good() && options_.multi_start != Switch::on) break;
+      const auto start = next_start(rankings[turn], taken);
+      if (!start || (!std::isfinite(start->first) && (found_ || any_lead))) break;
+      taken.push_back(start->second);
+      if (only_one || !many_samples()) {
+        follow(start->second);
+        continue;
+      }
+      begin(start->second);
+      const auto lead = look_around(bounds_.free_part(start->second),
+                                    std::min(lead_iterations, options_.max_iterations), rankings[turn].outlier);
+      if (!lead.defined) continue;
+      any_lead = true;
+      if (lead.norm <= good_share)
+        refine(lead.x, rankings[turn].outlier);
+      else
+        rankings[turn].leads.emplace_back(lead.norm, lead.x);
+    }
+    for (auto& ranking : rankings)
+      std::stable_sort(ranking.leads.begin(), ranking.leads.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+    refine_leads(rankings);
+  }
+
+  /// By turns the best of each.
+  void refine_leads(const std::array<Ranking, 2>& rankings) {
     const auto most =
         static_cast<std::size_t>(std::clamp(most_starts() / starts_of_a_refined_lead, 1, most_refined_leads));
     std::vector<Eigen::VectorXd> refined;
-    for (const auto& [norm, x] : leads) {
-      if (good() && options_.multi_start != Switch::on) return;
-      if (found_ && (refined.size() >= most || !(norm < 2 * best_.error.relative_rms))) return;
-      const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, x);
-      if (among(refined, all, same_lead)) continue;
-      refined.push_back(all);
-      refine(x);
+    for (std::size_t i = 0; i < std::max(rankings[0].leads.size(), rankings[1].leads.size()); ++i) {
+      for (const auto& ranking : rankings) {
+        if (i >= ranking.leads.size()) continue;
+        if (good() && options_.multi_start != Switch::on) return;
+        const auto& [norm, x] = ranking.leads[i];
+        if (found_ && refined.size() >= most) return;
+        if (found_ && !(norm < 2 * best_.error.relative_rms)) continue;
+        const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, x);
+        if (among(refined, all, same_lead)) continue;
+        refined.push_back(all);
+        refine(x, ranking.outlier);
+      }
     }
   }
 

@@ -25,9 +25,18 @@ std::span<const double> span_of(const Eigen::VectorXd& vector) {
 
 }  // namespace
 
+Lessened lessened(double deviation, double c) {
+  const double q = std::abs(deviation / c);
+  // Below, the quotient would be one of rounding errors.
+  if (q < 1e-6) return {deviation, 1};
+  const double root = std::sqrt(std::log1p(q * q));
+  return {std::copysign(c * root, deviation), q / ((1 + q * q) * root)};
+}
+
 TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::vector<SampledTarget>& targets,
                                  const std::vector<double>& target_weights, Eigen::VectorXd held,
-                                 std::vector<Eigen::Index> free, double equilibrium_tolerance, Buildable buildable)
+                                 std::vector<Eigen::Index> free, double equilibrium_tolerance, Buildable buildable,
+                                 double outlier)
     : evaluator_(evaluator),
       targets_(targets),
       samples_(all_samples(targets)),
@@ -37,11 +46,14 @@ TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::
       equilibria_(evaluator, loadings_of(samples_), {.tolerance = equilibrium_tolerance}) {
   factors_.resize(static_cast<Eigen::Index>(samples_.size()));
   const double sum = std::accumulate(target_weights.begin(), target_weights.end(), 0.0);
+  if (outlier > 0) outliers_.resize(factors_.size());
+  slopes_.setOnes(factors_.size());
   Eigen::Index at = 0;
   for (std::size_t t = 0; t < targets.size(); ++t) {
     first_.push_back(static_cast<std::size_t>(at));
     const double share = target_weights[t] / sum / (targets[t].scale * targets[t].scale);
     factors_.segment(at, targets[t].weights.size()) = (share * targets[t].weights).cwiseSqrt();
+    if (outlier > 0) outliers_.segment(at, targets[t].weights.size()).setConstant(outlier * targets[t].scale);
     at += targets[t].weights.size();
   }
 }
@@ -63,6 +75,11 @@ bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
     const Eigen::VectorXd deviations = targets_[t].deviations(values(t));
     r.segment(static_cast<Eigen::Index>(first_[t]), deviations.size()) = deviations;
   }
+  for (Eigen::Index i = 0; i < outliers_.size(); ++i) {
+    const auto [value, slope] = lessened(r[i], outliers_[i]);
+    r[i] = value;
+    slopes_[i] = slope;
+  }
   r.array() *= factors_.array();
   return true;
 }
@@ -76,7 +93,7 @@ void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
                                            [](const Sample& sample) { return sample.task != Task::stress_strain; });
   jacobian.resize(derivatives.rows(), static_cast<Eigen::Index>(free_.size()));
   for (std::size_t k = 0; k < free_.size(); ++k)
-    jacobian.col(static_cast<Eigen::Index>(k)) = derivatives.col(free_[k]).cwiseProduct(factors_);
+    jacobian.col(static_cast<Eigen::Index>(k)) = derivatives.col(free_[k]).cwiseProduct(factors_).cwiseProduct(slopes_);
   // Within its band a deviation does not change.
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const Eigen::VectorXd value = values(t);

@@ -10,14 +10,24 @@
 
 namespace supple::design {
 
+/// Deviations that count less the larger they are: Cauchy's function c sqrt(log(1 + (d/c)^2)) of d, with its sign, and
+/// its derivative. Next to c it is d.
+struct Lessened {
+  double value = 0;
+  double slope = 1;
+};
+Lessened lessened(double deviation, double c);
+
 /// The outer problem of inverse design as residuals of the parameters that are free: r = sqrt(w) deviation / scale over
 /// all samples of all targets, so that |r| is the relative root mean square deviation.
 class TargetResiduals : public numerics::ResidualFunction {
  public:
-  /// `held` has the values of parameters that are fixed, at their places.
+  /// `held` has the values of parameters that are fixed, at their places. Where `outlier` is positive, deviations of
+  /// more than this share of the scale count less and less: where a profile jumps from one direction to the next, a
+  /// design that is nearly right deviates much at a few samples.
   TargetResiduals(const neural::Evaluator& evaluator, const std::vector<SampledTarget>& targets,
                   const std::vector<double>& target_weights, Eigen::VectorXd held, std::vector<Eigen::Index> free,
-                  double equilibrium_tolerance, Buildable buildable = {});
+                  double equilibrium_tolerance, Buildable buildable = {}, double outlier = 0);
 
   bool residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) override;
   void jacobian(Eigen::MatrixXd& jacobian) override;
@@ -36,7 +46,9 @@ class TargetResiduals : public numerics::ResidualFunction {
   const std::vector<SampledTarget>& targets_;
   std::vector<std::size_t> first_;  ///< sample of each target
   std::vector<Sample> samples_;
-  Eigen::VectorXd factors_;  ///< of each sample's deviation
+  Eigen::VectorXd factors_;   ///< of each sample's deviation
+  Eigen::VectorXd outliers_;  ///< deviations from which on a sample counts less; empty where all count
+  Eigen::VectorXd slopes_;    ///< by how much less, at the last parameters; 1 where all count
   Eigen::VectorXd held_;
   std::vector<Eigen::Index> free_;
   Buildable buildable_;
