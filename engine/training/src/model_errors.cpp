@@ -7,6 +7,7 @@
 
 #include "supple/base/threads.h"
 #include "supple/neural/evaluator.h"
+#include "supple/neural/uniaxial_frame.h"
 
 namespace supple::training {
 namespace {
@@ -31,12 +32,6 @@ std::vector<DesignRows> by_design(const Samples& samples, const std::vector<int>
     groups.back().positions.push_back(position);
   }
   return groups;
-}
-
-Eigen::Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& c) {
-  Eigen::Matrix3d matrix;
-  matrix << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return matrix;
 }
 
 double quantile_of_sorted(const std::vector<double>& sorted, double share) {
@@ -70,10 +65,10 @@ RowErrors row_errors(const neural::Network& network, const Samples& samples, con
       const Eigen::Vector3d exact = samples.stress.col(row);
       errors.energy[positions[j]] = std::abs(answer.energy_density[column] / samples.energy[row] - 1);
       errors.gradient[positions[j]] = (answer.stress.col(column) - exact).norm() / exact.norm();
-      const Eigen::Matrix3d tangent = symmetric(samples.tangent.col(row));
+      const Eigen::Matrix3d tangent = neural::symmetric_matrix(samples.tangent.col(row));
       const Eigen::Vector3d v = tangent.fullPivLu().solve(exact);
       errors.stiffness[positions[j]] =
-          std::abs(v.dot(symmetric(answer.tangent.col(column)) * v) / v.dot(tangent * v) - 1);
+          std::abs(v.dot(neural::symmetric_matrix(answer.tangent.col(column)) * v) / v.dot(tangent * v) - 1);
     }
   });
   return errors;

@@ -20,6 +20,7 @@
 #include "supple/base/error.h"
 #include "supple/base/random.h"
 #include "supple/base/threads.h"
+#include "supple/neural/uniaxial_frame.h"
 #include "supple/training/model_errors.h"
 #include "torch_network.h"
 #include "training_batches.h"
@@ -149,12 +150,7 @@ class Training {
     return made;
   }
 
-  Eigen::Matrix3d tangent_of(int row) const {
-    const auto c = samples_.tangent.col(row);
-    Eigen::Matrix3d tangent;
-    tangent << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-    return tangent;
-  }
+  Eigen::Matrix3d tangent_of(int row) const { return neural::symmetric_matrix(samples_.tangent.col(row)); }
   bool positive_definite(int row) const {
     return Eigen::LLT<Eigen::Matrix3d>(tangent_of(row)).info() == Eigen::Success;
   }

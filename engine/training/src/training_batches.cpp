@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "supple/neural/uniaxial_frame.h"
+
 namespace supple::training {
 namespace {
 
@@ -29,10 +31,7 @@ constexpr double smallest_stiffness = 3e-4;
 Eigen::MatrixXd whitenings(const Eigen::Matrix<double, 6, -1>& tangents) {
   Eigen::MatrixXd result(6, tangents.cols());
   for (long i = 0; i < tangents.cols(); ++i) {
-    const auto c = tangents.col(i);
-    Eigen::Matrix3d tangent;
-    tangent << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(tangent);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(neural::symmetric_matrix(tangents.col(i)));
     const Eigen::Array3d size = eigen.eigenvalues().array().abs();
     const Eigen::Array3d bounded = size.max(smallest_stiffness * size.maxCoeff());
     const Eigen::Matrix3d w =
