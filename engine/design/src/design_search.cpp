@@ -40,8 +40,8 @@ constexpr int starts_in_one_space = 16;
 /// for so many starting points and a few at most; and how near each other, as a share of the bounds' widths, ends are
 /// one.
 constexpr int lead_iterations = 30;
-constexpr int starts_of_a_refined_lead = 2;
-constexpr int most_refined_leads = 6;
+constexpr int starts_of_a_refined_lead = 4;
+constexpr int most_refined_leads = 4;
 constexpr double same_lead = 0.01;
 /// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
 constexpr int rounds_from_rest = 3;
