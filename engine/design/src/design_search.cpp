@@ -34,6 +34,8 @@ constexpr double least_distance = 0.07;
 /// Every other starting point is chosen and followed by deviations that count less beyond this share of the target's
 /// scale: where profiles jump, squares of a few samples hide that all others agree.
 constexpr double outlier_share = 0.1;
+/// Where an end that outliers led to deviates by less, as they count, few samples are off.
+constexpr double few_outliers = 0.03;
 /// Where their number is left open.
 constexpr int starts_in_one_space = 16;
 /// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples, one
@@ -339,7 +341,8 @@ class Search {
         const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, x);
         if (among(refined, all, same_lead)) continue;
         refined.push_back(all);
-        refine(x, ranking.outlier);
+        // Where many samples are off, none of them is an outlier, and squares lead on as well.
+        refine(x, norm <= few_outliers ? ranking.outlier : 0);
       }
     }
   }
