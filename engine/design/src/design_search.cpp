@@ -262,13 +262,30 @@ class Search {
     });
   }
 
-  /// A way to judge candidates, and where the search came to from the best of them.
+  /// A way to judge candidates.
   struct Ranking {
     double outlier = 0;                                       ///< as in TargetResiduals
     std::vector<std::pair<double, Eigen::Index>> candidates;  ///< errors and candidates, the best first
     std::size_t next = 0;
-    std::vector<std::pair<double, Eigen::VectorXd>> leads;  ///< errors and free parameters
   };
+
+  /// Where a search by a few samples ended.
+  struct Lead {
+    double deviation = 0;  ///< by these samples, for `outlier`
+    double outlier = 0;    ///< by which the search goes on
+    Eigen::VectorXd x;
+  };
+
+  /// Where outliers led to an end at which many samples are off, none of them is an outlier: squares count there.
+  Lead lead_of(const numerics::LeastSquaresResult& result, double outlier) {
+    if (outlier == 0 || result.norm <= few_outliers) return {result.norm, outlier, result.x};
+    TargetResiduals residuals(space_.evaluator, coarse_, weights_, bounds_.held, bounds_.free, search_tolerance,
+                              space_.buildable);
+    Eigen::VectorXd r;
+    const bool defined = residuals.residuals(result.x, r);
+    count(residuals);
+    return {defined ? r.norm() : std::numeric_limits<double>::infinity(), 0, result.x};
+  }
 
   Ranking ranking(double outlier) const {
     Ranking made;
@@ -299,51 +316,43 @@ class Search {
     std::vector<Eigen::VectorXd> taken;
     if (problem_.initial) taken.push_back(*problem_.initial);
     const bool only_one = options_.multi_start == Switch::off;
-    bool any_lead = false;
+    std::vector<Lead> leads;
     for (std::size_t turn = 0;; turn = 1 - turn) {
       if (best_.starts >= most_starts() || (only_one && found_)) break;
       if (good() && options_.multi_start != Switch::on) break;
       const auto start = next_start(rankings[turn], taken);
-      if (!start || (!std::isfinite(start->first) && (found_ || any_lead))) break;
+      if (!start || (!std::isfinite(start->first) && (found_ || !leads.empty()))) break;
       taken.push_back(start->second);
       if (only_one || !many_samples()) {
         follow(start->second);
         continue;
       }
       begin(start->second);
-      const auto lead = look_around(bounds_.free_part(start->second),
-                                    std::min(lead_iterations, options_.max_iterations), rankings[turn].outlier);
-      if (!lead.defined) continue;
-      any_lead = true;
-      if (lead.norm <= good_share)
-        refine(lead.x, rankings[turn].outlier);
+      const auto end = look_around(bounds_.free_part(start->second), std::min(lead_iterations, options_.max_iterations),
+                                   rankings[turn].outlier);
+      if (!end.defined) continue;
+      auto lead = lead_of(end, rankings[turn].outlier);
+      if (lead.deviation <= good_share)
+        refine(lead.x, lead.outlier);
       else
-        rankings[turn].leads.emplace_back(lead.norm, lead.x);
+        leads.push_back(std::move(lead));
     }
-    for (auto& ranking : rankings)
-      std::stable_sort(ranking.leads.begin(), ranking.leads.end(),
-                       [](const auto& a, const auto& b) { return a.first < b.first; });
-    refine_leads(rankings);
+    refine_leads(std::move(leads));
   }
 
-  /// By turns the best of each.
-  void refine_leads(const std::array<Ranking, 2>& rankings) {
+  void refine_leads(std::vector<Lead> leads) {
+    std::stable_sort(leads.begin(), leads.end(),
+                     [](const Lead& a, const Lead& b) { return a.deviation < b.deviation; });
     const auto most =
         static_cast<std::size_t>(std::clamp(most_starts() / starts_of_a_refined_lead, 1, most_refined_leads));
     std::vector<Eigen::VectorXd> refined;
-    for (std::size_t i = 0; i < std::max(rankings[0].leads.size(), rankings[1].leads.size()); ++i) {
-      for (const auto& ranking : rankings) {
-        if (i >= ranking.leads.size()) continue;
-        if (good() && options_.multi_start != Switch::on) return;
-        const auto& [norm, x] = ranking.leads[i];
-        if (found_ && refined.size() >= most) return;
-        if (found_ && !(norm < 2 * best_.error.relative_rms)) continue;
-        const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, x);
-        if (among(refined, all, same_lead)) continue;
-        refined.push_back(all);
-        // Where many samples are off, none of them is an outlier, and squares lead on as well.
-        refine(x, norm <= few_outliers ? ranking.outlier : 0);
-      }
+    for (const auto& lead : leads) {
+      if (good() && options_.multi_start != Switch::on) return;
+      if (found_ && (refined.size() >= most || !(lead.deviation < 2 * best_.error.relative_rms))) return;
+      const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, lead.x);
+      if (among(refined, all, same_lead)) continue;
+      refined.push_back(all);
+      refine(lead.x, lead.outlier);
     }
   }
 
