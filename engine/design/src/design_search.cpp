@@ -104,26 +104,29 @@ class Search {
     return defined ? r.norm() : std::numeric_limits<double>::infinity();
   }
 
-  /// Optimizes by a few samples, for `outlier` as in TargetResiduals.
+  /// Optimizes as far as it takes to know the neighbourhood, for `outlier` as in TargetResiduals.
+  numerics::LeastSquaresResult approach(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
+                                        int iterations, double outlier) {
+    return optimize(targets, x,
+                    {.tolerance = std::max(coarse_tolerance, options_.tolerance),
+                     .max_iterations = std::min(iterations, options_.max_iterations)},
+                    outlier);
+  }
+  /// By a few samples.
   numerics::LeastSquaresResult look_around(const Eigen::VectorXd& x, int iterations, double outlier) {
     look_coarsely();
-    return optimize(coarse_, x,
-                    {.tolerance = std::max(coarse_tolerance, options_.tolerance), .max_iterations = iterations},
-                    outlier);
+    return approach(coarse_, x, iterations, outlier);
   }
 
   /// Optimizes by all samples and keeps the result if it is the best. Where strains have several equilibria, the search
-  /// may have followed others than those that are found from rest: then it goes on from these.
+  /// may have followed others than those that are found from rest: then it goes on from these. Where `outlier` is
+  /// positive, outliers count less at first.
   void refine(Eigen::VectorXd x, double outlier = 0) {
     if (bounds_.free.empty()) {
       finish(x, DesignStop::no_free_parameters);
       return;
     }
-    if (outlier > 0)
-      x = optimize(targets_, x,
-                   {.tolerance = std::max(coarse_tolerance, options_.tolerance), .max_iterations = lead_iterations},
-                   outlier)
-              .x;
+    if (outlier > 0) x = approach(targets_, x, lead_iterations, outlier).x;
     for (int round = 0; round < rounds_from_rest; ++round) {
       const auto result =
           optimize(targets_, x, {.tolerance = options_.tolerance, .max_iterations = options_.max_iterations});
@@ -328,8 +331,7 @@ class Search {
         continue;
       }
       begin(start->second);
-      const auto end = look_around(bounds_.free_part(start->second), std::min(lead_iterations, options_.max_iterations),
-                                   rankings[turn].outlier);
+      const auto end = look_around(bounds_.free_part(start->second), lead_iterations, rankings[turn].outlier);
       if (!end.defined) continue;
       auto lead = lead_of(end, rankings[turn].outlier);
       if (lead.deviation <= good_share)
