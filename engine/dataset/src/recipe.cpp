@@ -39,6 +39,8 @@ void Recipe::set(std::string name, Value value, std::string unit) {
   settings_.push_back({std::move(name), std::move(value), std::move(unit)});
 }
 
+bool Recipe::has(std::string_view name) const { return find(*this, name) != nullptr; }
+
 template <class T>
 const T& Recipe::get(std::string_view name) const {
   const Setting* setting = find(*this, name);

@@ -80,6 +80,9 @@ void add_options(CLI::App& command, MakeArguments& arguments) {
   command.add_flag("--quiet", arguments.quiet, "No progress on stderr");
   command.add_option("--margin", options.box_margin, "Share by which the box of parameters is widened on either side")
       ->capture_default_str();
+  command.add_option("--part-lower", options.part_lower, "Designs of this part of the box only: p1,p2,...")
+      ->delimiter(',');
+  command.add_option("--part-upper", options.part_upper, "The part's other end: p1,p2,...")->delimiter(',');
   command.add_option("--corners", options.corners, "Begin with the corners of the box (1 or 0)")->capture_default_str();
   command.add_option("--parameters", options.parameters, "One design instead of a sequence: p1,p2,...")->delimiter(',');
 

@@ -118,6 +118,29 @@ void visit_settings(Visitor& visit, Options& options) {
   visit.field("tangents", simulation.tangents);
 }
 
+/// The box that the sequence of designs covers, as the option names it.
+void check_part(const DatasetOptions& options, const tiling::Family& family, std::vector<Error::Detail>& details) {
+  const std::size_t count = family.parameters.size();
+  if (options.part_lower.empty() && options.part_upper.empty()) return;
+  if (!options.parameters.empty()) details.push_back({"part_lower", "given parameters are one design, without a part"});
+  for (const auto& [name, values] : {std::pair("part_lower", &options.part_lower), {"part_upper", &options.part_upper}})
+    if (values->size() != count)
+      details.push_back({name, "the family " + options.family + " has " + std::to_string(count) + " parameters, got " +
+                                   std::to_string(values->size())});
+  if (options.part_lower.size() != count || options.part_upper.size() != count) return;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [lower, upper, preset] = family.parameters[k];
+    const double margin = options.box_margin * (upper - lower);
+    const double from = options.part_lower[k];
+    const double to = options.part_upper[k];
+    if (!(from >= lower - margin && from < to && to <= upper + margin))
+      details.push_back({"part_lower[" + std::to_string(k) + "]",
+                         "must be below part_upper, both within [" + std::to_string(lower - margin) + ", " +
+                             std::to_string(upper + margin) + "], got " + std::to_string(from) + " and " +
+                             std::to_string(to)});
+  }
+}
+
 /// Beyond this a point of the sequence has no index of 32 bits left.
 constexpr std::int64_t most_designs = 1'000'000'000;
 
@@ -146,6 +169,7 @@ void check(const DatasetOptions& options) {
               std::to_string(options.parameters.size()));
   require(options.parameters.empty() || (options.designs == 1 && options.first == 0), "parameters",
           "given parameters are one design: designs must be 1 and first 0");
+  check_part(options, family, details);
   if (!details.empty())
     throw Error("dataset.invalid_option", details.front().where + " " + details.front().message + ".", details);
   check(options.loads);
@@ -154,6 +178,10 @@ void check(const DatasetOptions& options) {
 dataset::Recipe recipe_of(const DatasetOptions& options) {
   RecipeWriter writer;
   visit_settings(writer, options);
+  if (!options.part_lower.empty()) {
+    writer.recipe.set("part_lower", options.part_lower);
+    writer.recipe.set("part_upper", options.part_upper);
+  }
   // What follows from the family: should its table change, data made before and after are not of one recipe.
   const auto& family = tiling::family(options.family);
   std::vector<double> lower;
@@ -173,6 +201,10 @@ DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selectio
   DatasetOptions options;
   const RecipeTaker taker{recipe};
   visit_settings(taker, options);
+  if (recipe.has("part_lower")) {
+    taker.field("part_lower", options.part_lower);
+    taker.field("part_upper", options.part_upper);
+  }
   options.first = selection.first;
   options.designs = selection.count;
   options.shard = selection.shard;

@@ -1,6 +1,7 @@
 #include "supple/lab/design_sequence.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "supple/base/random.h"
 #include "supple/base/sobol.h"
@@ -22,6 +23,12 @@ std::uint64_t design_seed(std::uint64_t seed, std::int64_t index) {
   return RandomStream("lab.design", seed).next() + static_cast<std::uint64_t>(index);
 }
 
+/// Of parameter `i`, in the part or in the family's own box.
+std::pair<double, double> range_of(const DatasetOptions& options, const tiling::Parameter& bounds, std::size_t i) {
+  if (options.part_lower.empty()) return {bounds.lower, bounds.upper};
+  return {options.part_lower[i], options.part_upper[i]};
+}
+
 }  // namespace
 
 PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index) {
@@ -34,8 +41,9 @@ PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index) 
   const auto point = sequence.point(static_cast<std::uint32_t>(corner ? index : index - corners));
   if (options.parameters.empty()) {
     for (std::size_t i = 0; i < bounds.size(); ++i) {
-      const auto& [lower, upper, preset] = bounds[i];
-      const double margin = options.box_margin * (upper - lower);
+      const auto [lower, upper] = range_of(options, bounds[i], i);
+      // A part ends where it says; the family's box is widened, except for its corners.
+      const double margin = options.part_lower.empty() ? options.box_margin * (upper - lower) : 0;
       design.parameters.push_back(corner ? ((index >> i) & 1) != 0 ? upper : lower
                                          : lower - margin + point[i] * (upper - lower + 2 * margin));
     }

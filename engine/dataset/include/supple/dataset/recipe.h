@@ -22,6 +22,7 @@ class Recipe {
 
   void set(std::string name, Value value, std::string unit = {});
   const std::vector<Setting>& settings() const { return settings_; }
+  bool has(std::string_view name) const;
   /// The value of that name. Throws "file.unreadable" if there is none, or none of that type.
   std::int64_t integer(std::string_view name) const;
   double number(std::string_view name) const;

@@ -23,7 +23,12 @@ struct DatasetOptions {
   /// Widens the family's box of parameters by this share of its width on either side, in [0, 0.5]: a network that is
   /// used up to the border needs data beyond it.
   double box_margin = 0.05;
-  /// The sequence begins with the 2^k corners of the family's own box (k parameters), where errors are largest.
+  /// If not empty, the part of the widened box that the sequence covers instead: more designs where a response changes
+  /// fast with the parameters.
+  std::vector<double> part_lower;
+  std::vector<double> part_upper;
+  /// The sequence begins with the 2^k corners (k parameters) of the family's own box or of the part, where errors are
+  /// largest.
   bool corners = true;
   /// If not empty, the one design instead of a sequence.
   std::vector<double> parameters;
@@ -34,7 +39,7 @@ struct DatasetOptions {
 /// Throws "dataset.invalid_option" (each option named, with its limits) and what tiling::family throws.
 void check(const DatasetOptions& options);
 
-/// The settings that decide the content, all of them, with their units.
+/// The settings that decide the content, all of them, with their units; those of a part only where there is one.
 dataset::Recipe recipe_of(const DatasetOptions& options);
 /// The reverse. Throws "file.unreadable" where a setting is missing or has an unknown value.
 DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection);
