@@ -133,7 +133,9 @@ void check_part(const DatasetOptions& options, const tiling::Family& family, std
     const double margin = options.box_margin * (upper - lower);
     const double from = options.part_lower[k];
     const double to = options.part_upper[k];
-    if (!(from >= lower - margin && from < to && to <= upper + margin))
+    // Ends that are written as decimals may lie a rounding error outside.
+    const double slack = 1e-9 * (upper - lower);
+    if (!(from >= lower - margin - slack && from < to && to <= upper + margin + slack))
       details.push_back({"part_lower[" + std::to_string(k) + "]",
                          "must be below part_upper, both within [" + std::to_string(lower - margin) + ", " +
                              std::to_string(upper + margin) + "], got " + std::to_string(from) + " and " +
