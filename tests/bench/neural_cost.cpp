@@ -91,7 +91,7 @@ void study_cost(const NeuralSettings& settings) {
                               {"energy_percent", "Energy, mean error %"},
                               {"training_seconds", "Core-seconds to train"},
                               {"microseconds", "us a strain with tangent"}});
-  const auto samples = training::read_samples(data_of(settings));
+  const auto samples = training::read_samples({data_of(settings), {}});
   const auto whole = training::split(samples);
   const int epochs = settings.brief ? 1 : 60;
   const std::vector<int> widths = settings.brief ? std::vector{16, 32} : std::vector{32, 64, 96, 128};

@@ -50,7 +50,7 @@ neural::Model trained_model(const std::filesystem::path& folder, bool brief) {
   options.training.shape.width = brief ? 16 : 48;
   options.training.epochs = brief ? 4 : 120;
   const auto checkpoint = folder / "square.h5.partial";
-  const auto trained = training::train_model(dataset::read_dataset(data_file), data_file.filename().string(),
+  const auto trained = training::train_model({dataset::read_dataset(data_file), {}}, data_file.filename().string(),
                                              lab::engine_version(), options, checkpoint, {}, [](const auto&) {});
   neural::write_model(file, trained.model);
   std::filesystem::remove(checkpoint);

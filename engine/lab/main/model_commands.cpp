@@ -21,10 +21,35 @@
 namespace supple::lab {
 namespace {
 
+/// Where a model's data are.
+struct DataArguments {
+  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> more;
+};
+
+void add_data_options(CLI::App& command, DataArguments& arguments) {
+  command.add_option("--data", arguments.files, "Data sets of one recipe, or parts of one")->required();
+  command.add_option("--more", arguments.more,
+                     "Data for training only, e.g. of a part of the box: each a recipe of its own, simulated alike");
+}
+
+training::ModelData read_data(const DataArguments& arguments) {
+  training::ModelData data{dataset::read_parts(arguments.files), {}};
+  for (const auto& file : arguments.more) data.more.push_back(dataset::read_finished_or_partial(file));
+  return data;
+}
+
+std::string names_of(const DataArguments& arguments) {
+  std::string names;
+  for (const auto* files : {&arguments.files, &arguments.more})
+    for (const auto& file : *files) names += (names.empty() ? "" : " ") + file.filename().string();
+  return names;
+}
+
 struct TrainArguments {
   training::ModelOptions options;
   std::string family;
-  std::vector<std::filesystem::path> files;
+  DataArguments data;
   std::filesystem::path out;
   std::filesystem::path log;
   std::string form = "sum_of_squares";
@@ -37,12 +62,6 @@ struct TrainArguments {
 std::filesystem::path checkpoint_path(const std::filesystem::path& out) {
   auto path = out;
   return path += ".partial";
-}
-
-std::string names_of(const std::vector<std::filesystem::path>& files) {
-  std::string names;
-  for (const auto& file : files) names += (names.empty() ? "" : " ") + file.filename().string();
-  return names;
 }
 
 void write_log(const std::filesystem::path& path, const std::vector<training::EpochReport>& history) {
@@ -81,11 +100,12 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
   training.shape.activation = neural::activation_of(arguments.activation);
   training.optimizer = training::optimizer_of(arguments.optimizer);
   set_thread_count(arguments.threads);
-  const auto data = dataset::read_parts(arguments.files);
-  if (!arguments.family.empty() && data.recipe.text("family") != arguments.family)
+  const auto data = read_data(arguments.data);
+  const auto& family = data.data.recipe.text("family");
+  if (!arguments.family.empty() && family != arguments.family)
     throw Error("training.invalid_option",
-                fmt::format("The data set is of the family {}, not {}.", data.recipe.text("family"), arguments.family),
-                {{"family", data.recipe.text("family")}});
+                fmt::format("The data set is of the family {}, not {}.", family, arguments.family),
+                {{"family", family}});
   const auto checkpoint = checkpoint_path(arguments.out);
   const auto report = [&](const training::EpochReport& r) {
     if (arguments.quiet || r.validation_gradient < 0) return;
@@ -95,7 +115,7 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
         r.epoch, training.epochs, r.loss, 100 * r.validation_gradient, 100 * r.validation_energy,
         100 * r.validation_stiffness, r.seconds);
   };
-  const auto result = training::train_model(data, names_of(arguments.files), engine_version(), arguments.options,
+  const auto result = training::train_model(data, names_of(arguments.data), engine_version(), arguments.options,
                                             checkpoint, signals.cancellation(), report);
   if (!arguments.log.empty()) write_log(arguments.log, result.history);
   interrupted = !result.finished;
@@ -116,7 +136,7 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   auto& options = arguments.options;
   auto& training = options.training;
   auto& shape = training.shape;
-  command.add_option("--data", arguments.files, "Data sets of one recipe, or parts of one")->required();
+  add_data_options(command, arguments.data);
   command.add_option("--out", arguments.out, "The model; until it is finished, OUT.partial keeps what is done")
       ->required();
   command.add_option("--family", arguments.family, "Refuses data of another");
@@ -168,7 +188,7 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
 
 struct CardArguments {
   std::filesystem::path model;
-  std::vector<std::filesystem::path> files;
+  DataArguments data;
   std::filesystem::path out;
   std::filesystem::path rows;
   std::string image;
@@ -176,7 +196,7 @@ struct CardArguments {
 
 void write_card(const CardArguments& arguments) {
   const auto model = neural::read_model(arguments.model);
-  const auto data = dataset::read_parts(arguments.files);
+  const auto data = read_data(arguments.data);
   std::ofstream page(arguments.out);
   page << training::model_card(model, data, arguments.image);
   if (!page) throw Error("file.write_failed", "Cannot write " + arguments.out.string() + ".");
@@ -189,7 +209,7 @@ void add_card_command(CLI::App& program) {
   const auto arguments = std::make_shared<CardArguments>();
   CLI::App* command = program.add_subcommand("card", "Write the page about a model: its errors and where they are");
   command->add_option("--model", arguments->model, "The model")->required();
-  command->add_option("--data", arguments->files, "The data that it was trained on")->required();
+  add_data_options(*command, arguments->data);
   command->add_option("--out", arguments->out, "The page, in Markdown")->required();
   command->add_option("--rows", arguments->rows, "CSV file of the errors of each held-out state");
   command->add_option("--image", arguments->image, "Plot that the page shows")->capture_default_str();

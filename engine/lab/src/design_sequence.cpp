@@ -23,10 +23,13 @@ std::uint64_t design_seed(std::uint64_t seed, std::int64_t index) {
   return RandomStream("lab.design", seed).next() + static_cast<std::uint64_t>(index);
 }
 
-/// Of parameter `i`, in the part or in the family's own box.
+/// Of parameter `i`, in the part or in the family's own box. A part that `check` lets end beyond the widened box, by
+/// rounding, ends at its border, where structures do.
 std::pair<double, double> range_of(const DatasetOptions& options, const tiling::Parameter& bounds, std::size_t i) {
-  if (options.part_lower.empty()) return {bounds.lower, bounds.upper};
-  return {options.part_lower[i], options.part_upper[i]};
+  const auto& [lower, upper, preset] = bounds;
+  if (options.part_lower.empty()) return {lower, upper};
+  const double margin = options.box_margin * (upper - lower);
+  return {std::max(options.part_lower[i], lower - margin), std::min(options.part_upper[i], upper + margin)};
 }
 
 }  // namespace

@@ -30,9 +30,11 @@ Eigen::Matrix3d strain_map(const Eigen::Matrix2d& r) {
 }
 
 /// The versions of the engine that computed the designs.
-std::string engines_of(const dataset::Dataset& data) {
+std::string engines_of(const ModelData& data) {
   std::set<std::string> engines;
-  for (const auto& design : data.designs) engines.insert(design.engine);
+  for (const auto& design : data.data.designs) engines.insert(design.engine);
+  for (const auto& set : data.more)
+    for (const auto& design : set.designs) engines.insert(design.engine);
   std::string text;
   for (const auto& engine : engines) text += (text.empty() ? "" : ", ") + engine;
   return text;
@@ -67,7 +69,7 @@ std::vector<std::pair<std::string, std::string>> describe(const ModelOptions& op
   return all;
 }
 
-ModelSamples samples_of(const neural::Model& model, const dataset::Dataset& data) {
+ModelSamples samples_of(const neural::Model& model, const ModelData& data) {
   const auto number = [&](const char* name) {
     for (const auto& [option, value] : model.provenance.options)
       if (option == name) return std::strtod(value.c_str(), nullptr);
@@ -87,10 +89,10 @@ ModelSamples samples_of(const neural::Model& model, const dataset::Dataset& data
   return made;
 }
 
-ModelResult train_model(const dataset::Dataset& data, const std::string& data_name, const std::string& engine,
+ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report) {
-  const auto& family = tiling::family(data.recipe.text("family"));
+  const auto& family = tiling::family(data.data.recipe.text("family"));
   const auto samples = read_samples(data, options.samples);
   const auto parts = split(samples, options.split);
   auto training_options = options.training;
@@ -124,8 +126,8 @@ ModelResult train_model(const dataset::Dataset& data, const std::string& data_na
   described.training = training_options;
   provenance.options = describe(described);
   provenance.training_seconds = trained.history.empty() ? 0 : trained.history.back().seconds;
-  provenance.youngs_modulus = data.recipe.number("youngs_modulus");
-  provenance.poisson_ratio = data.recipe.number("poisson_ratio");
+  provenance.youngs_modulus = data.data.recipe.number("youngs_modulus");
+  provenance.poisson_ratio = data.data.recipe.number("poisson_ratio");
   return result;
 }
 

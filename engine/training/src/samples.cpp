@@ -1,8 +1,10 @@
 #include "supple/training/samples.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "supple/base/error.h"
@@ -26,27 +28,79 @@ std::vector<int> shuffled(int n, const char* name, std::int64_t seed) {
   return order;
 }
 
+/// Settings that choose designs and loads. All others decide what is simulated for them.
+constexpr std::array<std::string_view, 19> choosing{"seed",
+                                                    "box_margin",
+                                                    "corners",
+                                                    "parameters",
+                                                    "part_lower",
+                                                    "part_upper",
+                                                    "plan",
+                                                    "tension_paths",
+                                                    "compression_paths",
+                                                    "biaxial_paths",
+                                                    "tension_states",
+                                                    "compression_states",
+                                                    "biaxial_states",
+                                                    "largest_stretch",
+                                                    "smallest_stretch",
+                                                    "largest_biaxial_stretch",
+                                                    "smallest_biaxial_stretch",
+                                                    "first_strain",
+                                                    "max_load_step"};
+
+dataset::Recipe without_choices(const dataset::Recipe& recipe) {
+  dataset::Recipe kept;
+  for (const auto& setting : recipe.settings())
+    if (std::find(choosing.begin(), choosing.end(), setting.name) == choosing.end())
+      kept.set(setting.name, setting.value, setting.unit);
+  return kept;
+}
+
+void check_further(const ModelData& data) {
+  const auto wanted = without_choices(data.data.recipe);
+  for (std::size_t i = 0; i < data.more.size(); ++i) {
+    const auto differing = dataset::differences(wanted, without_choices(data.more[i].recipe));
+    if (differing.empty()) continue;
+    std::vector<Error::Detail> details;
+    for (const auto& difference : differing) details.push_back({"more[" + std::to_string(i) + "]", difference});
+    throw Error("dataset.different_recipe",
+                "Further data " + std::to_string(i) + " were simulated in another way: " + differing.front() + ".",
+                details);
+  }
+}
+
+bool within_bounds(const std::vector<double>& parameters, const Samples& samples) {
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (!(parameters[k] >= samples.lower[k] && parameters[k] <= samples.upper[k])) return false;
+  return true;
+}
+
 }  // namespace
 
-Samples read_samples(const dataset::Dataset& data, const SampleOptions& options) {
+Samples read_samples(const ModelData& data, const SampleOptions& options) {
+  check_further(data);
   Samples samples;
-  samples.lower = data.recipe.numbers("lower_bounds");
-  samples.upper = data.recipe.numbers("upper_bounds");
+  samples.lower = data.data.recipe.numbers("lower_bounds");
+  samples.upper = data.data.recipe.numbers("upper_bounds");
   std::vector<const dataset::Row*> rows;
-  for (std::size_t d = 0; d < data.designs.size(); ++d) {
-    const auto& design = data.designs[d];
-    SampledDesign sampled{design.index, design.parameters, static_cast<int>(rows.size()), 0, true};
-    for (std::size_t k = 0; k < design.parameters.size(); ++k)
-      sampled.inside =
-          sampled.inside && design.parameters[k] >= samples.lower[k] && design.parameters[k] <= samples.upper[k];
-    for (std::size_t i = 0; i < design.rows.size(); ++i) {
-      if (!usable(design.rows[i], options)) continue;
-      rows.push_back(&design.rows[i]);
-      samples.source.push_back({static_cast<int>(d), static_cast<int>(i)});
+  int position = 0;
+  const auto add = [&](const dataset::Dataset& set, bool further) {
+    for (const auto& design : set.designs) {
+      SampledDesign sampled{design.index, design.parameters, static_cast<int>(rows.size()), 0,
+                            further || !within_bounds(design.parameters, samples)};
+      for (std::size_t i = 0; i < design.rows.size(); ++i) {
+        if (!usable(design.rows[i], options)) continue;
+        rows.push_back(&design.rows[i]);
+        samples.source.push_back({position, static_cast<int>(i)});
+      }
+      sampled.count = static_cast<int>(rows.size()) - sampled.first;
+      if (sampled.count > 0) samples.designs.push_back(std::move(sampled));
+      ++position;
     }
-    sampled.count = static_cast<int>(rows.size()) - sampled.first;
-    if (sampled.count > 0) samples.designs.push_back(std::move(sampled));
-  }
+  };
+  add(data.data, false);
+  for (const auto& set : data.more) add(set, true);
   if (rows.empty())
     throw Error("training.no_samples", "The data set holds no stable state that a network could learn from.");
   const auto n = static_cast<long>(rows.size());
@@ -69,20 +123,20 @@ Split split(const Samples& samples, const SplitOptions& options) {
   const auto add = [](std::vector<int>& rows, const SampledDesign& design) {
     for (int i = 0; i < design.count; ++i) rows.push_back(design.first + i);
   };
-  std::vector<const SampledDesign*> inside;
+  std::vector<const SampledDesign*> judges;
   for (const auto& design : samples.designs) {
-    if (design.inside)
-      inside.push_back(&design);
-    else
+    if (design.trains_only)
       add(parts.training, design);
+    else
+      judges.push_back(&design);
   }
-  const auto n = static_cast<int>(inside.size());
+  const auto n = static_cast<int>(judges.size());
   const int tests = static_cast<int>(std::ceil(options.test * n));
   const int judged = tests + static_cast<int>(std::ceil(options.validation * n));
   const auto order = shuffled(n, "split of designs", options.seed);
   RandomStream rows("split of rows", static_cast<std::uint64_t>(options.seed));
   for (int i = 0; i < n; ++i) {
-    const auto& design = *inside[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
+    const auto& design = *judges[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
     if (i < tests)
       add(parts.test, design);
     else if (i < judged)

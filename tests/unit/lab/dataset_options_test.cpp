@@ -31,6 +31,8 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
   options.simulation.contact = microscale::Switch::off;
   options.simulation.material.law = microscale::Law::incompressible_plane_stress;
   options.simulation.tangents = false;
+  options.part_lower = {0.11, 0.5};
+  options.part_upper = {0.12, 0.6};
   const auto recipe = recipe_of(options);
   const DatasetOptions back = options_of(recipe, selection_of(options));
   EXPECT_EQ(recipe_of(back), recipe);
@@ -39,6 +41,7 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
   EXPECT_EQ(back.simulation.contact, microscale::Switch::off);
   EXPECT_EQ(back.simulation.material.law, microscale::Law::incompressible_plane_stress);
   EXPECT_FALSE(back.simulation.tangents);
+  EXPECT_EQ(back.part_upper, options.part_upper);
 }
 
 TEST(DatasetOptions, MakeTheRecipeNameBoundsAndBeamWidthOfTheFamily) {
@@ -46,6 +49,10 @@ TEST(DatasetOptions, MakeTheRecipeNameBoundsAndBeamWidthOfTheFamily) {
   EXPECT_EQ(recipe.numbers("lower_bounds"), (std::vector<double>{0.105, 0.505}));
   EXPECT_EQ(recipe.numbers("upper_bounds"), (std::vector<double>{0.195, 0.795}));
   EXPECT_EQ(recipe.number("beam_width"), 0.0641);
+}
+
+TEST(DatasetOptions, WithoutAPartHaveTheRecipeOfDataThatKnewNoParts) {
+  EXPECT_FALSE(recipe_of(usual()).has("part_lower"));
 }
 
 TEST(DatasetOptions, OfAnotherShardOrLengthHaveTheSameRecipe) {
@@ -66,6 +73,18 @@ TEST(DatasetOptions, OutOfRangeAreRefusedByName) {
       {"shard", [](auto& o) { o.shard = 1; }},
       {"box_margin", [](auto& o) { o.box_margin = 0.6; }},
       {"parameters", [](auto& o) { o.parameters = {0.1}; }},
+      {"part_upper",
+       [](auto& o) {
+         o.part_lower = {0.11, 0.5};
+       }},
+      {"part_lower[1]",
+       [](auto& o) {
+         o.part_lower = {0.11, 0.6}, o.part_upper = {0.12, 0.6};
+       }},
+      {"part_lower[0]",
+       [](auto& o) {
+         o.part_lower = {0.1, 0.5}, o.part_upper = {0.12, 0.6};
+       }},
       {"first_strain", [](auto& o) { o.loads.first_strain = 0.1; }}};
   for (const auto& [name, spoil] : faults) {
     DatasetOptions options = usual();

@@ -47,6 +47,43 @@ TEST(DesignSequence, FillsTheWidenedBoxEvenly) {
   }
 }
 
+TEST(DesignSequence, FillsAPartOfTheBoxFromItsCorners) {
+  auto options = options_for("IH21");
+  options.part_lower = {0.11, 0.49050000000001};
+  options.part_upper = {0.12, 0.6};
+  check(options);
+  std::set<std::vector<double>> corners;
+  std::set<int> strata;
+  for (int i = 0; i < 4 + 64; ++i) {
+    const auto p = planned_design(options, i).parameters;
+    if (i < 4)
+      corners.insert(p);
+    else
+      strata.insert(static_cast<int>((p[0] - 0.11) / 0.01 * 64));
+  }
+  EXPECT_EQ(corners, (std::set<std::vector<double>>{
+                         {0.11, 0.49050000000001}, {0.11, 0.6}, {0.12, 0.49050000000001}, {0.12, 0.6}}));
+  EXPECT_EQ(strata.size(), 64U);
+  EXPECT_EQ(*strata.begin(), 0);
+  EXPECT_EQ(*strata.rbegin(), 63);
+}
+
+TEST(DesignSequence, APartEndsAtTheBordersOfTheWidenedBoxWhateverRoundingSays) {
+  auto options = options_for("IH01");
+  options.part_lower = {0.0375, 0.225, 0.045, 0.38};
+  options.part_upper = {0.3125, 0.775, 0.155, 0.82};
+  check(options);
+  const auto& bounds = tiling::family("IH01").parameters;
+  for (int i = 0; i < 16; ++i) {
+    const auto p = planned_design(options, i).parameters;
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      const double margin = options.box_margin * (bounds[k].upper - bounds[k].lower);
+      EXPECT_GE(p[k], bounds[k].lower - margin);
+      EXPECT_LE(p[k], bounds[k].upper + margin);
+    }
+  }
+}
+
 TEST(DesignSequence, DoesNotDependOnHowManyDesignsAreAskedForNorOnTheShard) {
   auto some = options_for("IH01");
   some.designs = 20;

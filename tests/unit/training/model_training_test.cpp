@@ -62,12 +62,37 @@ dataset::Dataset drawn_data(int designs) {
 }
 
 TEST(SamplesOfAModel, OfOtherDataThanItsOwnAreRefused) {
-  const auto data = drawn_data(60);
+  const ModelData data{drawn_data(60), {}};
   neural::Model model;
   model.provenance.options = describe(ModelOptions{});
   model.provenance.rows = static_cast<std::int64_t>(split(read_samples(data)).training.size());
   EXPECT_FALSE(samples_of(model, data).split.test.empty());
-  testing::expect_error("training.different_data", [&] { (void)samples_of(model, drawn_data(80)); });
+  testing::expect_error("training.different_data", [&] { (void)samples_of(model, {drawn_data(80), {}}); });
+}
+
+TEST(ReadSamples, FurtherDataTrainAndLeaveTheHeldOutDesignsAsTheyAre) {
+  const ModelData alone{drawn_data(60), {}};
+  auto further = drawn_data(25);
+  further.recipe.set("seed", std::int64_t{2});
+  further.recipe.set("part_lower", std::vector<double>{0, 0});
+  const ModelData both{drawn_data(60), {further, drawn_data(5)}};
+  const auto few = read_samples(alone);
+  const auto all = read_samples(both);
+  const auto split_alone = split(few);
+  const auto split_both = split(all);
+  EXPECT_GT(all.rows(), few.rows());
+  EXPECT_EQ(split_both.test, split_alone.test);
+  EXPECT_EQ(split_both.validation, split_alone.validation);
+  EXPECT_EQ(split_both.row_test, split_alone.row_test);
+  EXPECT_EQ(static_cast<int>(split_both.training.size() - split_alone.training.size()), all.rows() - few.rows());
+  EXPECT_EQ(all.source.back().design, 60 + 25 + 4);
+}
+
+TEST(ReadSamples, FurtherDataThatWereSimulatedInAnotherWayAreRefused) {
+  ModelData data{drawn_data(60), {drawn_data(3)}};
+  data.data.recipe.set("mesh_size", 0.5);
+  data.more[0].recipe.set("mesh_size", 1.0);
+  testing::expect_error("dataset.different_recipe", [&] { (void)read_samples(data); });
 }
 
 }  // namespace

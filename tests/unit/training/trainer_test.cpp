@@ -45,9 +45,9 @@ bool same(const neural::Network& a, const neural::Network& b) {
 
 void ignore(const EpochReport&) {}
 
-TEST(Split, NoDesignIsInTwoPartsAndOutsideOnesOnlyTrain) {
+TEST(Split, NoDesignIsInTwoPartsAndSomeOnlyTrain) {
   auto all = samples();
-  for (auto& design : all.designs) design.inside = design.index % 5 != 0;
+  for (auto& design : all.designs) design.trains_only = design.index % 5 == 0;
   const auto made = split(all);
   const auto design_of = [&](int row) { return row / 20; };
   std::vector<int> owner(40, 0);
@@ -63,7 +63,7 @@ TEST(Split, NoDesignIsInTwoPartsAndOutsideOnesOnlyTrain) {
   mark(made.test, 3);
   for (const int row : made.row_test) EXPECT_EQ(owner[static_cast<std::size_t>(design_of(row))], 1);
   for (const auto* part : {&made.validation, &made.test, &made.row_test})
-    for (const int row : *part) EXPECT_NE(design_of(row) % 5, 0) << "a design outside of the bounds was judged by";
+    for (const int row : *part) EXPECT_NE(design_of(row) % 5, 0) << "a design that only trains was judged by";
   const auto total = made.training.size() + made.validation.size() + made.test.size() + made.row_test.size();
   EXPECT_EQ(total, 800U);
   EXPECT_EQ(made.test.size(), 4U * 20U);  // 12 % of 32 designs

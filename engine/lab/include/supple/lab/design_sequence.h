@@ -17,8 +17,9 @@ struct PlannedDesign {
 };
 
 /// Design `index` of the options' sequence: a corner of the family's box, or a point of a scrambled Sobol sequence
-/// whose first coordinates are the parameters in the widened box or its part and whose last four turn the loads, so that parameters
-/// and loads together are spread evenly. Depends on nothing but the recipe and the index. `options` are checked.
+/// whose first coordinates are the parameters in the widened box or its part and whose last four turn the loads, so
+/// that parameters and loads together are spread evenly. Depends on nothing but the recipe and the index. `options` are
+/// checked.
 PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index);
 
 }  // namespace supple::lab

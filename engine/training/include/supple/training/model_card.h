@@ -3,18 +3,18 @@
 #include <filesystem>
 #include <string>
 
-#include "supple/dataset/dataset.h"
 #include "supple/neural/model.h"
+#include "supple/training/samples.h"
 
 namespace supple::training {
 
 /// A page about a model in Markdown: what it predicts, its errors, where they are, where not to trust it, where it
-/// comes from. `data` is the data set that it was trained on, whose held-out designs are judged anew; `image` is the
+/// comes from. `data` are those that it was trained on, whose held-out designs are judged anew; `image` is the
 /// name of a plot that stands beside the page.
-std::string model_card(const neural::Model& model, const dataset::Dataset& data, const std::string& image);
+std::string model_card(const neural::Model& model, const ModelData& data, const std::string& image);
 
 /// One row for each sample of a held-out design: its load, strain, energy, branch, contacts and relative errors, as
 /// CSV. Throws "file.write_failed".
-void write_row_errors(const std::filesystem::path& path, const neural::Model& model, const dataset::Dataset& data);
+void write_row_errors(const std::filesystem::path& path, const neural::Model& model, const ModelData& data);
 
 }  // namespace supple::training

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "supple/dataset/dataset.h"
 #include "supple/neural/model.h"
 #include "supple/tiling/family.h"
 #include "supple/training/samples.h"
@@ -34,7 +33,7 @@ struct ModelSamples {
   Samples samples;
   Split split;
 };
-ModelSamples samples_of(const neural::Model& model, const dataset::Dataset& data);
+ModelSamples samples_of(const neural::Model& model, const ModelData& data);
 
 struct ModelResult {
   neural::Model model;  ///< with its measured errors
@@ -43,10 +42,10 @@ struct ModelResult {
   bool finished = false;
 };
 
-/// Trains a network on a data set, as `train`, and measures it on designs and on rows that training has not seen. The
+/// Trains a network on data, as `train`, and measures it on designs and on rows that training has not seen. The
 /// data's name and `engine`, the version that trains, go into the provenance. Throws what `train` and `read_samples`
 /// throw, and "tiling.family_not_found".
-ModelResult train_model(const dataset::Dataset& data, const std::string& data_name, const std::string& engine,
+ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report);
 

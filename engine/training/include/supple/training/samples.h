@@ -14,10 +14,18 @@ struct SampledDesign {
   std::vector<double> parameters;
   int first = 0;  ///< its rows are [first, first + count)
   int count = 0;
-  bool inside = true;  ///< whether all parameters are within the family's bounds
+  bool trains_only = false;  ///< never held out: beyond the family's bounds, or of further data
 };
 
-/// Where a sample comes from: positions in the data set's designs, and in that design's rows.
+/// What a network is trained on and judged by.
+struct ModelData {
+  dataset::Dataset data;  ///< of the family's box, evenly: what errors are measured on is held out of it
+  /// For training only, made for the same family and simulated in the same way, e.g. for a part of the box.
+  std::vector<dataset::Dataset> more;
+};
+
+/// Where a sample comes from: positions in the data set's designs, those of further data after them in their order, and
+/// in that design's rows.
 struct SampleSource {
   int design = 0;
   int row = 0;
@@ -45,11 +53,12 @@ struct SampleOptions {
   double largest_energy = 10;  ///< MPa
 };
 
-/// The rows of stable states with finite tangents. Throws "training.no_samples".
-Samples read_samples(const dataset::Dataset& data, const SampleOptions& options = {});
+/// The rows of stable states with finite tangents. Throws "training.no_samples", and "dataset.different_recipe"
+/// (settings named) where further data are of another material, family or accuracy.
+Samples read_samples(const ModelData& data, const SampleOptions& options = {});
 
-/// Rows for training, for choosing (when to stop, which options) and for the final judgement; no row is in two. What
-/// lies outside of the family's bounds is for training only.
+/// Rows for training, for choosing (when to stop, which options) and for the final judgement; no row is in two. Further
+/// data do not change which designs of the first are held out.
 struct Split {
   std::vector<int> training;
   std::vector<int> validation;  ///< of designs that no other part knows
@@ -59,9 +68,9 @@ struct Split {
 };
 
 struct SplitOptions {
-  double validation = 0.06;  ///< share of the designs within the bounds
+  double validation = 0.06;  ///< share of the designs that do not only train
   double test = 0.12;        ///< share of them
-  double row_test = 0.04;    ///< share of the rows of the other designs within the bounds
+  double row_test = 0.04;    ///< share of the rows of the others of them
   std::int64_t seed = 1;
 };
 
