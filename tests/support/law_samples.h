@@ -57,7 +57,7 @@ inline Samples law_samples(int designs, int rows, std::uint64_t seed) {
   long next = 0;
   for (int d = 0; d < designs; ++d) {
     const double p = stream.uniform();
-    samples.designs.push_back({d, {p}, static_cast<int>(next), rows, true});
+    samples.designs.push_back({d, {p}, static_cast<int>(next), rows, false});
     for (int i = 0; i < rows; ++i, ++next) {
       const Eigen::Vector3d e(stream.uniform(-0.15, 0.3), stream.uniform(-0.15, 0.3), stream.uniform(-0.2, 0.2));
       const auto state = law_of_design(p, e);
