@@ -59,5 +59,6 @@ int main(int argc, char** argv) {
                       {"smoothness", [&] { study_smoothness(settings); }},
                       {"activations", [&] { study_activations(settings); }},
                       {"singularity", [&] { study_singularity(settings); }},
-                      {"cost", [&] { study_cost(settings); }}});
+                      {"cost", [&] { study_cost(settings); }},
+                      {"data", [&] { study_data(settings); }}});
 }

@@ -48,5 +48,6 @@ void study_smoothness(const NeuralSettings& settings);
 void study_activations(const NeuralSettings& settings);
 void study_singularity(const NeuralSettings& settings);
 void study_cost(const NeuralSettings& settings);
+void study_data(const NeuralSettings& settings);
 
 }  // namespace supple::bench

@@ -167,13 +167,33 @@ def draw_cost(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
+def draw_data(rows: list[Row], target: Path) -> None:
+    figure, panel = plt.subplots(figsize=(4.6, 3.8))
+    for colour, marker, (family, points) in zip((ORANGE, GREEN, BLUE), "osD", grouped(rows, "family").items()):
+        designs = numbers(points, "designs")
+        panel.plot(designs, numbers(points, "gradient_percent"), color=colour, marker=marker, markersize=5, linewidth=1,
+                   label=f"{family}, mean")
+        panel.plot(designs, numbers(points, "gradient_median"), color=colour, marker=marker, markersize=5, linewidth=1,
+                   linestyle=":", label=f"{family}, median")
+    panel.set(xscale="log", yscale="log", xlabel="designs trained on", ylabel="relative error of the stress, %")
+    designs = sorted({int(row["designs"]) for row in rows})
+    panel.set_xticks(designs, [str(d) for d in designs])
+    low, high = panel.get_ylim()
+    ticks = [t for t in (1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50) if low <= t <= high]
+    panel.set_yticks(ticks, [f"{t:g}" for t in ticks])
+    panel.minorticks_off()
+    panel.legend(fontsize=8, frameon=False)
+    save(figure, target)
+
+
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
     for source, name, draw in (("models-activations-curves", "models-activations", draw_activations),
                                ("models-singularity-curves", "models-singularity", draw_singularity),
                                ("models-native-time", "models-native-time", draw_native_time),
                                ("models-smoothness-curves", "models-smoothness", draw_smoothness),
-                               ("models-cost", "models-cost", draw_cost)):
+                               ("models-cost", "models-cost", draw_cost),
+                               ("models-data", "models-data", draw_data)):
         if (folder / f"{source}.csv").exists():
             draw(read(folder / f"{source}.csv"), folder / f"{name}.svg")
 
