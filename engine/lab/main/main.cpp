@@ -30,6 +30,7 @@ ExitCode run(int argument_count, char** arguments) {
   supple::lab::add_dataset_commands(program, signals, interrupted);
 #ifdef SUPPLE_TRAINING
   supple::lab::add_train_command(program, signals, interrupted);
+  supple::lab::add_symmetrize_command(program);
   supple::lab::add_card_command(program);
 #endif
   try {

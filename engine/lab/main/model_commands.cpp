@@ -203,7 +203,33 @@ void write_card(const CardArguments& arguments) {
   if (!arguments.rows.empty()) training::write_row_errors(arguments.rows, model, data);
 }
 
+struct SymmetrizeArguments {
+  std::filesystem::path model;
+  DataArguments data;
+  std::filesystem::path out;
+};
+
+void symmetrize(const SymmetrizeArguments& arguments) {
+  const auto model = training::symmetrized(neural::read_model(arguments.model), read_data(arguments.data));
+  neural::write_model(arguments.out, model);
+  fmt::print("{} holds the model {}, the mean over {} orientations of a strain\n", arguments.out.string(), model.id,
+             model.network.symmetries.size() + 1);
+  print_errors("design split", *model.design_split);
+  print_errors("row split", *model.row_split);
+}
+
 }  // namespace
+
+void add_symmetrize_command(CLI::App& program) {
+  const auto arguments = std::make_shared<SymmetrizeArguments>();
+  CLI::App* command = program.add_subcommand(
+      "symmetrize",
+      "Give a model the rotations of its family exactly, at two or three times the time of an evaluation");
+  command->add_option("--model", arguments->model, "The model")->required();
+  add_data_options(*command, arguments->data);
+  command->add_option("--out", arguments->out, "The model with its errors measured anew")->required();
+  command->callback([=] { symmetrize(*arguments); });
+}
 
 void add_card_command(CLI::App& program) {
   const auto arguments = std::make_shared<CardArguments>();

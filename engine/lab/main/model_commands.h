@@ -12,4 +12,7 @@ void add_train_command(CLI::App& program, const StopSignals& signals, bool& inte
 /// Adds "card".
 void add_card_command(CLI::App& program);
 
+/// Adds "symmetrize".
+void add_symmetrize_command(CLI::App& program);
+
 }  // namespace supple::lab

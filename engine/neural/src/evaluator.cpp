@@ -5,18 +5,24 @@
 
 #include "evaluation_pass.h"
 #include "evaluator_content.h"
+#include "strain_images.h"
 #include "supple/base/error.h"
 
 namespace supple::neural {
 
 template <class Real>
 struct BasicEvaluator<Real>::Content : PackedNetwork<Real> {
-  using PackedNetwork<Real>::PackedNetwork;
+  explicit Content(const Network& of) : PackedNetwork<Real>(of), images(of.symmetries) {}
+
+  StrainImages images;
 };
 template <class Real>
 struct BasicEvaluator<Real>::Design::Content : PackedDesign<Real> {};
 template <class Real>
-struct BasicEvaluator<Real>::Workspace::Content : PassSpace<Real> {};
+struct BasicEvaluator<Real>::Workspace::Content : PassSpace<Real> {
+  Eigen::Matrix3Xd images;
+  Evaluation of_images;
+};
 
 template <class Real>
 BasicEvaluator<Real>::BasicEvaluator(const Network& network) {
@@ -72,11 +78,21 @@ typename BasicEvaluator<Real>::Design BasicEvaluator<Real>::design(std::span<con
 template <class Real>
 void BasicEvaluator<Real>::evaluate(const Design& design, const Eigen::Ref<const Eigen::Matrix3Xd>& strains,
                                     Order order, Workspace& workspace, Evaluation& evaluation) const {
-  const long n = strains.cols();
-  EvaluationPass<Real> pass(*content_, *design.content_, order, n, *workspace.content_, evaluation);
-  const long at_once = pass.strains_at_once();
-  for (long begin = 0; begin < n; begin += at_once)
-    pass.run(strains.middleCols(begin, std::min(at_once, n - begin)), begin);
+  auto& space = *workspace.content_;
+  const auto run = [&](const Eigen::Ref<const Eigen::Matrix3Xd>& all, Evaluation& answer) {
+    const long n = all.cols();
+    EvaluationPass<Real> pass(*content_, *design.content_, order, n, space, answer);
+    const long at_once = pass.strains_at_once();
+    for (long begin = 0; begin < n; begin += at_once)
+      pass.run(all.middleCols(begin, std::min(at_once, n - begin)), begin);
+  };
+  if (content_->images.none()) {
+    run(strains, evaluation);
+    return;
+  }
+  content_->images.see(strains, space.images);
+  run(space.images, space.of_images);
+  content_->images.mean(space.of_images, strains.cols(), evaluation);
 }
 
 template <class Real>

@@ -88,6 +88,14 @@ void write_network(Hdf5Writer& file, const Network& network) {
   file.value("network/form", std::string(to_string(network.shape.form)));
   file.column("network/lower", numbers(network.lower), 0);
   file.column("network/upper", numbers(network.upper), 0);
+  if (!network.symmetries.empty()) {
+    std::vector<double> maps;
+    for (const auto& map : network.symmetries) {
+      const auto rows = numbers(map);
+      maps.insert(maps.end(), rows.begin(), rows.end());
+    }
+    file.column("network/symmetries", maps, 9);
+  }
   for (const auto& branch : branches) {
     file.group(std::string("network/") + branch.name);
     const auto& layers = network.*branch.layers;
@@ -126,6 +134,13 @@ Network read_network(const Hdf5Reader& file) {
           {Eigen::Map<const RowMajor>(weights.data(), static_cast<long>(weights.size()) / columns, columns),
            vector_of(name + "/bias")});
     }
+  }
+  // Files of networks without have no such column.
+  const auto parts = file.members("network");
+  if (std::find(parts.begin(), parts.end(), "symmetries") != parts.end()) {
+    const auto maps = file.column<double>("network/symmetries", 9);
+    for (std::size_t i = 0; i + 9 <= maps.size(); i += 9)
+      network.symmetries.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(maps.data() + i));
   }
   validate(network);
   return network;

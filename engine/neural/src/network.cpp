@@ -17,6 +17,8 @@ constexpr std::array<std::pair<EnergyForm, std::string_view>, 2> forms{
 /// No network of use is larger; sizes are read from files.
 constexpr int largest_width = 4096;
 constexpr int most_layers = 64;
+/// Rotations by multiples of 30 degrees and mirrors, without the identity.
+constexpr std::size_t most_symmetries = 23;
 
 template <class Table>
 std::string names_of(const Table& table) {
@@ -109,6 +111,8 @@ void validate(const Network& network) {
     check(network.stiffness.empty(), "stiffness", "has layers that this form of energy does not use");
   else
     check_layers(network.stiffness, "stiffness", 2, shape.parameters, shape.stiffness_width, 6);
+  check(network.symmetries.size() <= most_symmetries, "symmetries", "are more than a lattice has");
+  for (const auto& map : network.symmetries) check(map.allFinite(), "symmetries", "hold a number that is not finite");
 }
 
 }  // namespace supple::neural

@@ -174,12 +174,18 @@ std::string trust_section(const neural::Model& model, const std::vector<Judged>&
 std::string origin_section(const neural::Model& model) {
   const auto& p = model.provenance;
   const auto& shape = model.network.shape;
+  const auto turns = model.network.symmetries.size() + 1;
+  const auto mean = turns == 1 ? std::string()
+                               : fmt::format(
+                                     " The energy is the mean over {} orientations of a strain, from which the "
+                                     "tiling looks the same (`supple-lab symmetrize`).",
+                                     turns);
   std::string text = "\n## Where it comes from\n\n";
   text += fmt::format(
-      "{} weights in {} + {} + {} layers of {} neurons, {}, {}. Trained on {} states of {} designs ({}; simulated by "
+      "{} weights in {} + {} + {} layers of {} neurons, {}, {}.{} Trained on {} states of {} designs ({}; simulated by "
       "{}) of a solid with Young's modulus {} MPa and Poisson's ratio {}, in {:.0f} s, by {}. Options:\n\n",
       model.network.weights(), shape.strain_layers, shape.parameter_layers, shape.trunk_layers, shape.width,
-      to_string(shape.activation), to_string(shape.form), p.rows, p.designs, p.data_set, p.data_engine,
+      to_string(shape.activation), to_string(shape.form), mean, p.rows, p.designs, p.data_set, p.data_engine,
       p.youngs_modulus, p.poisson_ratio, p.training_seconds, p.engine);
   for (const auto& [name, value] : p.options) text += fmt::format("`{} {}` ", name, value);
   text.back() = '\n';

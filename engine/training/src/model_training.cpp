@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
 #include <iterator>
@@ -87,6 +88,23 @@ ModelSamples samples_of(const neural::Model& model, const ModelData& data) {
                             model.provenance.rows, made.split.training.size()),
                 {{"data", model.provenance.data_set}});
   return made;
+}
+
+neural::Model symmetrized(neural::Model model, const ModelData& data) {
+  const auto& family = tiling::family(model.family);
+  const auto [samples, parts] = samples_of(model, data);
+  auto& symmetries = model.network.symmetries;
+  symmetries.clear();
+  for (const auto& [strain, linear, constant] : energy_symmetries(family))
+    if (strain.determinant() > 0 && linear.isIdentity(1e-6) && constant.norm() < 1e-6) symmetries.push_back(strain);
+  if (symmetries.empty())
+    throw Error("training.no_symmetry",
+                fmt::format("Tilings of the family {} have no rotation but by half a turn.", family.id),
+                {{"family", family.id}});
+  model.strain_range = strain_range(model.network, samples, parts.training);
+  model.design_split = split_errors(model.network, samples, parts.test);
+  model.row_split = split_errors(model.network, samples, parts.row_test);
+  return model;
 }
 
 ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,

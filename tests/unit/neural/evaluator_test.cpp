@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ NetworkShape shape_of(EnergyForm form, Activation activation, int width, int par
 }
 
 class Evaluations : public ::testing::TestWithParam<NetworkShape> {
- protected:
+ public:
   void SetUp() override {
     const auto& shape = GetParam();
     network = random_network(shape, 3);
@@ -69,16 +70,16 @@ void expect_close(const Eigen::MatrixXd& value, const Eigen::MatrixXd& expected,
   EXPECT_LE((value - expected).cwiseAbs().maxCoeff(), tolerance * expected.cwiseAbs().maxCoeff()) << what;
 }
 
-TEST_P(Evaluations, DerivativesByStrainAgreeWithDifferences) {
-  const Evaluator evaluator(network);
-  const auto exact = evaluator.evaluate(evaluator.design(parameters), strains, Order::third);
+void expect_strain_derivatives(const Evaluations& test) {
+  const Evaluator evaluator(test.network);
+  const auto exact = evaluator.evaluate(evaluator.design(test.parameters), test.strains, Order::third);
   const int pairs[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   const int triples[3][3][3] = {
       {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}, {{1, 3, 4}, {3, 6, 7}, {4, 7, 8}}, {{2, 4, 5}, {4, 7, 8}, {5, 8, 9}}};
   for (int k = 0; k < 3; ++k) {
-    expect_close(exact.stress.row(k), differences(evaluator, energy_of, k, -1), 1e-7, "stress");
-    const auto tangent = differences(evaluator, stress_of, k, -1);
-    const auto third = differences(evaluator, tangent_of, k, -1);
+    expect_close(exact.stress.row(k), test.differences(evaluator, energy_of, k, -1), 1e-7, "stress");
+    const auto tangent = test.differences(evaluator, stress_of, k, -1);
+    const auto third = test.differences(evaluator, tangent_of, k, -1);
     for (int i = 0; i < 3; ++i) {
       expect_close(exact.tangent.row(pairs[i][k]), tangent.row(i), 1e-7, "tangent");
       for (int j = i; j < 3; ++j)
@@ -87,18 +88,51 @@ TEST_P(Evaluations, DerivativesByStrainAgreeWithDifferences) {
   }
 }
 
-TEST_P(Evaluations, DerivativesByParametersAgreeWithDifferences) {
-  const Evaluator evaluator(network);
-  const auto exact = evaluator.evaluate(evaluator.design(parameters, true), strains, Order::third);
-  const int n = GetParam().parameters;
+void expect_parameter_derivatives(const Evaluations& test) {
+  const Evaluator evaluator(test.network);
+  const auto exact = evaluator.evaluate(evaluator.design(test.parameters, true), test.strains, Order::third);
+  const int n = test.network.shape.parameters;
   for (int k = 0; k < n; ++k) {
-    expect_close(exact.energy_by_parameters.row(k), differences(evaluator, energy_of, 0, k), 1e-7, "energy");
-    const auto stress = differences(evaluator, stress_of, 0, k);
+    expect_close(exact.energy_by_parameters.row(k), test.differences(evaluator, energy_of, 0, k), 1e-7, "energy");
+    const auto stress = test.differences(evaluator, stress_of, 0, k);
     for (int i = 0; i < 3; ++i) expect_close(exact.stress_by_parameters.row(i * n + k), stress.row(i), 1e-7, "stress");
-    const auto tangent = differences(evaluator, tangent_of, 0, k);
+    const auto tangent = test.differences(evaluator, tangent_of, 0, k);
     for (int i = 0; i < 6; ++i)
       expect_close(exact.tangent_by_parameters.row(i * n + k), tangent.row(i), 1e-6, "tangent");
   }
+}
+
+TEST_P(Evaluations, DerivativesByStrainAgreeWithDifferences) { expect_strain_derivatives(*this); }
+
+TEST_P(Evaluations, DerivativesByParametersAgreeWithDifferences) { expect_parameter_derivatives(*this); }
+
+/// What a rotation makes of (E_xx, E_yy, 2 E_xy).
+Eigen::Matrix3d rotation_of_strains(double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  Eigen::Matrix3d map;
+  map << c * c, s * s, -c * s, s * s, c * c, c * s, 2 * c * s, -2 * c * s, c * c - s * s;
+  return map;
+}
+
+TEST_P(Evaluations, SymmetriesHoldExactlyAndDerivativesAreThoseOfTheMean) {
+  const Eigen::Matrix3d sixth = rotation_of_strains(std::numbers::pi / 3);
+  network.symmetries = {sixth, sixth * sixth};
+  const Evaluator evaluator(network);
+  const auto design = evaluator.design(parameters);
+  const auto answer = evaluator.evaluate(design, strains, Order::stress);
+  const auto turned = evaluator.evaluate(design, sixth * strains, Order::stress);
+  expect_close(turned.energy_density, answer.energy_density, 1e-12, "energy");
+  expect_close(sixth.transpose() * turned.stress, answer.stress, 1e-12, "stress");
+  auto without = network;
+  without.symmetries.clear();
+  const Evaluator one(without);
+  EXPECT_GT(
+      (one.evaluate(one.design(parameters), strains, Order::energy).energy_density - answer.energy_density).norm(),
+      1e-3 * answer.energy_density.norm())
+      << "the network has no such symmetry of its own";
+  expect_strain_derivatives(*this);
+  expect_parameter_derivatives(*this);
 }
 
 TEST_P(Evaluations, EachOrderGivesTheSameNumbersAsHigherOnes) {
@@ -190,6 +224,9 @@ TEST(Network, ALayerThatDoesNotFitIsNamed) {
   EXPECT_NE(std::string(error.what()).find("trunk/2"), std::string::npos) << error.what();
   network = random_network(shape, 1);
   network.parameter[1].bias[3] = std::numeric_limits<double>::quiet_NaN();
+  testing::expect_error("model.invalid_network", [&] { validate(network); });
+  network = random_network(shape, 1);
+  network.symmetries = {Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity())};
   testing::expect_error("model.invalid_network", [&] { validate(network); });
 }
 

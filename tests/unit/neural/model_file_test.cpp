@@ -22,6 +22,7 @@ class ModelFile : public ::testing::Test {
     model.id = "ih67";
     model.family = "IH67";
     model.network = random_network(shape, 5);
+    model.network.symmetries = {Eigen::Vector3d(1, 1, -1).asDiagonal()};
     model.strain_range = {-0.25, 0.63, 0.4};
     model.provenance.data_set = "IH67-0-of-12.h5 IH67-1-of-12.h5";
     model.provenance.designs = 410;
@@ -55,6 +56,8 @@ TEST_F(ModelFile, HoldsEverythingThatWasWritten) {
   EXPECT_EQ(back.id, model.id);
   EXPECT_EQ(back.family, model.family);
   EXPECT_EQ(back.network.shape.width, 24);
+  ASSERT_EQ(back.network.symmetries.size(), 1U);
+  EXPECT_EQ(back.network.symmetries[0], model.network.symmetries[0]);
   for (std::size_t i = 0; i < model.network.trunk.size(); ++i) {
     EXPECT_EQ(back.network.trunk[i].weights, model.network.trunk[i].weights);
     EXPECT_EQ(back.network.trunk[i].bias, model.network.trunk[i].bias);

@@ -9,6 +9,7 @@
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/structure.h"
 #include "support/expect_error.h"
+#include "support/random_network.h"
 
 namespace supple::training {
 namespace {
@@ -68,6 +69,24 @@ TEST(SamplesOfAModel, OfOtherDataThanItsOwnAreRefused) {
   model.provenance.rows = static_cast<std::int64_t>(split(read_samples(data)).training.size());
   EXPECT_FALSE(samples_of(model, data).split.test.empty());
   testing::expect_error("training.different_data", [&] { (void)samples_of(model, {drawn_data(80), {}}); });
+}
+
+TEST(Symmetrized, AModelHasTheRotationsOfItsFamilyAndErrorsMeasuredAnew) {
+  const ModelData data{drawn_data(60), {}};
+  neural::Model model;
+  model.family = "IH21";
+  neural::NetworkShape shape;
+  shape.width = 16;
+  shape.parameters = 2;
+  model.network = neural::random_network(shape, 1);
+  model.provenance.options = describe(ModelOptions{});
+  model.provenance.rows = static_cast<std::int64_t>(split(read_samples(data)).training.size());
+  const auto made = symmetrized(model, data);
+  EXPECT_EQ(made.network.symmetries.size(), 2U) << "a sixth and a third of a turn";
+  EXPECT_GT(made.design_split->designs, 0);
+  EXPECT_GT(made.strain_range.largest_principal, made.strain_range.smallest_principal);
+  model.family = "IH01";
+  testing::expect_error("training.no_symmetry", [&] { (void)symmetrized(model, data); });
 }
 
 TEST(ReadSamples, FurtherDataTrainAndLeaveTheHeldOutDesignsAsTheyAre) {

@@ -37,8 +37,8 @@ struct Evaluation {
 /// A strain goes forward through the layers with its derivatives of one order less than asked for, and backward with as
 /// many: the backward pass adds an order and gives the derivatives by all parameters beside those by strain. Cost per
 /// strain, in products with one of the strain_layers + trunk_layers - 1 square matrices: 1 for the energy, 2 with
-/// stress, 8 with the tangent, 20 with third derivatives; width^2 multiply-adds each. The parameter branch, the rest
-/// state and the first layer are worked out once for each design.
+/// stress, 8 with the tangent, 20 with third derivatives; width^2 multiply-adds each. A network with symmetries takes
+/// one strain as several. The parameter branch, the rest state and the first layer are worked out once for each design.
 template <class Real>
 class BasicEvaluator {
  public:

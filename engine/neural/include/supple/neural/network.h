@@ -62,6 +62,10 @@ struct Network {
   std::vector<Layer> parameter;
   std::vector<Layer> trunk;
   std::vector<Layer> stiffness;  ///< empty for softplus
+  /// Maps T of strains e that leave the family's energies as they are: rotations of the structure onto itself, without
+  /// the identity. The energy density is the mean of Phi(p, e) and all Phi(p, T e), so that it has their symmetry
+  /// exactly, at as many more evaluations. Empty: Phi(p, e).
+  std::vector<Eigen::Matrix3d> symmetries;
 
   /// Number of weights and biases.
   long weights() const;

@@ -35,6 +35,12 @@ struct ModelSamples {
 };
 ModelSamples samples_of(const neural::Model& model, const ModelData& data);
 
+/// The model with an energy that has the rotations of its family's tilings exactly: the mean over all of them (see
+/// Network::symmetries), with its errors measured anew on the data that it was trained on. Mirror images are left out:
+/// they double the cost of an evaluation and gain little. Throws as `samples_of`, and "training.no_symmetry" where the
+/// family has no rotation but by half a turn, which no strain feels.
+neural::Model symmetrized(neural::Model model, const ModelData& data);
+
 struct ModelResult {
   neural::Model model;  ///< with its measured errors
   std::vector<EpochReport> history;
