@@ -22,22 +22,23 @@ constexpr double reached_share = 0.01;
 constexpr double good_share = 1e-3;
 /// What deviates less is near: the search begins with all samples.
 constexpr double near_share = 0.1;
-/// Samples of each target by which candidates are compared.
-constexpr int coarse_samples = 10;
+/// Samples of each target by which candidates are compared. Not a multiple of two or three: of a structure that looks
+/// the same after a quarter or a sixth of a turn, evenly spread directions would be few different ones.
+constexpr int coarse_samples = 11;
 /// What suffices of a search among those samples, and of equilibria while a search is under way.
 constexpr double coarse_tolerance = 1e-4;
 constexpr double search_tolerance = 1e-6;
 /// Equilibria are so much more accurate than what the search distinguishes, or it would chase their errors.
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
-constexpr double least_distance = 0.07;
+constexpr double least_distance = 0.035;
 /// Every other starting point is chosen and followed by deviations that count less beyond this share of the target's
 /// scale: where profiles jump, squares of a few samples hide that all others agree.
 constexpr double outlier_share = 0.1;
 /// Where an end that outliers led to deviates by less, as they count, few samples are off.
 constexpr double few_outliers = 0.03;
 /// Where their number is left open.
-constexpr int starts_in_one_space = 16;
+constexpr int starts_in_one_space = 24;
 /// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples, one
 /// for so many starting points and a few at most; and how near each other, as a share of the bounds' widths, ends are
 /// one.
