@@ -93,6 +93,12 @@ double slope(const std::vector<double>& x, const std::vector<double>& y) {
   return above / below;
 }
 
+/// Two significant digits, with separators between thousands.
+std::string rough(double value) {
+  const double digit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return value < 100 ? number(value, 2) : count(std::round(value / digit) * digit);
+}
+
 }  // namespace
 
 void study_cost(const NeuralSettings& settings) {
@@ -209,8 +215,8 @@ void study_data(const NeuralSettings& settings) {
     const double factor = std::pow(shipped.design_split->gradient.mean / published->gradient, 1 / exponent);
     const bool falls = exponent > 0;
     need.row({shipped.family, std::to_string(most), number(hours), number(100 * shipped.design_split->gradient.mean),
-              number(100 * published->gradient), number(exponent), falls ? number(factor * most, 2) : "none",
-              falls ? number(factor * hours, 2) : "none"});
+              number(100 * published->gradient), number(exponent), falls ? rough(factor * most) : "none",
+              falls ? rough(factor * hours) : "none"});
   }
   report.table(table);
   report.heading("How many designs the thesis's error would take");

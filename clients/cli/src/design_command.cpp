@@ -121,7 +121,7 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--starts", arguments.starts,
-                  "Starting points that are followed at most (16, of each of all families 4)")
+                  "Starting points that are followed at most (24, of each of all families 4)")
       ->check(CLI::PositiveNumber);
   command.add_option("--candidates", arguments.candidates, "Designs among which they are chosen")
       ->check(CLI::PositiveNumber);

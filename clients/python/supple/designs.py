@@ -112,7 +112,7 @@ class DesignOptions:
         tolerance: the search ends once a step promises to lessen the relative deviation by at most this. 1e-6.
         equilibrium_tolerance: relative residual of an equilibrium. 1e-10.
         max_iterations: from one starting point. 200.
-        starts: starting points that are followed at most. 16, or 4 of each family where all are searched.
+        starts: starting points that are followed at most. 24, or 4 of each family where all are searched.
         candidates: designs spread over the bounds from which they are chosen.
         verified_samples: samples that are simulated where the design is verified. 12.
         multi_start: further starting points: "automatic", "on" or "off".

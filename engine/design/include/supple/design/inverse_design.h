@@ -37,7 +37,7 @@ struct DesignOptions {
   double tolerance = 1e-6;
   double equilibrium_tolerance = 1e-10;  ///< of neural::uniaxial_residual
   int max_iterations = 200;              ///< from one starting point
-  /// Starting points that are followed at most. 0: 16 in one space, 4 in each of several.
+  /// Starting points that are followed at most. 0: 24 in one space, 4 in each of several.
   int starts = 0;
   int candidates = 0;  ///< designs from which they are chosen; 0: default_candidates
   /// Further starting points. automatic: where the design found from `initial` does not reach the target or deviates by
