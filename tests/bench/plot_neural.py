@@ -8,12 +8,14 @@ models-singularity.svg   energy density and stress of the family "square" along 
 models-native-time.svg   milliseconds of an equilibrium over the strain
 models-smoothness.svg    energy density and stress along a design parameter in small steps
 models-cost.svg          error against seconds to train and microseconds to evaluate
+models-data.svg          error against the number of designs
 
 A study whose CSV file is not there is left out.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -90,19 +92,28 @@ def draw_singularity(rows: list[Row], target: Path) -> None:
 
 def draw_native_time(rows: list[Row], target: Path) -> None:
     families = grouped(rows, "family")
-    figure, panels = plt.subplots(1, len(families), figsize=(4.2 * len(families), 3.8), sharey=True, squeeze=False)
-    for panel, (family, points) in zip(panels[0], families.items()):
+    # The place after the last family holds the legend.
+    columns = min(4, len(families) + 1)
+    lines = math.ceil((len(families) + 1) / columns)
+    figure, panels = plt.subplots(lines, columns, figsize=(3.1 * columns, 2.9 * lines), sharex=True, sharey=True,
+                                  squeeze=False)
+    for panel, (family, points) in zip(panels.flat, families.items()):
         strain = [100 * s for s in numbers(points, "strain")]
         for key, colour, label in (("native", RED, "simulation"), ("network", BLUE, "network")):
-            panel.plot(strain, numbers(points, f"{key}_ms"), color=colour, marker="o", markersize=3.5,
+            panel.plot(strain, numbers(points, f"{key}_ms"), color=colour, marker="o", markersize=3,
                        label=f"{label}, median")
             panel.plot(strain, numbers(points, f"{key}_worst"), color=colour, linewidth=0.8, linestyle="--",
-                       label="worst")
+                       label=f"{label}, worst")
         panel.axvline(0, color=GREY, linewidth=0.8, linestyle=":")
-        panel.set(yscale="log", xlabel="strain along the load, %")
+        panel.set(yscale="log")
         panel.set_title(family, fontsize=10)
-    panels[0][0].set_ylabel("milliseconds of an equilibrium")
-    panels[0][0].legend(fontsize=8, frameon=False, loc="center", bbox_to_anchor=(0.5, 0.37))
+        panel.tick_params(labelbottom=True)
+    for rest in panels.flat[len(families):]:
+        rest.axis("off")
+    panels.flat[len(families)].legend(*panels.flat[0].get_legend_handles_labels(), fontsize=9, frameon=False,
+                                      loc="center")
+    figure.supxlabel("strain along the load, %", fontsize=10)
+    figure.supylabel("milliseconds of an equilibrium", fontsize=10)
     save(figure, target)
 
 
