@@ -29,7 +29,7 @@ std::vector<Setting> all_settings() {
   for (const double t : {1e-4, 1e-6, 1e-10, 1e-12})
     all.push_back(
         {"equilibrium_tolerance", number(t), [t](auto&, auto& options) { options.equilibrium_tolerance = t; }});
-  for (const int n : {1, 2, 4, 8, 16})
+  for (const int n : {1, 2, 4, 8, 16, 24})
     all.push_back({"starts", std::to_string(n), [n](auto&, auto& options) { options.starts = n; }});
   for (const int n : {4, 16, 64, 256})
     all.push_back({"candidates", std::to_string(n), [n](auto&, auto& options) { options.candidates = n; }});
@@ -87,7 +87,7 @@ void study_design_accuracy(const DesignSettings& settings) {
       settings, "accuracy",
       "Stiffness over 100 directions of random designs at a strain of 0.05, found again with one setting changed at a "
       "time "
-      "from the defaults (50 samples, tolerance 1e-6, equilibria to 1e-10, 16 starts, 40 candidates for each "
+      "from the defaults (50 samples, tolerance 1e-6, equilibria to 1e-10, 24 starts, 40 candidates for each "
       "parameter)."));
 }
 

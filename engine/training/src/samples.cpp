@@ -63,6 +63,7 @@ void check_further(const ModelData& data) {
     const auto differing = dataset::differences(wanted, without_choices(data.more[i].recipe));
     if (differing.empty()) continue;
     std::vector<Error::Detail> details;
+    details.reserve(differing.size());
     for (const auto& difference : differing) details.push_back({"more[" + std::to_string(i) + "]", difference});
     throw Error("dataset.different_recipe",
                 "Further data " + std::to_string(i) + " were simulated in another way: " + differing.front() + ".",
