@@ -26,6 +26,10 @@
 namespace supple::bench {
 namespace {
 
+/// Errors of the thesis's networks, in percent (4.4.3).
+constexpr double mean_allowed = 0.475;
+constexpr double worst_allowed = 3.57;
+
 /// What the family's data set is made with, on a coarse mesh in a short run; curves need no tangents.
 microscale::SimulationOptions options_of(const std::string& family, bool brief) {
   auto options = data_set_options(family);
@@ -164,6 +168,7 @@ void study_uniaxial(const NeuralSettings& settings) {
                                   {"median_percent", "Median %"},
                                   {"percentile_99", "99th percentile %"},
                                   {"worst_percent", "Worst %"},
+                                  {"beyond_percent", "Points beyond 3.57 %, %"},
                                   {"curve_mean", "Mean, of the curve's largest %"},
                                   {"curve_worst", "Worst, of the curve's largest %"},
                                   {"network_ms", "Network, ms a state"},
@@ -210,14 +215,16 @@ void study_uniaxial(const NeuralSettings& settings) {
       }
     }
     const double network_ms = 1e3 * network_seconds / states;
+    const auto beyond = std::count_if(errors.begin(), errors.end(), [](double error) { return error > worst_allowed; });
     table.row({model.family, std::to_string(wanted), std::to_string(states), number(mean(errors)),
                number(median(errors)), number(quantile(errors, 0.99)), number(quantile(errors, 1)),
-               number(mean(curve_errors)), number(quantile(curve_errors, 1)), number(network_ms),
-               number(1e3 * native_seconds / states), std::to_string(failed)});
+               number(100 * static_cast<double>(beyond) / states), number(mean(curve_errors)),
+               number(quantile(curve_errors, 1)), number(network_ms), number(1e3 * native_seconds / states),
+               std::to_string(failed)});
     report.target(model.family + ": mean error of the directional stress", "0.475 %", number(mean(errors)) + " %",
-                  mean(errors) <= 0.475);
+                  mean(errors) <= mean_allowed);
     report.target(model.family + ": worst error", "3.57 %", number(quantile(errors, 1)) + " %",
-                  quantile(errors, 1) <= 3.57);
+                  quantile(errors, 1) <= worst_allowed);
     report.target(model.family + ": an equilibrium by the network", "2 ms", number(network_ms) + " ms",
                   network_ms <= 2);
   }

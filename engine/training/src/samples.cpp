@@ -29,7 +29,7 @@ std::vector<int> shuffled(int n, const char* name, std::int64_t seed) {
 }
 
 /// Settings that choose designs and loads. All others decide what is simulated for them.
-constexpr std::array<std::string_view, 19> choosing{"seed",
+constexpr std::array<std::string_view, 18> choosing{"seed",
                                                     "box_margin",
                                                     "corners",
                                                     "parameters",
@@ -46,8 +46,7 @@ constexpr std::array<std::string_view, 19> choosing{"seed",
                                                     "smallest_stretch",
                                                     "largest_biaxial_stretch",
                                                     "smallest_biaxial_stretch",
-                                                    "first_strain",
-                                                    "max_load_step"};
+                                                    "first_strain"};
 
 dataset::Recipe without_choices(const dataset::Recipe& recipe) {
   dataset::Recipe kept;
