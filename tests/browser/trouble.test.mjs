@@ -39,6 +39,25 @@ describe("a search that takes long", () => {
     await closePage(page);
   });
 
+  it("is asked for again where a request that was stopped came to the server after it", async () => {
+    const design = await DesignPage.open(browser, server.url);
+    const { page } = design;
+    let replaced = 0;
+    await page.route("**/v1/designs", async (route) => {
+      if (!isSearch(route.request()) || replaced > 0) return route.continue().catch(() => {});
+      ++replaced;
+      const body = JSON.stringify({ type: "urn:supple:error:design.superseded", title: "Superseded", status: 409, detail: "A newer request of the session has replaced this one.", code: "design.superseded" });
+      await route.fulfill({ status: 409, contentType: "application/problem+json", body });
+    });
+    const curve = await design.curve("achieved");
+    await design.drag(4, 0, -30);
+    await until(() => replaced === 1, "a search that is replaced");
+    await design.settled();
+    assert.notEqual(await design.curve("achieved"), curve);
+    assert.ok(isSearch({ postDataJSON: () => page.designs.asked.at(-1) }), "searched for in the end");
+    await closePage(page);
+  });
+
   it("can be cancelled", async () => {
     const design = await DesignPage.open(browser, server.url);
     const { page } = design;

@@ -265,7 +265,7 @@ export class DesignSession {
         this.unanswered = false;
         if (!signal.aborted) this.activity.set({ kind: "idle" });
       } catch (error) {
-        this.fail(error);
+        this.fail(error, effort, signal);
       } finally {
         this.runningEffort = null;
       }
@@ -317,9 +317,13 @@ export class DesignSession {
     this.shown.set(shownDesign(answer, asked));
   }
 
-  private fail(error: unknown): void {
-    if (isAbort(error)) return;
-    if (error instanceof Problem && error.code === "design.superseded") return; // by a newer one of ours
+  private fail(error: unknown, effort: Effort, signal: AbortSignal): void {
+    if (signal.aborted || isAbort(error)) return;
+    if (error instanceof Problem && error.code === "design.superseded") {
+      // One runs at a time, so that no newer one of ours did it: one that was stopped came to the server late.
+      this.refresh(effort);
+      return;
+    }
     this.unanswered = true;
     this.activity.set(error instanceof ConnectionLost ? { kind: "idle" } : { kind: "failed", sentence: explain(error) });
   }
