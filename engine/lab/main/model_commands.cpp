@@ -165,6 +165,7 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   rule("--learning-rate", training.learning_rate, "At its highest");
   rule("--last-learning-rate", training.last_learning_rate, "At the end");
   rule("--largest-gradient", training.largest_gradient, "Longer ones are shortened");
+  rule("--weight-decay", training.weight_decay, "Times the learning rate: the share by which weights shrink in a step");
   rule("--energy-weight", training.energy_weight, "Of the energy's error");
   rule("--stress-weight", training.stress_weight, "Of the stress's error");
   rule("--tangent-weight", training.tangent_weight, "Of the tangent's error");

@@ -66,21 +66,22 @@ Tensor direction_of(Tensor& first, Tensor& second, const Tensor& g, double first
 
 }  // namespace
 
-Optimizer::Optimizer(OptimizerKind kind, Parameters& parameters, std::size_t preconditioned)
-    : kind_(kind), parameters_(parameters) {
+Optimizer::Optimizer(OptimizerKind kind, Parameters& parameters, std::size_t preconditioned, double weight_decay)
+    : kind_(kind), parameters_(parameters), weight_decay_(weight_decay) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const bool bases = kind == OptimizerKind::soap && i < preconditioned && parameters[i].dim() == 2;
+    const bool inner_matrix = i < preconditioned && parameters[i].dim() == 2;
     const auto columns = parameters[i].dim() == 2 ? parameters[i].size(1) : 0;
     for (std::int64_t begin = 0; begin < std::max<std::int64_t>(columns, 1); begin += most_columns) {
       Block block;
       block.parameter = i;
       block.column = begin;
       block.columns = std::min(columns - begin, most_columns);
-      block.has_bases = bases;
+      block.has_bases = inner_matrix && kind == OptimizerKind::soap;
+      block.decays = inner_matrix && weight_decay > 0;
       const auto of = part(block, parameters[i]).detach();
       block.first = torch::zeros_like(of, torch::MemoryFormat::Contiguous);
       block.second = torch::zeros_like(of, torch::MemoryFormat::Contiguous);
-      if (bases) {
+      if (block.has_bases) {
         block.left_statistics = torch::zeros({of.size(0), of.size(0)}, of.options());
         block.right_statistics = torch::zeros({of.size(1), of.size(1)}, of.options());
       }
@@ -117,7 +118,9 @@ void Optimizer::step(Block& block, const Tensor& gradient, double learning_rate)
       direction_of(block.first, block.second, g, 1 - std::pow(first_decay, t), 1 - std::pow(second_decay, t));
   if (block.has_bases)
     change = product(product(block.left_basis, false, change, false), false, block.right_basis, true);
-  part(block, parameters_[block.parameter]).add_(change, -learning_rate);
+  auto values = part(block, parameters_[block.parameter]);
+  if (block.decays) values.mul_(1 - learning_rate * weight_decay_);
+  values.add_(change, -learning_rate);
 }
 
 void Optimizer::renew_bases(Block& block) const {

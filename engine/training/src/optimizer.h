@@ -18,8 +18,9 @@ namespace supple::training {
 /// direction meets moments of another. Matrices with many columns are split in parts of their own.
 class Optimizer {
  public:
-  /// Steps change `parameters` in place; the first `preconditioned` of them have bases, if the kind has any.
-  Optimizer(OptimizerKind kind, Parameters& parameters, std::size_t preconditioned);
+  /// Steps change `parameters` in place. Matrices among the first `preconditioned` of them have bases, if the kind has
+  /// any, and shrink by learning rate * `weight_decay` in each step (decoupled; Loshchilov and Hutter 2019).
+  Optimizer(OptimizerKind kind, Parameters& parameters, std::size_t preconditioned, double weight_decay = 0);
 
   void step(const std::vector<torch::Tensor>& gradients, double learning_rate);
 
@@ -36,6 +37,7 @@ class Optimizer {
     std::int64_t column = 0;
     std::int64_t columns = 0;
     bool has_bases = false;
+    bool decays = false;
     torch::Tensor first;   ///< moment, in the bases
     torch::Tensor second;  ///< moment
     torch::Tensor left_statistics;
@@ -49,6 +51,7 @@ class Optimizer {
 
   OptimizerKind kind_;
   Parameters& parameters_;
+  double weight_decay_;
   std::vector<Block> blocks_;
   std::int64_t steps_ = 0;
 };

@@ -57,7 +57,7 @@ class Training {
     best_ = copies(parameters_);
     std::size_t trunk_end = 2 * static_cast<std::size_t>(options.shape.strain_layers + options.shape.parameter_layers +
                                                          options.shape.trunk_layers + 1);
-    optimizer_.emplace(options.optimizer, parameters_, trunk_end);
+    optimizer_.emplace(options.optimizer, parameters_, trunk_end, options.weight_decay);
     for (const auto& chunk : designs_) {
       const auto rows = static_cast<int>(chunk.rows.size());
       chunks_per_epoch_ += (rows + options.chunk_rows - 1) / options.chunk_rows;

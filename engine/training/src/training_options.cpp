@@ -33,6 +33,7 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
   add("learning_rate", options.learning_rate);
   add("last_learning_rate", options.last_learning_rate);
   add("largest_gradient", options.largest_gradient);
+  add("weight_decay", options.weight_decay);
   add("energy_weight", options.energy_weight);
   add("stress_weight", options.stress_weight);
   add("tangent_weight", options.tangent_weight);
@@ -62,6 +63,7 @@ void check(const TrainingOptions& options, const Samples& samples) {
   require(options.last_learning_rate >= 0 && options.last_learning_rate <= options.learning_rate, "last_learning_rate",
           "from 0 to learning_rate");
   require(options.largest_gradient > 0, "largest_gradient", "positive");
+  require(options.weight_decay >= 0, "weight_decay", "not negative");
   require(options.energy_weight >= 0 && options.stress_weight >= 0 && options.energy_weight + options.stress_weight > 0,
           "energy_weight", "not negative, nor zero together with stress_weight");
   require(options.tangent_weight >= 0, "tangent_weight", "not negative");

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
+#include <cmath>
+
 #include "supple/base/error.h"
 #include "supple/base/random.h"
 
@@ -45,6 +47,17 @@ TEST(Optimizer, EigenbasesHelpWhereTheValleyIsNotAlongTheAxes) {
   const Bowl bowl;
   EXPECT_LT(plain, bowl.value(torch::zeros({32, 16})));
   EXPECT_LT(turned, 0.2 * plain);
+}
+
+TEST(Optimizer, WeightsOfTheTrunkAloneDecayAndTheRateSaysHowFast) {
+  for (const auto kind : {OptimizerKind::adam, OptimizerKind::soap}) {
+    Parameters parameters{random_matrix(32, 16, 4), random_matrix(16, 1, 5).reshape({16}), random_matrix(8, 8, 6)};
+    Parameters expected{parameters[0] * std::pow(1 - 0.01 * 0.5, 10), parameters[1].clone(), parameters[2].clone()};
+    Optimizer optimizer(kind, parameters, 2, 0.5);
+    for (int i = 0; i < 10; ++i)
+      optimizer.step({torch::zeros({32, 16}), torch::zeros({16}), torch::zeros({8, 8})}, 0.01);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(torch::allclose(parameters[i], expected[i], 1e-5, 0));
+  }
 }
 
 TEST(Optimizer, GoesOnFromItsStateWithTheSameBits) {

@@ -41,6 +41,7 @@ struct TrainingOptions {
   double learning_rate = 5e-3;
   double last_learning_rate = 1e-5;  ///< the rate falls along a cosine, after a short rise
   double largest_gradient = 1;       ///< longer ones are shortened
+  double weight_decay = 0;           ///< times the learning rate: the share by which weights shrink in each step
   double energy_weight = 1;
   double stress_weight = 1;
   double tangent_weight = 0.1;
