@@ -50,6 +50,7 @@ struct TrainArguments {
   training::ModelOptions options;
   std::string family;
   DataArguments data;
+  std::filesystem::path start;
   std::filesystem::path out;
   std::filesystem::path log;
   std::string form = "sum_of_squares";
@@ -106,6 +107,7 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
     throw Error("training.invalid_option",
                 fmt::format("The data set is of the family {}, not {}.", family, arguments.family),
                 {{"family", family}});
+  if (!arguments.start.empty()) arguments.options.start = neural::read_model(arguments.start);
   const auto checkpoint = checkpoint_path(arguments.out);
   const auto report = [&](const training::EpochReport& r) {
     if (arguments.quiet || r.validation_gradient < 0) return;
@@ -139,6 +141,8 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   add_data_options(command, arguments.data);
   command.add_option("--out", arguments.out, "The model; until it is finished, OUT.partial keeps what is done")
       ->required();
+  command.add_option("--start", arguments.start,
+                     "A model of the same data and split: training goes on with it, and its network's shape holds");
   command.add_option("--family", arguments.family, "Refuses data of another");
   command.add_option("--id", options.id, "Of the model; the family's unless given");
   command.add_option("--log", arguments.log, "CSV file of losses and validation errors");

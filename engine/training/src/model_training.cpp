@@ -107,6 +107,23 @@ neural::Model symmetrized(neural::Model model, const ModelData& data) {
   return model;
 }
 
+namespace {
+
+/// Goes on with a model whose own test and validation designs are those of the new training.
+void start_from(const neural::Model& start, const ModelData& data, const std::string& family, const Split& parts,
+                TrainingOptions& options) {
+  const auto theirs = start.family == family ? samples_of(start, data).split : Split{};
+  if (theirs.test != parts.test || theirs.validation != parts.validation)
+    throw Error("training.different_data",
+                fmt::format("The model {} of {} was trained with other designs held out than {} would be now.",
+                            start.id, start.family, family),
+                {{"start", "the same data and shares of the split"}});
+  options.start = start.network;
+  options.shape = start.network.shape;
+}
+
+}  // namespace
+
 ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report) {
@@ -115,6 +132,7 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
   const auto parts = split(samples, options.split);
   auto training_options = options.training;
   training_options.shape.parameters = static_cast<int>(samples.lower.size());
+  if (options.start) start_from(*options.start, data, family.id, parts, training_options);
   if (options.use_symmetry) training_options.symmetries = energy_symmetries(family);
   const auto trained = train(samples, parts, training_options, checkpoint, cancellation, report);
 
@@ -144,6 +162,11 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
   described.training = training_options;
   provenance.options = describe(described);
   provenance.training_seconds = trained.history.empty() ? 0 : trained.history.back().seconds;
+  if (const auto& start = options.start) {
+    provenance.training_seconds += start->provenance.training_seconds;
+    for (const auto& [name, value] : start->provenance.options)
+      if (name == "epochs" || name == "start_epochs") provenance.options.emplace_back("start_epochs", value);
+  }
   provenance.youngs_modulus = data.data.recipe.number("youngs_modulus");
   provenance.poisson_ratio = data.data.recipe.number("poisson_ratio");
   return result;

@@ -50,9 +50,14 @@ class Training {
         designs_(chunks_by_design(samples, split.training)) {
     const Eigen::Map<const Eigen::VectorXd> lower(samples.lower.data(), static_cast<long>(samples.lower.size()));
     const Eigen::Map<const Eigen::VectorXd> upper(samples.upper.data(), static_cast<long>(samples.upper.size()));
-    network_ = draw_network(options.shape, lower, upper, {options.smallest_input_scale, options.largest_input_scale},
-                            options.seed);
-    if (options.shape.form == neural::EnergyForm::sum_of_squares) fit_stiffness();
+    if (options.start) {
+      network_ = *options.start;
+      network_.symmetries.clear();
+    } else {
+      network_ = draw_network(options.shape, lower, upper, {options.smallest_input_scale, options.largest_input_scale},
+                              options.seed);
+      if (options.shape.form == neural::EnergyForm::sum_of_squares) fit_stiffness();
+    }
     parameters_ = to_parameters(network_, torch::kFloat, device_);
     best_ = copies(parameters_);
     std::size_t trunk_end = 2 * static_cast<std::size_t>(options.shape.strain_layers + options.shape.parameter_layers +

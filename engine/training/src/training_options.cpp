@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "supple/base/error.h"
 #include "supple/training/trainer.h"
@@ -14,6 +17,27 @@ OptimizerKind optimizer_of(std::string_view name) {
     if (to_string(kind) == name) return kind;
   throw Error("training.invalid_option", fmt::format("There is no optimizer {}; the optimizers are soap, adam.", name));
 }
+
+namespace {
+
+/// Tells networks apart.
+double fingerprint(const neural::Network& network) {
+  double sum = 0;
+  double factor = 1;
+  for (const auto* layers : {&network.strain, &network.parameter, &network.trunk, &network.stiffness})
+    for (const auto& layer : *layers) sum += ++factor * (layer.weights.sum() + layer.bias.sum());
+  return sum;
+}
+
+bool same(const neural::NetworkShape& a, const neural::NetworkShape& b) {
+  const auto all = [](const neural::NetworkShape& s) {
+    return std::tuple(s.parameters, s.width, s.strain_layers, s.parameter_layers, s.trunk_layers, s.residuals,
+                      s.stiffness_width, s.activation, s.form);
+  };
+  return all(a) == all(b);
+}
+
+}  // namespace
 
 std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions& options) {
   std::vector<std::pair<std::string, std::string>> all;
@@ -42,6 +66,7 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
   add("optimizer", to_string(options.optimizer));
   add("smallest_input_scale", options.smallest_input_scale);
   add("largest_input_scale", options.largest_input_scale);
+  if (options.start) add("start", fingerprint(*options.start));
   add("stiffness_steps", options.stiffness_steps);
   add("patience", options.patience);
   add("validation_interval", options.validation_interval);
@@ -56,6 +81,10 @@ void check(const TrainingOptions& options, const Samples& samples) {
   };
   require(options.shape.parameters == static_cast<int>(samples.lower.size()), "parameters", "the data set's number");
   require(options.shape.width >= 16 && options.shape.width % 16 == 0, "width", "a multiple of 16");
+  if (const auto& start = options.start)
+    require(same(start->shape, options.shape) && std::ranges::equal(start->lower, samples.lower) &&
+                std::ranges::equal(start->upper, samples.upper),
+            "start", "a network of the shape and the bounds that are trained");
   require(options.epochs >= 1, "epochs", "at least 1");
   require(options.chunk_rows >= 1, "chunk_rows", "at least 1");
   require(options.batch_chunks >= 1, "batch_chunks", "at least 1");

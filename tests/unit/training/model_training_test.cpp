@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sample_data.h"
@@ -87,6 +89,38 @@ TEST(Symmetrized, AModelHasTheRotationsOfItsFamilyAndErrorsMeasuredAnew) {
   EXPECT_GT(made.strain_range.largest_principal, made.strain_range.smallest_principal);
   model.family = "IH01";
   testing::expect_error("training.no_symmetry", [&] { (void)symmetrized(model, data); });
+}
+
+TEST(TrainModel, GoesOnWithAModelOfTheSameDataAndSplit) {
+  ModelData data{drawn_data(60), {}};
+  data.data.recipe.set("family", std::string("IH28"));
+  data.data.recipe.set("youngs_modulus", 10.0);
+  data.data.recipe.set("poisson_ratio", 0.4);
+  ModelOptions options;
+  options.use_symmetry = false;
+  options.training.shape.width = 16;
+  options.training.epochs = 20;
+  const auto train = [&](const ModelOptions& with) {
+    return train_model(data, "drawn", "test", with, {}, {}, [](auto&) {});
+  };
+  const auto first = train(options);
+  auto on = options;
+  on.start = first.model;
+  on.training.shape.width = 256;
+  on.training.learning_rate = 1e-3;
+  on.training.epochs = 10;
+  const auto second = train(on);
+  EXPECT_EQ(second.model.network.shape.width, 16) << "the start's shape holds";
+  EXPECT_GT(second.model.provenance.training_seconds, first.model.provenance.training_seconds);
+  EXPECT_TRUE(
+      std::ranges::count(second.model.provenance.options, std::pair<std::string, std::string>("start_epochs", "20")));
+
+  on.split.seed = 2;
+  testing::expect_error("training.different_data", [&] { (void)train(on); });
+  on = options;
+  on.start = first.model;
+  on.start->family = "IH50";
+  testing::expect_error("training.different_data", [&] { (void)train(on); });
 }
 
 TEST(ReadSamples, FurtherDataTrainAndLeaveTheHeldOutDesignsAsTheyAre) {

@@ -92,6 +92,22 @@ TEST(Training, TheSameSeedGivesTheSameBitsAndAnotherOthers) {
   EXPECT_FALSE(same(one.network, train(samples(), parts(), options, {}, {}, ignore).network));
 }
 
+TEST(Training, BeginsWithAnotherOnesNetwork) {
+  const auto first = train(samples(), parts(), small_options(30), {}, {}, ignore);
+  auto options = small_options(30);
+  options.start = first.network;
+  options.learning_rate = 2e-3;
+  options.tangent_begin = 0;
+  const auto on = train(samples(), parts(), options, {}, {}, ignore);
+  EXPECT_LT(on.history.front().loss, 2 * first.history.back().loss) << "where the first one ended";
+  EXPECT_LT(split_errors(on.network, samples(), parts().test).gradient.mean,
+            split_errors(first.network, samples(), parts().test).gradient.mean);
+  options.shape.trunk_layers = 4;
+  const auto error = testing::expect_error("training.invalid_option",
+                                           [&] { (void)train(samples(), parts(), options, {}, {}, ignore); });
+  EXPECT_EQ(testing::places(error), std::vector<std::string>{"start"});
+}
+
 TEST(Training, AnInterruptedOneGoesOnWithTheSameBits) {
   const testing::TemporaryFolder folder;
   const auto checkpoint = folder / "training.partial";

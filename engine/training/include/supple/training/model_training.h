@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,8 @@ struct ModelOptions {
   SplitOptions split;
   TrainingOptions training;  ///< `shape.parameters` and `symmetries` are set from the data
   bool use_symmetry = true;
+  /// Trained on the same data with the same split: training goes on with its network, whose shape holds.
+  std::optional<neural::Model> start;
 };
 
 /// By name, as they are kept with a model: with them and the data the split is made again.
@@ -50,7 +53,8 @@ struct ModelResult {
 
 /// Trains a network on data, as `train`, and measures it on designs and on rows that training has not seen. The
 /// data's name and `engine`, the version that trains, go into the provenance. Throws what `train` and `read_samples`
-/// throw, and "tiling.family_not_found".
+/// throw, "tiling.family_not_found", and "training.different_data" where `start` was trained on other data or other
+/// designs of them: those that judge must not have trained it.
 ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report);
