@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <iterator>
 #include <set>
 
@@ -164,8 +165,10 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
   provenance.training_seconds = trained.history.empty() ? 0 : trained.history.back().seconds;
   if (const auto& start = options.start) {
     provenance.training_seconds += start->provenance.training_seconds;
+    int epochs = 0;  // of all trainings before this one
     for (const auto& [name, value] : start->provenance.options)
-      if (name == "epochs" || name == "start_epochs") provenance.options.emplace_back("start_epochs", value);
+      if (name == "epochs" || name == "start_epochs") epochs += std::atoi(value.c_str());
+    provenance.options.emplace_back("start_epochs", std::to_string(epochs));
   }
   provenance.youngs_modulus = data.data.recipe.number("youngs_modulus");
   provenance.poisson_ratio = data.data.recipe.number("poisson_ratio");

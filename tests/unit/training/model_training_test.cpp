@@ -115,6 +115,11 @@ TEST(TrainModel, GoesOnWithAModelOfTheSameDataAndSplit) {
   EXPECT_TRUE(
       std::ranges::count(second.model.provenance.options, std::pair<std::string, std::string>("start_epochs", "20")));
 
+  on.start = second.model;
+  on.training.epochs = 2;
+  const auto third = train(on).model.provenance.options;
+  EXPECT_TRUE(std::ranges::count(third, std::pair<std::string, std::string>("start_epochs", "30"))) << "of both before";
+
   on.split.seed = 2;
   testing::expect_error("training.different_data", [&] { (void)train(on); });
   on = options;

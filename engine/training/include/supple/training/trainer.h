@@ -51,7 +51,8 @@ struct TrainingOptions {
   OptimizerKind optimizer = OptimizerKind::soap;
   double smallest_input_scale = 1;  ///< of strains at the first layer, when weights are drawn
   double largest_input_scale = 20;
-  /// To begin with, of `shape` and the samples' bounds; none: drawn by the seed. Symmetries of its own are left out.
+  /// To begin with, of `shape` and the samples' bounds; none: drawn by the seed. Symmetries of its own are left out;
+  /// `describe` gives a sum over its weights, so that a checkpoint knows it.
   std::optional<neural::Network> start;
   int stiffness_steps = 300;  ///< that first fit the stiffness branch to tangents next to rest
   int patience = 0;           ///< epochs without a better validation after which training ends; 0: all are run
