@@ -42,6 +42,19 @@ std::string engines_of(const ModelData& data) {
   return text;
 }
 
+/// Goes on with a model whose own test and validation designs are those of the new training.
+void start_from(const neural::Model& start, const ModelData& data, const std::string& family, const Split& parts,
+                TrainingOptions& options) {
+  const auto theirs = start.family == family ? samples_of(start, data).split : Split{};
+  if (start.family != family || theirs.test != parts.test || theirs.validation != parts.validation)
+    throw Error("training.different_data",
+                fmt::format("The model {} of {} was trained with other designs held out than {} would be now.",
+                            start.id, start.family, family),
+                {{"start", "the same data and shares of the split"}});
+  options.start = start.network;
+  options.shape = start.network.shape;
+}
+
 }  // namespace
 
 std::vector<EnergySymmetry> energy_symmetries(const tiling::Family& family) {
@@ -107,23 +120,6 @@ neural::Model symmetrized(neural::Model model, const ModelData& data) {
   model.row_split = split_errors(model.network, samples, parts.row_test);
   return model;
 }
-
-namespace {
-
-/// Goes on with a model whose own test and validation designs are those of the new training.
-void start_from(const neural::Model& start, const ModelData& data, const std::string& family, const Split& parts,
-                TrainingOptions& options) {
-  const auto theirs = start.family == family ? samples_of(start, data).split : Split{};
-  if (theirs.test != parts.test || theirs.validation != parts.validation)
-    throw Error("training.different_data",
-                fmt::format("The model {} of {} was trained with other designs held out than {} would be now.",
-                            start.id, start.family, family),
-                {{"start", "the same data and shares of the split"}});
-  options.start = start.network;
-  options.shape = start.network.shape;
-}
-
-}  // namespace
 
 ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,

@@ -2,22 +2,12 @@
 
 #include <algorithm>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "supple/base/error.h"
 #include "supple/training/trainer.h"
 
 namespace supple::training {
-
-std::string_view to_string(OptimizerKind kind) { return kind == OptimizerKind::soap ? "soap" : "adam"; }
-
-OptimizerKind optimizer_of(std::string_view name) {
-  for (const auto kind : {OptimizerKind::soap, OptimizerKind::adam})
-    if (to_string(kind) == name) return kind;
-  throw Error("training.invalid_option", fmt::format("There is no optimizer {}; the optimizers are soap, adam.", name));
-}
-
 namespace {
 
 /// Tells networks apart.
@@ -29,15 +19,15 @@ double fingerprint(const neural::Network& network) {
   return sum;
 }
 
-bool same(const neural::NetworkShape& a, const neural::NetworkShape& b) {
-  const auto all = [](const neural::NetworkShape& s) {
-    return std::tuple(s.parameters, s.width, s.strain_layers, s.parameter_layers, s.trunk_layers, s.residuals,
-                      s.stiffness_width, s.activation, s.form);
-  };
-  return all(a) == all(b);
-}
-
 }  // namespace
+
+std::string_view to_string(OptimizerKind kind) { return kind == OptimizerKind::soap ? "soap" : "adam"; }
+
+OptimizerKind optimizer_of(std::string_view name) {
+  for (const auto kind : {OptimizerKind::soap, OptimizerKind::adam})
+    if (to_string(kind) == name) return kind;
+  throw Error("training.invalid_option", fmt::format("There is no optimizer {}; the optimizers are soap, adam.", name));
+}
 
 std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions& options) {
   std::vector<std::pair<std::string, std::string>> all;
@@ -82,7 +72,7 @@ void check(const TrainingOptions& options, const Samples& samples) {
   require(options.shape.parameters == static_cast<int>(samples.lower.size()), "parameters", "the data set's number");
   require(options.shape.width >= 16 && options.shape.width % 16 == 0, "width", "a multiple of 16");
   if (const auto& start = options.start)
-    require(same(start->shape, options.shape) && std::ranges::equal(start->lower, samples.lower) &&
+    require(start->shape == options.shape && std::ranges::equal(start->lower, samples.lower) &&
                 std::ranges::equal(start->upper, samples.upper),
             "start", "a network of the shape and the bounds that are trained");
   require(options.epochs >= 1, "epochs", "at least 1");

@@ -38,6 +38,7 @@ struct NetworkShape {
   Activation activation = Activation::swish;
   EnergyForm form = EnergyForm::sum_of_squares;
 
+  bool operator==(const NetworkShape&) const = default;
   int outputs() const { return form == EnergyForm::softplus ? 1 : residuals; }
   /// What the first layer of the strain branch reads: (y, e), or e alone.
   int strain_inputs() const { return form == EnergyForm::softplus ? 3 : 6; }
