@@ -186,8 +186,8 @@ def test_python_finds_a_known_design(client: supple.Client, designs: Api) -> Non
     assert result.profile.x.shape == result.profile.achieved.shape == (9,) and result.profile.reached.all()
     assert result.profile.lower is not None and (result.profile.lower <= result.profile.achieved).all()
     assert result.profile.verified is None and result.profile.strain is None and result.profile.direction == 0.3
-    assert {effect.name for effect in result.effects} == {"multi_start", "envelope", "verification"}
-    assert result.residual <= result.equilibrium_tolerance and result.cost.quantities["evaluations"] > 0
+    assert {effect.name for effect in result.effects} == {"multi_start", "envelope", "verification", "polish"}
+    assert result.polish is None and result.residual <= result.equilibrium_tolerance and result.cost.quantities["evaluations"] > 0
 
 
 def test_python_ranks_families_and_holds_parameters(client: supple.Client, designs: Api) -> None:

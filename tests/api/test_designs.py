@@ -450,6 +450,44 @@ def test_a_profile_says_what_lies_outside_of_the_training(designs: Api) -> None:
     assert profile(designs, "stress_strain", [0.02], parameters=[0.5, 0.9])["in_range"] == [False]
 
 
+@pytest.mark.parametrize("task, limit", [("stress_strain", 0.05), ("stiffness", 0.1), ("poisson", 0.1)])
+def test_each_value_has_an_error_bar_and_long_ones_are_not_in_range(designs: Api, task: str, limit: float) -> None:
+    x = [-0.2, -0.05, 0, 0.1, 0.4] if task == "stress_strain" else [0, 0.5, 1, 2, 3]
+    said = set()
+    for share in np.linspace(0, 1, 9):
+        bounds = designs.get("/v1/models/ih67").json()["parameters"]
+        parameters = [low + share * (high - low) for low, high in zip(bounds["lower"], bounds["upper"])]
+        answer = designs.ok(PROFILES, {"task": task, "family": "IH67", "parameters": parameters, "x": x,
+                                       **({} if task == "stress_strain" else {"strain": -0.1})})
+        for y, bar, inside in zip(answer["y"], answer["error_bar"], answer["in_range"]):
+            if bar is None:
+                assert not inside
+                continue
+            longest = limit * (1 if task == "poisson" else abs(y))
+            assert bar >= 0 and (bar == longest or inside == (bar <= longest))
+            said.add(inside)
+    assert said == {True, False}, "bars tell places apart"
+
+
+def test_the_error_bars_of_a_design_are_those_of_its_profile(designs: Api) -> None:
+    answer = designs.ok(DESIGNS, known_problem(designs, family="IH29"))
+    again = profile(designs, "stress_strain", answer["profile"]["x"], family="IH29", parameters=answer["parameters"],
+                    direction=answer["profile"]["direction"])
+    np.testing.assert_allclose(again["error_bar"], answer["profile"]["error_bar"], rtol=1e-6, atol=1e-12)
+
+
+def test_error_bars_are_unknown_outside_of_the_training(designs: Api) -> None:
+    answer = profile(designs, "stress_strain", [0, 0.02, 2.0])
+    assert answer["error_bar"][0] < 1e-15 and answer["error_bar"][1] > 0 and answer["error_bar"][2] is None
+
+
+def test_the_model_says_what_its_error_bars_are_worth(designs: Api) -> None:
+    bars = designs.get("/v1/models/ih67").json()["error_bars"]
+    assert bars["level"] == 0.9
+    for quantity in ("stress", "stiffness", "poisson", "stress_at_strain"):
+        assert bars[quantity]["designs"] > 20 and 0.88 <= bars[quantity]["share"] <= 0.97
+
+
 def test_profiles_are_jobs_where_the_client_prefers_it(designs: Api) -> None:
     request = {"task": "poisson", "family": "IH29", "parameters": KNOWN["IH29"]}
     job = start_job(designs, PROFILES, request)
@@ -518,7 +556,9 @@ INVALID = [
     ({**GOOD, "accuracy": {"tolerance": 0}}, ["/accuracy/tolerance"]),
     ({**GOOD, "accuracy": {"max_iterations": 0, "starts": 65, "candidates": 5000, "verified_samples": 1}},
      ["/accuracy/max_iterations", "/accuracy/starts", "/accuracy/candidates", "/accuracy/verified_samples"]),
-    ({**GOOD, "effects": {"multi_start": "perhaps"}}, ["/effects/multi_start"]),
+    ({**GOOD, "effects": {"multi_start": "perhaps", "polish": "maybe"}}, ["/effects/multi_start", "/effects/polish"]),
+    ({**GOOD, "accuracy": {"polish_tolerance": 0, "polish_rounds": 0, "polish_seconds": 0}},
+     ["/accuracy/polish_tolerance", "/accuracy/polish_rounds", "/accuracy/polish_seconds"]),
     ({**GOOD, "session": ""}, ["/session"]),
     ({**GOOD, "session": "a b"}, ["/session"]),
     ({**GOOD, "session": "x" * 65}, ["/session"]),

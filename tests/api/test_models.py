@@ -168,6 +168,17 @@ def test_the_answer_says_what_lies_within_the_training(api: Api) -> None:
     assert api.ok(EVALUATIONS, evaluation([[0, 0, 0]] * 4, designs))["in_range"] == [True, True, False, False]
 
 
+def test_stresses_have_error_bars_within_the_training(api: Api) -> None:
+    answer = api.ok(EVALUATIONS, evaluation([[0.02, 0, 0], [0.35, 0, 0]]))
+    assert answer["stress_error_bar"][0] == pytest.approx(0.08 * np.linalg.norm(answer["stress"][0]))
+    assert answer["stress_error_bar"][1] is None and answer["in_range"] == [True, False]
+    assert "stress_error_bar" not in api.ok(EVALUATIONS, evaluation([[0.02, 0, 0]], derivatives=0))
+    load = {"parameters": [0.15, 0.65], "direction": 0.3, "green_strains": [0, 0.02, 3]}
+    rest, state, far = api.ok(UNIAXIAL, load)["states"]
+    assert rest["error_bar"] < 1e-15 and far["error_bar"] is None and not far["in_range"]
+    assert state["error_bar"] == pytest.approx(0.02 * abs(state["directional_stress"])) and state["in_range"]
+
+
 def test_the_most_strains_that_a_request_may_have_are_answered(api: Api) -> None:
     strains = np.random.default_rng(5).uniform(-0.05, 0.05, (100_000, 3)).round(6).tolist()
     body = json.dumps(evaluation(strains)).encode()

@@ -1,16 +1,19 @@
 // Inverse design with the shipped models: how often a known design is found again, what designs, drags and searches
-// over all families cost, what accuracy costs, the solver against its rivals, verification by simulation,
-// and what the width of networks costs and gives.
+// over all families cost, what accuracy costs, the solver against its rivals, verification and polish by simulation,
+// what the width of networks costs and gives, and what searches by simulation alone come to.
 //
 //   design_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--out DIR] [STUDY ...]
 //   default: all studies into docs/bench
 #include "design_bench.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <numbers>
 
 #include "command_line.h"
 #include "measurement.h"
+#include "supple/base/error.h"
+#include "supple/design/verification.h"
 
 namespace supple::bench {
 
@@ -26,13 +29,17 @@ std::vector<std::unique_ptr<LoadedSpace>> spaces_of(const DesignSettings& settin
   for (const auto& entry : std::filesystem::directory_iterator(settings.models))
     if (entry.path().extension() == ".h5") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
+  const auto& wanted = settings.families;
+  const auto place = [&](const std::unique_ptr<LoadedSpace>& space) {
+    return std::find(wanted.begin(), wanted.end(), space->model.family);
+  };
   std::vector<std::unique_ptr<LoadedSpace>> spaces;
   for (const auto& file : files) {
-    auto model = neural::read_model(file);
-    const auto& wanted = settings.families;
-    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), model.family) == wanted.end()) continue;
-    spaces.push_back(std::make_unique<LoadedSpace>(std::move(model)));
+    auto space = std::make_unique<LoadedSpace>(neural::read_model(file));
+    if (wanted.empty() || place(space) != wanted.end()) spaces.push_back(std::move(space));
   }
+  // In the order in which they were asked for.
+  std::stable_sort(spaces.begin(), spaces.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   return spaces;
 }
 
@@ -63,6 +70,33 @@ std::optional<design::Target> target_of(const LoadedSpace& space, const std::vec
   return target;
 }
 
+design::SimulateProfile simulation_of(const std::string& family, const DesignSettings& settings) {
+  microscale::SimulationOptions options;
+  const auto meshes = design::verification_meshes(family);
+  options.mesh = settings.brief ? meshes.coarser : meshes.mesh;
+  return design::simulation_of(tiling::family(family), options);
+}
+
+std::optional<design::Target> simulated_target(const LoadedSpace& space, design::Task task, RandomStream& random,
+                                               const design::SimulateProfile& simulate) {
+  const auto parameters = random_parameters(space.model, random);
+  const double direction = random.uniform(0, std::numbers::pi);
+  try {
+    auto target = target_of(space, parameters, task, direction, 0.05, 12);
+    if (!target) return std::nullopt;
+    target->samples = static_cast<int>(target->control_points.size());
+    const Eigen::VectorXd all =
+        Eigen::Map<const Eigen::VectorXd>(parameters.data(), static_cast<Eigen::Index>(parameters.size()));
+    const auto y = simulate(all, design::sample_target(*target).samples, {});
+    if (!y.allFinite()) return std::nullopt;
+    for (Eigen::Index i = 0; i < y.size(); ++i) target->control_points[static_cast<std::size_t>(i)][1] = y[i];
+    return target;
+  } catch (const Error& failure) {
+    std::printf("%s: %s\n", space.model.family.c_str(), failure.what());
+    return std::nullopt;
+  }
+}
+
 }  // namespace supple::bench
 
 int main(int argc, char** argv) {
@@ -77,5 +111,9 @@ int main(int argc, char** argv) {
                       {"accuracy", [&] { study_design_accuracy(settings); }},
                       {"solvers", [&] { study_solvers(settings); }},
                       {"verification", [&] { study_verification(settings); }},
-                      {"width", [&] { study_width(settings); }}});
+                      {"width", [&] { study_width(settings); }},
+                      {"polish", [&] { study_polish(settings); }},
+                      {"discretization", [&] { study_discretization(settings); }},
+                      {"native", [&] { study_native(settings); }},
+                      {"smoothness", [&] { study_design_smoothness(settings); }}});
 }

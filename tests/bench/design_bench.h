@@ -8,6 +8,7 @@
 
 #include "supple/base/random.h"
 #include "supple/design/inverse_design.h"
+#include "supple/design/profile.h"
 
 namespace supple::bench {
 
@@ -38,6 +39,14 @@ std::vector<double> random_parameters(const neural::Model& model, RandomStream& 
 std::optional<design::Target> target_of(const LoadedSpace& space, const std::vector<double>& parameters,
                                         design::Task task, double direction, double strain, int directions = 50);
 
+/// Simulates designs of a family on the mesh that verifies them, in a brief run on the coarser one.
+design::SimulateProfile simulation_of(const std::string& family, const DesignSettings& settings);
+
+/// A target that a random design has exactly by simulation, at 10 strains or in 12 directions at a strain of 0.05; none
+/// where it cannot be simulated at every sample.
+std::optional<design::Target> simulated_target(const LoadedSpace& space, design::Task task, RandomStream& random,
+                                               const design::SimulateProfile& simulate);
+
 inline constexpr design::Task all_tasks[] = {design::Task::stress_strain, design::Task::stiffness,
                                              design::Task::poisson};
 
@@ -47,5 +56,9 @@ void study_design_accuracy(const DesignSettings& settings);
 void study_solvers(const DesignSettings& settings);
 void study_verification(const DesignSettings& settings);
 void study_width(const DesignSettings& settings);
+void study_polish(const DesignSettings& settings);
+void study_discretization(const DesignSettings& settings);
+void study_native(const DesignSettings& settings);
+void study_design_smoothness(const DesignSettings& settings);
 
 }  // namespace supple::bench

@@ -41,7 +41,7 @@ Truth simulate(const LoadedSpace& space, design::Task task, int designs, const D
     if (!target) continue;
     try {
       const auto structure = tiling::make_structure(tiling::family(space.model.family), parameters);
-      const auto samples = design::thinned(design::sample_target(*target).samples, settings.brief ? 2 : 8);
+      const auto samples = design::coarsened(design::sample_target(*target), settings.brief ? 2 : 8).samples;
       microscale::SimulationOptions options;
       options.mesh.mesh_size = settings.brief ? 1 : 0.5;
       const double start = wall_seconds();

@@ -29,6 +29,16 @@ double root_mean_square(const std::vector<double>& values);
 /// The p of y = c x^p by least squares of the logarithms. Needs two positive pairs at least.
 double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y);
 
+/// How much a curve of equal steps shakes: the median size of its steps and of its second differences and the largest
+/// of these, over its median value; and how many steps go against the trend. Needs at least three values.
+struct Shaking {
+  double typical = 0;
+  double second = 0;
+  double second_largest = 0;
+  int against = 0;
+};
+Shaking shaking_of(const std::vector<double>& values);
+
 /// Resident memory of the process in bytes: now, and the most since the last reset_peak_memory().
 std::int64_t resident_bytes();
 std::int64_t peak_resident_bytes();

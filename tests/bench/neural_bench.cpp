@@ -1,5 +1,6 @@
 // Neural models: what evaluations cost against the arithmetic's floor and LibTorch, uniaxial curves and times against
-// fresh simulations, smoothness along design parameters, activation functions, and what accuracy costs.
+// fresh simulations, smoothness along design parameters, activation functions, what accuracy costs, and what the loss,
+// the optimizer and the tangent term give.
 //
 //   neural_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--work DIR] [--out DIR] [STUDY ...]
 //   default: all studies into docs/bench
@@ -60,5 +61,6 @@ int main(int argc, char** argv) {
                       {"activations", [&] { study_activations(settings); }},
                       {"singularity", [&] { study_singularity(settings); }},
                       {"cost", [&] { study_cost(settings); }},
-                      {"data", [&] { study_data(settings); }}});
+                      {"data", [&] { study_data(settings); }},
+                      {"training", [&] { study_training(settings); }}});
 }

@@ -31,16 +31,6 @@ std::filesystem::path work_folder(const NeuralSettings& settings, const std::str
 /// The models of the folder that the settings ask for, by name of the file.
 std::vector<neural::Model> models_of(const NeuralSettings& settings);
 
-/// How much a curve of equal steps shakes: the median size of its steps, and of its second differences, over its median
-/// value; and how many steps go against most.
-struct Steps {
-  double typical = 0;
-  double second = 0;
-  double second_largest = 0;
-  int against = 0;
-};
-Steps steps_of(const std::vector<double>& values);
-
 void study_speed(const NeuralSettings& settings);
 void study_uniaxial(const NeuralSettings& settings);
 void study_native_time(const NeuralSettings& settings);
@@ -49,5 +39,6 @@ void study_activations(const NeuralSettings& settings);
 void study_singularity(const NeuralSettings& settings);
 void study_cost(const NeuralSettings& settings);
 void study_data(const NeuralSettings& settings);
+void study_training(const NeuralSettings& settings);
 
 }  // namespace supple::bench

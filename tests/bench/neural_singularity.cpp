@@ -10,6 +10,7 @@
 #include "report.h"
 #include "supple/dataset/dataset_file.h"
 #include "supple/lab/dataset_maker.h"
+#include "supple/lab/engine_version.h"
 #include "supple/microscale/simulation.h"
 #include "supple/neural/uniaxial.h"
 #include "supple/tiling/structure.h"
@@ -80,11 +81,11 @@ Sample predicted(const neural::Evaluator& evaluator, double p) {
   return {p, state.energy_density, state.directional_stress};
 }
 
-Steps steps_along(const std::vector<Sample>& samples, double Sample::*value) {
+Shaking steps_along(const std::vector<Sample>& samples, double Sample::*value) {
   std::vector<double> values;
   values.reserve(samples.size());
   for (const auto& s : samples) values.push_back(s.*value);
-  return steps_of(values);
+  return shaking_of(values);
 }
 
 }  // namespace

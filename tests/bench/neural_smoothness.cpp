@@ -23,22 +23,6 @@ struct Curve {
 
 }  // namespace
 
-Steps steps_of(const std::vector<double>& values) {
-  std::vector<double> changes;
-  std::vector<double> sizes;
-  std::vector<double> seconds;
-  const double scale = std::abs(median(values));
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    changes.push_back((values[i] - values[i - 1]) / scale);
-    sizes.push_back(std::abs(changes.back()));
-  }
-  for (std::size_t i = 1; i < changes.size(); ++i) seconds.push_back(std::abs(changes[i] - changes[i - 1]));
-  Steps steps{median(sizes), median(seconds), quantile(seconds, 1), 0};
-  const double trend = median(changes);
-  for (const double change : changes) steps.against += change * trend < 0;
-  return steps;
-}
-
 void study_smoothness(const NeuralSettings& settings) {
   Report report(settings.folder, "models-smoothness", "Models: the network's smooth curve against the mesh's zigzag");
   Table table("models-smoothness", {{"family", "Family"},
@@ -91,7 +75,7 @@ void study_smoothness(const NeuralSettings& settings) {
       }
       for (const auto& [quantity, values] : {std::pair{"energy", &Curve::energy}, std::pair{"S_xx", &Curve::stress}}) {
         for (const auto& [source, curve] : {std::pair{"simulation", &native}, std::pair{"network", &network}}) {
-          const auto steps = steps_of(curve->*values);
+          const auto steps = shaking_of(curve->*values);
           table.row({model.family, number(step), quantity, source, number(steps.typical), number(steps.second),
                      number(steps.second_largest), std::to_string(steps.against), std::to_string(n)});
         }

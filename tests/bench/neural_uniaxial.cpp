@@ -19,6 +19,7 @@
 #include "supple/base/error.h"
 #include "supple/base/random.h"
 #include "supple/microscale/simulation.h"
+#include "supple/neural/error_bars.h"
 #include "supple/neural/uniaxial.h"
 #include "supple/tiling/family.h"
 #include "supple/tiling/structure.h"
@@ -180,6 +181,7 @@ void study_uniaxial(const NeuralSettings& settings) {
                                           {"stretch", "Stretch"},
                                           {"native", "Simulated stress"},
                                           {"network", "Predicted stress"},
+                                          {"error_bar", "Error bar of it"},
                                           {"in_range", "In range"}});
   for (const auto& model : models_of(settings)) {
     const auto& family = tiling::family(model.family);
@@ -195,6 +197,7 @@ void study_uniaxial(const NeuralSettings& settings) {
     for (std::size_t design = 0; design < curves.size(); ++design) {
       const auto& curve = curves[design];
       const auto prepared = evaluator.design(curve.parameters);
+      const neural::ErrorBars bars(model, evaluator, prepared, curve.parameters, true);
       native_seconds += curve.seconds;
       double largest = 0;
       for (const auto& place : curve.places) largest = std::max(largest, std::abs(place.load.stress));
@@ -206,12 +209,15 @@ void study_uniaxial(const NeuralSettings& settings) {
         ++states;
         const auto& state = predicted[0];
         if (!state.converged) ++failed;
-        const bool inside =
-            neural::in_range(model, curve.parameters, state.strain, state.energy_density, prepared.rest_stiffness());
+        const auto trust =
+            bars.uniaxial(neural::Quantity::stress, neural::UniaxialFrame(load.direction), load.green_strain,
+                          state.strain, {state.energy_density, state.stress, state.tangent});
         errors.push_back(100 * std::abs(state.directional_stress / load.stress - 1));
         curve_errors.push_back(100 * std::abs(state.directional_stress - load.stress) / largest);
         points.row({model.family, std::to_string(design), number(curve.direction, 6), number(stretch, 6),
-                    number(load.stress, 6), number(state.directional_stress, 6), inside ? "1" : "0"});
+                    number(load.stress, 6), number(state.directional_stress, 6),
+                    trust.error ? number(*trust.error * std::abs(state.directional_stress), 3) : "",
+                    trust.in_range ? "1" : "0"});
       }
     }
     const double network_ms = 1e3 * network_seconds / states;

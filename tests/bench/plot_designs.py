@@ -3,8 +3,10 @@
 
 Usage: plot_designs.py [FOLDER]      default: docs/bench
 
-designs-solvers.svg   performance profiles of solvers of the outer problem (Dolan and More 2002), a panel per task and
-                      kind of target
+designs-solvers.svg     performance profiles of solvers of the outer problem (Dolan and More 2002), a panel per task and
+                        kind of target
+designs-smoothness.svg  an objective along a line in parameter space by simulation and by the network, and the meshes
+                        of three consecutive steps laid over each other
 
 A study whose CSV file is not there is left out.
 """
@@ -17,14 +19,16 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import LineCollection
 
-from plotting import BLUE, OLIVE, ORANGE, RED, Row, grouped, read, save
+from plotting import BLUE, GREEN, OLIVE, ORANGE, RED, Row, grouped, numbers, read, save
 
 SOLVERS = {"ours": ("ours", BLUE), "ceres_lm": ("Ceres, Levenberg-Marquardt", ORANGE),
            "ceres_dogleg": ("Ceres, dogleg", OLIVE), "lbfgsb": ("L-BFGS-B", RED)}
 TASKS = {"stress_strain": "stress over strain", "stiffness": "directional stiffness", "poisson": "Poisson's ratio"}
 TARGETS = {"design": "a design's own profile", "perturbed": "perturbed, out of reach"}
 LARGEST_RATIO = 32.0
+WINDOW = 1.5  # of the close-up of meshes: half its width in beam widths, as in design_smoothness.cpp
 
 
 def time_ratios(rows: list[Row], key: str) -> tuple[dict[str, np.ndarray], int]:
@@ -67,9 +71,46 @@ def draw_solvers(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
+def draw_smoothness(rows: list[Row], target: Path) -> None:
+    sides = grouped(read(target.parent / "designs-smoothness-sides.csv"), "family")
+    families = grouped(rows, "family")
+    sources = {"data_set": ("simulation, data set's mesh", RED), "verification": ("simulation, finer mesh", ORANGE),
+               "network": ("network", BLUE)}
+    figure, panels = plt.subplots(2 * len(families), 2, figsize=(10.4, 9.2 * len(families)), squeeze=False)
+    for top, bottom, (family, of_family) in zip(panels[::2], panels[1::2], families.items()):
+        steps = sorted(grouped(of_family, "step").items(), key=lambda item: -float(item[0]))
+        # Whole curves hide what shakes: beside them what they differ by from a smooth one.
+        for panel, (step, points), order in ((top[0], steps[0], None), (top[1], steps[0], 3), (bottom[0], steps[1], 1)):
+            index = np.array(numbers(points, "index"))
+            for key, (name, colour) in sources.items():
+                values = np.array(numbers(points, key))
+                if order is None:
+                    shown = 100 * values
+                else:
+                    shown = 1e6 * (values - np.polyval(np.polyfit(index, values, order), index)) / np.median(values)
+                panel.plot(index, shown, color=colour, linewidth=1, marker=".", markersize=3, label=name)
+            panel.set_title(f"{family}, steps of {float(step):g} of the parameters' ranges", fontsize=10)
+            panel.set_xlabel("steps")
+            panel.set_ylabel("objective, %" if order is None else
+                             f"beside a {'cubic' if order == 3 else 'straight line'}, millionths of the objective")
+        top[0].legend(fontsize=8, frameon=False)
+        close_up = bottom[1]
+        meshes = grouped(sides[family], "index")
+        for (index, of_mesh), colour, width in zip(meshes.items(), (RED, GREEN, BLUE), (2.6, 1.5, 0.6)):
+            x1, y1, x2, y2 = (numbers(of_mesh, key) for key in ("x1", "y1", "x2", "y2"))
+            lines = LineCollection([((a, b), (c, d)) for a, b, c, d in zip(x1, y1, x2, y2)], colors=colour,
+                                   linewidths=width, label=f"step {index}")
+            close_up.add_collection(lines)
+        close_up.set(xlim=(-WINDOW, WINDOW), ylim=(-WINDOW, WINDOW), aspect="equal", xlabel="beam widths")
+        close_up.set_title(f"{family}, meshes of three steps of {float(sides[family][0]['step']):g}", fontsize=10)
+        close_up.legend(fontsize=8, loc="upper left", framealpha=0.9)
+    save(figure, target)
+
+
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
-    for source, name, draw in (("designs-solvers-runs", "designs-solvers", draw_solvers),):
+    for source, name, draw in (("designs-solvers-runs", "designs-solvers", draw_solvers),
+                               ("designs-smoothness-curves", "designs-smoothness", draw_smoothness)):
         if (folder / f"{source}.csv").exists():
             draw(read(folder / f"{source}.csv"), folder / f"{name}.svg")
 

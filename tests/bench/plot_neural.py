@@ -9,6 +9,7 @@ models-native-time.svg   milliseconds of an equilibrium over the strain
 models-smoothness.svg    energy density and stress along a design parameter in small steps
 models-cost.svg          error against seconds to train and microseconds to evaluate
 models-data.svg          error against the number of designs
+training-loss.svg        errors against the time of a training, by loss, optimizer and tangent term
 
 A study whose CSV file is not there is left out.
 """
@@ -197,6 +198,31 @@ def draw_data(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
+def draw_training(rows: list[Row], target: Path) -> None:
+    figure, panels = plt.subplots(1, 2, figsize=(8.6, 3.8), sharex=True)
+    colours = {("robust", "soap"): BLUE, ("squared", "soap"): RED, ("robust", "adam"): GREEN, ("squared", "adam"): ORANGE}
+    for row in rows:
+        row["kind"] = f"{row['loss']} {row['optimizer']} {row['tangent']}"
+    for kind, points in grouped(rows, "kind").items():
+        loss, optimizer, tangent = kind.split()
+        # Epochs are the same for all seeds: their times and errors are averaged.
+        epochs = list(grouped(points, "epoch").values())
+        seconds = [np.mean(numbers(of_epoch, "seconds")) for of_epoch in epochs]
+        for panel, key in ((panels[0], "gradient_percent"), (panels[1], "stiffness_median")):
+            panel.plot(seconds, [np.mean(numbers(of_epoch, key)) for of_epoch in epochs], linewidth=1.2,
+                       color=colours[loss, optimizer], linestyle="--" if float(tangent) == 0 else "-",
+                       label=f"{loss}, {optimizer}" + (", no tangents" if float(tangent) == 0 else ""))
+    panels[0].set(yscale="log", xlabel="core-seconds", ylabel="mean relative error of the stress, %")
+    panels[1].set(yscale="log", xlabel="core-seconds", ylabel="relative error of the stiffness, median, %")
+    for panel in panels:
+        low, high = panel.get_ylim()
+        ticks = [t for t in (3, 5, 7, 10, 15, 20, 30, 50, 100) if low <= t <= high]
+        panel.set_yticks(ticks, [f"{t:g}" for t in ticks])
+        panel.minorticks_off()
+    panels[0].legend(fontsize=7, frameon=False)
+    save(figure, target)
+
+
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
     for source, name, draw in (("models-activations-curves", "models-activations", draw_activations),
@@ -204,7 +230,8 @@ def main() -> None:
                                ("models-native-time", "models-native-time", draw_native_time),
                                ("models-smoothness-curves", "models-smoothness", draw_smoothness),
                                ("models-cost", "models-cost", draw_cost),
-                               ("models-data", "models-data", draw_data)):
+                               ("models-data", "models-data", draw_data),
+                               ("training-loss-curves", "training-loss", draw_training)):
         if (folder / f"{source}.csv").exists():
             draw(read(folder / f"{source}.csv"), folder / f"{name}.svg")
 

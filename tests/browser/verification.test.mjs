@@ -33,6 +33,31 @@ describe("a verification", () => {
     await closePage(page);
   });
 
+  it("polishes the design until its simulation follows the target, and keeps the simulated curve", async () => {
+    // What the network has of another design: its structure does a little else.
+    const x = [0, 0.02, 0.04];
+    const asked = { task: "stress_strain", family: "IH29", direction: 0, parameters: [0.2], x };
+    const headers = { "Content-Type": "application/json" };
+    const profile = await (await fetch(`${server.url}/v1/profiles`, { method: "POST", headers, body: JSON.stringify(asked) })).json();
+    const points = x.map((strain, i) => `${strain},${profile.y[i].toPrecision(6)}`).join(";");
+    const link = LINK.replace(/points=[^&]*/, `points=${points}`);
+    const design = await DesignPage.open(browser, server.url + "/" + link);
+    const { page } = design;
+    const before = page.url();
+    await design.button("Polish by simulation").click();
+    await page.locator(".verdict").waitFor({ timeout: SIMULATION_MS });
+    const verdict = await page.locator(".verdict").textContent();
+    assert.match(verdict, /The simulation is [\d.]+ % from the target \(rms\), [\d.]+ % before it was polished in \d+ rounds?/);
+    const [after, unpolished] = [...verdict.matchAll(/([\d.]+) %/g)].map((match) => Number(match[1]));
+    assert.ok(after < unpolished, verdict);
+    await design.settled();
+    assert.notEqual(page.url(), before, "the parameters are the corrected ones");
+    assert.ok((await page.locator(".plot .verified path").count()) >= 2, "the curve belongs to the corrected design");
+    await page.locator(".patch canvas").waitFor({ timeout: SIMULATION_MS });
+    await picture(page, "design-polished");
+    await closePage(page);
+  });
+
   it("can be cancelled, and its job is dismissed", async () => {
     const design = await DesignPage.open(browser, server.url + "/" + LINK);
     const { page } = design;

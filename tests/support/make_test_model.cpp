@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <exception>
 
+#include "support/test_calibration.h"
 #include "support/test_model.h"
 
 int main(int argc, char** argv) {
@@ -15,7 +16,9 @@ int main(int argc, char** argv) {
     const char* const id = argc > 2 ? argv[2] : "ih21";
     const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
     const double gain = argc > 4 ? std::strtod(argv[4], nullptr) : 1;
-    supple::neural::write_model(argv[1], supple::test::test_model(id, seed, gain));
+    auto model = supple::test::test_model(id, seed, gain);
+    model.calibration = supple::test::test_calibration(model.network.shape.parameters);
+    supple::neural::write_model(argv[1], model);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_test_model: %s\n", error.what());
     return 1;

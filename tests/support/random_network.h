@@ -17,6 +17,30 @@ struct RandomWeights {
   double bias = 0.3;  ///< of the biases themselves
 };
 
+/// A pentagon whose corners are moved by the parameters, far enough that it crosses itself in places, and the first
+/// features of all kinds in turn.
+inline TileGeometry random_geometry(int parameters, int features, RandomStream& stream) {
+  constexpr int corners = 5;
+  const auto point = [&](double x, double y, double moved) {
+    Eigen::Matrix2Xd affine(2, 1 + parameters);
+    affine.col(0) << x, y;
+    for (int k = 1; k <= parameters; ++k) affine.col(k) << moved * stream.normal(), moved * stream.normal();
+    return affine;
+  };
+  TileGeometry geometry;
+  for (int i = 0; i < corners; ++i)
+    geometry.vertices.push_back(point(std::cos(2 * M_PI * i / corners), std::sin(2 * M_PI * i / corners), 0.7));
+  geometry.translations = {point(1.5, 0.2, 0.1), point(-0.1, 1.7, 0.1)};
+  geometry.tiles = 2;
+  geometry.beam_width = 0.12;
+  for (int i = 0; i < features; ++i) {
+    const auto kind = static_cast<FeatureKind>(i % 10);
+    const int edge = i % corners;
+    geometry.features.push_back({kind, edge, (edge + 2 + i / 10) % corners, 0.3 * stream.normal(), 0.8});
+  }
+  return geometry;
+}
+
 /// A network whose weights are drawn from a named stream.
 inline Network random_network(NetworkShape shape, std::uint64_t seed, const RandomWeights& weights = {}) {
   RandomStream stream("random network", seed);
@@ -41,22 +65,26 @@ inline Network random_network(NetworkShape shape, std::uint64_t seed, const Rand
     network.strain.push_back(
         layer(width, i == 0 ? shape.strain_inputs() : width, i == 0 ? weights.first : weights.hidden));
   for (int i = 0; i < shape.parameter_layers; ++i)
-    network.parameter.push_back(layer(width, i == 0 ? shape.parameters : width, weights.hidden));
+    network.parameter.push_back(layer(width, i == 0 ? shape.design_inputs() : width, weights.hidden));
   for (int i = 0; i < shape.trunk_layers; ++i)
     network.trunk.push_back(layer(width, i == 0 ? 2 * width : width, weights.hidden));
   network.trunk.push_back(layer(shape.outputs(), width, weights.last));
   if (shape.form == EnergyForm::sum_of_squares) {
-    network.stiffness.push_back(layer(shape.stiffness_width, shape.parameters, 1));
-    network.stiffness.push_back(layer(shape.stiffness_width, shape.stiffness_width, 1));
+    for (int i = 0; i < shape.stiffness_layers; ++i)
+      network.stiffness.push_back(
+          layer(shape.stiffness_width, i == 0 ? shape.design_inputs() : shape.stiffness_width, 1));
     network.stiffness.push_back(layer(6, shape.stiffness_width, 0.5));
   }
+  if (shape.features > 0) network.geometry = random_geometry(shape.parameters, shape.features, stream);
   return network;
 }
 
 /// "sum_of_squares_swish_40_4", as part of a test's name.
 inline std::string name_of(const NetworkShape& shape) {
   return std::string(to_string(shape.form)) + "_" + std::string(to_string(shape.activation)) + "_" +
-         std::to_string(shape.width) + "_" + std::to_string(shape.parameters);
+         std::to_string(shape.width) + "_" + std::to_string(shape.parameters) +
+         (shape.rest == RestForm::exact ? "_exact" : "") +
+         (shape.features > 0 ? "_" + std::to_string(shape.features) + "_features" : "");
 }
 
 }  // namespace supple::neural

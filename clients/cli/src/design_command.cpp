@@ -29,6 +29,10 @@ struct DesignArguments {
   int candidates = 0;
   std::string multi_start;
   std::string envelope;
+  std::string polish;
+  double polish_tolerance = 0;
+  int polish_rounds = 0;
+  double polish_seconds = 0;
   std::string session;
   double deadline = 0;
   std::string csv_file;
@@ -67,6 +71,9 @@ nlohmann::json request_of(const DesignArguments& arguments) {
   if (arguments.verify) request["verify"] = true;
   nlohmann::json accuracy = nlohmann::json::object();
   set_number(accuracy, "verified_samples", arguments.verified_samples);
+  set_number(accuracy, "polish_tolerance", arguments.polish_tolerance);
+  set_number(accuracy, "polish_rounds", arguments.polish_rounds);
+  set_number(accuracy, "polish_seconds", arguments.polish_seconds);
   set_number(accuracy, "tolerance", arguments.tolerance);
   set_number(accuracy, "equilibrium_tolerance", arguments.equilibrium_tolerance);
   set_number(accuracy, "max_iterations", arguments.max_iterations);
@@ -75,6 +82,7 @@ nlohmann::json request_of(const DesignArguments& arguments) {
   if (!accuracy.empty()) request["accuracy"].update(accuracy);
   if (!arguments.multi_start.empty()) request["effects"]["multi_start"] = arguments.multi_start;
   if (!arguments.envelope.empty()) request["effects"]["envelope"] = arguments.envelope;
+  if (!arguments.polish.empty()) request["effects"]["polish"] = arguments.polish;
   set_text(request, "session", arguments.session);
   set_number(request, "deadline", arguments.deadline);
   return request;
@@ -106,8 +114,20 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
       ->check(CLI::PositiveNumber);
   command.add_option("--initial", arguments.initial, "Parameters to start from, separated by commas; with a family");
   command.add_option("--fixed", arguments.fixed, "Parameters to hold, for example 0.15,free; with a family");
-  command.add_flag("--verify", arguments.verify, "Simulate the design found at its native scale too");
+  command.add_flag("--verify", arguments.verify, "Simulate the design found at its native scale too, and polish it");
   command.add_option("--verified-samples", arguments.verified_samples, "Samples that are simulated (12)")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--polish", arguments.polish,
+                  "Correct the design until its simulation follows the target (automatic: with --verify)")
+      ->check(switch_values);
+  command
+      .add_option("--polish-tolerance", arguments.polish_tolerance,
+                  "Simulated relative deviation at which polishing ends (0.002)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--polish-rounds", arguments.polish_rounds, "Structures that polishing simulates at most (30)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--polish-seconds", arguments.polish_seconds, "Seconds that polishing may take (120)")
       ->check(CLI::PositiveNumber);
   command
       .add_option("-t,--tolerance", arguments.tolerance,

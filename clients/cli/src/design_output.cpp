@@ -57,17 +57,28 @@ std::optional<nlohmann::json> verified_at(const nlohmann::json& profile, const n
   return verified.at("y").at(static_cast<std::size_t>(found - places.begin()));
 }
 
+/// An answer without error bars has null for all of them.
+nlohmann::json error_bar_at(const nlohmann::json& profile, std::size_t i) {
+  const auto& bars = profile.at("error_bar");
+  return bars.is_null() ? nlohmann::json(nullptr) : bars.at(i);
+}
+
+std::string error_bar_text(const nlohmann::json& bar) {
+  return bar.is_null() ? "unknown" : fmt::format("{:.2g}", bar.get<double>());
+}
+
 void print_samples(const nlohmann::json& profile) {
   const bool verified = !profile.at("verified").is_null();
   const std::string unit = y_unit(profile);
-  fmt::print("{}\n{:>10}  {:>12} {:>12} {:>12}", kind_text(profile), x_heading(profile), "target" + unit,
-             "achieved" + unit, "initial" + unit);
+  fmt::print("{}\n{:>10}  {:>12} {:>12} {:>9} {:>12}", kind_text(profile), x_heading(profile), "target" + unit,
+             "achieved" + unit, "error bar", "initial" + unit);
   if (verified) fmt::print(" {:>13}", "verified" + unit);
   fmt::print("  {:<7}  {}\n", "reached", "in range");
   const auto& xs = profile.at("x");
   for (std::size_t i = 0; i < xs.size(); ++i) {
-    fmt::print("{:>10.5f}  {:>12} {:>12} {:>12}", xs[i].get<double>(), number_text(profile.at("target")[i]),
-               number_text(profile.at("achieved")[i]), number_text(profile.at("initial")[i]));
+    fmt::print("{:>10.5f}  {:>12} {:>12} {:>9} {:>12}", xs[i].get<double>(), number_text(profile.at("target")[i]),
+               number_text(profile.at("achieved")[i]), error_bar_text(error_bar_at(profile, i)),
+               number_text(profile.at("initial")[i]));
     if (verified) {
       const auto value = verified_at(profile, xs[i]);
       fmt::print(" {:>13}", value ? number_text(*value) : "");
@@ -92,6 +103,19 @@ void print_ranking(const nlohmann::json& ranking) {
   }
 }
 
+std::string error_text(const nlohmann::json& error) {
+  return error.is_null() ? "not simulated" : fmt::format("{:.3g} %", 100 * error.get<double>());
+}
+
+void print_polish(const nlohmann::json& polish) {
+  const auto& rounds = polish.at("rounds");
+  fmt::print("simulated   {} from the target", error_text(polish.at("target_error")));
+  if (rounds.size() > 1)
+    fmt::print(", {} before it was polished in {} {}", error_text(rounds[0].at("target_error")), rounds.size() - 1,
+               rounds.size() == 2 ? "round" : "rounds");
+  fmt::print(" ({})\n", text_in(polish, "stopped"));
+}
+
 void print_design(const nlohmann::json& design) {
   const auto& error = design.at("error");
   const auto& profile = design.at("profile");
@@ -103,7 +127,10 @@ void print_design(const nlohmann::json& design) {
              profile.at("task") == "poisson" ? "" : " MPa");
   if (const auto& verified = profile.at("verified"); !verified.is_null() && verified.contains("relative_rms")) {
     fmt::print("simulation  deviates from the model by {} (root mean square)\n", percent(verified));
+    if (const auto& mesh = verified.at("discretization_error"); !mesh.is_null())
+      fmt::print("mesh        a coarser one changes the simulation by {:.2g} %\n", 100 * mesh.get<double>());
   }
+  if (const auto& polish = design.at("polish"); !polish.is_null()) print_polish(polish);
   fmt::print("searched    {} iterations from {} starting points, {}\n", design.at("iterations").get<int>(),
              design.at("starts").get<int>(), text_in(design, "stopped"));
   for (const auto& shown : profiles_in(design)) print_samples(shown);
@@ -134,7 +161,7 @@ std::string numbered_file(const std::string& file, std::size_t index, std::size_
 }
 
 std::string designs_as_csv(const nlohmann::json& answer) {
-  std::string text = "region,profile,task,x,target,achieved,initial,verified,lower,upper,reached,in_range\n";
+  std::string text = "region,profile,task,x,target,achieved,error_bar,initial,verified,lower,upper,reached,in_range\n";
   const auto designs = designs_in(answer);
   for (std::size_t r = 0; r < designs.size(); ++r) {
     const auto profiles = profiles_in(designs[r]);
@@ -143,7 +170,8 @@ std::string designs_as_csv(const nlohmann::json& answer) {
       const auto& envelope = profile.at("envelope");
       for (std::size_t i = 0; i < profile.at("x").size(); ++i) {
         text += fmt::format("{},{},{}", r, p, text_in(profile, "task"));
-        for (const char* name : {"x", "target", "achieved", "initial"}) text += ',' + cell_text(profile.at(name)[i]);
+        for (const char* name : {"x", "target", "achieved"}) text += ',' + cell_text(profile.at(name)[i]);
+        text += ',' + cell_text(error_bar_at(profile, i)) + ',' + cell_text(profile.at("initial")[i]);
         text += ',' + cell_text(verified_at(profile, profile.at("x")[i]).value_or(nullptr));
         for (const char* name : {"lower", "upper"})
           text += ',' + (envelope.is_null() ? "" : cell_text(envelope.at(name)[i]));
@@ -169,10 +197,10 @@ void print_designs(const nlohmann::json& answer) {
 }
 
 std::string profile_as_csv(const nlohmann::json& answer) {
-  std::string text = "x,y,in_range\n";
+  std::string text = "x,y,error_bar,in_range\n";
   for (std::size_t i = 0; i < answer.at("x").size(); ++i) {
     text += cell_text(answer.at("x")[i]) + ',' + cell_text(answer.at("y")[i]) + ',' +
-            cell_text(answer.at("in_range")[i]) + '\n';
+            cell_text(error_bar_at(answer, i)) + ',' + cell_text(answer.at("in_range")[i]) + '\n';
   }
   return text;
 }
@@ -180,10 +208,10 @@ std::string profile_as_csv(const nlohmann::json& answer) {
 void print_profile(const nlohmann::json& answer) {
   const bool poisson = answer.at("task") == "poisson";
   const char* const y = poisson ? "Poisson" : answer.at("task") == "stiffness" ? "stiffness/MPa" : "stress/MPa";
-  fmt::print("{}\n{:>10}  {:>13}  {}\n", kind_text(answer), x_heading(answer), y, "in range");
+  fmt::print("{}\n{:>10}  {:>13}  {:>9}  {}\n", kind_text(answer), x_heading(answer), y, "error bar", "in range");
   for (std::size_t i = 0; i < answer.at("x").size(); ++i) {
-    fmt::print("{:>10.5f}  {:>13}  {}\n", answer.at("x")[i].get<double>(), number_text(answer.at("y")[i]),
-               answer.at("in_range")[i].get<bool>() ? "yes" : "no");
+    fmt::print("{:>10.5f}  {:>13}  {:>9}  {}\n", answer.at("x")[i].get<double>(), number_text(answer.at("y")[i]),
+               error_bar_text(error_bar_at(answer, i)), answer.at("in_range")[i].get<bool>() ? "yes" : "no");
   }
   fmt::print("model       {}\n", text_in(answer, "model"));
   print_cost(answer);

@@ -19,6 +19,16 @@ void print_model_and_cost(const nlohmann::json& answer) {
   print_cost(answer);
 }
 
+/// An answer without error bars has null for all of them.
+nlohmann::json stress_error_bar_at(const nlohmann::json& answer, std::size_t i) {
+  const auto& bars = answer.at("stress_error_bar");
+  return bars.is_null() ? nlohmann::json(nullptr) : bars.at(i);
+}
+
+std::string error_bar_cell(const nlohmann::json& bar) {
+  return bar.is_null() ? "unknown" : fmt::format("{:.2g}", bar.get<double>());
+}
+
 }  // namespace
 
 std::string evaluation_as_csv(const nlohmann::json& strains, const nlohmann::json& answer) {
@@ -27,6 +37,7 @@ std::string evaluation_as_csv(const nlohmann::json& strains, const nlohmann::jso
   std::string text = "strain,E_xx,E_yy,E_xy,energy_density";
   if (stresses) text += ",S_xx,S_yy,S_xy";
   if (tangents) text += ",C_11,C_12,C_13,C_21,C_22,C_23,C_31,C_32,C_33";
+  if (stresses) text += ",stress_error_bar";
   text += ",in_range\n";
   for (std::size_t i = 0; i < strains.size(); ++i) {
     std::string line = std::to_string(i);
@@ -34,6 +45,7 @@ std::string evaluation_as_csv(const nlohmann::json& strains, const nlohmann::jso
     line += ',' + cell_text(answer.at("energy_density").at(i));
     if (stresses) append_cells(line, answer.at("stress").at(i));
     if (tangents) append_matrix(line, answer.at("tangent").at(i), 3);
+    if (stresses) line += ',' + cell_text(stress_error_bar_at(answer, i));
     line += ',' + cell_text(answer.at("in_range").at(i));
     text += line + '\n';
   }
@@ -43,7 +55,7 @@ std::string evaluation_as_csv(const nlohmann::json& strains, const nlohmann::jso
 void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answer) {
   const bool stresses = answer.contains("stress");
   fmt::print("{:>6}  {:>9} {:>9} {:>9}  {:>11}", "strain", "E_xx", "E_yy", "E_xy", "energy/MPa");
-  if (stresses) fmt::print("  {:>11} {:>11} {:>11}", "S_xx/MPa", "S_yy/MPa", "S_xy/MPa");
+  if (stresses) fmt::print("  {:>11} {:>11} {:>11}  {:>9}", "S_xx/MPa", "S_yy/MPa", "S_xy/MPa", "error bar");
   fmt::print("  in range\n");
   for (std::size_t i = 0; i < strains.size(); ++i) {
     fmt::print("{:>6} ", i);
@@ -52,6 +64,7 @@ void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answe
     if (stresses) {
       fmt::print(" ");
       print_components(answer.at("stress").at(i), 11, as_stress);
+      fmt::print("  {:>9}", error_bar_cell(stress_error_bar_at(answer, i)));
     }
     fmt::print("  {}\n", answer.at("in_range").at(i).get<bool>() ? "yes" : "no");
     if (!answer.contains("tangent")) continue;
@@ -66,13 +79,14 @@ void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answe
 
 std::string uniaxial_as_csv(const nlohmann::json& states) {
   std::string text =
-      "state,E_xx,E_yy,E_xy,S_xx,S_yy,S_xy,directional_stress,energy_density,in_range,converged,residual,iterations\n";
+      "state,E_xx,E_yy,E_xy,S_xx,S_yy,S_xy,directional_stress,error_bar,energy_density,in_range,converged,residual,"
+      "iterations\n";
   for (std::size_t i = 0; i < states.size(); ++i) {
     const auto& state = states.at(i);
     std::string line = std::to_string(i);
     for (const char* name : {"green_strain", "stress"}) append_cells(line, state.at(name));
     for (const char* name :
-         {"directional_stress", "energy_density", "in_range", "converged", "residual", "iterations"}) {
+         {"directional_stress", "error_bar", "energy_density", "in_range", "converged", "residual", "iterations"}) {
       line += ',' + cell_text(state.at(name));
     }
     text += line + '\n';
@@ -81,16 +95,17 @@ std::string uniaxial_as_csv(const nlohmann::json& states) {
 }
 
 void print_uniaxial(const nlohmann::json& answer) {
-  fmt::print("{:>5}  {:>9} {:>9} {:>9}  {:>11} {:>11} {:>11}  {:>11}  {:>11}  {}\n", "state", "E_xx", "E_yy", "E_xy",
-             "S_xx/MPa", "S_yy/MPa", "S_xy/MPa", "along/MPa", "energy/MPa", "in range");
+  fmt::print("{:>5}  {:>9} {:>9} {:>9}  {:>11} {:>11} {:>11}  {:>11}  {:>9}  {:>11}  {}\n", "state", "E_xx", "E_yy",
+             "E_xy", "S_xx/MPa", "S_yy/MPa", "S_xy/MPa", "along/MPa", "error bar", "energy/MPa", "in range");
   std::size_t number = 0;
   for (const auto& state : answer.at("states")) {
     fmt::print("{:>5} ", number++);
     print_components(state.at("green_strain"), 9, as_strain);
     fmt::print(" ");
     print_components(state.at("stress"), 11, as_stress);
-    fmt::print("  {:>11.5g}  {:>11.5g}  {}{}\n", state.at("directional_stress").get<double>(),
-               state.at("energy_density").get<double>(), state.at("in_range").get<bool>() ? "yes" : "no",
+    fmt::print("  {:>11.5g}  {:>9}  {:>11.5g}  {}{}\n", state.at("directional_stress").get<double>(),
+               error_bar_cell(state.at("error_bar")), state.at("energy_density").get<double>(),
+               state.at("in_range").get<bool>() ? "yes" : "no",
                state.at("converged").get<bool>() ? "" : ", not converged");
   }
   const auto& accuracy = answer.at("accuracy");

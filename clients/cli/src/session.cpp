@@ -38,8 +38,11 @@ std::string stage_of(const nlohmann::json& job) {
   if (job.at("state") != "running") return "waiting";
   auto stage = job.at("stage").get<std::string>();
   if (const auto partial = job.find("partial"); partial != job.end()) {
-    stage += fmt::format("  {} off by {:.3g} %", partial->at("family").get<std::string>(),
-                         100 * partial->at("error").at("relative_rms").get<double>());
+    const bool round = partial->contains("round");
+    const auto error = round ? partial->at("round").at("target_error") : partial->at("error").at("relative_rms");
+    if (error.is_number())
+      stage += fmt::format("  {} {} {:.3g} %", partial->at("family").get<std::string>(),
+                           round ? "simulated, off by" : "off by", 100 * error.get<double>());
   }
   return stage;
 }

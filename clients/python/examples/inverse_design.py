@@ -19,8 +19,8 @@ WANTED = [(0.0, 0.0), (0.05, 0.015), (0.1, 0.05), (0.15, 0.12)]
 def follow(job: "supple.Job[supple.DesignResult]") -> supple.DesignResult:
     """Waits and shows the best design so far, on a terminal."""
     while not (status := job.status()).finished:
-        if status.partial is not None and sys.stderr.isatty():
-            best = status.partial
+        best = status.partial
+        if isinstance(best, supple.PartialDesign) and sys.stderr.isatty():
             print(f"\r{best.family} off by {100 * best.error.relative_rms:6.2f} %", end="", file=sys.stderr)
         time.sleep(0.1)
     return job.result()

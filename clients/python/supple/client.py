@@ -271,7 +271,8 @@ class Client(WeaveCalls):
             also: further targets of the same design.
             initial: parameters to start from, shape (p,); with a family or model.
             fixed: parameters that keep their value, None for those to be found, shape (p,); with a family or model.
-            verify: whether the design found is simulated at its native scale too; that takes seconds to minutes.
+            verify: whether the design found is simulated at its native scale too and corrected until the simulation follows
+                the target (`DesignOptions.polish`); that takes seconds to minutes.
             session: a newer request of the same session replaces this one while it runs (`Superseded`).
 
         A target that no design reaches is no exception: see `Design.reached` and `Design.message`. Raises `InvalidDesign`.

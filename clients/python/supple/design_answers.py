@@ -7,7 +7,7 @@ whose lateral strain and shear are free. Stresses and stiffnesses are in MPa, an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,16 +35,59 @@ class Verification:
     """A profile by simulation at native scale.
 
     Attributes:
-        x: strains or angles, shape (m,): some of the profile's samples.
+        x: strains or angles, shape (m,).
+        target: the target there, shape (m,).
         y: simulated values, shape (m,); nan where the simulation did not get there.
-        model: the neural model's values there, shape (m,).
+        model: the neural model's values there, shape (m,); nan where nothing was simulated.
         relative_rms: root mean square of their difference over that of the simulation; None where nothing was simulated.
+        target_error: how far the simulation is from the target, as `DesignError.relative_rms`; None where a sample is missing.
+        discretization_error: root mean square by which the simulation changes on a coarser mesh, over that of the
+            simulation: the error of its own mesh is less. None where a sample is missing or the deadline passed.
     """
 
     x: Array
+    target: Array
     y: Array
     model: Array
     relative_rms: Optional[float]
+    target_error: Optional[float]
+    discretization_error: Optional[float]
+
+
+@dataclass(frozen=True)
+class PolishRound:
+    """One structure that was simulated.
+
+    Attributes:
+        proposal: where it came from: "search", "step", "probe" or "new_search".
+        parameters: of the structure, shape (p,).
+        target_error: simulated, as `DesignError.relative_rms`; None where the simulation failed.
+        accepted: whether it is the best so far.
+        reason: why it was not accepted; empty if it was.
+        seconds: what the round cost.
+    """
+
+    proposal: str
+    parameters: Array
+    target_error: Optional[float]
+    accepted: bool
+    reason: str
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Polish:
+    """What simulation says of a design and how it was corrected.
+
+    Attributes:
+        target_error: simulated, over all targets, as `DesignError.relative_rms`; None where a sample is missing.
+        stopped: "reached", "no_improvement", "round_limit", "time_limit", "deadline" or "not_simulated".
+        rounds: the structures that were simulated; the first is the design that the search found.
+    """
+
+    target_error: Optional[float]
+    stopped: str
+    rounds: Tuple[PolishRound, ...]
 
 
 @dataclass(frozen=True)
@@ -60,8 +103,11 @@ class DesignProfile:
         target: shape (n,), MPa or dimensionless, as the values that follow.
         initial: at the first starting point, shape (n,); nan where it has no equilibrium.
         achieved: of the design found, shape (n,).
-        in_range: whether each sample of it lies within what the model was trained on, shape (n,).
-        reached: whether it is within the band of each sample, or within 1 % of the target's root mean square beyond it.
+        error_bar: which the simulated value differs from it by no more than, in 90 of 100 cases, shape (n,); nan outside
+            of what the model was trained on, None where the model has no error bars.
+        in_range: whether each sample of it is to be trusted: within what the model was trained on and with an error bar
+            of at most 5 % of a stress, 10 % of a stiffness, 0.1 of a Poisson's ratio, shape (n,).
+        reached: whether the model of it is within the band of each sample, or within 1 % of the target's root mean square beyond it.
         lower, upper: least and greatest values over all designs that were looked at, shape (n,); None where there are none.
         verified: None where no simulation was asked for.
     """
@@ -74,6 +120,7 @@ class DesignProfile:
     target: Array
     initial: Array
     achieved: Array
+    error_bar: Optional[Array]
     in_range: Flags
     reached: Flags
     lower: Optional[Array]
@@ -89,6 +136,7 @@ class DesignCandidate:
         error: how far it is from the targets.
         model_error: mean relative error of the model's stress on designs that its training has not seen; None where
             nobody measured it.
+        simulated_error: as `error.relative_rms`, of the simulated structure; None where it was not simulated.
     """
 
     family: str
@@ -96,6 +144,7 @@ class DesignCandidate:
     parameters: Array
     error: DesignError
     model_error: Optional[float]
+    simulated_error: Optional[float]
     stopped: str
 
 
@@ -110,12 +159,14 @@ class Design:
         profile: the main target and what was achieved.
         also: the further targets, in their order.
         error: how far it is from them.
-        reached: whether all samples of all targets are reached. A target out of reach is no exception.
+        reached: whether all samples of all targets are reached: by the simulation where one got to all of them, by the
+            model otherwise. A target out of reach is no exception.
         iterations, starts: of the search in this family.
         stopped: "converged", "reached", "iteration_limit", "step_too_small" or "no_free_parameters".
         message: what to know about the result; empty where there is nothing.
-        ranking: the best design of each family that was searched, best first by the root of the squares of its deviation
-            and of its model's error.
+        polish: what simulation says of it and how it was corrected; None where it was not simulated.
+        ranking: the best design of each family that was searched, best first by its simulated deviation, or where it was not
+            simulated by the root of the squares of its deviation and of its model's error.
         structure: paths of the structure's files on the server, by "svg", "dxf" and "stl".
     """
 
@@ -132,6 +183,7 @@ class Design:
     starts: int
     stopped: str
     message: str
+    polish: Optional[Polish]
     ranking: Tuple[DesignCandidate, ...]
     structure: Dict[str, str]
 
@@ -143,7 +195,7 @@ class DesignResult(Design):
     Attributes:
         tolerance, equilibrium_tolerance: as asked for.
         residual: largest one of the design's equilibria.
-        effects: "multi_start", "envelope" and "verification".
+        effects: "multi_start", "envelope", "verification" and "polish".
     """
 
     tolerance: float
@@ -186,6 +238,20 @@ class PartialDesign:
 
 
 @dataclass(frozen=True)
+class PartialRound:
+    """The structure that a running job simulated last, of the family and model of its design.
+
+    Attributes:
+        name: of its region; empty where it has none.
+    """
+
+    name: str
+    family: str
+    model: str
+    round: PolishRound
+
+
+@dataclass(frozen=True)
 class ProfileCurve:
     """The profile of given parameters.
 
@@ -193,7 +259,7 @@ class ProfileCurve:
         task, direction, strain, strain_measure: what it shows, as in `DesignProfile`.
         x: strains or angles, shape (n,).
         y: shape (n,), MPa or dimensionless; nan where no equilibrium was found.
-        in_range: whether each sample lies within what the model was trained on, shape (n,).
+        error_bar, in_range: of y, as in `DesignProfile`.
         equilibrium_tolerance: as asked for; `residual` is the largest one of the equilibria.
         sha256: of the model's file that answered.
     """
@@ -208,6 +274,7 @@ class ProfileCurve:
     strain_measure: str
     x: Array
     y: Array
+    error_bar: Optional[Array]
     in_range: Flags
     equilibrium_tolerance: float
     residual: float
@@ -228,6 +295,10 @@ def _optional(document: Mapping[str, Any], name: str) -> Optional[float]:
     return float(document[name]) if name in document else None
 
 
+def _number_or_none(value: Any) -> Optional[float]:
+    return None if value is None else float(value)
+
+
 def _error(document: Mapping[str, Any]) -> DesignError:
     return DesignError(relative_rms=float(document["relative_rms"]), max=float(document["max"]))
 
@@ -238,9 +309,37 @@ def _verification(document: Optional[Mapping[str, Any]]) -> Optional[Verificatio
     return Verification(
         x=_array(document["x"]),
         y=_array(document["y"]),
+        target=_array(document["target"]),
         model=_array(document["model"]),
         relative_rms=_optional(document, "relative_rms"),
+        target_error=_number_or_none(document["target_error"]),
+        discretization_error=_number_or_none(document["discretization_error"]),
     )
+
+
+def _round(document: Mapping[str, Any]) -> PolishRound:
+    return PolishRound(
+        proposal=str(document["proposal"]),
+        parameters=_array(document["parameters"]),
+        target_error=_number_or_none(document["target_error"]),
+        accepted=bool(document["accepted"]),
+        reason=str(document["reason"]),
+        seconds=float(document["seconds"]),
+    )
+
+
+def _polish(document: Optional[Mapping[str, Any]]) -> Optional[Polish]:
+    if document is None:
+        return None
+    return Polish(
+        target_error=_number_or_none(document["target_error"]),
+        stopped=str(document["stopped"]),
+        rounds=tuple(_round(one) for one in document["rounds"]),
+    )
+
+
+def _bars(values: Optional[Sequence[Optional[float]]]) -> Optional[Array]:
+    return None if values is None else _array(values)
 
 
 def _profile(document: Mapping[str, Any]) -> DesignProfile:
@@ -254,6 +353,7 @@ def _profile(document: Mapping[str, Any]) -> DesignProfile:
         target=_array(document["target"]),
         initial=_array(document["initial"]),
         achieved=_array(document["achieved"]),
+        error_bar=_bars(document["error_bar"]),
         in_range=_flags(document["in_range"]),
         reached=_flags(document["reached"]),
         lower=None if envelope is None else _array(envelope["lower"]),
@@ -268,7 +368,8 @@ def _candidate(document: Mapping[str, Any]) -> DesignCandidate:
         model=str(document["model"]),
         parameters=_array(document["parameters"]),
         error=_error(document["error"]),
-        model_error=None if document["model_error"] is None else float(document["model_error"]),
+        model_error=_number_or_none(document["model_error"]),
+        simulated_error=_number_or_none(document["simulated_error"]),
         stopped=str(document["stopped"]),
     )
 
@@ -288,6 +389,7 @@ def _design_fields(document: Mapping[str, Any]) -> Dict[str, Any]:
         "starts": int(document["starts"]),
         "stopped": str(document["stopped"]),
         "message": str(document["message"]),
+        "polish": _polish(document["polish"]),
         "ranking": tuple(_candidate(candidate) for candidate in document["ranking"]),
         "structure": {str(kind): str(path) for kind, path in document["structure"].items()},
     }
@@ -314,7 +416,14 @@ def regions_from_wire(document: Mapping[str, Any]) -> RegionDesigns:
     )
 
 
-def partial_from_wire(document: Mapping[str, Any]) -> PartialDesign:
+def partial_from_wire(document: Mapping[str, Any]) -> Union[PartialDesign, PartialRound]:
+    if "round" in document:
+        return PartialRound(
+            name=str(document.get("name", "")),
+            family=str(document["family"]),
+            model=str(document["model"]),
+            round=_round(document["round"]),
+        )
     return PartialDesign(
         name=str(document.get("name", "")),
         family=str(document["family"]),
@@ -339,6 +448,7 @@ def profile_from_wire(document: Mapping[str, Any]) -> ProfileCurve:
         strain_measure=str(document["strain_measure"]),
         x=_array(document["x"]),
         y=_array(document["y"]),
+        error_bar=_bars(document["error_bar"]),
         in_range=_flags(document["in_range"]),
         equilibrium_tolerance=float(document["accuracy"]["equilibrium_tolerance"]),
         residual=float(document["accuracy"]["residual"]),

@@ -114,9 +114,14 @@ class DesignOptions:
         max_iterations: from one starting point. 200.
         starts: starting points that are followed at most. 24, or 4 of each family where all are searched.
         candidates: designs spread over the bounds from which they are chosen.
-        verified_samples: samples that are simulated where the design is verified. 12.
+        verified_samples: samples of each target that are simulated, at most, where the design is verified. 12.
+        polish_tolerance: polishing ends once the simulated relative deviation is at most this. 0.002.
+        polish_rounds: structures that polishing simulates at most, beyond the first. 30.
+        polish_seconds: a round that would end later than this is not begun. 120.
         multi_start: further starting points: "automatic", "on" or "off".
         envelope: least and greatest values over all designs that were looked at: "automatic", "on" or "off".
+        polish: correcting the design by simulations until they follow the targets: "automatic" where it is verified, "on"
+            verifies it too, "off".
     """
 
     tolerance: Optional[float] = None
@@ -127,6 +132,10 @@ class DesignOptions:
     verified_samples: Optional[int] = None
     multi_start: Optional[str] = None
     envelope: Optional[str] = None
+    polish: Optional[str] = None
+    polish_tolerance: Optional[float] = None
+    polish_rounds: Optional[int] = None
+    polish_seconds: Optional[float] = None
 
     def to_wire(self) -> Dict[str, Any]:
         accuracy = _given(
@@ -137,9 +146,12 @@ class DesignOptions:
                 "starts": self.starts,
                 "candidates": self.candidates,
                 "verified_samples": self.verified_samples,
+                "polish_tolerance": self.polish_tolerance,
+                "polish_rounds": self.polish_rounds,
+                "polish_seconds": self.polish_seconds,
             }
         )
-        effects = _given({"multi_start": self.multi_start, "envelope": self.envelope})
+        effects = _given({"multi_start": self.multi_start, "envelope": self.envelope, "polish": self.polish})
         return _given({"accuracy": accuracy or None, "effects": effects or None})
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 import time
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar
+from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar, Union
 
-from .design_answers import PartialDesign, partial_from_wire
+from .design_answers import PartialDesign, PartialRound, partial_from_wire
 from .errors import RequestTimeout, SuppleError
 from .transport import Answer, Transport
 
@@ -34,7 +34,8 @@ class JobStatus:
         progress: share of the work that is done, in [0, 1].
         stage: what runs now; empty where nothing does.
         created: when the job was accepted, RFC 3339 in UTC.
-        partial: the best design so far while designs are being searched for; None elsewhere.
+        partial: the best design so far while designs are being searched for, then the structure that was simulated last;
+            None elsewhere.
     """
 
     id: str
@@ -44,7 +45,7 @@ class JobStatus:
     progress: float
     stage: str
     created: str
-    partial: Optional[PartialDesign] = None
+    partial: Union[PartialDesign, PartialRound, None] = None
 
     @property
     def finished(self) -> bool:

@@ -58,6 +58,7 @@ class ModelInfo:
         largest_relative_energy: greatest energy density that it was trained on, over the design's rest stiffness.
         design_split: errors on designs no row of which was trained on; None where they are not known.
         row_split: errors on other rows of designs that were trained on; None where they are not known.
+        error_bars: level and, by quantity, what the error bars of its answers are worth; None where it has none.
         network: form, activation, width and numbers of layers and weights.
         provenance: data set, versions, seed and options: enough to make the model again.
         youngs_modulus, poisson_ratio: of the solid that was simulated; MPa and dimensionless.
@@ -73,6 +74,7 @@ class ModelInfo:
     largest_relative_energy: float
     design_split: Optional[SplitErrors]
     row_split: Optional[SplitErrors]
+    error_bars: Optional[Dict[str, Any]]
     network: Dict[str, Any]
     provenance: Dict[str, Any]
     youngs_modulus: float
@@ -88,13 +90,18 @@ class Evaluation:
         energy_density: shape (n,), MPa.
         stress: second Piola-Kirchhoff (S_xx, S_yy, S_xy), shape (n, 3), MPa; None without derivatives.
         tangent: d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), shape (n, 3, 3), MPa; None without second derivatives.
-        in_range: whether each strain lies within what the model was trained on, shape (n,).
+        stress_error_bar: which the simulated stress differs by no more than in the Euclidean norm of its components, in 90
+            of 100 cases, shape (n,), MPa; nan outside of what the model was trained on, None without derivatives and
+            where the model has no error bars.
+        in_range: whether each strain lies within what the model was trained on and, with derivatives, its error bar is at
+            most 10 % of the stress, shape (n,).
         sha256: of the model's file that answered.
     """
 
     energy_density: Array
     stress: Optional[Array]
     tangent: Optional[Array]
+    stress_error_bar: Optional[Array]
     in_range: Flags
     sha256: str
     cost: Cost
@@ -109,8 +116,11 @@ class UniaxialCurve:
         green_strain: (E_xx, E_yy, E_xy), the free components included, shape (n, 3).
         stress: second Piola-Kirchhoff, shape (n, 3), MPa.
         directional_stress: d^T S d, shape (n,), MPa.
+        error_bar: which the simulated one differs by no more than, in 90 of 100 cases, shape (n,), MPa; nan where nobody
+            can say.
         energy_density: shape (n,), MPa.
-        in_range: whether each state lies within what the model was trained on, shape (n,).
+        in_range: whether each state lies within what the model was trained on and its error bar is at most 5 % of the
+            stress, shape (n,).
         state_converged: whether each state is an equilibrium within the tolerance, shape (n,).
         residual: stress on the free strains over the largest stress, shape (n,); nan where a state has none.
         iterations: Newton iterations of each state, shape (n,).
@@ -122,6 +132,7 @@ class UniaxialCurve:
     green_strain: Array
     stress: Array
     directional_stress: Array
+    error_bar: Array
     energy_density: Array
     in_range: Flags
     state_converged: Flags
@@ -273,6 +284,7 @@ def model_info_from_wire(document: Mapping[str, Any]) -> ModelInfo:
         largest_relative_energy=float(strains["largest_relative_energy"]),
         design_split=_split(document["errors"]["design_split"]),
         row_split=_split(document["errors"]["row_split"]),
+        error_bars=None if document["error_bars"] is None else dict(document["error_bars"]),
         network=dict(document["network"]),
         provenance=dict(document["provenance"]),
         youngs_modulus=float(document["material"]["youngs_modulus"]),
@@ -281,11 +293,16 @@ def model_info_from_wire(document: Mapping[str, Any]) -> ModelInfo:
     )
 
 
+def _optional_bars(values: Optional[Sequence[Optional[float]]]) -> Optional[Array]:
+    return None if values is None else _array([np.nan if bar is None else bar for bar in values])
+
+
 def evaluation_from_wire(document: Mapping[str, Any]) -> Evaluation:
     return Evaluation(
         energy_density=_array(document["energy_density"]),
         stress=_array(document["stress"]).reshape(-1, 3) if "stress" in document else None,
         tangent=_array(document["tangent"]).reshape(-1, 3, 3) if "tangent" in document else None,
+        stress_error_bar=_optional_bars(document.get("stress_error_bar")),
         in_range=np.asarray(document["in_range"], dtype=np.bool_),
         sha256=str(document["sha256"]),
         cost=cost_from_wire(document["cost"]),
@@ -304,6 +321,7 @@ def uniaxial_from_wire(document: Mapping[str, Any]) -> UniaxialCurve:
         green_strain=_array(column("green_strain")).reshape(-1, 3),
         stress=_array(column("stress")).reshape(-1, 3),
         directional_stress=_array(column("directional_stress")),
+        error_bar=_array([np.nan if bar is None else bar for bar in column("error_bar")]),
         energy_density=_array(column("energy_density")),
         in_range=np.asarray(column("in_range"), dtype=np.bool_),
         state_converged=np.asarray(column("converged"), dtype=np.bool_),

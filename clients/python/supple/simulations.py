@@ -58,7 +58,7 @@ class State:
         stopped: "converged", "iteration_limit" or "step_too_small".
         residual: norm of the forces that do not balance, relative; None where it is not finite.
         iterations, load_steps: Newton iterations and internal load steps since the state before.
-        contacts: pairs of boundary points and sides within the contact's range.
+        contacts: pairs of boundary points and sides that touch, within a range that is made less until it no longer matters.
         smallest_gap: mm, between sides that are not neighbours; None where none was looked for.
         smallest_jacobian: least determinant of the deformation gradient over all triangles.
         stable: whether the stiffness is positive definite against all modes that were looked for.

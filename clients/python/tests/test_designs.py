@@ -19,15 +19,16 @@ ERROR = {"relative_rms": 0.02, "max": 0.3}
 
 def profile_document(**more: Any) -> Dict[str, Any]:
     return {"task": "stress_strain", "direction": 0.5, "strain_measure": "green", "x": [0, 0.1], "target": [0, 1],
-            "initial": [None, 2], "achieved": [0, 1.02], "verified": None, "in_range": [True, False],
+            "initial": [None, 2], "achieved": [0, 1.02], "error_bar": None, "verified": None, "in_range": [True, False],
             "reached": [True, False], "envelope": None, **more}
 
 
 def design_document(**more: Any) -> Dict[str, Any]:
     return {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.15, 0.65], "profile": profile_document(),
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
-            "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
-                         "model_error": None, "stopped": "converged"}], "structure": {"svg": "/s", "dxf": "/d", "stl": "/t"}, **more}
+            "polish": None, "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
+                         "model_error": None, "simulated_error": None, "stopped": "converged"}],
+            "structure": {"svg": "/s", "dxf": "/d", "stl": "/t"}, **more}
 
 
 def test_what_is_not_given_is_left_to_the_server() -> None:
@@ -41,7 +42,7 @@ def test_everything_that_is_given_is_sent() -> None:
                     weights=[1, 2], bands=(0, 0.1), samples=5, weight=2)
     also = Target("stiffness", [(0, 1), (1, 2)], strain=0.02)
     region = Region(target, "heel", "IH21", None, [also], np.array([0.15, 0.65]).tolist(), [None, 0.65])
-    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off")
+    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50)
     document = design(region, options, True, "s", 7.0).document
     assert document == {
         "task": "stress_strain", "direction": 0.5, "strain_measure": "engineering", "samples": 5, "weight": 2,
@@ -49,8 +50,9 @@ def test_everything_that_is_given_is_sent() -> None:
         "also": [{"task": "stiffness", "strain": 0.02, "target": {"control_points": [[0, 1], [1, 2]]}}],
         "name": "heel", "family": "IH21", "initial": [0.15, 0.65], "fixed": [None, 0.65], "verify": True, "session": "s",
         "deadline": 7.0, "accuracy": {"tolerance": 1e-7, "equilibrium_tolerance": 1e-11, "max_iterations": 9, "starts": 3,
-                                      "candidates": 32, "verified_samples": 4},
-        "effects": {"multi_start": "on", "envelope": "off"}}
+                                      "candidates": 32, "verified_samples": 4, "polish_tolerance": 0.01, "polish_rounds": 7,
+                                      "polish_seconds": 50},
+        "effects": {"multi_start": "on", "envelope": "off", "polish": "on"}}
     assert design_regions([region] * 2, None, False, None, None).document["regions"][1]["name"] == "heel"
 
 
@@ -77,12 +79,30 @@ def test_missing_values_are_nan_and_missing_curves_none() -> None:
     assert result.profile.lower is None and result.profile.verified is None and result.profile.strain is None
     assert result.profile.in_range.tolist() == [True, False] and result.ranking[0].error.max == 0.3
     assert result.ranking[0].model_error is None
-    verified = {"x": [0.1], "y": [None], "model": [1.02]}
-    document = profile_document(envelope={"lower": [0, 0.5], "upper": [0, 3]}, verified=verified)
+    assert result.profile.error_bar is None
+    verified = {"x": [0.1], "target": [1], "y": [None], "model": [1.02], "target_error": None, "discretization_error": 0.004}
+    document = profile_document(envelope={"lower": [0, 0.5], "upper": [0, 3]}, verified=verified, error_bar=[0.02, None])
     full = design_from_wire({**design_document(profile=document, also=[profile_document()]), **BILL})
+    assert full.profile.error_bar is not None and full.profile.error_bar[0] == 0.02 and np.isnan(full.profile.error_bar[1])
     assert full.profile.upper is not None and full.profile.upper.tolist() == [0, 3] and len(full.also) == 1
     assert full.profile.verified is not None and full.profile.verified.relative_rms is None
-    assert np.isnan(full.profile.verified.y[0])
+    assert np.isnan(full.profile.verified.y[0]) and full.profile.verified.target_error is None
+    assert full.profile.verified.discretization_error == 0.004
+    assert full.profile.verified.target.tolist() == [1]
+
+
+def test_a_polished_design_tells_its_rounds() -> None:
+    rounds = [{"proposal": "search", "parameters": [0.15, 0.65], "target_error": 0.02, "accepted": True, "reason": "", "seconds": 2.0},
+              {"proposal": "step", "parameters": [0.16, 0.65], "target_error": None, "accepted": False, "reason": "r", "seconds": 1.0}]
+    polish = {"target_error": 0.02, "stopped": "time_limit", "rounds": rounds}
+    result = design_from_wire({**design_document(polish=polish), **BILL})
+    assert design_from_wire({**design_document(), **BILL}).polish is None
+    assert result.polish is not None and (result.polish.target_error, result.polish.stopped) == (0.02, "time_limit")
+    first, second = result.polish.rounds
+    assert (first.proposal, first.target_error, first.accepted, first.seconds) == ("search", 0.02, True, 2.0)
+    assert second.target_error is None and second.reason == "r" and second.parameters.tolist() == [0.16, 0.65]
+    running = partial_from_wire({"family": "IH21", "model": "ih21", "name": "heel", "round": rounds[1]})
+    assert isinstance(running, supple.PartialRound) and running.name == "heel" and running.round.reason == "r"
 
 
 def test_regions_keep_their_order_and_names() -> None:
@@ -103,5 +123,6 @@ def test_a_running_job_may_show_a_design() -> None:
 def test_a_profile_has_nan_where_there_is_no_equilibrium() -> None:
     curve = profile_from_wire({"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "task": "poisson",
                                "strain": 0.05, "strain_measure": "green", "x": [0, 1], "y": [None, 0.3],
-                               "in_range": [False, True], **BILL})
+                               "error_bar": [None, 0.02], "in_range": [False, True], **BILL})
+    assert curve.error_bar is not None and np.isnan(curve.error_bar[0]) and curve.error_bar[1] == 0.02
     assert np.isnan(curve.y[0]) and curve.direction is None and curve.strain == 0.05 and curve.residual == 1e-12

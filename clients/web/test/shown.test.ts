@@ -22,6 +22,14 @@ describe("a model's error", () => {
     expect(band?.upper.map((y) => Number(y.toFixed(9)))).toEqual([-1.8, 0, 3.3]);
   });
 
+  it("gives way to the error bars of the answer", () => {
+    const error = { mean: 0.1, percentile99: 0.4 };
+    const band = errorBand({ ...shown([-2, 0, 3]), errorBar: [0.5, 0, 0.25] }, error);
+    expect(band?.lower).toEqual([-2.5, 0, 2.75]);
+    expect(band?.upper).toEqual([-1.5, 0, 3.25]);
+    expect(errorBand({ ...shown([-2, 0, 3]), errorBar: [0.5, null, 0.25] }, error)).toBeNull();
+  });
+
   it("is not drawn across gaps", () => {
     expect(errorBand(shown([-2, null, 3]), { mean: 0.1, percentile99: 0.4 })).toBeNull();
     expect(errorBand(shown([-2, 0, 3]), null)).toBeNull();

@@ -20,6 +20,29 @@ std::string percent(double share) {
   return text.str();
 }
 
+/// Nothing where all samples are in range.
+std::string message_about_trust(const Design& design, const char* gap) {
+  long outside = 0;
+  long doubtful = 0;
+  long samples = 0;
+  for (const auto& profile : design.profiles) {
+    samples += static_cast<long>(profile.in_range.size());
+    for (std::size_t i = 0; i < profile.in_range.size(); ++i) {
+      if (profile.in_range[i]) continue;
+      const bool has_bar =
+          profile.error_bar.size() > 0 && std::isfinite(profile.error_bar[static_cast<Eigen::Index>(i)]);
+      ++(has_bar ? doubtful : outside);
+    }
+  }
+  std::ostringstream text;
+  if (outside > 0)
+    text << gap << outside << " of " << samples << " samples lie outside of what the model was trained on.";
+  if (doubtful > 0)
+    text << (outside > 0 ? " " : gap) << doubtful << " of " << samples
+         << " samples have error bars beyond which the model is not trusted; verify them by simulation.";
+  return text.str();
+}
+
 }  // namespace
 
 std::string message_about(const Design& design, const neural::Model& model, const std::vector<Eigen::Index>& free) {
@@ -38,16 +61,28 @@ std::string message_about(const Design& design, const neural::Model& model, cons
         text << " Parameter " << k + 1 << " is at its " << (low ? "lower" : "upper") << " bound.";
     }
   }
-  long outside = 0;
-  long samples = 0;
-  for (const auto& profile : design.profiles) {
-    outside += std::count(profile.in_range.begin(), profile.in_range.end(), 0);
-    samples += static_cast<long>(profile.in_range.size());
-  }
-  if (outside > 0)
-    text << (design.reached ? "" : " ") << outside << " of " << samples
-         << " samples lie outside of what the model was trained on.";
+  text << message_about_trust(design, design.reached ? "" : " ");
   return text.str();
+}
+
+void tell_of_simulation(Design& design, const Polished& polished) {
+  if (!polished.target_error) return;
+  bool reached = true;
+  for (std::size_t t = 0; t < polished.targets.size(); ++t) {
+    const auto flags = polished.targets[t].reached(polished.simulated[t]);
+    reached = reached && std::all_of(flags.begin(), flags.end(), [](auto flag) { return flag != 0; });
+  }
+  const std::string simulated = percent(*polished.target_error) + " (root mean square)";
+  const std::string model = ", the model's answer by " + percent(design.error.relative_rms) + ".";
+  if (reached && !design.reached) {
+    design.message = "The simulated structure reaches the target: it deviates by " + simulated + model;
+  } else if (!reached && design.reached) {
+    design.message = "The simulated structure does not reach the target: it deviates by " + simulated + model +
+                     (design.message.empty() ? "" : " " + design.message);
+  } else if (!reached) {
+    design.message += " Its simulation deviates by " + simulated + ".";
+  }
+  design.reached = reached;
 }
 
 void bound_profile(DesignProfile& profile, const SampledTarget& coarse, const Eigen::MatrixXd& y) {

@@ -15,8 +15,6 @@
 namespace supple::design {
 namespace {
 
-/// Within this share of the target's scale a sample counts as reached.
-constexpr double reached_share = 0.01;
 /// Further starting points are tried while the relative root mean square deviation is larger: what is reached by less
 /// may be a local minimum.
 constexpr double good_share = 1e-3;
@@ -59,6 +57,8 @@ class Search {
     for (const auto& target : problem.targets) {
       targets_.push_back(sample_target(target));
       weights_.push_back(target.weight);
+      // A value that has an amount added meets the target where the value itself meets the target less that amount.
+      if (!problem.corrections.empty()) targets_.back().y -= problem.corrections[targets_.size() - 1];
     }
   }
 
@@ -195,15 +195,14 @@ class Search {
       profile.target = targets_[t];
       profile.initial = initial_[t];
       profile.achieved = residuals.values(t);
-      profile.in_range = residuals.in_range(space_.model, t);
+      auto trust = residuals.trust(space_.model, t);
+      profile.in_range = std::move(trust.in_range);
+      profile.error_bar = std::move(trust.error_bar);
       const Eigen::VectorXd deviations = targets_[t].deviations(profile.achieved).cwiseAbs();
       if (t == 0) best_.error.max = deviations.maxCoeff();
-      profile.reached.resize(static_cast<std::size_t>(deviations.size()));
-      for (Eigen::Index i = 0; i < deviations.size(); ++i) {
-        const bool reached = deviations[i] <= reached_share * targets_[t].scale;
-        profile.reached[static_cast<std::size_t>(i)] = reached;
-        best_.reached = best_.reached && reached;
-      }
+      profile.reached = targets_[t].reached(profile.achieved);
+      best_.reached = best_.reached &&
+                      std::all_of(profile.reached.begin(), profile.reached.end(), [](auto flag) { return flag != 0; });
     }
     return r.norm();
   }

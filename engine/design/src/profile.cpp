@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
+#include "profile_trust.h"
 #include "sampled_profile.h"
 #include "supple/base/error.h"
 
@@ -166,7 +168,6 @@ Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& ev
   equilibria.from_rest(design);
   Profile profile;
   profile.y.resize(static_cast<Eigen::Index>(points.size()));
-  profile.in_range.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Equilibrium& state = equilibria[i];
     double& y = profile.y[static_cast<Eigen::Index>(i)];
@@ -174,9 +175,11 @@ Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& ev
     if (!state.converged) continue;
     y = value_of(points[i], equilibria.frame(i), state);
     profile.residual = std::max(profile.residual, state.residual);
-    profile.in_range[i] =
-        neural::in_range(model, parameters, state.strain, state.energy_density, design.rest_stiffness());
   }
+  const neural::ErrorBars bars(model, evaluator, design, parameters, true);
+  auto trust = profile_trust(model, bars, points, equilibria, 0, profile.y);
+  profile.in_range = std::move(trust.in_range);
+  profile.error_bar = std::move(trust.error_bar);
   if (execution.cost) execution.cost->add_quantity("evaluations", static_cast<double>(equilibria.evaluations()));
   return profile;
 }

@@ -11,6 +11,9 @@
 namespace supple::design {
 namespace {
 
+/// Within this share of the target's scale a sample counts as reached.
+constexpr double reached_share = 0.01;
+
 constexpr double period = std::numbers::pi;
 constexpr int default_samples = 10;
 constexpr int default_directions = 50;
@@ -73,6 +76,20 @@ double least_scale(Task task) { return task == Task::poisson ? 0.1 : 1e-6; }
 Eigen::VectorXd SampledTarget::deviations(const Eigen::VectorXd& profile) const {
   const Eigen::ArrayXd deviation = (profile - y).array();
   return deviation - deviation.cwiseMin(bands.array()).cwiseMax(-bands.array());
+}
+
+std::optional<double> SampledTarget::relative_rms(const Eigen::VectorXd& profile) const {
+  const double mean_square = weights.dot((deviations(profile) / scale).cwiseAbs2());
+  if (!std::isfinite(mean_square)) return std::nullopt;
+  return std::sqrt(mean_square);
+}
+
+std::vector<std::uint8_t> SampledTarget::reached(const Eigen::VectorXd& profile) const {
+  const Eigen::VectorXd away = deviations(profile).cwiseAbs();
+  std::vector<std::uint8_t> flags;
+  flags.reserve(static_cast<std::size_t>(away.size()));
+  for (const double deviation : away) flags.push_back(deviation <= reached_share * scale ? 1 : 0);
+  return flags;
 }
 
 SampledTarget sample_target(const Target& target) {

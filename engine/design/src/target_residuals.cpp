@@ -72,7 +72,7 @@ bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
   if (!converged) return false;
   r.resize(factors_.size());
   for (std::size_t t = 0; t < targets_.size(); ++t) {
-    const Eigen::VectorXd deviations = targets_[t].deviations(values(t));
+    const Eigen::VectorXd deviations = targets_[t].deviations(corrected_values(t));
     r.segment(static_cast<Eigen::Index>(first_[t]), deviations.size()) = deviations;
   }
   for (Eigen::Index i = 0; i < outliers_.size(); ++i) {
@@ -92,11 +92,15 @@ void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
   derivative_evaluations_ += std::count_if(samples_.begin(), samples_.end(),
                                            [](const Sample& sample) { return sample.task != Task::stress_strain; });
   jacobian.resize(derivatives.rows(), static_cast<Eigen::Index>(free_.size()));
-  for (std::size_t k = 0; k < free_.size(); ++k)
-    jacobian.col(static_cast<Eigen::Index>(k)) = derivatives.col(free_[k]).cwiseProduct(factors_).cwiseProduct(slopes_);
+  for (std::size_t k = 0; k < free_.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    jacobian.col(column) = derivatives.col(free_[k]);
+    if (correction_) jacobian.col(column) += correction_->slope.col(column);
+    jacobian.col(column).array() *= factors_.array() * slopes_.array();
+  }
   // Within its band a deviation does not change.
   for (std::size_t t = 0; t < targets_.size(); ++t) {
-    const Eigen::VectorXd value = values(t);
+    const Eigen::VectorXd value = corrected_values(t);
     for (Eigen::Index i = 0; i < value.size(); ++i)
       if (std::abs(value[i] - targets_[t].y[i]) < targets_[t].bands[i])
         jacobian.row(static_cast<Eigen::Index>(first_[t]) + i).setZero();
@@ -114,14 +118,23 @@ Eigen::VectorXd TargetResiduals::values(std::size_t target) const {
   return result;
 }
 
-std::vector<std::uint8_t> TargetResiduals::in_range(const neural::Model& model, std::size_t target) const {
-  std::vector<std::uint8_t> result(static_cast<std::size_t>(targets_[target].y.size()));
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const Equilibrium& state = equilibria_[first_[target] + i];
-    result[i] = state.converged &&
-                neural::in_range(model, span_of(last_), state.strain, state.energy_density, design_->rest_stiffness());
+Eigen::VectorXd TargetResiduals::corrected_values(std::size_t target) const {
+  Eigen::VectorXd result = values(target);
+  if (!correction_) return result;
+  Eigen::VectorXd away(static_cast<Eigen::Index>(free_.size()));
+  for (std::size_t k = 0; k < free_.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    away[column] = last_[free_[k]] - correction_->at[column];
   }
+  const auto first = static_cast<Eigen::Index>(first_[target]);
+  result += correction_->offset.segment(first, result.size());
+  result += correction_->slope.middleRows(first, result.size()) * away;
   return result;
+}
+
+ProfileTrust TargetResiduals::trust(const neural::Model& model, std::size_t target) const {
+  const neural::ErrorBars bars(model, evaluator_, *design_, span_of(last_), true);
+  return profile_trust(model, bars, samples_, equilibria_, first_[target], values(target));
 }
 
 double TargetResiduals::largest_residual() const {

@@ -3,9 +3,10 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
-#include "sampled_profile.h"
+#include "profile_trust.h"
 #include "supple/design/inverse_design.h"
 
 namespace supple::design {
@@ -18,6 +19,14 @@ struct Lessened {
 };
 Lessened lessened(double deviation, double c);
 
+/// What is added to a model's values to have those of something else, such as of simulations: offset + slope (x - at)
+/// at the free parameters x. An entry or row for each sample of all targets, one target after the other.
+struct Correction {
+  Eigen::VectorXd offset;
+  Eigen::MatrixXd slope;
+  Eigen::VectorXd at;
+};
+
 /// The outer problem of inverse design as residuals of the parameters that are free: r = sqrt(w) deviation / scale over
 /// all samples of all targets, so that |r| is the relative root mean square deviation.
 class TargetResiduals : public numerics::ResidualFunction {
@@ -29,21 +38,28 @@ class TargetResiduals : public numerics::ResidualFunction {
                   const std::vector<double>& target_weights, Eigen::VectorXd held, std::vector<Eigen::Index> free,
                   double equilibrium_tolerance, Buildable buildable = {}, double outlier = 0);
 
+  /// From now on it is the corrected values that are compared with the targets.
+  void correct(Correction correction) { correction_ = std::move(correction); }
+
   bool residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) override;
   void jacobian(Eigen::MatrixXd& jacobian) override;
 
   const Eigen::VectorXd& last_parameters() const { return last_; }
-  /// Values of one target's samples at the last parameters; NaN where there is no equilibrium.
+  /// The model's values of one target's samples at the last parameters, without a correction; NaN where there is no
+  /// equilibrium.
   Eigen::VectorXd values(std::size_t target) const;
-  /// Whether each sample of a target lies in the model's range, at the last parameters.
-  std::vector<std::uint8_t> in_range(const neural::Model& model, std::size_t target) const;
+  /// How far each sample of a target is to be trusted, at the last parameters.
+  ProfileTrust trust(const neural::Model& model, std::size_t target) const;
   double largest_residual() const;  ///< of the equilibria at the last parameters
   std::int64_t evaluations() const { return equilibria_.evaluations() + derivative_evaluations_; }
   std::int64_t restarts() const { return equilibria_.restarts(); }
 
  private:
+  Eigen::VectorXd corrected_values(std::size_t target) const;
+
   const neural::Evaluator& evaluator_;
   const std::vector<SampledTarget>& targets_;
+  std::optional<Correction> correction_;
   std::vector<std::size_t> first_;  ///< sample of each target
   std::vector<Sample> samples_;
   Eigen::VectorXd factors_;   ///< of each sample's deviation

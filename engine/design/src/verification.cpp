@@ -86,6 +86,35 @@ Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const Profi
   return y;
 }
 
+VerificationMeshes verification_meshes(std::string_view family) {
+  const bool slender = family == "IH21" || family == "IH28";
+  VerificationMeshes meshes;
+  meshes.mesh.mesh_size = slender ? 0.7 : 0.35;
+  meshes.mesh.corner_size = slender ? 0.1 : 0.05;
+  meshes.coarser = meshes.mesh;
+  meshes.coarser.mesh_size = slender ? 1 : 0.7;
+  return meshes;
+}
+
+SimulateProfile simulation_of(const tiling::Family& family, const microscale::SimulationOptions& options) {
+  return
+      [&family, options](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution& execution) {
+        const auto structure =
+            tiling::make_structure(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+        return simulate_profile(structure, samples, options, execution);
+      };
+}
+
+FamilySimulation verification_of(const tiling::Family& family, const microscale::Material& material) {
+  microscale::SimulationOptions options;
+  options.material = material;
+  const auto meshes = verification_meshes(family.id);
+  options.mesh = meshes.mesh;
+  microscale::SimulationOptions coarser = options;
+  coarser.mesh = meshes.coarser;
+  return {simulation_of(family, options), simulation_of(family, coarser)};
+}
+
 std::optional<double> relative_difference(const Eigen::VectorXd& simulated, const Eigen::VectorXd& model) {
   double difference = 0;
   double size = 0;
@@ -96,19 +125,6 @@ std::optional<double> relative_difference(const Eigen::VectorXd& simulated, cons
   }
   if (size == 0) return std::nullopt;
   return std::sqrt(difference / size);
-}
-
-ProfileSamples thinned(const ProfileSamples& samples, int count) {
-  const auto n = static_cast<long>(samples.x.size());
-  if (count >= n) return samples;
-  ProfileSamples few = samples;
-  few.x.clear();
-  const bool over_strain = samples.task == Task::stress_strain;
-  for (long k = 0; k < count; ++k) {
-    const long i = over_strain && count > 1 ? k * (n - 1) / (count - 1) : k * n / count;
-    few.x.push_back(samples.x[static_cast<std::size_t>(i)]);
-  }
-  return few;
 }
 
 }  // namespace supple::design

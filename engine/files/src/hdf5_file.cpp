@@ -243,6 +243,10 @@ std::vector<std::string> Hdf5Reader::members(const std::string& group) const {
   return names;
 }
 
+bool Hdf5Reader::contains(const std::string& name) const {
+  return H5Lexists(file_.get(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
 Hdf5Reader::Kind Hdf5Reader::kind(const std::string& name) const {
   const Hdf5Handle column = open_column(file_.get(), path_, name);
   switch (class_of(column.get())) {

@@ -34,7 +34,8 @@ const std::map<std::string, tiling::Region> regions{
     {"automatic", tiling::Region::automatic}, {"tile", tiling::Region::tile}, {"cell", tiling::Region::cell}};
 const std::map<std::string, Law> laws{{"neo_hookean", Law::neo_hookean},
                                       {"incompressible_plane_stress", Law::incompressible_plane_stress}};
-const std::map<std::string, PlanKind> plans{{"sequence", PlanKind::sequence}, {"grid", PlanKind::grid}};
+const std::map<std::string, PlanKind> plans{
+    {"sequence", PlanKind::sequence}, {"grid", PlanKind::grid}, {"rest", PlanKind::rest}};
 
 /// An option with a name for each value.
 template <class T>
@@ -85,13 +86,15 @@ void add_options(CLI::App& command, MakeArguments& arguments) {
   command.add_option("--part-upper", options.part_upper, "The part's other end: p1,p2,...")->delimiter(',');
   command.add_option("--corners", options.corners, "Begin with the corners of the box (1 or 0)")->capture_default_str();
   command.add_option("--parameters", options.parameters, "One design instead of a sequence: p1,p2,...")->delimiter(',');
+}
 
-  LoadPlanOptions& loads = options.loads;
+void add_load_options(CLI::App& command, LoadPlanOptions& loads) {
   const std::string group = "Loads of each design";
   const auto load = [&](const char* name, auto& value, const char* about) {
     command.add_option(name, value, about)->capture_default_str()->group(group);
   };
-  add_choice(command, "--plan", loads.kind, plans, "sequence: a few paths for each design; grid: the published grid")
+  add_choice(command, "--plan", loads.kind, plans,
+             "sequence: a few paths for each design; grid: the published grid; rest: the state of rest alone")
       ->group(group);
   load("--tension-paths", loads.tension_paths, "Uniaxial tension paths");
   load("--compression-paths", loads.compression_paths, "Uniaxial compression paths");
@@ -148,6 +151,31 @@ void make(MakeArguments& arguments, const StopSignals& signals, bool& interrupte
                dataset::journal_path(arguments.out).string(), result.designs);
 }
 
+struct RenewArguments {
+  std::filesystem::path old;
+  std::filesystem::path out;
+  RenewOptions options;
+  int threads = 0;
+  bool quiet = false;
+};
+
+void renew(const RenewArguments& arguments, const StopSignals& signals, bool& interrupted) {
+  set_thread_count(arguments.threads);
+  RenewResult result;
+  {
+    ProgressLine progress(arguments.quiet);
+    result = renew_dataset(dataset::read_dataset(arguments.old), arguments.options, arguments.out,
+                           signals.cancellation(), &progress);
+  }
+  interrupted = !result.finished;
+  if (result.finished)
+    fmt::print("{} holds {} designs, {} of them simulated anew now\n", arguments.out.string(), result.designs,
+               result.renewed);
+  else
+    fmt::print(stderr, "interrupted: {} holds {} designs; the same command goes on\n",
+               dataset::journal_path(arguments.out).string(), result.designs);
+}
+
 struct MergeArguments {
   std::vector<std::filesystem::path> files;
   std::filesystem::path out;
@@ -174,8 +202,32 @@ void add_dataset_commands(CLI::App& program, const StopSignals& signals, bool& i
   CLI::App* maker =
       group->add_subcommand("make", "Simulate designs of a family; interrupted, the same command goes on");
   add_options(*maker, *make_arguments);
+  add_load_options(*maker, make_arguments->options.loads);
   add_simulation_options(*maker, make_arguments->options.simulation);
   maker->callback([=, &signals, &interrupted] { make(*make_arguments, signals, interrupted); });
+
+  const auto renew_arguments = std::make_shared<RenewArguments>();
+  CLI::App* renewer = group->add_subcommand(
+      "renew", "Simulate anew the designs of a data set whose response has changed with the engine");
+  renewer->add_option("file", renew_arguments->old, "Finished data set")->required();
+  renewer
+      ->add_option("--out", renew_arguments->out, "The HDF5 file; until it is complete, OUT.partial keeps what is done")
+      ->required();
+  renewer->add_option("--tolerance", renew_arguments->options.tolerance, "Relative change of the stress next to rest")
+      ->capture_default_str();
+  renewer->add_flag("--contacts", renew_arguments->options.contacts, "Designs with states in contact in any case");
+  renewer->add_option("--threads", renew_arguments->threads, "Designs at work at once; 0: one for each core")
+      ->capture_default_str();
+  renewer->add_flag("--quiet", renew_arguments->quiet, "No progress on stderr");
+  renewer->callback([=, &signals, &interrupted] { renew(*renew_arguments, signals, interrupted); });
+
+  const auto rest_arguments = std::make_shared<MakeArguments>();
+  rest_arguments->options = rest_options();
+  CLI::App* rest = group->add_subcommand(
+      "rest", "Stiffness at rest of many designs, a linear solve each; interrupted, the same command goes on");
+  add_options(*rest, *rest_arguments);
+  add_simulation_options(*rest, rest_arguments->options.simulation);
+  rest->callback([=, &signals, &interrupted] { make(*rest_arguments, signals, interrupted); });
 
   const auto merge_arguments = std::make_shared<MergeArguments>();
   CLI::App* merger = group->add_subcommand("merge", "Make one data set of several with the same recipe");

@@ -8,12 +8,11 @@
 #include <cstdio>
 #include <exception>
 
-#include "dataset_commands.h"
+#include "commands.h"
 #include "exit_code.h"
-#include "model_commands.h"
 #include "stop_signals.h"
 #include "supple/base/error.h"
-#include "supple/lab/dataset_options.h"
+#include "supple/lab/engine_version.h"
 
 namespace {
 
@@ -27,12 +26,7 @@ ExitCode run(int argument_count, char** arguments) {
       "supple-lab");
   program.set_version_flag("--version", supple::lab::engine_version());
   program.require_subcommand(1);
-  supple::lab::add_dataset_commands(program, signals, interrupted);
-#ifdef SUPPLE_TRAINING
-  supple::lab::add_train_command(program, signals, interrupted);
-  supple::lab::add_symmetrize_command(program);
-  supple::lab::add_card_command(program);
-#endif
+  supple::lab::add_commands(program, signals, interrupted);
   try {
     program.parse(argument_count, arguments);
     return interrupted ? ExitCode::interrupted : ExitCode::success;

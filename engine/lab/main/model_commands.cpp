@@ -14,7 +14,8 @@
 #include "supple/base/error.h"
 #include "supple/base/threads.h"
 #include "supple/dataset/merge.h"
-#include "supple/lab/dataset_options.h"
+#include "supple/lab/engine_version.h"
+#include "supple/training/model_calibration.h"
 #include "supple/training/model_card.h"
 #include "supple/training/model_training.h"
 
@@ -25,6 +26,7 @@ namespace {
 struct DataArguments {
   std::vector<std::filesystem::path> files;
   std::vector<std::filesystem::path> more;
+  std::vector<std::filesystem::path> rest;
 };
 
 void add_data_options(CLI::App& command, DataArguments& arguments) {
@@ -34,14 +36,15 @@ void add_data_options(CLI::App& command, DataArguments& arguments) {
 }
 
 training::ModelData read_data(const DataArguments& arguments) {
-  training::ModelData data{dataset::read_parts(arguments.files), {}};
+  training::ModelData data{dataset::read_parts(arguments.files), {}, {}};
   for (const auto& file : arguments.more) data.more.push_back(dataset::read_finished_or_partial(file));
+  for (const auto& file : arguments.rest) data.rest.push_back(dataset::read_finished_or_partial(file));
   return data;
 }
 
 std::string names_of(const DataArguments& arguments) {
   std::string names;
-  for (const auto* files : {&arguments.files, &arguments.more})
+  for (const auto* files : {&arguments.files, &arguments.more, &arguments.rest})
     for (const auto& file : *files) names += (names.empty() ? "" : " ") + file.filename().string();
   return names;
 }
@@ -56,6 +59,10 @@ struct TrainArguments {
   std::string form = "sum_of_squares";
   std::string activation = "swish";
   std::string optimizer = "soap";
+  std::string loss = "robust";
+  std::string device = "automatic";
+  std::string rest_form = "free";
+  std::string features = "none";
   int threads = 0;
   bool quiet = false;
 };
@@ -85,6 +92,15 @@ void print_errors(const char* split, const neural::SplitErrors& errors) {
   line("energy", errors.energy);
 }
 
+void print_stiffness(const training::StiffnessReport& r, int steps) {
+  std::string unseen;
+  if (r.unseen_mean >= 0)
+    unseen = fmt::format(", unseen mean {:.2f} %, median {:.2f} %", 100 * r.unseen_mean, 100 * r.unseen_median);
+  fmt::print(stderr,
+             "stiffness {}/{}: along the worst direction {} designs mean {:.2f} %, median {:.2f} %{}; {:.0f} s\n",
+             r.step, steps, r.designs, 100 * r.trained_mean, 100 * r.trained_median, unseen, r.seconds);
+}
+
 /// Each step of a training allocates and frees the same tensors: without these the allocator gives pages back to the
 /// system and takes them anew, a fifth of the time.
 void keep_freed_memory() {
@@ -100,6 +116,10 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
   training.shape.form = neural::energy_form_of(arguments.form);
   training.shape.activation = neural::activation_of(arguments.activation);
   training.optimizer = training::optimizer_of(arguments.optimizer);
+  training.loss = training::loss_of(arguments.loss);
+  training.device = training::device_of(arguments.device);
+  training.shape.rest = neural::rest_form_of(arguments.rest_form);
+  arguments.options.use_features = arguments.features == "geometric";
   set_thread_count(arguments.threads);
   const auto data = read_data(arguments.data);
   const auto& family = data.data.recipe.text("family");
@@ -109,6 +129,8 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
                 {{"family", family}});
   if (!arguments.start.empty()) arguments.options.start = neural::read_model(arguments.start);
   const auto checkpoint = checkpoint_path(arguments.out);
+  if (const auto device = training::usable_device(training.device); !arguments.quiet)
+    fmt::print(stderr, "training on {}\n", to_string(device));
   const auto report = [&](const training::EpochReport& r) {
     if (arguments.quiet || r.validation_gradient < 0) return;
     fmt::print(
@@ -117,8 +139,11 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
         r.epoch, training.epochs, r.loss, 100 * r.validation_gradient, 100 * r.validation_energy,
         100 * r.validation_stiffness, r.seconds);
   };
+  const auto report_stiffness = [&](const training::StiffnessReport& r) {
+    if (!arguments.quiet) print_stiffness(r, training.stiffness_steps);
+  };
   const auto result = training::train_model(data, names_of(arguments.data), engine_version(), arguments.options,
-                                            checkpoint, signals.cancellation(), report);
+                                            checkpoint, signals.cancellation(), report, report_stiffness);
   if (!arguments.log.empty()) write_log(arguments.log, result.history);
   interrupted = !result.finished;
   if (interrupted) {
@@ -143,14 +168,23 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
       ->required();
   command.add_option("--start", arguments.start,
                      "A model of the same data and split: training goes on with it, and its network's shape holds");
+  command.add_flag("--start-foreign", options.start_is_foreign,
+                   "START was trained on other data of the family; what is held out now may have trained it");
+  command.add_option("--rest-data", arguments.data.rest,
+                     "Data sets of stiffnesses at rest (dataset rest), to which the stiffness branch is fitted first");
   command.add_option("--family", arguments.family, "Refuses data of another");
   command.add_option("--id", options.id, "Of the model; the family's unless given");
   command.add_option("--log", arguments.log, "CSV file of losses and validation errors");
   command.add_option("--threads", arguments.threads, "0: one for each core")->capture_default_str();
+  command
+      .add_option("--device", arguments.device,
+                  "automatic: CUDA where LibTorch has a device; cpu; or cuda, an error elsewhere")
+      ->check(CLI::IsMember({"automatic", "cpu", "cuda"}))
+      ->capture_default_str();
   command.add_flag("--quiet", arguments.quiet, "No progress on stderr");
   const auto group_of = [&](const char* group) {
     return [&command, group](const char* name, auto& value, const char* about) {
-      command.add_option(name, value, about)->capture_default_str()->group(group);
+      return command.add_option(name, value, about)->capture_default_str()->group(group);
     };
   };
   const auto network = group_of("Network");
@@ -159,9 +193,16 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   network("--parameter-layers", shape.parameter_layers, "Of the branch that reads the parameters");
   network("--trunk-layers", shape.trunk_layers, "After both branches meet");
   network("--residuals", shape.residuals, "Terms of the sum of squares");
-  network("--stiffness-width", shape.stiffness_width, "Neurons of the stiffness branch");
+  network("--stiffness-width", shape.stiffness_width, "Neurons of each hidden layer of the stiffness branch");
+  network("--stiffness-layers", shape.stiffness_layers, "Hidden layers of the stiffness branch");
   network("--activation", arguments.activation, "swish, tanh or sine");
   network("--form", arguments.form, "sum_of_squares or softplus");
+  network("--rest", arguments.rest_form,
+          "exact: the stiffness at rest is the stiffness branch's alone; free: learned by all")
+      ->check(CLI::IsMember({"exact", "free"}));
+  network("--features", arguments.features,
+          "geometric: lengths, gaps, angles and density of the tile are inputs; or none")
+      ->check(CLI::IsMember({"geometric", "none"}));
   const auto rule = group_of("Training");
   rule("--epochs", training.epochs, "Passes over the training rows");
   rule("--chunk-rows", training.chunk_rows, "Rows of one design that go together");
@@ -170,14 +211,21 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   rule("--last-learning-rate", training.last_learning_rate, "At the end");
   rule("--largest-gradient", training.largest_gradient, "Longer ones are shortened");
   rule("--weight-decay", training.weight_decay, "Times the learning rate: the share by which weights shrink in a step");
+  rule("--loss", arguments.loss,
+       "Of a relative error x: robust, log(1 + sqrt(x^2 + floor^2)), or squared, x^2 (the thesis's 4.8)")
+      ->check(CLI::IsMember({"robust", "squared"}));
   rule("--energy-weight", training.energy_weight, "Of the energy's error");
   rule("--stress-weight", training.stress_weight, "Of the stress's error");
   rule("--tangent-weight", training.tangent_weight, "Of the tangent's error");
   rule("--tangent-begin", training.tangent_begin, "Share of the epochs after which the tangent counts");
-  rule("--error-floor", training.error_floor, "Relative error below which errors count less");
-  rule("--optimizer", arguments.optimizer, "soap or adam");
+  rule("--error-floor", training.error_floor, "Of the robust loss: relative error below which errors count less");
+  rule("--optimizer", arguments.optimizer, "soap or adam")->check(CLI::IsMember({"soap", "adam"}));
   rule("--smallest-input-scale", training.smallest_input_scale, "Of strains at the first layer");
   rule("--largest-input-scale", training.largest_input_scale, "Of strains at the first layer");
+  rule("--stiffness-steps", training.stiffness_steps, "That fit the stiffness branch before all else");
+  rule("--stiffness-batch", training.stiffness_batch, "Designs of one of these steps");
+  command.add_flag("--freeze-stiffness", training.freeze_stiffness, "Leave the stiffness branch as it was fitted")
+      ->group("Training");
   rule("--patience", training.patience, "Epochs without a better validation that end training; 0: never");
   rule("--validation-interval", training.validation_interval, "Epochs between validations");
   rule("--seed", training.seed, "Of the weights and the order of rows");
@@ -223,7 +271,52 @@ void symmetrize(const SymmetrizeArguments& arguments) {
   print_errors("row split", *model.row_split);
 }
 
-}  // namespace
+struct CalibrateArguments {
+  std::filesystem::path model;
+  DataArguments data;
+  std::filesystem::path out;
+  std::filesystem::path plot;
+  int threads = 0;
+};
+
+void print_judged(neural::Quantity quantity, const neural::JudgedBars& judged) {
+  fmt::print(
+      "{}: {:.1f} % of {} states of {} held-out designs within their bar, median {:.2f} %; of {} that err by more than "
+      "3.57 %, {} are in range ({} without bars); of {} others, {} are not ({})\n",
+      to_string(quantity), 100 * judged.share, judged.states, judged.designs, 100 * judged.median_bar, judged.beyond,
+      judged.beyond_in_range, judged.beyond_in_box, judged.within, judged.within - judged.within_in_range,
+      judged.within - judged.within_in_box);
+}
+
+void calibrate(const CalibrateArguments& arguments, const StopSignals& signals) {
+  set_thread_count(arguments.threads);
+  const auto result =
+      training::calibrate(neural::read_model(arguments.model), read_data(arguments.data), signals.cancellation());
+  const auto& out = arguments.out.empty() ? arguments.model : arguments.out;
+  neural::write_model(out, result.model);
+  auto plot = arguments.plot;
+  if (plot.empty()) plot = out.parent_path() / (out.stem().string() + "-calibration.svg");
+  std::ofstream image(plot);
+  image << training::calibration_plot(result);
+  if (!image) throw Error("file.write_failed", "Cannot write " + plot.string() + ".");
+  fmt::print("{} holds the model {} with error bars of {:.0f} %; {} shows them\n", out.string(), result.model.id,
+             100 * result.model.calibration->level, plot.string());
+  for (const auto quantity : neural::all_quantities)
+    print_judged(quantity, result.model.calibration->of(quantity).judged);
+}
+
+void add_calibrate_command(CLI::App& program, const StopSignals& signals) {
+  const auto arguments = std::make_shared<CalibrateArguments>();
+  CLI::App* command = program.add_subcommand(
+      "calibrate", "Give a model error bars for each of its answers, of the data that it was trained on");
+  command->add_option("--model", arguments->model, "The model")->required();
+  add_data_options(*command, arguments->data);
+  command->add_option("--out", arguments->out, "The model with error bars; MODEL itself unless given");
+  command->add_option("--plot", arguments->plot,
+                      "Picture of stated and observed shares, as SVG; OUT-calibration.svg unless given");
+  command->add_option("--threads", arguments->threads, "0: one for each core")->capture_default_str();
+  command->callback([=, &signals] { calibrate(*arguments, signals); });
+}
 
 void add_symmetrize_command(CLI::App& program) {
   const auto arguments = std::make_shared<SymmetrizeArguments>();
@@ -253,6 +346,15 @@ void add_train_command(CLI::App& program, const StopSignals& signals, bool& inte
       program.add_subcommand("train", "Train a network on a data set; interrupted, the same command goes on");
   add_options(*command, *arguments);
   command->callback([=, &signals, &interrupted] { train(*arguments, signals, interrupted); });
+}
+
+}  // namespace
+
+void add_model_commands(CLI::App& program, const StopSignals& signals, bool& interrupted) {
+  add_train_command(program, signals, interrupted);
+  add_symmetrize_command(program);
+  add_calibrate_command(program, signals);
+  add_card_command(program);
 }
 
 }  // namespace supple::lab

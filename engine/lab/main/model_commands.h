@@ -6,13 +6,8 @@
 
 namespace supple::lab {
 
-/// Adds "train". `interrupted` is set if a signal ended it.
-void add_train_command(CLI::App& program, const StopSignals& signals, bool& interrupted);
-
-/// Adds "card".
-void add_card_command(CLI::App& program);
-
-/// Adds "symmetrize".
-void add_symmetrize_command(CLI::App& program);
+/// Adds "train", "symmetrize", "calibrate" and "card"; their callbacks do the work. `interrupted` is set if a signal
+/// ended a training. The references must outlive the parsing.
+void add_model_commands(CLI::App& program, const StopSignals& signals, bool& interrupted);
 
 }  // namespace supple::lab

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <functional>
+#include <iterator>
 #include <mutex>
 #include <set>
 #include <string>
@@ -32,12 +35,15 @@ void check_finished(const std::filesystem::path& path, const Dataset& found, con
                 details);
 }
 
+/// Gives the design of an index.
+using DesignSource = std::function<dataset::Design(std::int64_t index)>;
+
 /// The designs of one run, computed by several threads in the order of their indices.
 class Run {
  public:
-  Run(const DatasetOptions& options, dataset::Journal& journal, std::vector<std::int64_t> indices,
+  Run(DesignSource design_of, dataset::Journal& journal, std::vector<std::int64_t> indices,
       const CancellationToken& cancellation, MakeListener* listener)
-      : options_(options),
+      : design_of_(std::move(design_of)),
         journal_(journal),
         indices_(std::move(indices)),
         cancellation_(cancellation),
@@ -57,7 +63,7 @@ class Run {
       const std::size_t next = next_++;
       if (next >= indices_.size()) return;
       try {
-        finish(simulate_design(options_, planned_design(options_, indices_[next]), cancellation_, listener_));
+        finish(design_of_(indices_[next]));
       } catch (const Error& error) {
         if (cancellation_.requested() && error.code() != "file.write_failed") return;
         failed_ = true;
@@ -76,7 +82,7 @@ class Run {
     done_.push_back(std::move(design));
   }
 
-  const DatasetOptions& options_;
+  const DesignSource design_of_;
   dataset::Journal& journal_;
   const std::vector<std::int64_t> indices_;
   const CancellationToken& cancellation_;
@@ -86,6 +92,95 @@ class Run {
   std::mutex mutex_;
   std::vector<dataset::Design> done_;
 };
+
+std::vector<dataset::Design>::const_iterator find_design(const Dataset& data, std::int64_t index) {
+  return std::find_if(data.designs.begin(), data.designs.end(),
+                      [index](const dataset::Design& design) { return design.index == index; });
+}
+
+/// Gives the data set at `path` the designs of the indices in `missing`, through the journal beside it.
+MakeResult complete(Dataset data, std::vector<std::int64_t> missing, const std::filesystem::path& path,
+                    const DesignSource& design_of, std::int64_t states_per_design,
+                    const CancellationToken& cancellation, MakeListener* listener) {
+  dataset::Journal journal(dataset::journal_path(path), data.recipe, data.selection);
+  data.designs = journal.content().data.designs;
+  std::erase_if(missing, [&](std::int64_t index) { return find_design(data, index) != data.designs.end(); });
+  const std::size_t asked = missing.size();
+  if (listener) {
+    listener->started(static_cast<std::int64_t>(missing.size() + data.designs.size()),
+                      static_cast<std::int64_t>(data.designs.size()), missing.empty() ? 0 : states_per_design);
+  }
+  auto computed = Run(design_of, journal, std::move(missing), cancellation, listener).run();
+  MakeResult result;
+  result.computed = static_cast<std::int64_t>(computed.size());
+  std::move(computed.begin(), computed.end(), std::back_inserter(data.designs));
+  std::sort(data.designs.begin(), data.designs.end(),
+            [](const dataset::Design& a, const dataset::Design& b) { return a.index < b.index; });
+  result.designs = static_cast<std::int64_t>(data.designs.size());
+  result.finished = result.computed == static_cast<std::int64_t>(asked);
+  if (result.finished) {
+    dataset::write_dataset(path, data);
+    journal.remove();
+  }
+  return result;
+}
+
+std::int64_t states_of(const DatasetOptions& options, std::int64_t index) {
+  std::int64_t states = 0;
+  for (const PlannedPath& planned : planned_design(options, index).paths) states += planned.path.planned;
+  return states;
+}
+
+/// Whether the design's first states next to rest are still what the engine computes.
+bool is_current(const DatasetOptions& options, const dataset::Design& design, double tolerance,
+                const CancellationToken& cancellation) {
+  PlannedDesign probe = planned_design(options, design.index);
+  std::vector<std::size_t> paths;
+  for (std::size_t k = 0; k < probe.paths.size(); ++k) {
+    const auto& kind = probe.paths[k].path;
+    const bool tension = kind.end_stretch > 1;
+    const bool seen = std::any_of(paths.begin(), paths.end(), [&](std::size_t other) {
+      const auto& before = probe.paths[other].path;
+      return before.kind == kind.kind && (before.end_stretch > 1) == tension;
+    });
+    if (!seen) paths.push_back(k);
+  }
+  PlannedDesign few = probe;
+  few.paths.clear();
+  for (const std::size_t k : paths) {
+    few.paths.push_back(probe.paths[k]);
+    few.paths.back().stretches.resize(1);
+    few.paths.back().path.planned = 1;
+  }
+  const dataset::Design now = simulate_design(options, few, cancellation);
+  if (now.rejected()) return false;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const auto find = [](const dataset::Design& in, std::size_t path) {
+      return std::find_if(in.rows.begin(), in.rows.end(), [&](const dataset::Row& row) {
+        return row.path == static_cast<std::int32_t>(path) && row.position == 0;
+      });
+    };
+    const auto before = find(design, paths[k]), after = find(now, k);
+    if (before == design.rows.end() || after == now.rows.end()) return false;
+    double difference = 0, size = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      difference += std::pow(after->stress[i] - before->stress[i], 2);
+      size += std::pow(after->stress[i], 2);
+    }
+    // Negated, so that a NaN is a change.
+    if (!(difference <= tolerance * tolerance * size)) return false;
+  }
+  return true;
+}
+
+bool has_failed(const dataset::Design& design) {
+  return design.rejected() || std::any_of(design.paths.begin(), design.paths.end(),
+                                          [](const dataset::Path& path) { return path.reached < path.planned; });
+}
+
+bool has_contacts(const dataset::Design& design) {
+  return std::any_of(design.rows.begin(), design.rows.end(), [](const dataset::Row& row) { return row.contacts > 0; });
+}
 
 }  // namespace
 
@@ -100,29 +195,49 @@ MakeResult make_dataset(const DatasetOptions& options, const std::filesystem::pa
     std::filesystem::remove(dataset::journal_path(path));
     return {static_cast<std::int64_t>(found.designs.size()), 0, true};
   }
-  dataset::Journal journal(dataset::journal_path(path), data.recipe, data.selection);
-  data.designs = journal.content().data.designs;
-  std::vector<std::int64_t> missing = dataset::missing_designs(data);
-  if (listener) {
-    std::int64_t states = 0;
-    if (!missing.empty())
-      for (const PlannedPath& planned : planned_design(options, missing.front()).paths) states += planned.path.planned;
-    listener->started(static_cast<std::int64_t>(missing.size() + data.designs.size()),
-                      static_cast<std::int64_t>(data.designs.size()), states);
+  const auto simulate = [&](std::int64_t index) {
+    return simulate_design(options, planned_design(options, index), cancellation, listener);
+  };
+  const std::int64_t states = options.designs > 0 ? states_of(options, options.first) : 0;
+  std::vector<std::int64_t> indices = data.selection.indices();
+  return complete(std::move(data), std::move(indices), path, simulate, states, cancellation, listener);
+}
+
+RenewResult renew_dataset(const Dataset& old, const RenewOptions& renew, const std::filesystem::path& path,
+                          const CancellationToken& cancellation, MakeListener* listener) {
+  if (!(renew.tolerance > 0 && renew.tolerance < 1)) {
+    const std::string message = "must lie between 0 and 1, but is " + std::to_string(renew.tolerance);
+    throw Error("dataset.invalid_option", "Option tolerance " + message + ".", {{"tolerance", message}});
   }
-  auto computed = Run(options, journal, std::move(missing), cancellation, listener).run();
-  MakeResult result;
-  result.computed = static_cast<std::int64_t>(computed.size());
-  std::move(computed.begin(), computed.end(), std::back_inserter(data.designs));
-  std::sort(data.designs.begin(), data.designs.end(),
-            [](const dataset::Design& a, const dataset::Design& b) { return a.index < b.index; });
-  result.designs = static_cast<std::int64_t>(data.designs.size());
-  result.finished = dataset::missing_designs(data).empty();
-  if (result.finished) {
-    dataset::write_dataset(path, data);
-    journal.remove();
+  const DatasetOptions options = options_of(old.recipe, old.selection);
+  check(options);
+  if (const auto differing = dataset::differences(old.recipe, recipe_of(options)); !differing.empty()) {
+    throw Error("dataset.different_recipe",
+                "The engine's family is not that of the data set any more: " + differing.front() + ".",
+                {{"recipe", differing.front()}});
   }
-  return result;
+  Dataset data{old.recipe, old.selection, {}};
+  if (std::filesystem::exists(path)) {
+    const Dataset found = dataset::read_dataset(path);
+    check_finished(path, found, data);
+    std::filesystem::remove(dataset::journal_path(path));
+    return {static_cast<std::int64_t>(found.designs.size()), 0, true};
+  }
+  std::atomic<std::int64_t> renewed = 0;
+  const auto source = [&](std::int64_t index) {
+    const auto before = find_design(old, index);
+    if (!has_failed(*before) && !(renew.contacts && has_contacts(*before)) &&
+        is_current(options, *before, renew.tolerance, cancellation)) {
+      return *before;
+    }
+    ++renewed;
+    return simulate_design(options, planned_design(options, index), cancellation, listener);
+  };
+  const std::int64_t states = options.designs > 0 ? states_of(options, options.first) : 0;
+  std::vector<std::int64_t> indices;
+  for (const dataset::Design& design : old.designs) indices.push_back(design.index);
+  const MakeResult made = complete(std::move(data), std::move(indices), path, source, states, cancellation, listener);
+  return {made.designs, renewed, made.finished};
 }
 
 }  // namespace supple::lab

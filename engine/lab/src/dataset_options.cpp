@@ -25,7 +25,8 @@ constexpr std::array<Name<Switch>, 3> switch_names{
     {{Switch::automatic, "automatic"}, {Switch::on, "on"}, {Switch::off, "off"}}};
 constexpr std::array<Name<Region>, 3> region_names{
     {{Region::automatic, "automatic"}, {Region::tile, "tile"}, {Region::cell, "cell"}}};
-constexpr std::array<Name<PlanKind>, 2> plan_names{{{PlanKind::sequence, "sequence"}, {PlanKind::grid, "grid"}}};
+constexpr std::array<Name<PlanKind>, 3> plan_names{
+    {{PlanKind::sequence, "sequence"}, {PlanKind::grid, "grid"}, {PlanKind::rest, "rest"}}};
 constexpr std::array<Name<Law>, 2> law_names{
     {{Law::neo_hookean, "neo_hookean"}, {Law::incompressible_plane_stress, "incompressible_plane_stress"}}};
 
@@ -211,6 +212,17 @@ DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selectio
   options.designs = selection.count;
   options.shard = selection.shard;
   options.shards = selection.shards;
+  return options;
+}
+
+DatasetOptions rest_options() {
+  DatasetOptions options;
+  options.loads.kind = PlanKind::rest;
+  // Unloaded structures neither buckle nor touch themselves.
+  options.simulation.contact = Switch::off;
+  options.simulation.patch = Switch::off;
+  options.simulation.buckling = Switch::off;
+  options.designs = 20'000;
   return options;
 }
 

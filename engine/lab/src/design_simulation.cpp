@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "supple/base/error.h"
+#include "supple/lab/engine_version.h"
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/family.h"
 #include "supple/tiling/structure.h"

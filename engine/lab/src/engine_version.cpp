@@ -1,4 +1,4 @@
-#include "supple/lab/dataset_options.h"
+#include "supple/lab/engine_version.h"
 
 namespace supple::lab {
 

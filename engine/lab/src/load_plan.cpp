@@ -162,7 +162,14 @@ microscale::Load PlannedPath::load() const {
 
 std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::array<double, 4>& turns,
                                     std::uint64_t seed) {
-  return options.kind == PlanKind::grid ? grid_plan() : sequence_plan(options, turns, seed);
+  switch (options.kind) {
+    case PlanKind::grid:
+      return grid_plan();
+    case PlanKind::rest:
+      return {planned(dataset::LoadKind::biaxial, 0, {{1, 1}})};
+    default:
+      return sequence_plan(options, turns, seed);
+  }
 }
 
 }  // namespace supple::lab

@@ -24,7 +24,9 @@ CellModel::CellModel(tiling::PeriodicMesh mesh, const Material& material, bool w
 }
 
 void CellModel::reset_contact() {
-  if (contact_) contact_->set_stiffness(contact_options_.stiffness);
+  if (!contact_) return;
+  contact_->set_stiffness(contact_options_.stiffness);
+  if (contact_->range() != contact_options_.range) contact_->set_range(contact_options_.range);
 }
 
 void CellModel::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum, CostLedger* cost) const {

@@ -31,7 +31,7 @@ class CellModel {
   /// Null where contact is off.
   ContactBarrier* contact() { return contact_.get(); }
   const ContactBarrier* contact() const { return contact_.get(); }
-  /// Gives the barrier its first stiffness again, so that a path does not depend on those before it.
+  /// Gives the barrier its first stiffness and range again, so that a path does not depend on those before it.
   void reset_contact();
 
   /// Every term adds to the sum, which must be cleared. Bills elasticity as the stage "assembly", contact as an effect.

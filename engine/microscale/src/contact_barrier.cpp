@@ -183,6 +183,11 @@ ContactStatus ContactBarrier::status(const Eigen::VectorXd& x) const {
   return status;
 }
 
+void ContactBarrier::set_range(double range) {
+  options_.range = range;
+  pairs_.set_range(range);
+}
+
 double ContactBarrier::suggested_stiffness(const Eigen::VectorXd& x) const {
   return status(x).smallest_ratio < nearest_ratio ? 2 * options_.stiffness : options_.stiffness;
 }

@@ -81,6 +81,10 @@ class ContactBarrier : public CellTerm {
   /// named share of its range, the present one otherwise.
   double suggested_stiffness(const Eigen::VectorXd& x) const;
 
+  double range() const { return options_.range; }
+  /// Another range from now on, > 0, and the same stiffness: the next step must be prepared anew.
+  void set_range(double range);
+
   /// Whether `add` adds, instead of each distance's Hessian, its positive semidefinite part.
   void set_convex(bool convex) { convex_ = convex; }
 

@@ -33,6 +33,13 @@ bool ContactPairs::Neighbour::operator<(const Neighbour& other) const {
 ContactPairs::ContactPairs(const tiling::PeriodicMesh& mesh, double range, double rest_fraction)
     : outline_(mesh), range_(range), rest_fraction_(rest_fraction) {}
 
+void ContactPairs::set_range(double range) {
+  range_ = range;
+  has_list_ = false;
+  pairs_.clear();
+  joints_.clear();
+}
+
 double ContactPairs::prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step) {
   pairs_.clear();
   joints_.clear();

@@ -53,6 +53,9 @@ class ContactPairs {
   /// `range` and `rest_fraction` as in ContactOptions.
   ContactPairs(const tiling::PeriodicMesh& mesh, double range, double rest_fraction);
 
+  /// Forgets all pairs.
+  void set_range(double range);
+
   /// See ContactBarrier::prepare.
   double prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step);
 

@@ -49,6 +49,11 @@ constexpr double first_mode_step = 1e-3;
 constexpr int mode_doublings = 10;
 /// How often one equilibrium may be left for one of lower energy.
 constexpr int max_branch_changes = 12;
+/// While contact is tightened: the range's factor from one equilibrium to the next, how often, and the relative change
+/// of dE/dF below which the range no longer matters.
+constexpr double range_factor = 0.25;
+constexpr int most_tightenings = 4;
+constexpr double unfelt_change = 2e-4;
 /// How often one minimization may be repeated, with a contact barrier of twice the stiffness or for a tolerance that
 /// turned out too loose.
 constexpr int max_repeats = 10;
@@ -245,6 +250,55 @@ bool EquilibriumPath::raise_contact_stiffness() {
   objective_.forget();
   previous_.reset();
   return true;
+}
+
+EquilibriumPath::Loose EquilibriumPath::snapshot() const {
+  return {x(), at_, stopped_, model_.contact()->stiffness(), model_.contact()->range()};
+}
+
+void EquilibriumPath::restore(const Loose& loose) {
+  model_.contact()->set_stiffness(loose.stiffness);
+  model_.contact()->set_range(loose.range);
+  objective_.set_x(loose.x);
+  at_ = loose.at;
+  model_.prepare(x(), Eigen::VectorXd::Zero(x().size()), execution_.cost);
+  stopped_ = loose.stopped;
+}
+
+bool EquilibriumPath::settle_with_range(double range) {
+  model_.contact()->set_range(range);
+  objective_.forget();
+  model_.prepare(x(), Eigen::VectorXd::Zero(x().size()), execution_.cost);
+  const int branches = counts_.branches_left;
+  const bool settled = minimize_energy(false) && at_.stable && counts_.branches_left == branches;
+  counts_.branches_left = branches;
+  return settled;
+}
+
+void EquilibriumPath::tighten_contact() {
+  const ContactBarrier* contact = model_.contact();
+  if (!contact || !at_.stable || contact->status(x()).pairs == 0) return;
+  const Loose first = snapshot();
+  const auto previous = previous_;
+  Loose best = first;
+  for (int k = 0; k < most_tightenings && contact->status(best.x).pairs > 0; ++k) {
+    const Eigen::Vector4d before = best.at.strain_gradient;
+    if (!settle_with_range(best.range * range_factor)) {
+      restore(best);
+      break;
+    }
+    // A path that ended at this strain has done so all the same.
+    stopped_ = first.stopped;
+    best = snapshot();
+    if ((at_.strain_gradient - before).norm() <= unfelt_change * at_.strain_gradient.norm()) break;
+  }
+  previous_ = previous;
+  loose_ = first;
+}
+
+void EquilibriumPath::loosen_contact() {
+  if (loose_) restore(*loose_);
+  loose_.reset();
 }
 
 bool EquilibriumPath::finish_equilibrium(const numerics::MinimizerResult& result) {

@@ -35,6 +35,14 @@ class EquilibriumPath {
   /// Adds `mode` (a change of x) to the state, as far as the energy falls, and settles. False where it falls nowhere.
   bool leave_along(const Eigen::VectorXd& mode);
 
+  /// Makes the contact barrier's range less and less, until the equilibrium at the same strain no longer changes or
+  /// nothing is within it: what is left of the barrier is contact. Where an equilibrium is not found, or only on
+  /// another branch, the one of the range before stays.
+  void tighten_contact();
+  /// Goes back to the equilibrium as it was before, from which the path goes on, since wide barriers are easier to
+  /// follow.
+  void loosen_contact();
+
   // At the last equilibrium:
   const Eigen::VectorXd& x() const { return objective_.x(); }
   struct Equilibrium {
@@ -64,6 +72,8 @@ class EquilibriumPath {
   bool minimize_energy(bool left);
   double gradient_tolerance() const;
   bool raise_contact_stiffness();
+  /// Finds the equilibrium for a barrier of another range; false, and the state is undefined, where there is none.
+  bool settle_with_range(double range);
   /// False where the equilibrium is not stable.
   bool finish_equilibrium(const numerics::MinimizerResult& result);
   bool finish_unstable_equilibrium();
@@ -98,6 +108,18 @@ class EquilibriumPath {
   };
   std::optional<Previous> previous_;
   CellObjective objective_;
+
+  /// As the path was before its contact was tightened.
+  struct Loose {
+    Eigen::VectorXd x;
+    Equilibrium at;
+    Stop stopped;
+    double stiffness;
+    double range;
+  };
+  Loose snapshot() const;
+  void restore(const Loose& loose);
+  std::optional<Loose> loose_;
 
   double step_ = 0;  ///< size of the next internal load step
   Counts counts_;

@@ -138,7 +138,14 @@ class Run {
     return true;
   }
 
+  /// Of the equilibrium whose contact is tight; the path goes on from the one that it followed.
   void record() {
+    path_->tighten_contact();
+    write_state();
+    path_->loosen_contact();
+  }
+
+  void write_state() {
     const Eigen::VectorXd& x = path_->x();
     const double area = model_->mesh()->cell_area();
     const EquilibriumPath::Equilibrium& at = path_->equilibrium();

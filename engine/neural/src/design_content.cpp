@@ -11,9 +11,30 @@ using Dual = Eigen::MatrixXd;
 
 Dual activated(Activation activation, Dual z) {
   for (long i = 0; i < z.rows(); ++i) {
-    const auto [value, slope] = value_and_slope(activation, z(i, 0));
-    z(i, 0) = value;
-    z.row(i).tail(z.cols() - 1) *= slope;
+    const auto f = activation_at(activation, z(i, 0));
+    z(i, 0) = f.value;
+    z.row(i).tail(z.cols() - 1) *= f.slope;
+  }
+  return z;
+}
+
+/// Duals and their derivatives by the three components of strain beside them: [x, x_p | x_1, x_1p | x_2, x_2p | x_3,
+/// x_3p].
+Dual activated_with_strains(Activation activation, Dual z) {
+  const long duals = z.cols() / 4;
+  const long parameters = duals - 1;
+  for (long i = 0; i < z.rows(); ++i) {
+    const auto f = activation_at(activation, z(i, 0));
+    for (long strain = 1; strain < 4; ++strain) {
+      const double slope = z(i, strain * duals);
+      z(i, strain * duals) = f.slope * slope;
+      for (long k = 0; k < parameters; ++k) {
+        auto& mixed = z(i, strain * duals + 1 + k);
+        mixed = f.slope * mixed + f.curvature * slope * z(i, 1 + k);
+      }
+    }
+    z(i, 0) = f.value;
+    z.row(i).segment(1, parameters) *= f.slope;
   }
   return z;
 }
@@ -21,8 +42,14 @@ Dual activated(Activation activation, Dual z) {
 /// Far outside the bounds of the parameters a stiffness stays a finite number, of no meaning.
 constexpr double largest_log_factor = 20;
 
-/// L / sqrt(s) and s, with their derivatives, of the stiffness branch's six outputs.
-void scale(const Dual& outputs, DesignContent& content) {
+/// A = L^T / sqrt(s) with its derivatives.
+struct Skip {
+  Eigen::Matrix3d map;
+  std::vector<Eigen::Matrix3d> map_by;
+};
+
+/// Of the stiffness branch's six outputs; s goes to the content.
+Skip scale(const Dual& outputs, DesignContent& content) {
   const auto lower_factor = [](const Eigen::VectorXd& q) {
     const Eigen::Vector3d d = q.head<3>().array().exp();
     Eigen::Matrix3d l;
@@ -35,7 +62,7 @@ void scale(const Dual& outputs, DesignContent& content) {
   const Eigen::Matrix3d l = lower_factor(q);
   const double s = l.squaredNorm() / 3;
   content.stiffness = s;
-  content.skip = l.transpose() / std::sqrt(s);
+  Skip skip{l.transpose() / std::sqrt(s), {}};
   const long parameters = outputs.cols() - 1;
   content.stiffness_by.resize(parameters);
   for (long k = 0; k < parameters; ++k) {
@@ -49,24 +76,26 @@ void scale(const Dual& outputs, DesignContent& content) {
     dl(2, 1) = l(2, 1) * dq[1] + dq[5] * l(1, 1);
     const double ds = 2 * l.cwiseProduct(dl).sum() / 3;
     content.stiffness_by[k] = ds;
-    content.skip_by.push_back(dl.transpose() / std::sqrt(s) - content.skip * (0.5 * ds / s));
+    skip.map_by.push_back(dl.transpose() / std::sqrt(s) - skip.map * (0.5 * ds / s));
   }
+  return skip;
 }
 
 }  // namespace
 
-std::pair<double, double> value_and_slope(Activation activation, double z) {
+ActivationAt activation_at(Activation activation, double z) {
   switch (activation) {
     case Activation::swish: {
       const double s = 1 / (1 + std::exp(-z));
-      return {z * s, s + z * s * (1 - s)};
+      const double q = s * (1 - s);
+      return {z * s, s + z * s * (1 - s), q * (2 + z * (1 - 2 * s))};
     }
     case Activation::tanh: {
       const double t = std::tanh(z);
-      return {t, 1 - t * t};
+      return {t, 1 - t * t, -2 * t * (1 - t * t)};
     }
     default:
-      return {std::sin(z), std::cos(z)};
+      return {std::sin(z), std::cos(z), -std::sin(z)};
   }
 }
 
@@ -78,10 +107,22 @@ DesignLayers::DesignLayers(const Network& network) {
   for (const auto& layer : network.parameter) parameter_.push_back(packed(layer.weights, layer.bias));
   for (const auto& layer : network.trunk)
     trunk_.push_back(packed(trunk_.empty() ? layer.weights.rightCols(network.shape.width) : layer.weights, layer.bias));
+  const auto& meeting = network.trunk[0].weights.leftCols(network.shape.width);
   Dual x = activated(network.shape.activation, network.strain[0].bias);
   for (std::size_t i = 1; i < network.strain.size(); ++i)
     x = activated(network.shape.activation, network.strain[i].weights * x + network.strain[i].bias);
-  strain_at_rest_ = network.trunk[0].weights.leftCols(network.shape.width) * x.col(0);
+  strain_at_rest_ = meeting * x.col(0);
+  if (network.shape.rest == RestForm::free) return;
+  // The same with derivatives by the branch's inputs in further columns.
+  x.resize(network.shape.width, 1 + network.shape.strain_inputs());
+  x << network.strain[0].bias, network.strain[0].weights;
+  x = activated(network.shape.activation, x);
+  for (std::size_t i = 1; i < network.strain.size(); ++i) {
+    x = network.strain[i].weights * x;
+    x.col(0) += network.strain[i].bias;
+    x = activated(network.shape.activation, x);
+  }
+  strain_slope_ = meeting * x.rightCols(x.cols() - 1);
 }
 
 Dual DesignLayers::Layer::operator()(const Dual& x) const {
@@ -98,42 +139,76 @@ DesignContent DesignLayers::evaluate(const Network& network, std::span<const dou
                                      bool with_derivatives) const {
   const auto& shape = network.shape;
   const long n = shape.parameters;
-  Dual p = Dual::Zero(n, with_derivatives ? 1 + n : 1);
+  const long duals = with_derivatives ? 1 + n : 1;
+  Dual p = Dual::Zero(shape.design_inputs(), duals);
   for (long k = 0; k < n; ++k) {
     const double slope = 2 / (network.upper[k] - network.lower[k]);
     p(k, 0) = (parameters[static_cast<std::size_t>(k)] - network.lower[k]) * slope - 1;
     if (with_derivatives) p(k, 1 + k) = slope;
   }
+  if (shape.features > 0)
+    p.bottomRows(shape.features) = evaluate_features(network.geometry, parameters, with_derivatives);
 
   DesignContent content;
   const auto& first = network.strain[0].weights;
   if (shape.form == EnergyForm::softplus) {
-    content.skip.setZero();
-    content.stiffness_by = Eigen::VectorXd::Zero(p.cols() - 1);
-    content.skip_by.assign(static_cast<std::size_t>(p.cols() - 1), Eigen::Matrix3d::Zero());
+    content.stiffness_by = Eigen::VectorXd::Zero(duals - 1);
+    content.input_by.assign(static_cast<std::size_t>(duals - 1), Eigen::MatrixXd::Zero(first.rows(), 3));
     content.input = first;
   } else {
     Dual q = p;
-    for (std::size_t i = 0; i < 2; ++i) q = activated(Activation::swish, stiffness_[i](q));
-    scale(stiffness_[2](q), content);
-    content.input = first.leftCols<3>() * content.skip + first.rightCols<3>();
+    for (std::size_t i = 0; i + 1 < stiffness_.size(); ++i) q = activated(Activation::swish, stiffness_[i](q));
+    const auto skip = scale(stiffness_.back()(q), content);
+    content.linear = skip.map;
+    content.linear_by.assign(skip.map_by.begin(), skip.map_by.end());
+    content.input = first.leftCols<3>() * skip.map + first.rightCols<3>();
+    for (const auto& map_by : skip.map_by) content.input_by.emplace_back(first.leftCols<3>() * map_by);
   }
-  for (const auto& skip_by : content.skip_by) content.input_by.emplace_back(first.leftCols<3>() * skip_by);
 
   Dual h = p;
   for (const auto& layer : parameter_) h = activated(shape.activation, layer(h));
   const Dual meeting = trunk_[0](h);
   content.meeting = meeting.col(0);
-  content.meeting_by = meeting.rightCols(p.cols() - 1);
+  content.meeting_by = meeting.rightCols(duals - 1);
 
   Dual x = meeting;
   x.col(0) += strain_at_rest_;
+  if (shape.rest == RestForm::exact) {
+    take_slope_at_rest(shape, x, content);
+    return content;
+  }
   x = activated(shape.activation, std::move(x));
   for (std::size_t i = 1; i + 1 < trunk_.size(); ++i) x = activated(shape.activation, trunk_[i](x));
   const Dual rest = trunk_.back()(x);
   content.rest = rest.col(0);
-  content.rest_by = rest.rightCols(p.cols() - 1);
+  content.rest_by = rest.rightCols(duals - 1);
   return content;
+}
+
+void DesignLayers::take_slope_at_rest(const NetworkShape& shape, const Dual& meeting, DesignContent& content) const {
+  const long duals = meeting.cols();
+  Dual x(meeting.rows(), 4 * duals);
+  x.leftCols(duals) = meeting;
+  // What the branch reads is (A e, e), and A the one part that parameters change.
+  const Eigen::MatrixXd slope = strain_slope_.leftCols<3>() * content.linear + strain_slope_.rightCols<3>();
+  for (long i = 0; i < 3; ++i) x.col((1 + i) * duals) = slope.col(i);
+  for (long k = 0; k + 1 < duals; ++k) {
+    const Eigen::MatrixXd slope_by = strain_slope_.leftCols<3>() * content.linear_by[static_cast<std::size_t>(k)];
+    for (long i = 0; i < 3; ++i) x.col((1 + i) * duals + 1 + k) = slope_by.col(i);
+  }
+  x = activated_with_strains(shape.activation, std::move(x));
+  for (std::size_t i = 1; i + 1 < trunk_.size(); ++i) x = activated_with_strains(shape.activation, trunk_[i](x));
+  const Dual rest = trunk_.back()(x);
+  content.rest = rest.col(0);
+  content.rest_by = rest.middleCols(1, duals - 1);
+  const auto without_slope = [&](Eigen::MatrixXd& linear, long column) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rest.rows(), 3);
+    all.topRows<3>() = linear;
+    for (long i = 0; i < 3; ++i) all.col(i) -= rest.col((1 + i) * duals + column);
+    linear = std::move(all);
+  };
+  without_slope(content.linear, 0);
+  for (long k = 0; k + 1 < duals; ++k) without_slope(content.linear_by[static_cast<std::size_t>(k)], 1 + k);
 }
 
 }  // namespace supple::neural

@@ -118,10 +118,10 @@ void EvaluationPass<Real>::close_sum_of_squares() {
       Eigen::Array<double, most_channels, 1> r = Eigen::Array<double, most_channels, 1>::Zero();
       for (int c = 0; c < channels(); ++c) r[c] = last_.channel(c, j)[k];
       r[0] -= exact.rest[k];
-      if (k < 3) {
+      if (k < exact.linear.rows()) {
         for (int i = 0; i < 3; ++i) {
-          r[0] += exact.skip(k, i) * e_.channel(0, j)[i];
-          if (order_ > 0) r[1 + i] += exact.skip(k, i);
+          r[0] += exact.linear(k, i) * e_.channel(0, j)[i];
+          if (order_ > 0) r[1 + i] += exact.linear(k, i);
         }
       }
       for (int c = 0; c < channels(); ++c) {
@@ -217,9 +217,9 @@ void EvaluationPass<Real>::begin_parameters() {
 template <class Real>
 double EvaluationPass<Real>::mapped(const JetBlock<Real>& maps_back, int map, int i, int c, int j) const {
   double sum = maps_back.channel(c, j)[3 * map + i];
-  const auto& skip = map == 0 ? design_.exact.skip : design_.exact.skip_by[static_cast<std::size_t>(map - 1)];
-  if (shape_.form == EnergyForm::sum_of_squares)
-    for (int k = 0; k < 3; ++k) sum += last_.channel(c, j)[k] * skip(k, i);
+  if (shape_.form == EnergyForm::softplus) return sum;
+  const auto& linear = map == 0 ? design_.exact.linear : design_.exact.linear_by[static_cast<std::size_t>(map - 1)];
+  for (int k = 0; k < linear.rows(); ++k) sum += last_.channel(c, j)[k] * linear(k, i);
   return sum;
 }
 

@@ -43,8 +43,8 @@ class EvaluationPass {
   /// Adds add(jet, parameter, channel) to the derivatives by parameters.
   template <class Add>
   void by_parameters(Add&& add);
-  /// Channel c of sum_k dPhi / d(map's column i), of the first layer and the skip; map 0 is the design's, map 1 + k its
-  /// derivative by parameter k.
+  /// Channel c of sum_k dPhi / d(map's column i), of the first layer and the linear part; map 0 is the design's, map 1
+  /// + k its derivative by parameter k.
   double mapped(const JetBlock<Real>& maps_back, int map, int i, int c, int j) const;
 
   const PackedNetwork<Real>& network_;

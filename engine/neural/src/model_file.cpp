@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "calibration_file.h"
 #include "supple/base/error.h"
 #include "supple/files/durable_file.h"
 #include "supple/files/hdf5_file.h"
@@ -20,7 +21,14 @@ using files::Hdf5Reader;
 using files::Hdf5Writer;
 
 constexpr const char* layout_name = "supple model";
-constexpr std::int64_t layout_version = 1;
+/// The second version has what the first lacks: the form of rest, the layers of the stiffness branch and features of
+/// the tile. Networks that need none of it are written as the first, which older programs read.
+constexpr std::int64_t newest_version = 2;
+
+std::int64_t version_of(const NetworkShape& shape) {
+  const NetworkShape plain;
+  return shape.rest == plain.rest && shape.stiffness_layers == plain.stiffness_layers && shape.features == 0 ? 1 : 2;
+}
 
 struct Branch {
   const char* name;
@@ -80,6 +88,76 @@ std::string layer_name(const Branch& branch, std::size_t layer) {
   return std::string("network/") + branch.name + "/" + std::to_string(layer);
 }
 
+/// What the second version adds.
+void write_extension(Hdf5Writer& file, const NetworkShape& shape, const TileGeometry& geometry) {
+  file.value("network/rest", std::string(to_string(shape.rest)));
+  file.value("network/stiffness_layers", std::int64_t{shape.stiffness_layers});
+  file.value("network/features", std::int64_t{shape.features});
+  if (shape.features == 0) return;
+  const std::string group = "network/geometry";
+  file.group(group);
+  const int columns = 1 + shape.parameters;
+  const auto points = [&](const std::string& name, const auto& list) {
+    std::vector<double> values;
+    for (const Eigen::Matrix2Xd& point : list) {
+      const auto rows = numbers(point);
+      values.insert(values.end(), rows.begin(), rows.end());
+    }
+    file.column(group + "/" + name, values, 2 * columns);
+  };
+  points("vertices", geometry.vertices);
+  points("translations", geometry.translations);
+  file.value(group + "/tiles", std::int64_t{geometry.tiles});
+  file.value(group + "/beam_width", geometry.beam_width);
+  std::vector<std::string> kinds;
+  std::vector<std::int64_t> places;
+  std::vector<double> normalization;
+  for (const auto& feature : geometry.features) {
+    kinds.emplace_back(to_string(feature.kind));
+    places.insert(places.end(), {feature.edge, feature.vertex});
+    normalization.insert(normalization.end(), {feature.mean, feature.scale});
+  }
+  file.column(group + "/feature_kind", kinds);
+  file.column(group + "/feature_edge_and_vertex", places, 2);
+  file.column(group + "/feature_mean_and_scale", normalization, 2);
+}
+
+void read_extension(const Hdf5Reader& file, NetworkShape& shape, TileGeometry& geometry) {
+  const auto size = [&](const std::string& name) {
+    return static_cast<int>(std::clamp<std::int64_t>(file.integer(name), -1, 1 << 20));
+  };
+  shape.rest = rest_form_of(file.text("network/rest"));
+  shape.stiffness_layers = size("network/stiffness_layers");
+  shape.features = size("network/features");
+  if (shape.features == 0) return;
+  const std::string group = "network/geometry";
+  const auto points = [&](const std::string& name) {
+    const int components = file.components(group + "/" + name);
+    const auto values = file.column<double>(group + "/" + name, components);
+    std::vector<Eigen::Matrix2Xd> list;
+    using RowMajor = Eigen::Matrix<double, 2, -1, Eigen::RowMajor>;
+    for (std::size_t i = 0; components > 0 && i + static_cast<std::size_t>(components) <= values.size();
+         i += static_cast<std::size_t>(components))
+      list.emplace_back(Eigen::Map<const RowMajor>(values.data() + i, 2, components / 2));
+    return list;
+  };
+  geometry.vertices = points("vertices");
+  const auto translations = points("translations");
+  if (translations.size() != geometry.translations.size())
+    throw Error("model.invalid_network", "geometry: a lattice has two translations.");
+  std::copy(translations.begin(), translations.end(), geometry.translations.begin());
+  geometry.tiles = size(group + "/tiles");
+  geometry.beam_width = file.real(group + "/beam_width");
+  const auto kinds = file.text_column(group + "/feature_kind");
+  const auto rows = static_cast<std::int64_t>(kinds.size());
+  const auto places = file.column<std::int64_t>(group + "/feature_edge_and_vertex", 2, rows);
+  const auto normalization = file.column<double>(group + "/feature_mean_and_scale", 2, rows);
+  const auto place = [&](std::size_t i) { return static_cast<int>(std::clamp<std::int64_t>(places[i], -1, 1 << 20)); };
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    geometry.features.push_back(
+        {feature_kind_of(kinds[i]), place(2 * i), place(2 * i + 1), normalization[2 * i], normalization[2 * i + 1]});
+}
+
 void write_network(Hdf5Writer& file, const Network& network) {
   file.group("network");
   for_each_size(network.shape,
@@ -96,6 +174,7 @@ void write_network(Hdf5Writer& file, const Network& network) {
     }
     file.column("network/symmetries", maps, 9);
   }
+  if (version_of(network.shape) > 1) write_extension(file, network.shape, network.geometry);
   for (const auto& branch : branches) {
     file.group(std::string("network/") + branch.name);
     const auto& layers = network.*branch.layers;
@@ -108,7 +187,7 @@ void write_network(Hdf5Writer& file, const Network& network) {
   }
 }
 
-Network read_network(const Hdf5Reader& file) {
+Network read_network(const Hdf5Reader& file, std::int64_t version) {
   Network network;
   for_each_size(network.shape, [&](const char* name, int& value) {
     const auto stored = file.integer(std::string("network/") + name);
@@ -116,6 +195,7 @@ Network read_network(const Hdf5Reader& file) {
   });
   network.shape.activation = activation_of(file.text("network/activation"));
   network.shape.form = energy_form_of(file.text("network/form"));
+  if (version > 1) read_extension(file, network.shape, network.geometry);
   const auto vector_of = [&](const std::string& name) {
     const auto values = file.column<double>(name, 0);
     return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<long>(values.size())));
@@ -208,7 +288,7 @@ void write_model(const std::filesystem::path& path, const Model& model) {
   {
     Hdf5Writer file(unfinished);
     file.attribute("/", "layout", layout_name);
-    file.attribute("/", "version", layout_version);
+    file.attribute("/", "version", version_of(model.network.shape));
     file.value("id", model.id);
     file.value("family", model.family);
     write_network(file, model.network);
@@ -218,6 +298,7 @@ void write_model(const std::filesystem::path& path, const Model& model) {
     file.group("errors");
     write_errors(file, "design_split", model.design_split);
     write_errors(file, "row_split", model.row_split);
+    write_calibration(file, model.calibration);
     file.group("provenance");
     for_each_fact(model.provenance,
                   [&](const char* name, const auto& value) { file.value(std::string("provenance/") + name, value); });
@@ -234,18 +315,20 @@ Model read_model(const std::filesystem::path& path) {
   const Hdf5Reader file(path);
   if (file.text_attribute("/", "layout") != layout_name)
     throw Error("file.unreadable", path.string() + ": it is no model.");
-  if (const auto version = file.integer_attribute("/", "version"); version != layout_version)
+  const auto version = file.integer_attribute("/", "version");
+  if (version < 1 || version > newest_version)
     throw Error("file.unreadable", path.string() + ": its layout has version " + std::to_string(version) +
-                                       "; this program reads version " + std::to_string(layout_version) + ".");
+                                       "; this program reads versions 1 to " + std::to_string(newest_version) + ".");
   Model model;
   model.id = file.text("id");
   model.family = file.text("family");
   check_names(model);
-  model.network = read_network(file);
+  model.network = read_network(file, version);
   for_each_limit(model.strain_range,
                  [&](const char* name, double& value) { value = file.real(std::string("strain_range/") + name); });
   model.design_split = read_errors(file, "design_split");
   model.row_split = read_errors(file, "row_split");
+  model.calibration = read_calibration(file, model.network.shape.parameters);
   for_each_fact(model.provenance, ReadFact{file});
   for (const auto& name : file.members("provenance/options"))
     model.provenance.options.emplace_back(name, file.text("provenance/options/" + name));

@@ -14,6 +14,9 @@ constexpr std::array<std::pair<Activation, std::string_view>, 3> activations{
 constexpr std::array<std::pair<EnergyForm, std::string_view>, 2> forms{
     {{EnergyForm::sum_of_squares, "sum_of_squares"}, {EnergyForm::softplus, "softplus"}}};
 
+constexpr std::array<std::pair<RestForm, std::string_view>, 2> rest_forms{
+    {{RestForm::free, "free"}, {RestForm::exact, "exact"}}};
+
 /// No network of use is larger; sizes are read from files.
 constexpr int largest_width = 4096;
 constexpr int most_layers = 64;
@@ -60,6 +63,8 @@ void check_layers(const std::vector<Layer>& layers, const std::string& branch, i
 std::string_view to_string(Activation activation) { return activations[static_cast<std::size_t>(activation)].second; }
 std::string_view to_string(EnergyForm form) { return forms[static_cast<std::size_t>(form)].second; }
 
+std::string_view to_string(RestForm form) { return rest_forms[static_cast<std::size_t>(form)].second; }
+
 Activation activation_of(std::string_view name) {
   for (const auto& [value, known] : activations)
     if (known == name) return value;
@@ -71,6 +76,13 @@ EnergyForm energy_form_of(std::string_view name) {
     if (known == name) return value;
   throw Error("model.unknown_form",
               "There is no form of energy " + std::string(name) + "; the forms are " + names_of(forms) + ".");
+}
+
+RestForm rest_form_of(std::string_view name) {
+  for (const auto& [value, known] : rest_forms)
+    if (known == name) return value;
+  throw Error("model.unknown_form", "There is no form of the state of rest " + std::string(name) + "; the forms are " +
+                                        names_of(rest_forms) + ".");
 }
 
 long Network::weights() const {
@@ -94,12 +106,18 @@ void validate(const Network& network) {
   within(shape.trunk_layers, 1, most_layers, "trunk_layers");
   within(shape.outputs(), shape.form == EnergyForm::softplus ? 1 : 3, 64, "residuals");
   within(shape.stiffness_width, 1, largest_width, "stiffness_width");
+  within(shape.stiffness_layers, 1, most_layers, "stiffness_layers");
+  check(shape.form == EnergyForm::sum_of_squares || shape.rest == RestForm::free, "rest",
+        "must be free where the energy is no sum of squares");
+  check(shape.features == static_cast<int>(network.geometry.features.size()), "features",
+        "are not as many as the geometry lists");
+  if (shape.features > 0) validate(network.geometry, shape.parameters);
   check(network.lower.size() == shape.parameters && network.upper.size() == shape.parameters, "bounds",
         "are not as many as the parameters");
   check(network.lower.allFinite() && network.upper.allFinite() && (network.lower.array() < network.upper.array()).all(),
         "bounds", "must be finite, lower ones below upper ones");
   check_layers(network.strain, "strain", shape.strain_layers, shape.strain_inputs(), shape.width, 0);
-  check_layers(network.parameter, "parameter", shape.parameter_layers, shape.parameters, shape.width, 0);
+  check_layers(network.parameter, "parameter", shape.parameter_layers, shape.design_inputs(), shape.width, 0);
   // The trunk's first layer reads both branches.
   check(!network.trunk.empty() && network.trunk[0].weights.cols() == 2L * shape.width, "trunk/0",
         "does not read both branches");
@@ -110,7 +128,8 @@ void validate(const Network& network) {
   if (shape.form == EnergyForm::softplus)
     check(network.stiffness.empty(), "stiffness", "has layers that this form of energy does not use");
   else
-    check_layers(network.stiffness, "stiffness", 2, shape.parameters, shape.stiffness_width, 6);
+    check_layers(network.stiffness, "stiffness", shape.stiffness_layers, shape.design_inputs(), shape.stiffness_width,
+                 6);
   check(network.symmetries.size() <= most_symmetries, "symmetries", "are more than a lattice has");
   for (const auto& map : network.symmetries) check(map.allFinite(), "symmetries", "hold a number that is not finite");
 }

@@ -14,6 +14,7 @@ UniaxialState state_of(const UniaxialNewton& newton) {
   state.stress = newton.point().stress;
   state.directional_stress = newton.frame().directional(state.stress);
   state.energy_density = newton.point().energy_density;
+  state.tangent = newton.point().tangent;
   state.converged = newton.converged();
   state.residual = newton.residual();
   state.iterations = newton.iterations();

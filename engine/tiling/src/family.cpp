@@ -11,8 +11,9 @@
 namespace supple::tiling {
 namespace {
 
-/// Tiles of a smaller share of the default tile's area are rejected (the rule of the published data).
-constexpr double smallest_area_ratio = 0.15;
+/// Tiles of a smaller share of the default tile's area are rejected. The published data state 15 %, but have a design
+/// with 11.9 %.
+constexpr double smallest_area_ratio = 0.1;
 
 Eigen::Vector2d evaluate(const AffinePoint& point, std::span<const double> parameters) {
   return {point.x(parameters), point.y(parameters)};

@@ -100,7 +100,7 @@ std::vector<IsohedralType> make_table() {
 
   table.push_back({.id = "IH29",
                    .description = "Pentagons in pairs around centres of fourfold rotation; four tiles per cell",
-                   .parameters = {{0.005, 0.4, 0.3668738189}},
+                   .parameters = {{0.005, 1, 0.3668738189}},
                    .beam_width = 0.1282,
                    .tile = {{-1, 0},
                             {1, 0},

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "offset.h"
+#include "beams.h"
 
 namespace supple::tiling {
 

@@ -63,8 +63,8 @@ PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& optio
   check(options);
   double outline_length = 0;
   double corners = 0;
-  for (const Placement& placement : structure.tiling.placements) {
-    for (const Polygon& hole : structure.holes[placement.tile]) {
+  for (const std::vector<Polygon>& holes : structure.holes) {
+    for (const Polygon& hole : holes) {
       outline_length += perimeter(hole);
       corners += static_cast<double>(hole.size());
     }

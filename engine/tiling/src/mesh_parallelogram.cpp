@@ -135,9 +135,7 @@ double quality(const std::vector<Face>& faces, const Cut& cut, double size) {
 
 TriangleSoup mesh_by_parallelogram(const Structure& structure, SizeField size) {
   std::vector<Polygon> holes;
-  for (const Placement& placement : structure.tiling.placements) {
-    for (const Polygon& hole : structure.holes[placement.tile]) holes.push_back(placed(hole, placement));
-  }
+  for (const std::vector<Polygon>& of_tile : structure.holes) holes.insert(holes.end(), of_tile.begin(), of_tile.end());
   Cut best = {reduced(structure.tiling.lattice), Eigen::Vector2d::Zero()};
   std::vector<Face> faces;
   double best_quality = -1;

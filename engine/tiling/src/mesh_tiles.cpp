@@ -1,7 +1,9 @@
 #include <Eigen/LU>
+#include <algorithm>
 #include <utility>
 
 #include "cell_meshes.h"
+#include "polygon.h"
 
 namespace supple::tiling {
 namespace {
@@ -28,14 +30,23 @@ Polygon divided_hole(const Polygon& hole, const SizeField& size) {
 }  // namespace
 
 TriangleSoup mesh_by_tiles(const Structure& structure, SizeField size) {
+  const std::vector<Placement>& placements = structure.tiling.placements;
   std::vector<PlanarMesh> rings;
   std::vector<std::size_t> outline_points;
-  for (std::size_t k = 0; k < structure.tiling.tiles.size(); ++k) {
+  for (std::size_t tile = 0; tile < structure.tiling.tiles.size(); ++tile) {
+    const auto first = std::find_if(placements.begin(), placements.end(),
+                                    [&](const Placement& p) { return p.tile == static_cast<int>(tile); });
+    // Back to where the tile lies by itself.
+    const Eigen::Matrix2d turn = first->linear.transpose();
+    const Placement back = {.tile = 0, .linear = turn, .offset = -turn * first->offset};
+    std::vector<Polygon> holes;
+    for (const Polygon& hole : structure.holes[static_cast<std::size_t>(first - placements.begin())])
+      holes.push_back(placed(hole, back));
     // Corners of the holes of other tiles are at least half a beam width from this one: they do not reach it.
     size.remove_corners();
-    for (const Polygon& hole : structure.holes[k]) size.add_corners(hole);
-    Face ring = {divided_outline(structure.tiling.tiles[k], size.largest())};
-    for (const Polygon& hole : structure.holes[k]) ring.push_back(divided_hole(hole, size));
+    for (const Polygon& hole : holes) size.add_corners(hole);
+    Face ring = {divided_outline(structure.tiling.tiles[tile], size.largest())};
+    for (const Polygon& hole : holes) ring.push_back(divided_hole(hole, size));
     outline_points.push_back(ring[0].size());
     rings.push_back(triangulate({ring}, size));
   }

@@ -46,6 +46,27 @@ double perimeter(const Polygon& polygon) {
   return length;
 }
 
+Eigen::Vector2d centroid(const Polygon& polygon) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double twice = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Eigen::Vector2d a = polygon[k] - polygon[0], b = polygon[(k + 1) % polygon.size()] - polygon[0];
+    sum += cross(a, b) * (a + b) / 3;
+    twice += cross(a, b);
+  }
+  return polygon[0] + sum / twice;
+}
+
+int winding_number(const Polygon& polygon, const Eigen::Vector2d& point) {
+  int winding = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Eigen::Vector2d a = polygon[k] - point, b = polygon[(k + 1) % polygon.size()] - point;
+    if ((a.y() <= 0) == (b.y() <= 0)) continue;
+    if ((cross(a, b) > 0) == (b.y() > 0)) winding += b.y() > 0 ? 1 : -1;
+  }
+  return winding;
+}
+
 std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon) {
   const int n = static_cast<int>(polygon.size());
   const double tolerance = touching * perimeter(polygon);

@@ -14,6 +14,12 @@ inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return
 double area(const Polygon& polygon);
 double perimeter(const Polygon& polygon);
 
+/// Of the enclosed area, which must not vanish.
+Eigen::Vector2d centroid(const Polygon& polygon);
+
+/// How often the polygon winds around a point that does not lie on it; counterclockwise is positive.
+int winding_number(const Polygon& polygon, const Eigen::Vector2d& point);
+
 /// Two sides that meet other than as neighbours do in their common vertex: a polygon whose outline crosses or touches
 /// itself, folds back or has a side of no length. "Touch" means within 1e-9 perimeters. Side k joins vertices k and
 /// k + 1. Quadratic in the number of sides.

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "polygon.h"
 #include "supple/base/error.h"
@@ -37,7 +38,7 @@ void check(const ExportOptions& options) {
 std::vector<Face> solid_patch(const Structure& structure, const ExportOptions& options) {
   check(options);
   const Eigen::Matrix2d& lattice = structure.tiling.lattice;
-  std::vector<Polygon> tiles, holes;
+  std::vector<Polygon> tiles;
   Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
   for (int b = 0; b < options.second; ++b) {
     for (int a = 0; a < options.first; ++a) {
@@ -48,17 +49,23 @@ std::vector<Face> solid_patch(const Structure& structure, const ExportOptions& o
           lower = lower.cwiseMin(p);
           upper = upper.cwiseMax(p);
         }
-        for (const Polygon& hole : structure.holes[placement.tile]) holes.push_back(placed(hole, placement));
       }
     }
   }
   const Eigen::Vector2d centre = (lower + upper) / 2;
-  for (auto* polygons : {&tiles, &holes}) {
-    for (Polygon& polygon : *polygons) {
-      for (Eigen::Vector2d& p : polygon) p -= centre;
-    }
+  for (Polygon& tile : tiles) {
+    for (Eigen::Vector2d& p : tile) p -= centre;
   }
-  return expanded_union(tiles, structure.beam_width / 2, holes, smallest_side * structure.beam_width);
+  // The beams of the tiles hang together, and so does all that is made of them. Along the rim they are whole.
+  std::vector<Polygon> beams;
+  const auto add = [&](const std::vector<Polygon>& outlines, Joints joints) {
+    for (const Polygon& outline : outlines) {
+      for (Polygon& beam : beams_along(outline, structure.beam_width / 2, joints)) beams.push_back(std::move(beam));
+    }
+  };
+  add(tiles, Joints::left);
+  add(outlines_of_union(tiles), Joints::both);
+  return faces_of_union(beams, smallest_side * structure.beam_width);
 }
 
 std::string decimal(double value, int digits) {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "offset.h"
+#include "beams.h"
 #include "supple/tiling/export.h"
 
 namespace supple::tiling {

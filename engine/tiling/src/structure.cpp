@@ -3,9 +3,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
-#include "offset.h"
+#include "beams.h"
 #include "polygon.h"
 #include "supple/base/error.h"
 
@@ -16,10 +17,6 @@ namespace {
 /// micrometres, which no printer makes and which would ask for elements as small.
 constexpr double smallest_hole = 0.005;
 
-/// Where a tile crosses itself, the holes of neighbouring tiles may come this close (in beam widths) instead of 1.
-/// Every fifth design of IH01's box crosses, in the published data as well.
-constexpr double thinnest_beam = 0.5;
-
 void scale_by(Tiling& tiling, double scale) {
   for (Polygon& tile : tiling.tiles) {
     for (Eigen::Vector2d& vertex : tile) vertex *= scale;
@@ -28,100 +25,329 @@ void scale_by(Tiling& tiling, double scale) {
   tiling.lattice *= scale;
 }
 
-/// The translations that may bring a copy of the cell's tiles near the cell: those within twice the tiles' extent.
-std::vector<Eigen::Vector2d> nearby_translations(const Structure& structure) {
-  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
-  for (const Placement& placement : structure.tiling.placements) {
-    for (const Eigen::Vector2d& p : placed(structure.tiling.tiles[placement.tile], placement)) {
+struct Bounds {
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = Eigen::Vector2d::Constant(-INFINITY);
+
+  /// Whether the other lies within, without touching.
+  bool contain(const Bounds& other) const {
+    return (other.lower - lower).minCoeff() > 0 && (upper - other.upper).minCoeff() > 0;
+  }
+  bool meet(const Bounds& other, double margin = 0) const {
+    return (lower.array() <= other.upper.array() + margin).all() &&
+           (upper.array() >= other.lower.array() - margin).all();
+  }
+  void include(const Polygon& polygon) {
+    for (const Eigen::Vector2d& p : polygon) {
       lower = lower.cwiseMin(p);
       upper = upper.cwiseMax(p);
     }
   }
-  const Eigen::Matrix2d& lattice = structure.tiling.lattice;
-  const Eigen::Vector2i reach =
-      ((upper - lower).norm() * lattice.inverse().rowwise().norm()).array().ceil().cast<int>();
-  std::vector<Eigen::Vector2d> result;
-  for (int i = -reach[0]; i <= reach[0]; ++i) {
-    for (int j = -reach[1]; j <= reach[1]; ++j) {
+};
+
+Bounds bounds_of(const Polygon& polygon) {
+  Bounds bounds;
+  bounds.include(polygon);
+  return bounds;
+}
+
+/// Calls `use` with every translate of the polygon whose bounds come within `margin` of the given ones.
+template <class Use>
+void for_translates_near(const Bounds& bounds, double margin, const Polygon& polygon, const Eigen::Matrix2d& lattice,
+                         const Use& use) {
+  const Bounds own = bounds_of(polygon);
+  const Eigen::Vector2d lower = bounds.lower - own.upper - Eigen::Vector2d::Constant(margin);
+  const Eigen::Vector2d upper = bounds.upper - own.lower + Eigen::Vector2d::Constant(margin);
+  const Eigen::Matrix2d inverse = lattice.inverse();
+  const Eigen::Vector2d middle = inverse * (lower + upper) / 2;
+  const Eigen::Vector2d reach = inverse.cwiseAbs() * (upper - lower) / 2;
+  for (int i = static_cast<int>(std::ceil(middle[0] - reach[0])); i <= middle[0] + reach[0]; ++i) {
+    for (int j = static_cast<int>(std::ceil(middle[1] - reach[1])); j <= middle[1] + reach[1]; ++j) {
       const Eigen::Vector2d by = lattice * Eigen::Vector2d(i, j);
-      if ((by.cwiseAbs() - (upper - lower)).maxCoeff() <= structure.beam_width) result.push_back(by);
+      if ((by - lower).minCoeff() < 0 || (upper - by).minCoeff() < 0) continue;
+      Polygon moved = polygon;
+      for (Eigen::Vector2d& p : moved) p += by;
+      use(moved);
     }
   }
+}
+
+std::vector<Polygon> placed_tiles(const Tiling& tiling) {
+  std::vector<Polygon> result;
+  result.reserve(tiling.placements.size());
+  for (const Placement& placement : tiling.placements)
+    result.push_back(placed(tiling.tiles[placement.tile], placement));
   return result;
 }
 
-/// Least distance between holes of different tiles, in mm: the thickness of the thinnest beam.
-double least_gap(const Structure& structure) {
-  const auto& placements = structure.tiling.placements;
-  const std::vector<Eigen::Vector2d> translations = nearby_translations(structure);
-  double least = INFINITY;
-  for (std::size_t i = 0; i < placements.size(); ++i) {
-    for (const Polygon& hole : structure.holes[placements[i].tile]) {
-      const Polygon placed_hole = placed(hole, placements[i]);
-      for (std::size_t j = i; j < placements.size(); ++j) {
-        for (const Eigen::Vector2d& by : translations) {
-          if (i == j && by.isZero()) continue;
-          Placement moved = placements[j];
-          moved.offset += by;
-          for (const Polygon& other : structure.holes[moved.tile]) {
-            least = std::min(least, outline_distance(placed_hole, placed(other, moved)));
-          }
-        }
-      }
-    }
+/// All holes that lie in the bounds; others, and pieces of others, too.
+std::vector<Polygon> holes_around(const Bounds& bounds, const std::vector<Polygon>& tiles, const Structure& structure) {
+  std::vector<Polygon> beams;
+  // Every tile that shares a point with the bounds, and those whose beams reach in there.
+  for (const Polygon& tile : tiles) {
+    for_translates_near(bounds, structure.beam_width, tile, structure.tiling.lattice, [&](const Polygon& copy) {
+      for (Polygon& beam : beams_along(copy, structure.beam_width / 2, Joints::left))
+        if (bounds.meet(bounds_of(beam))) beams.push_back(std::move(beam));
+    });
   }
-  return least;
+  return holes_between(beams, smallest_hole * structure.beam_width);
 }
 
-/// Where a tile crosses itself the beams around its folded parts run through the holes of other tiles: takes them out
-/// of the holes.
-void keep_folded_beams(Structure& structure) {
-  std::vector<Polygon> solid;
-  const std::vector<Eigen::Vector2d> translations = nearby_translations(structure);
-  for (const Placement& placement : structure.tiling.placements) {
-    for (const Polygon& fold : folds(structure.tiling.tiles[placement.tile], structure.beam_width / 2)) {
-      for (const Eigen::Vector2d& by : translations) {
-        Placement moved = placement;
-        moved.offset += by;
-        solid.push_back(placed(fold, moved));
+/// Tiles that do not cross themselves hold their holes: those of each kind, where its first copy lies, are copied.
+void make_holes_by_tiles(Structure& structure) {
+  const std::vector<Placement>& placements = structure.tiling.placements;
+  const std::vector<Polygon> tiles = placed_tiles(structure.tiling);
+  structure.holes.resize(placements.size());
+  for (std::size_t k = 0; k < placements.size(); ++k) {
+    const auto first = std::find_if(placements.begin(), placements.end(),
+                                    [&](const Placement& p) { return p.tile == placements[k].tile; });
+    const std::size_t original = static_cast<std::size_t>(first - placements.begin());
+    if (original == k) {
+      for (Polygon& hole : holes_around(bounds_of(tiles[k]), tiles, structure)) {
+        if (winding_number(tiles[k], hole[0]) != 0) structure.holes[k].push_back(std::move(hole));
       }
+      continue;
     }
-  }
-  if (solid.empty()) return;
-  // Copies of a tile are cut alike: the holes of the tile itself, by the folds as seen from its first placement.
-  for (std::size_t tile = 0; tile < structure.holes.size(); ++tile) {
-    const auto& placements = structure.tiling.placements;
-    const auto of_tile = std::find_if(placements.begin(), placements.end(),
-                                      [tile](const Placement& p) { return p.tile == static_cast<int>(tile); });
-    Placement back;
-    back.linear = of_tile->linear.transpose();
-    back.offset = -back.linear * of_tile->offset;
-    std::vector<Polygon> seen;
-    seen.reserve(solid.size());
-    for (const Polygon& polygon : solid) seen.push_back(placed(polygon, back));
-    std::vector<Polygon> rest;
-    for (const Polygon& hole : structure.holes[tile]) {
-      for (Polygon& part : hole_outside(hole, seen, smallest_hole * structure.beam_width))
-        rest.push_back(std::move(part));
-    }
-    structure.holes[tile] = std::move(rest);
+    const Placement relative = {
+        .tile = 0,
+        .linear = placements[k].linear * first->linear.transpose(),
+        .offset = placements[k].offset - placements[k].linear * first->linear.transpose() * first->offset};
+    for (const Polygon& hole : structure.holes[original]) structure.holes[k].push_back(placed(hole, relative));
   }
 }
 
-void check_crossings(Structure& structure) {
-  for (const Polygon& tile : structure.tiling.tiles) {
-    const auto crossing = self_intersection(tile);
-    if (!crossing) continue;
-    structure.tiles_cross = true;
-    keep_folded_beams(structure);
-    if (least_gap(structure) >= thinnest_beam * structure.beam_width) continue;
-    const std::string message = "The tile's sides " + std::to_string(crossing->first) + " and " +
-                                std::to_string(crossing->second) + " cross farther than beams hide.";
-    throw Error("tiling.self_intersecting", "Family " + structure.family + ": " + message, {{"parameters", message}});
+/// A number within [0, 1) that is as far as possible from all given numbers, modulo 1.
+double farthest_from(std::vector<double> numbers) {
+  for (double& x : numbers) x -= std::floor(x);
+  std::sort(numbers.begin(), numbers.end());
+  double gap = numbers.front() + 1 - numbers.back(), middle = numbers.back() + gap / 2;
+  for (std::size_t k = 0; k + 1 < numbers.size(); ++k) {
+    if (numbers[k + 1] - numbers[k] > gap) {
+      gap = numbers[k + 1] - numbers[k];
+      middle = numbers[k] + gap / 2;
+    }
   }
+  return middle - std::floor(middle);
+}
+
+/// Where tiles cross themselves a hole may lie in several of them: of all holes around the cell, one of each class of
+/// translates, moved into a placed tile that winds around it.
+void make_holes_by_cell(Structure& structure) {
+  const Eigen::Matrix2d& lattice = structure.tiling.lattice;
+  const Eigen::Matrix2d inverse = lattice.inverse();
+  const std::vector<Polygon> tiles = placed_tiles(structure.tiling);
+  structure.holes.resize(tiles.size());
+  // A hole lies in a tile, so that the tiles of 3 x 3 cells surround each that has its centroid in the middle one,
+  // wherever the cell is cut.
+  Bounds bounds;
+  double extent = 0;
+  for (const Polygon& tile : tiles) {
+    const Bounds own = bounds_of(tile);
+    extent = std::max(extent, (own.upper - own.lower).maxCoeff());
+  }
+  for (const double i : {0.0, 2.0}) {
+    for (const double j : {0.0, 2.0}) bounds.include({lattice * Eigen::Vector2d(i, j)});
+  }
+  bounds.lower.array() -= extent;
+  bounds.upper.array() += extent;
+  const std::vector<Polygon> holes = holes_around(bounds, tiles, structure);
+  if (holes.empty()) return;
+  std::vector<Eigen::Vector2d> centroids;
+  std::vector<double> along_first, along_second;
+  for (const Polygon& hole : holes) {
+    centroids.emplace_back(inverse * centroid(hole));
+    along_first.push_back(centroids.back()[0]);
+    along_second.push_back(centroids.back()[1]);
+  }
+  const Eigen::Vector2d origin(farthest_from(along_first), farthest_from(along_second));
+  for (std::size_t k = 0; k < holes.size(); ++k) {
+    const Eigen::Vector2d at = centroids[k] - origin;
+    if (at.minCoeff() < 0 || at.maxCoeff() >= 1) continue;
+    bool found = false;
+    for (std::size_t tile = 0; tile < tiles.size() && !found; ++tile) {
+      for_translates_near(bounds_of(holes[k]), 0, tiles[tile], lattice, [&](const Polygon& copy) {
+        if (found || winding_number(copy, holes[k][0]) <= 0) return;
+        found = true;
+        Polygon moved = holes[k];
+        for (Eigen::Vector2d& p : moved) p -= copy[0] - tiles[tile][0];
+        structure.holes[tile].push_back(std::move(moved));
+      });
+    }
+  }
+}
+
+void check_holes_are_open(const Structure& structure) {
+  const auto refuse = [&](std::size_t k) {
+    std::ostringstream message;
+    message << "Beams of " << structure.beam_width << " mm leave no hole in a tile of "
+            << area(structure.tiling.tiles[structure.tiling.placements[k].tile]) << " mm^2.";
+    throw Error("tiling.hole_closed", "Family " + structure.family + ": " + message.str(),
+                {{"parameters", message.str()}});
+  };
+  // The holes of tiles that overlap are listed with any of them.
+  const auto closed = [](const std::vector<Polygon>& holes) { return holes.empty(); };
+  if (structure.tiles_cross) {
+    if (std::all_of(structure.holes.begin(), structure.holes.end(), closed)) refuse(0);
+    return;
+  }
+  const auto found = std::find_if(structure.holes.begin(), structure.holes.end(), closed);
+  if (found != structure.holes.end()) refuse(static_cast<std::size_t>(found - structure.holes.begin()));
+}
+
+/// One side of an outline.
+struct Segment {
+  Eigen::Vector2d begin, end;
+};
+
+double distance(const Eigen::Vector2d& point, const Segment& segment) {
+  const Eigen::Vector2d along = segment.end - segment.begin, from = point - segment.begin;
+  const double length = along.squaredNorm();
+  const double share = length > 0 ? std::clamp(from.dot(along) / length, 0.0, 1.0) : 0;
+  return (from - share * along).norm();
+}
+
+struct FarPoint {
+  Eigen::Vector2d point;
+  double distance = 0;
+};
+
+/// Looks for a point of the tile that is farther than `wanted` from all segments, over a grid, then uphill from the
+/// best of its points: the first that is, or the farthest.
+FarPoint point_far_from(const std::vector<Segment>& segments, const Polygon& tile, double wanted) {
+  constexpr int rows = 9;
+  constexpr int halvings = 6;  // of the grid's step
+  const auto clearance = [&](const Eigen::Vector2d& point, double at_least) {
+    double least = INFINITY;
+    for (const Segment& segment : segments) {
+      least = std::min(least, distance(point, segment));
+      if (least <= at_least) break;
+    }
+    return least;
+  };
+  const Bounds bounds = bounds_of(tile);
+  Eigen::Vector2d step = (bounds.upper - bounds.lower) / rows;
+  FarPoint best{bounds.lower};
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < rows; ++j) {
+      const Eigen::Vector2d point = bounds.lower + step.cwiseProduct(Eigen::Vector2d(i + 0.5, j + 0.5));
+      const double here = clearance(point, best.distance);
+      if (here <= best.distance || winding_number(tile, point) == 0) continue;
+      best = {point, here};
+      if (here > wanted) return best;
+    }
+  }
+  if (best.distance == 0) return best;
+  for (int halving = 0; halving < halvings; ++halving) {
+    step /= 2;
+    for (const Eigen::Vector2d& side :
+         {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, -1)}) {
+      const Eigen::Vector2d point = best.point + step.cwiseProduct(side);
+      const double here = clearance(point, best.distance);
+      if (here <= best.distance || winding_number(tile, point) == 0) continue;
+      best = {point, here};
+      if (here > wanted) return best;
+    }
+  }
+  return best;
+}
+
+/// Whether a hole around the point remains that ends within `reach` of it.
+bool has_hole_around(const Eigen::Vector2d& point, const std::vector<Polygon>& outlines, double beam_width,
+                     double reach) {
+  Bounds window;
+  window.include({point - Eigen::Vector2d::Constant(reach), point + Eigen::Vector2d::Constant(reach)});
+  std::vector<Polygon> beams;
+  for (const Polygon& outline : outlines) {
+    if (!window.meet(bounds_of(outline), beam_width)) continue;
+    for (Polygon& beam : beams_along(outline, beam_width / 2, Joints::left))
+      if (window.meet(bounds_of(beam))) beams.push_back(std::move(beam));
+  }
+  for (const Polygon& hole : holes_between(beams, smallest_hole * beam_width)) {
+    if (window.contain(bounds_of(hole)) && winding_number(hole, point) != 0) return true;
+  }
+  return false;
+}
+
+/// Whether a hole is certain to remain in the tile. Square joints reach to sqrt(2) half widths at most, where a side
+/// folds back: beyond that a point is in a hole, and so is a disc around it. It remains (see `remains` in beams.cpp)
+/// where the disc outweighs the longest boundary that the hole can have, twice the sides that come within `reach` of
+/// the tile, as all of the outlines given do that matter.
+bool has_certain_hole(const Polygon& tile, const std::vector<Polygon>& outlines, double beam_width, double reach) {
+  const Bounds bounds = bounds_of(tile);
+  const double diagonal = (bounds.upper - bounds.lower).norm();
+  std::vector<Segment> segments;
+  double boundary = 0;
+  for (const Polygon& outline : outlines) {
+    for (std::size_t k = 0; k < outline.size(); ++k) {
+      const Segment segment{outline[k], outline[(k + 1) % outline.size()]};
+      if (!bounds.meet(bounds_of({segment.begin, segment.end}), reach)) continue;
+      segments.push_back(segment);
+      boundary += std::min((segment.end - segment.begin).norm(), diagonal + 2 * reach);
+    }
+  }
+  const double radius = std::sqrt(smallest_hole * beam_width * 2 * boundary / (2 * std::numbers::pi));
+  const double wanted = std::numbers::sqrt2 * beam_width / 2 + radius;
+  const FarPoint far = point_far_from(segments, tile, wanted);
+  if (wanted <= reach && far.distance > wanted) return true;
+  // Of one tile alone other tiles' beams are not known, and making all of its holes is quick.
+  if (outlines.size() == 1 || far.distance < beam_width / 2) return false;
+  return has_hole_around(far.point, outlines, beam_width, reach / 2) ||
+         has_hole_around(far.point, outlines, beam_width, reach);
+}
+
+/// Whether holes are certain to remain wherever `check_holes_are_open` wants one.
+bool has_certain_holes(const Tiling& tiling, bool tiles_cross, double beam_width) {
+  const double reach = 4 * beam_width;
+  if (!tiles_cross)
+    return std::all_of(tiling.tiles.begin(), tiling.tiles.end(),
+                       [&](const Polygon& tile) { return has_certain_hole(tile, {tile}, beam_width, reach); });
+  // Sides of other tiles run through the tile.
+  const std::vector<Polygon> tiles = placed_tiles(tiling);
+  return std::any_of(tiles.begin(), tiles.end(), [&](const Polygon& tile) {
+    std::vector<Polygon> outlines;
+    for (const Polygon& other : tiles)
+      for_translates_near(bounds_of(tile), reach, other, tiling.lattice,
+                          [&](const Polygon& copy) { outlines.push_back(copy); });
+    return has_certain_hole(tile, outlines, beam_width, reach);
+  });
+}
+
+/// Whether a hole lies within a few beam widths of one cell: holes of tiles that cross themselves are small where their
+/// beams are dense, and all holes around the cell (see `make_holes_by_cell`) cost a hundred times as much there.
+bool has_hole_near_cell(const Tiling& tiling, double beam_width) {
+  Structure structure;
+  structure.beam_width = beam_width;
+  structure.tiling = tiling;
+  Bounds bounds;
+  for (const double i : {0.0, 1.0})
+    for (const double j : {0.0, 1.0}) bounds.include({tiling.lattice * Eigen::Vector2d(i, j)});
+  bounds.lower.array() -= 4 * beam_width;
+  bounds.upper.array() += 4 * beam_width;
+  const std::vector<Polygon> holes = holes_around(bounds, placed_tiles(tiling), structure);
+  return std::any_of(holes.begin(), holes.end(), [&](const Polygon& hole) { return bounds.contain(bounds_of(hole)); });
+}
+
+bool cross_themselves(const std::vector<Polygon>& tiles) {
+  return std::any_of(tiles.begin(), tiles.end(),
+                     [](const Polygon& tile) { return self_intersection(tile).has_value(); });
 }
 
 }  // namespace
+
+bool can_be_built(const Family& family, std::span<const double> parameters) {
+  try {
+    Tiling tiling = tiling_of(family, parameters);
+    if (family.holes_may_close) return true;
+    scale_by(tiling, printed_beam_width / family.beam_width);
+    const bool tiles_cross = cross_themselves(tiling.tiles);
+    if (has_certain_holes(tiling, tiles_cross, printed_beam_width)) return true;
+    if (tiles_cross && has_hole_near_cell(tiling, printed_beam_width)) return true;
+    make_structure(family, parameters);
+    return true;
+  } catch (const Error& error) {
+    if (!error.code().starts_with("tiling.")) throw;
+    return false;
+  }
+}
 
 Structure make_structure(const Family& family, std::span<const double> parameters, double box_margin) {
   Structure structure;
@@ -130,20 +356,17 @@ Structure make_structure(const Family& family, std::span<const double> parameter
   structure.tiling = tiling_of(family, parameters, box_margin);
   structure.scale = structure.beam_width / family.beam_width;
   scale_by(structure.tiling, structure.scale);
-  for (const Polygon& tile : structure.tiling.tiles)
-    structure.holes.push_back(inset(tile, structure.beam_width / 2, smallest_hole * structure.beam_width));
-  check_crossings(structure);
-  for (std::size_t k = 0; k < structure.holes.size() && !family.holes_may_close; ++k) {
-    if (!structure.holes[k].empty()) continue;
-    std::ostringstream message;
-    message << "Beams of " << structure.beam_width << " mm leave no hole in a tile of "
-            << area(structure.tiling.tiles[k]) << " mm^2.";
-    throw Error("tiling.hole_closed", "Family " + family.id + ": " + message.str(), {{"parameters", message.str()}});
+  structure.tiles_cross = cross_themselves(structure.tiling.tiles);
+  if (structure.tiles_cross) {
+    make_holes_by_cell(structure);
+  } else {
+    make_holes_by_tiles(structure);
   }
+  if (!family.holes_may_close) check_holes_are_open(structure);
   structure.cell_area = std::abs(structure.tiling.lattice.determinant());
   structure.solid_area = structure.cell_area;
-  for (const Placement& placement : structure.tiling.placements) {
-    for (const Polygon& hole : structure.holes[placement.tile]) structure.solid_area -= area(hole);
+  for (const std::vector<Polygon>& holes : structure.holes) {
+    for (const Polygon& hole : holes) structure.solid_area -= area(hole);
   }
   return structure;
 }

@@ -3,6 +3,8 @@
 #include <torch/autograd.h>
 #include <torch/types.h>
 
+#include <vector>
+
 #include "jet_kernel.h"
 #include "matrix_product.h"
 
@@ -97,17 +99,79 @@ struct LinearLayer : Function<LinearLayer> {
   }
 };
 
+/// The jets of f, from LibTorch's operations.
+Tensor plain_activation(neural::Activation activation, const Tensor& z, const Tensor& directions) {
+  const auto value = z.slice(0, 0, 1);
+  std::vector<Tensor> channels{activated(activation, value)};
+  if (z.size(0) > 1) {
+    const auto slope = activation_slope(activation, value);
+    const auto first = z.slice(0, 1, 4);
+    channels.push_back(slope * first);
+    if (z.size(0) > 4) {
+      const auto along = (first * directions.t().unsqueeze(2)).sum(0, true);
+      channels.push_back(slope * z.slice(0, 4, 5) + activation_curvature(activation, value) * along * along);
+    }
+  }
+  return torch::cat(channels, 0);
+}
+
 }  // namespace
+
+Tensor activated(neural::Activation activation, const Tensor& z) {
+  switch (activation) {
+    case neural::Activation::swish:
+      return z * torch::sigmoid(z);
+    case neural::Activation::tanh:
+      return torch::tanh(z);
+    default:
+      return torch::sin(z);
+  }
+}
+
+Tensor activation_slope(neural::Activation activation, const Tensor& z) {
+  switch (activation) {
+    case neural::Activation::swish: {
+      const auto s = torch::sigmoid(z);
+      return s + z * s * (1 - s);
+    }
+    case neural::Activation::tanh:
+      return 1 - torch::tanh(z).square();
+    default:
+      return torch::cos(z);
+  }
+}
+
+Tensor activation_curvature(neural::Activation activation, const Tensor& z) {
+  switch (activation) {
+    case neural::Activation::swish: {
+      const auto s = torch::sigmoid(z);
+      return s * (1 - s) * (2 + z * (1 - 2 * s));
+    }
+    case neural::Activation::tanh: {
+      const auto t = torch::tanh(z);
+      return -2 * t * (1 - t.square());
+    }
+    default:
+      return -torch::sin(z);
+  }
+}
 
 Tensor jet_layer(neural::Activation activation, const Tensor& x, const Tensor& weights, const Tensor& bias,
                  const Tensor& directions) {
+  if (!for_our_kernels(x)) {
+    const auto z = linear_layer(x, weights);
+    return plain_activation(activation, torch::cat({z.slice(0, 0, 1) + bias, z.slice(0, 1)}, 0), directions);
+  }
   return JetLayer::apply(x, weights, bias, directions, static_cast<std::int64_t>(activation));
 }
 
 Tensor jet_activation(neural::Activation activation, const Tensor& z, const Tensor& directions) {
+  if (!for_our_kernels(z)) return plain_activation(activation, z, directions);
   return JetActivation::apply(z, directions, static_cast<std::int64_t>(activation));
 }
 
-Tensor linear_layer(const Tensor& x, const Tensor& weights) { return LinearLayer::apply(x, weights); }
+Tensor linear_layer(const Tensor& x, const Tensor& weights) {
+  return for_our_kernels(x) ? LinearLayer::apply(x, weights) : torch::matmul(x, weights.t());
+}
 
 }  // namespace supple::training

@@ -6,10 +6,15 @@
 
 namespace supple::training {
 
-/// f(x weights^T + bias) of jets x: channels x rows x inputs -> channels x rows x outputs, outputs a multiple of 16, in
-/// single precision. Differentiable once, by x, weights and bias. `directions` (rows x 3, contiguous) are those of the
-/// second derivative of five channels. One pass each of our kernels forward, and two products backward; safe in several
-/// threads.
+/// f, f' and f'' of each number, through LibTorch's operations: differentiable as often as wanted, on any device.
+torch::Tensor activated(neural::Activation activation, const torch::Tensor& z);
+torch::Tensor activation_slope(neural::Activation activation, const torch::Tensor& z);
+torch::Tensor activation_curvature(neural::Activation activation, const torch::Tensor& z);
+
+/// f(x weights^T + bias) of jets x: channels x rows x inputs -> channels x rows x outputs, outputs a multiple of 16. In
+/// single precision on the processor one pass each of our kernels forward and two products backward, differentiable
+/// once, by x, weights and bias; elsewhere LibTorch's operations. `directions` (rows x 3, contiguous) are those of the
+/// second derivative of five channels. Safe in several threads.
 torch::Tensor jet_layer(neural::Activation activation, const torch::Tensor& x, const torch::Tensor& weights,
                         const torch::Tensor& bias, const torch::Tensor& directions);
 

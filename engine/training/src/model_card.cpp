@@ -93,6 +93,19 @@ std::string stiffness_row(const std::string& name, const std::vector<Judged>& ju
                      100 * quantile(errors, 0.75), 100 * quantile(errors, 0.9));
 }
 
+const char* name_of(neural::Quantity quantity) {
+  switch (quantity) {
+    case neural::Quantity::stiffness:
+      return "stiffness along a uniaxial load";
+    case neural::Quantity::poisson:
+      return "Poisson's ratio";
+    case neural::Quantity::stress_at_strain:
+      return "stress at a given strain";
+    default:
+      return "stress along a uniaxial load";
+  }
+}
+
 std::string error_section(const neural::Model& model) {
   std::string text =
       "## Errors\n\nRelative, in percent: |S - S*| / |S*| of the stress (the energy's gradient) and |psi - "
@@ -165,10 +178,70 @@ std::string trust_section(const neural::Model& model, const std::vector<Judged>&
   text += fmt::format(
       "- Where an answer says `in_range: false`: parameters out of bounds, principal Green strains outside of "
       "[{:.3g}, {:.3g}], or an energy density above {:.3g} of the design's rest stiffness, which no simulated path "
-      "reached.\n",
-      range.smallest_principal, range.largest_principal, range.largest_relative_energy);
+      "reached{}.\n",
+      range.smallest_principal, range.largest_principal, range.largest_relative_energy,
+      model.calibration ? "; or an error bar longer than is trusted" : "");
   text += "- After buckling a structure has several equilibria; the model knows those that a path from rest meets.\n";
   return text;
+}
+
+/// The value of an option that the model was trained with; empty where it does not say it.
+std::string option_of(const neural::Model& model, const char* wanted) {
+  for (const auto& [name, value] : model.provenance.options)
+    if (name == wanted) return value;
+  return {};
+}
+
+/// How the stiffness at rest and the designs are seen by the network, and what its training began with, as sentences.
+std::string choices_of(const neural::Model& model) {
+  const auto& shape = model.network.shape;
+  std::string text;
+  if (shape.features > 0)
+    text +=
+        fmt::format(" Designs are read by {} features of their tile beside the parameters (`--features geometric`).",
+                    shape.features);
+  if (shape.form == neural::EnergyForm::sum_of_squares) {
+    const auto rest = option_of(model, "rest_designs");
+    text += fmt::format(
+        " The stiffness branch has {} hidden layer{} of {}{}{}; the stiffness at rest is {} (`--rest {}`).",
+        shape.stiffness_layers, shape.stiffness_layers == 1 ? "" : "s", shape.stiffness_width,
+        rest.empty() ? ""
+                     : fmt::format(", was fitted to the stiffness at rest of {} designs first (`--rest-data`)", rest),
+        option_of(model, "freeze_stiffness") == "1" ? " and then stayed as it was (`--freeze-stiffness`)" : "",
+        shape.rest == neural::RestForm::exact ? "its own alone" : "learned by all branches", to_string(shape.rest));
+  }
+  if (const auto start = option_of(model, "start_model"); !start.empty())
+    text += fmt::format(" Training began with the model {} of other data, {} (`--start-foreign`).", start,
+                        option_of(model, "start_data"));
+  return text;
+}
+
+std::string calibration_section(const neural::Model& model) {
+  if (!model.calibration) return {};
+  const double level = 100 * model.calibration->level;
+  std::string text = fmt::format(
+      "\n## Error bars\n\nEach answer has an error bar, which the simulated value is within in {:.0f} of 100 cases "
+      "(`supple-lab calibrate`; [how](../docs/models.md#error-bars)). Judged on held-out designs, each by bars that "
+      "were "
+      "made without it. \"Beyond\" are states that err by more than 3.57 %, the thesis's worst error of a uniaxial "
+      "stress, or by 0.0357 of Poisson's ratio; `in_range` is false also where the bar is longer than is trusted.\n\n"
+      "| | Designs | States | Within their bar | Median bar | Trusted up to | Beyond | of them `in_range` without bars "
+      "| "
+      "with bars | Others | of them not `in_range` with bars "
+      "|\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
+      level);
+  for (const auto quantity : neural::all_quantities) {
+    const auto& judged = model.calibration->of(quantity).judged;
+    const bool plain = quantity == neural::Quantity::poisson;
+    const auto size = [&](double error) {
+      return plain ? fmt::format("{:.3g}", error) : fmt::format("{:.3g} %", 100 * error);
+    };
+    text += fmt::format("| {} | {} | {} | {:.1f} % | {} | {} | {} | {} | {} | {} | {} |\n", name_of(quantity),
+                        judged.designs, judged.states, 100 * judged.share, size(judged.median_bar),
+                        size(neural::trusted_error(quantity)), judged.beyond, judged.beyond_in_box,
+                        judged.beyond_in_range, judged.within, judged.within - judged.within_in_range);
+  }
+  return text + fmt::format("\n![Stated against observed shares]({}-calibration.svg)\n", model.id);
 }
 
 std::string origin_section(const neural::Model& model) {
@@ -182,11 +255,12 @@ std::string origin_section(const neural::Model& model) {
                                      turns);
   std::string text = "\n## Where it comes from\n\n";
   text += fmt::format(
-      "{} weights in {} + {} + {} layers of {} neurons, {}, {}.{} Trained on {} states of {} designs ({}; simulated by "
+      "{} weights in {} + {} + {} layers of {} neurons, {}, {}.{}{} Trained on {} states of {} designs ({}; simulated "
+      "by "
       "{}) of a solid with Young's modulus {} MPa and Poisson's ratio {}, in {:.0f} s, by {}. Options:\n\n",
       model.network.weights(), shape.strain_layers, shape.parameter_layers, shape.trunk_layers, shape.width,
-      to_string(shape.activation), to_string(shape.form), mean, p.rows, p.designs, p.data_set, p.data_engine,
-      p.youngs_modulus, p.poisson_ratio, p.training_seconds, p.engine);
+      to_string(shape.activation), to_string(shape.form), mean, choices_of(model), p.rows, p.designs, p.data_set,
+      p.data_engine, p.youngs_modulus, p.poisson_ratio, p.training_seconds, p.engine);
   for (const auto& [name, value] : p.options) text += fmt::format("`{} {}` ", name, value);
   text.back() = '\n';
   return text;
@@ -215,7 +289,7 @@ std::string model_card(const neural::Model& model, const ModelData& data, const 
     text += fmt::format("| {} | {:.4g} | {:.4g} |\n", k + 1, model.network.lower[k], model.network.upper[k]);
   text += "\n" + error_section(model) + where_section(judged);
   text += fmt::format("\n![Relative errors against strain]({})\n", image);
-  return text + trust_section(model, judged) + origin_section(model);
+  return text + calibration_section(model) + trust_section(model, judged) + origin_section(model);
 }
 
 void write_row_errors(const std::filesystem::path& path, const neural::Model& model, const ModelData& data) {

@@ -12,6 +12,7 @@
 #include "supple/base/error.h"
 #include "supple/tiling/symmetry.h"
 #include "supple/training/model_errors.h"
+#include "supple/training/tile_geometry.h"
 
 namespace supple::training {
 namespace {
@@ -42,17 +43,52 @@ std::string engines_of(const ModelData& data) {
   return text;
 }
 
-/// Goes on with a model whose own test and validation designs are those of the new training.
-void start_from(const neural::Model& start, const ModelData& data, const std::string& family, const Split& parts,
-                TrainingOptions& options) {
-  const auto theirs = start.family == family ? samples_of(start, data).split : Split{};
-  if (start.family != family || theirs.test != parts.test || theirs.validation != parts.validation)
+/// The same function of the parameters with other bounds: mapped parameters are affine functions of each other.
+neural::Network with_bounds(neural::Network network, const std::vector<double>& lower,
+                            const std::vector<double>& upper) {
+  const auto n = static_cast<long>(lower.size());
+  const Eigen::Map<const Eigen::ArrayXd> new_lower(lower.data(), n);
+  const Eigen::Map<const Eigen::ArrayXd> new_upper(upper.data(), n);
+  const Eigen::ArrayXd width = network.upper - network.lower;
+  // Old mapped parameters are factor times new ones, plus shift.
+  const Eigen::ArrayXd factor = (new_upper - new_lower) / width;
+  const Eigen::ArrayXd shift = (new_upper + new_lower - (network.upper + network.lower).array()) / width;
+  for (auto* branch : {&network.parameter, &network.stiffness}) {
+    if (branch->empty()) continue;
+    auto& [weights, bias] = branch->front();
+    bias += weights.leftCols(n) * shift.matrix();
+    weights.leftCols(n) = weights.leftCols(n) * factor.matrix().asDiagonal();
+  }
+  network.lower = new_lower;
+  network.upper = new_upper;
+  return network;
+}
+
+/// Goes on with a model of the family: one whose own test and validation designs are those of the new training, or one
+/// that is declared foreign.
+void start_from(const ModelOptions& given, const ModelData& data, const std::string& family, const Samples& samples,
+                const Split& parts, TrainingOptions& options) {
+  const auto& start = *given.start;
+  const auto require = [&](bool fine, const char* limit) {
+    if (fine) return;
     throw Error("training.different_data",
                 fmt::format("The model {} of {} was trained with other designs held out than {} would be now.",
                             start.id, start.family, family),
-                {{"start", "the same data and shares of the split"}});
+                {{"start", limit}});
+  };
+  require(start.family == family, "a model of the same family");
   options.start = start.network;
+  if (given.start_is_foreign) {
+    if (!std::ranges::equal(start.network.lower, samples.lower) ||
+        !std::ranges::equal(start.network.upper, samples.upper))
+      options.start = with_bounds(start.network, samples.lower, samples.upper);
+  } else {
+    const auto theirs = samples_of(start, data).split;
+    require(theirs.test == parts.test && theirs.validation == parts.validation,
+            "the same data and shares of the split, or --start-foreign");
+  }
   options.shape = start.network.shape;
+  options.geometry = start.network.geometry;
 }
 
 }  // namespace
@@ -109,6 +145,8 @@ neural::Model symmetrized(neural::Model model, const ModelData& data) {
   const auto [samples, parts] = samples_of(model, data);
   auto& symmetries = model.network.symmetries;
   symmetries.clear();
+  // Another network's errors are not this one's.
+  model.calibration.reset();
   for (const auto& [strain, linear, constant] : energy_symmetries(family))
     if (strain.determinant() > 0 && linear.isIdentity(1e-6) && constant.norm() < 1e-6) symmetries.push_back(strain);
   if (symmetries.empty())
@@ -123,18 +161,27 @@ neural::Model symmetrized(neural::Model model, const ModelData& data) {
 
 ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
-                        const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report) {
+                        const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report,
+                        const std::function<void(const StiffnessReport&)>& stiffness_report) {
   const auto& family = tiling::family(data.data.recipe.text("family"));
   const auto samples = read_samples(data, options.samples);
   const auto parts = split(samples, options.split);
   auto training_options = options.training;
   training_options.shape.parameters = static_cast<int>(samples.lower.size());
-  if (options.start) start_from(*options.start, data, family.id, parts, training_options);
+  if (options.start) {
+    start_from(options, data, family.id, samples, parts, training_options);
+  } else if (options.use_features) {
+    training_options.geometry = tile_geometry(family);
+    training_options.shape.features = static_cast<int>(training_options.geometry.features.size());
+  }
   if (options.use_symmetry) training_options.symmetries = energy_symmetries(family);
-  const auto trained = train(samples, parts, training_options, checkpoint, cancellation, report);
+  const auto rest = read_rest(data);
+  const auto trained =
+      train(samples, parts, training_options, checkpoint, cancellation, report, rest, stiffness_report);
 
   ModelResult result;
   result.history = trained.history;
+  result.stiffness = trained.stiffness;
   result.best_epoch = trained.best_epoch;
   result.finished = trained.finished;
   auto& model = result.model;
@@ -165,7 +212,13 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
     for (const auto& [name, value] : start->provenance.options)
       if (name == "epochs" || name == "start_epochs") epochs += std::atoi(value.c_str());
     provenance.options.emplace_back("start_epochs", std::to_string(epochs));
+    if (options.start_is_foreign) {
+      provenance.options.emplace_back("start_model", start->id);
+      provenance.options.emplace_back("start_data", start->provenance.data_set);
+    }
   }
+  provenance.options.emplace_back("device", to_string(trained.device));
+  if (!rest.empty()) provenance.options.emplace_back("rest_designs", std::to_string(rest.size()));
   provenance.youngs_modulus = data.data.recipe.number("youngs_modulus");
   provenance.poisson_ratio = data.data.recipe.number("poisson_ratio");
   return result;

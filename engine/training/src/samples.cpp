@@ -1,5 +1,6 @@
 #include "supple/training/samples.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -70,6 +71,31 @@ void check_further(const ModelData& data) {
   }
 }
 
+/// Settings on which the stiffness at rest depends.
+constexpr std::array<std::string_view, 8> ruling_rest{"family",    "law",         "youngs_modulus", "poisson_ratio",
+                                                      "mesh_size", "corner_size", "mesh_region",    "beam_width"};
+
+dataset::Recipe ruling(const dataset::Recipe& recipe) {
+  dataset::Recipe kept;
+  for (const auto& setting : recipe.settings())
+    if (std::find(ruling_rest.begin(), ruling_rest.end(), setting.name) != ruling_rest.end())
+      kept.set(setting.name, setting.value, setting.unit);
+  return kept;
+}
+
+void check_rest(const ModelData& data) {
+  for (std::size_t i = 0; i < data.rest.size(); ++i) {
+    const auto differing = dataset::differences(ruling(data.data.recipe), ruling(data.rest[i].recipe));
+    if (differing.empty()) continue;
+    std::vector<Error::Detail> details;
+    details.reserve(differing.size());
+    for (const auto& difference : differing) details.push_back({"rest[" + std::to_string(i) + "]", difference});
+    throw Error("dataset.different_recipe",
+                "Rest stiffnesses " + std::to_string(i) + " were simulated in another way: " + differing.front() + ".",
+                details);
+  }
+}
+
 bool within_bounds(const std::vector<double>& parameters, const Samples& samples) {
   for (std::size_t k = 0; k < parameters.size(); ++k)
     if (!(parameters[k] >= samples.lower[k] && parameters[k] <= samples.upper[k])) return false;
@@ -116,6 +142,30 @@ Samples read_samples(const ModelData& data, const SampleOptions& options) {
     samples.tangent.col(i) = Eigen::Map<const Eigen::Matrix<double, 6, 1>>(row.tangent.data());
   }
   return samples;
+}
+
+std::vector<RestStiffness> read_rest(const ModelData& data) {
+  check_rest(data);
+  std::vector<RestStiffness> rest;
+  for (const auto& set : data.rest) {
+    for (const auto& design : set.designs) {
+      const dataset::Row* nearest = nullptr;
+      const auto size = [](const dataset::Row& row) {
+        return Eigen::Map<const Eigen::Vector3d>(row.green_strain.data()).norm();
+      };
+      for (const auto& row : design.rows) {
+        const bool finite =
+            std::all_of(row.tangent.begin(), row.tangent.end(), [](double c) { return std::isfinite(c); });
+        if (finite && (!nearest || size(row) < size(*nearest))) nearest = &row;
+      }
+      if (!nearest) continue;
+      const auto& c = nearest->tangent;
+      Eigen::Matrix3d tangent;
+      tangent << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+      if (Eigen::LLT<Eigen::Matrix3d>(tangent).info() == Eigen::Success) rest.push_back({design.parameters, tangent});
+    }
+  }
+  return rest;
 }
 
 Split split(const Samples& samples, const SplitOptions& options) {

@@ -3,6 +3,7 @@
 #include <torch/autograd.h>
 #include <torch/types.h>
 
+#include <array>
 #include <cmath>
 
 #include "jet_layer.h"
@@ -17,6 +18,7 @@ using neural::EnergyForm;
 using neural::Layer;
 using neural::Network;
 using neural::NetworkShape;
+using neural::RestForm;
 using torch::Tensor;
 
 /// Standard deviation of weights over 1 / sqrt(inputs): keeps the size of activations through the layers.
@@ -26,6 +28,8 @@ constexpr double first_bias = 0.3;
 constexpr double last_gain = 0.02;
 /// Softplus at rest, before training: a small energy.
 constexpr double softplus_bias = -4;
+/// As the evaluator has it: far from what was trained a stiffness stays a finite number.
+constexpr double largest_log_factor = 20;
 
 template <class Visit>
 void for_each_layer(Network& network, Visit&& visit) {
@@ -52,15 +56,14 @@ const Tensor& bias(const Parameters& parameters, int branch, int layer) {
   return parameters[static_cast<std::size_t>(branch + 2 * layer + 1)];
 }
 
-Tensor activated(Activation activation, const Tensor& z) {
-  switch (activation) {
-    case Activation::swish:
-      return z * torch::sigmoid(z);
-    case Activation::tanh:
-      return torch::tanh(z);
-    default:
-      return torch::sin(z);
-  }
+/// The six entries of L below and on its diagonal: 11, 22, 33, 21, 31, 32.
+std::array<Tensor, 6> entries_of_factor(const Tensor& outputs) {
+  const auto column = [&](int i) { return outputs.select(1, i); };
+  const auto diagonal = torch::exp(torch::clamp(outputs.slice(1, 0, 3), -largest_log_factor, largest_log_factor));
+  const auto a = diagonal.select(1, 0);
+  const auto b = diagonal.select(1, 1);
+  const auto c = diagonal.select(1, 2);
+  return {a, b, c, column(3) * a, column(4) * a, column(5) * b};
 }
 
 /// L^T / sqrt(s) (designs x 3 x 3) and s (designs).
@@ -70,13 +73,7 @@ struct Scaling {
 };
 
 Scaling scaling(const Tensor& outputs) {
-  const auto column = [&](int i) { return outputs.select(1, i); };
-  const auto a = torch::exp(column(0));
-  const auto b = torch::exp(column(1));
-  const auto c = torch::exp(column(2));
-  const auto d = column(3) * a;
-  const auto e = column(4) * a;
-  const auto f = column(5) * b;
+  const auto [a, b, c, d, e, f] = entries_of_factor(outputs);
   const auto stiffness = (a * a + b * b + c * c + d * d + e * e + f * f) / 3;
   const auto zero = torch::zeros_like(a);
   const auto transposed =
@@ -86,6 +83,10 @@ Scaling scaling(const Tensor& outputs) {
 
 /// map x for each row: [n, 3, 3] and [n, 3].
 Tensor apply(const Tensor& map, const Tensor& x) { return (map * x.unsqueeze(1)).sum(2); }
+
+Parameters branch_of_stiffness(const NetworkShape& shape, const Parameters& parameters) {
+  return {parameters.begin() + Places(shape).stiffness, parameters.end()};
+}
 
 /// A branch that reads designs, with our kernels where they can.
 Tensor branch_of_designs(const NetworkShape& shape, const Parameters& parameters, const Tensor& p, bool ours) {
@@ -131,6 +132,34 @@ Tensor outputs(const NetworkShape& shape, const Parameters& parameters, Tensor x
   return torch::mm(x, weights(parameters, places.trunk, shape.trunk_layers).t());
 }
 
+/// N'(p, 0), designs x outputs x 3, through LibTorch's operations: derivatives by e beside the values. The strain
+/// branch reads (map e, e).
+Tensor slope_at_rest(const NetworkShape& shape, const Parameters& parameters, const Tensor& map,
+                     const Tensor& meeting) {
+  const Places places(shape);
+  const auto designs = map.size(0);
+  Tensor x = torch::zeros({designs, 6}, map.options());
+  Tensor slope = torch::cat({map, torch::eye(3, map.options()).unsqueeze(0).expand({designs, 3, 3})}, 1);
+  const auto step = [&](const Tensor& w, const Tensor& addend) {
+    const auto z = torch::mm(x, w.t()) + addend;
+    x = activated(shape.activation, z);
+    slope = activation_slope(shape.activation, z).unsqueeze(2) * torch::matmul(w, slope);
+  };
+  for (int l = 0; l < shape.strain_layers; ++l)
+    step(weights(parameters, places.strain, l), bias(parameters, places.strain, l));
+  step(weights(parameters, places.trunk, 0).slice(1, 0, shape.width), meeting);
+  for (int l = 1; l < shape.trunk_layers; ++l)
+    step(weights(parameters, places.trunk, l), bias(parameters, places.trunk, l));
+  return torch::matmul(weights(parameters, places.trunk, shape.trunk_layers), slope);
+}
+
+/// What residuals have beside N(p, e) - N(p, 0) as maps of e, designs x residuals x 3; `slope` is undefined unless the
+/// form of rest is exact.
+Tensor linear_part(const NetworkShape& shape, const Tensor& map, const Tensor& slope) {
+  const auto linear = torch::constant_pad_nd(map, {0, 0, 0, shape.residuals - 3});
+  return slope.defined() ? linear - slope : linear;
+}
+
 /// Channels of a constant map of e: its value, its columns, and no second derivative.
 Tensor jets_of_map(const Tensor& map, const Tensor& e, bool second) {
   std::vector<Tensor> channels{apply(map, e).unsqueeze(0), map.permute({2, 0, 1})};
@@ -162,15 +191,16 @@ Network draw_network(const NetworkShape& shape, const Eigen::VectorXd& lower, co
   }
   for (int l = 1; l < shape.strain_layers; ++l) network.strain.push_back(draw(width, width, hidden_gain));
   for (int l = 0; l < shape.parameter_layers; ++l)
-    network.parameter.push_back(draw(width, l == 0 ? shape.parameters : width, hidden_gain));
+    network.parameter.push_back(draw(width, l == 0 ? shape.design_inputs() : width, hidden_gain));
   for (int l = 0; l < shape.trunk_layers; ++l)
     network.trunk.push_back(draw(width, l == 0 ? 2 * width : width, hidden_gain));
   network.trunk.push_back(draw(shape.outputs(), width, last_gain));
   if (shape.form == EnergyForm::softplus) {
     network.trunk.back().bias.setConstant(softplus_bias);
   } else {
-    network.stiffness.push_back(draw(shape.stiffness_width, shape.parameters, hidden_gain));
-    network.stiffness.push_back(draw(shape.stiffness_width, shape.stiffness_width, hidden_gain));
+    for (int l = 0; l < shape.stiffness_layers; ++l)
+      network.stiffness.push_back(
+          draw(shape.stiffness_width, l == 0 ? shape.design_inputs() : shape.stiffness_width, hidden_gain));
     network.stiffness.push_back(draw(6, shape.stiffness_width, 0.1));
   }
   return network;
@@ -205,17 +235,22 @@ void assign(Network& network, const Parameters& parameters) {
   });
 }
 
-Tensor stiffness_outputs(const NetworkShape& shape, const Parameters& parameters, const Tensor& p) {
-  const Places places(shape);
+std::size_t stiffness_begin(const NetworkShape& shape) { return static_cast<std::size_t>(Places(shape).stiffness); }
+
+Tensor stiffness_outputs(const Parameters& branch, const Tensor& p) {
   const bool ours = for_our_kernels(p);
   Tensor q = p;
-  for (int l = 0; l < 3; ++l) {
-    const auto& w = weights(parameters, places.stiffness, l);
-    q = (ours ? linear_layer(q.unsqueeze(0), w).squeeze(0) : torch::mm(q, w.t())) +
-        bias(parameters, places.stiffness, l);
-    if (l < 2) q = activated(Activation::swish, q);
+  for (std::size_t l = 0; l < branch.size(); l += 2) {
+    q = (ours ? linear_layer(q.unsqueeze(0), branch[l]).squeeze(0) : torch::mm(q, branch[l].t())) + branch[l + 1];
+    if (l + 2 < branch.size()) q = activated(Activation::swish, q);
   }
   return q;
+}
+
+Tensor stiffness_factor(const Tensor& outputs) {
+  const auto [a, b, c, d, e, f] = entries_of_factor(outputs);
+  const auto zero = torch::zeros_like(a);
+  return torch::stack({torch::stack({a, zero, zero}, 1), torch::stack({d, b, zero}, 1), torch::stack({e, f, c}, 1)}, 1);
 }
 
 Tensor energy(const NetworkShape& shape, const Parameters& parameters, const Batch& batch) {
@@ -226,12 +261,14 @@ Tensor energy(const NetworkShape& shape, const Parameters& parameters, const Bat
                    bias(parameters, places.trunk, shape.trunk_layers);
     return torch::softplus(n.squeeze(1), 1, 40);
   }
-  const auto [map, stiffness] = scaling(stiffness_outputs(shape, parameters, batch.p));
+  const auto [map, stiffness] = scaling(stiffness_outputs(branch_of_stiffness(shape, parameters), batch.p));
   const auto y = apply(map.index_select(0, batch.of), batch.e);
   const auto n = outputs(shape, parameters, torch::cat({y, batch.e}, 1), meeting.index_select(0, batch.of));
   const auto rest = outputs(shape, parameters, torch::zeros({batch.p.size(0), 6}, batch.e.options()), meeting);
-  const auto skip = torch::cat({y, torch::zeros({y.size(0), shape.residuals - 3}, y.options())}, 1);
-  const auto r = n - rest.index_select(0, batch.of) + skip;
+  Tensor slope;
+  if (shape.rest == RestForm::exact) slope = slope_at_rest(shape, parameters, map, meeting);
+  const auto linear = linear_part(shape, map, slope).index_select(0, batch.of);
+  const auto r = n - rest.index_select(0, batch.of) + apply(linear, batch.e);
   return 0.5 * stiffness.index_select(0, batch.of) * (r * r).sum(1);
 }
 
@@ -253,7 +290,7 @@ Response response(const NetworkShape& shape, const Parameters& parameters, const
                   const Tensor& directions) {
   const bool second = directions.defined();
   const auto v = second ? directions : torch::zeros({batch.e.size(0), 3}, batch.e.options());
-  const auto meeting = branch_of_designs(shape, parameters, batch.p, true);
+  const auto meeting = branch_of_designs(shape, parameters, batch.p, for_our_kernels(batch.p));
   const Places places(shape);
   const auto rows = batch.e.size(0);
   const auto identity = torch::eye(3, batch.e.options()).unsqueeze(0).expand({rows, 3, 3});
@@ -272,17 +309,32 @@ Response response(const NetworkShape& shape, const Parameters& parameters, const
     }
     return result;
   }
-  const auto scaled = scaling(stiffness_outputs(shape, parameters, batch.p));
+  const auto scaled = scaling(stiffness_outputs(branch_of_stiffness(shape, parameters), batch.p));
   const auto map = scaled.map.index_select(0, batch.of);
   const auto stiffness = scaled.stiffness.index_select(0, batch.of);
   const auto mapped = jets_of_map(map, batch.e, second);
   const auto inputs = torch::cat({mapped, jets_of_map(identity, batch.e, second)}, 2);
-  // The designs at rest are further rows: their values alone are needed, but a pass of their own costs more.
-  const auto n = outputs_by_jets(shape, parameters, torch::constant_pad_nd(inputs, {0, 0, 0, batch.p.size(0)}),
-                                 torch::cat({meeting.index_select(0, batch.of), meeting}),
-                                 torch::constant_pad_nd(v, {0, 0, 0, batch.p.size(0)}));
-  const auto jets = n.narrow(1, 0, rows) + torch::constant_pad_nd(mapped, {0, shape.residuals - 3});
-  const auto r = jets[0] - n[0].narrow(0, rows, batch.p.size(0)).index_select(0, batch.of);
+  // The designs at rest are further rows: their values alone are needed, or with slopes, but a pass of their own costs
+  // more.
+  const auto designs = batch.p.size(0);
+  const bool exact = shape.rest == RestForm::exact;
+  Tensor all = torch::constant_pad_nd(inputs, {0, 0, 0, designs});
+  if (exact) {
+    const auto zero = torch::zeros({designs, 3}, batch.e.options());
+    const auto unit = torch::eye(3, batch.e.options()).unsqueeze(0).expand({designs, 3, 3});
+    all = torch::cat({inputs, torch::cat({jets_of_map(scaled.map, zero, second), jets_of_map(unit, zero, second)}, 2)},
+                     1);
+  }
+  const auto n = outputs_by_jets(shape, parameters, all, torch::cat({meeting.index_select(0, batch.of), meeting}),
+                                 torch::constant_pad_nd(v, {0, 0, 0, designs}));
+  const auto at_rest = n.narrow(1, rows, designs);
+  Tensor linear = torch::constant_pad_nd(mapped, {0, shape.residuals - 3});
+  if (exact) {
+    const auto maps = linear_part(shape, scaled.map, at_rest.slice(0, 1, 4).permute({1, 2, 0}));
+    linear = jets_of_map(maps.index_select(0, batch.of), batch.e, second);
+  }
+  const auto jets = n.narrow(1, 0, rows) + linear;
+  const auto r = jets[0] - at_rest[0].index_select(0, batch.of);
   result.energy = 0.5 * stiffness * (r * r).sum(1);
   result.stress = stiffness.unsqueeze(1) * (r.unsqueeze(0) * jets.slice(0, 1, 4)).sum(2).t();
   if (second) {

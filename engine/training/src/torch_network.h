@@ -28,10 +28,10 @@ Parameters to_parameters(const neural::Network& network, torch::Dtype type, torc
 /// Puts the tensors' numbers in the layers of `network`, which has their shape.
 void assign(neural::Network& network, const Parameters& parameters);
 
-/// Strains of several designs: strain i (e, i-th row) belongs to design of[i], whose parameters, mapped to [-1, 1], are
-/// a row of p.
+/// Strains of several designs: strain i (e, i-th row) belongs to design of[i], whose parameters, mapped to [-1, 1], and
+/// features are a row of p.
 struct Batch {
-  torch::Tensor p;   ///< designs x parameters
+  torch::Tensor p;   ///< designs x (parameters + features)
   torch::Tensor of;  ///< rows, int64
   torch::Tensor e;   ///< rows x 3
 };
@@ -47,8 +47,8 @@ struct Response {
   torch::Tensor stiffness;
 };
 
-/// The same with jets through our kernels: single precision on the processor, differentiable once by the parameters.
-/// `directions` are rows x 3, or undefined.
+/// The same with jets: in single precision on the processor through our kernels, which are differentiable once by the
+/// parameters, elsewhere through LibTorch's operations. `directions` are rows x 3, or undefined.
 Response response(const neural::NetworkShape& shape, const Parameters& parameters, const Batch& batch,
                   const torch::Tensor& directions);
 
@@ -56,8 +56,11 @@ Response response(const neural::NetworkShape& shape, const Parameters& parameter
 Response response_by_autograd(const neural::NetworkShape& shape, const Parameters& parameters, const Batch& batch,
                               const torch::Tensor& directions);
 
-/// The stiffness branch's six outputs: designs x 6.
-torch::Tensor stiffness_outputs(const neural::NetworkShape& shape, const Parameters& parameters,
-                                const torch::Tensor& p);
+/// Where the stiffness branch begins among the parameters; it goes on to their end.
+std::size_t stiffness_begin(const neural::NetworkShape& shape);
+/// The six outputs of a stiffness branch, whose parameters alone are given: designs x 6.
+torch::Tensor stiffness_outputs(const Parameters& branch, const torch::Tensor& p);
+/// L of these outputs: designs x 3 x 3.
+torch::Tensor stiffness_factor(const torch::Tensor& outputs);
 
 }  // namespace supple::training

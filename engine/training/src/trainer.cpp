@@ -17,6 +17,8 @@
 
 #include "checkpoint.h"
 #include "optimizer.h"
+#include "row_losses.h"
+#include "stiffness_fit.h"
 #include "supple/base/error.h"
 #include "supple/base/random.h"
 #include "supple/base/threads.h"
@@ -41,12 +43,15 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 class Training {
  public:
-  Training(const Samples& samples, const Split& split, const TrainingOptions& options)
+  Training(const Samples& samples, const Split& split, const TrainingOptions& options,
+           const std::vector<RestStiffness>& rest)
       : samples_(samples),
         split_(split),
         options_(options),
-        device_(torch::cuda::is_available() ? torch::kCUDA : torch::kCPU),
-        data_(samples, options.symmetries, held_out(samples, split), device_),
+        rest_(rest),
+        device_kind_(usable_device(options.device)),
+        device_(device_kind_ == DeviceKind::cuda ? torch::kCUDA : torch::kCPU),
+        data_(samples, options.symmetries, held_out(samples, split), options.geometry, device_),
         designs_(chunks_by_design(samples, split.training)) {
     const Eigen::Map<const Eigen::VectorXd> lower(samples.lower.data(), static_cast<long>(samples.lower.size()));
     const Eigen::Map<const Eigen::VectorXd> upper(samples.upper.data(), static_cast<long>(samples.upper.size()));
@@ -56,7 +61,7 @@ class Training {
     } else {
       network_ = draw_network(options.shape, lower, upper, {options.smallest_input_scale, options.largest_input_scale},
                               options.seed);
-      if (options.shape.form == neural::EnergyForm::sum_of_squares) fit_stiffness();
+      network_.geometry = options.geometry;
     }
     parameters_ = to_parameters(network_, torch::kFloat, device_);
     best_ = copies(parameters_);
@@ -74,8 +79,18 @@ class Training {
   }
 
   TrainingResult run(const std::filesystem::path& file, const CancellationToken& cancellation,
-                     const std::function<void(const EpochReport&)>& report) {
-    if (!file.empty() && std::filesystem::exists(file)) restore(read_checkpoint(file), file);
+                     const std::function<void(const EpochReport&)>& report,
+                     const std::function<void(const StiffnessReport&)>& stiffness_report) {
+    if (!file.empty() && std::filesystem::exists(file)) {
+      restore(read_checkpoint(file), file);
+    } else {
+      const double begin = now();
+      if (!fit_stiffness(cancellation, stiffness_report)) return result(false);
+      best_ = copies(parameters_);
+      seconds_ = now() - begin;
+      // The fit may take longer than many epochs.
+      if (!file.empty() && seconds_ > checkpoint_seconds) write_checkpoint(file, checkpoint());
+    }
     double begin = now();
     double saved = begin;
     while (epochs_ < options_.epochs && !patience_lost()) {
@@ -111,42 +126,32 @@ class Training {
 
   bool patience_lost() const { return options_.patience > 0 && epochs_ - best_epoch_ >= options_.patience; }
 
-  /// The branch begins with the tangents that the data hold next to rest.
-  void fit_stiffness() {
-    std::vector<double> targets;
-    std::vector<SeenDesign> designs;
+  /// False if it was cancelled.
+  bool fit_stiffness(const CancellationToken& cancellation, const std::function<void(const StiffnessReport&)>& report) {
+    if (options_.shape.form == neural::EnergyForm::softplus || options_.stiffness_steps == 0) return true;
+    if (options_.start && rest_.empty()) return true;
+    const auto targets =
+        stiffness_targets(samples_, rest_.empty() ? next_to_rest() : rest_, held_out(samples_, split_), options_);
+    if (targets.designs() == 0) return true;
+    const auto first = static_cast<std::ptrdiff_t>(stiffness_begin(options_.shape));
+    Parameters branch(parameters_.begin() + first, parameters_.end());
+    stiffness_ = training::fit_stiffness(branch, targets, options_, !options_.start, cancellation, report);
+    return stiffness_.has_value();
+  }
+
+  /// The training's tangents next to rest.
+  std::vector<RestStiffness> next_to_rest() const {
+    std::vector<RestStiffness> rest;
     for (const auto& design : designs_) {
       int nearest = -1;
       for (const auto row : design.rows)
         if (positive_definite(static_cast<int>(row)) &&
             (nearest < 0 || samples_.strain.col(row).norm() < samples_.strain.col(nearest).norm()))
           nearest = static_cast<int>(row);
-      if (nearest < 0) continue;
-      for (const int symmetry : data_.symmetries_of(design.design)) {
-        const auto& map = data_.stress_map(symmetry);
-        const Eigen::Matrix3d tangent = map * tangent_of(nearest) * map.transpose();
-        const auto l = Eigen::LLT<Eigen::Matrix3d>(tangent).matrixL().toDenseMatrix();
-        targets.insert(targets.end(), {std::log(l(0, 0)), std::log(l(1, 1)), std::log(l(2, 2)), l(1, 0) / l(0, 0),
-                                       l(2, 0) / l(0, 0), l(2, 1) / l(1, 1)});
-        designs.push_back({design.design, symmetry});
-      }
+      if (nearest >= 0)
+        rest.push_back({samples_.designs[static_cast<std::size_t>(design.design)].parameters, tangent_of(nearest)});
     }
-    if (designs.empty()) return;
-    const auto target = torch::tensor(targets, torch::kDouble).reshape({-1, 6}).to(torch::kFloat);
-    const auto p = data_.parameters(designs).to(torch::kCPU);
-    auto parameters = to_parameters(network_, torch::kFloat, torch::kCPU);
-    // The mean goes to the last bias: what is left to learn is of order one.
-    parameters.back().copy_(target.mean(0));
-    Optimizer optimizer(OptimizerKind::adam, parameters, 0);
-    for (int step = 0; step < options_.stiffness_steps; ++step) {
-      auto leaves = copies(parameters);
-      for (auto& leaf : leaves) leaf.set_requires_grad(true);
-      const auto error = stiffness_outputs(options_.shape, leaves, p) - target;
-      (error.square() + 0.01).sqrt().mean().backward();
-      const double rate = 3e-3 * 0.5 * (1 + std::cos(M_PI * step / options_.stiffness_steps));
-      optimizer.step(gradients(leaves), rate);
-    }
-    assign(network_, parameters);
+    return rest;
   }
 
   static std::vector<Tensor> gradients(const Parameters& leaves) {
@@ -237,8 +242,10 @@ class Training {
       auto& part = parts[static_cast<std::size_t>(s)];
       if (part.chunks.empty()) return;
       auto leaves = copies(parameters_);
-      for (auto& leaf : leaves) leaf.set_requires_grad(true);
-      const auto loss = loss_of(leaves, part.chunks, part.symmetry, part.directions);
+      // Without gradients frozen parameters rest: their steps are zero.
+      const auto learning = options_.freeze_stiffness ? stiffness_begin(options_.shape) : leaves.size();
+      for (std::size_t i = 0; i < learning; ++i) leaves[i].set_requires_grad(true);
+      const auto loss = loss_of_chunks(leaves, part.chunks, part.symmetry, part.directions);
       (loss / rows).backward();
       part.gradients = gradients(leaves);
       part.loss = loss.item<double>();
@@ -253,8 +260,13 @@ class Training {
       else
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part.gradients[i];
     }
+    // One transfer from a GPU instead of one for each.
+    std::vector<Tensor> squares;
+    squares.reserve(sum.size());
+    for (const auto& gradient : sum) squares.push_back(gradient.square().sum());
+    const auto of_gradients = torch::stack(squares).to(torch::kCPU, torch::kDouble);
     double square = 0;
-    for (const auto& gradient : sum) square += gradient.square().sum().item<double>();
+    for (std::int64_t i = 0; i < of_gradients.size(0); ++i) square += of_gradients.data_ptr<double>()[i];
     if (!std::isfinite(square))
       throw Error("training.diverged",
                   fmt::format("The loss of epoch {} is not finite; a smaller learning rate may help.", epochs_ + 1));
@@ -275,24 +287,12 @@ class Training {
   }
 
   /// Sum of the losses of the chunks' rows; of tangents only where there are directions.
-  Tensor loss_of(const Parameters& parameters, std::span<const Chunk> chunks, std::span<const int> symmetry,
-                 const Tensor& unit_vectors) const {
-    const auto [batch, energy, stress, tangent, whitening] = data_.labelled(chunks, symmetry);
+  Tensor loss_of_chunks(const Parameters& parameters, std::span<const Chunk> chunks, std::span<const int> symmetry,
+                        const Tensor& unit_vectors) const {
+    const auto rows = data_.labelled(chunks, symmetry);
     Tensor directions;
-    if (unit_vectors.defined()) directions = (whitening * unit_vectors.unsqueeze(1)).sum(2);
-    const auto answer = device_.is_cpu() ? response(options_.shape, parameters, batch, directions)
-                                         : response_by_autograd(options_.shape, parameters, batch, directions);
-    auto loss = options_.energy_weight * robust((answer.energy / energy - 1).square()) +
-                options_.stress_weight * robust((answer.stress - stress).square().sum(1) / stress.square().sum(1));
-    if (directions.defined()) {
-      const auto along = (tangent * directions.unsqueeze(1)).sum(2).mul(directions).sum(1);
-      loss = loss + options_.tangent_weight * robust((answer.stiffness - along).square());
-    }
-    return loss.sum();
-  }
-
-  Tensor robust(const Tensor& squared_error) const {
-    return torch::log1p((squared_error + options_.error_floor * options_.error_floor).sqrt());
+    if (unit_vectors.defined()) directions = (rows.whitening * unit_vectors.unsqueeze(1)).sum(2);
+    return row_losses(options_, response(options_.shape, parameters, rows.batch, directions), rows, directions).sum();
   }
 
   /// What must agree for a checkpoint to be taken up: the options and the rows.
@@ -301,6 +301,10 @@ class Training {
     const auto number = [](double value) { return fmt::format("{}", value); };
     double sum = 0;
     for (const int row : split_.training) sum += samples_.energy[row] * (1 + row % 7);
+    double stiffnesses = 0;
+    for (const auto& [parameters, tangent] : rest_) stiffnesses += tangent.trace();
+    all.emplace_back("rest_designs", std::to_string(rest_.size()));
+    all.emplace_back("rest_stiffnesses", number(stiffnesses));
     all.emplace_back("training_rows", std::to_string(split_.training.size()));
     all.emplace_back("training_energies", number(sum));
     return all;
@@ -347,12 +351,14 @@ class Training {
 
   TrainingResult result(bool finished) {
     assign(network_, best_);
-    return {network_, history_, best_epoch_, finished};
+    return {network_, history_, stiffness_, best_epoch_, device_kind_, finished};
   }
 
   const Samples& samples_;
   const Split& split_;
   TrainingOptions options_;
+  const std::vector<RestStiffness>& rest_;
+  DeviceKind device_kind_;
   torch::Device device_;
   TrainingData data_;
   std::vector<Chunk> designs_;
@@ -366,17 +372,27 @@ class Training {
   double best_error_ = std::numeric_limits<double>::infinity();
   double seconds_ = 0;
   std::vector<EpochReport> history_;
+  std::optional<StiffnessReport> stiffness_;
 };
 
 }  // namespace
 
+DeviceKind usable_device(DeviceKind wanted) {
+  const bool found = wanted != DeviceKind::cpu && torch::cuda::is_available();
+  if (wanted == DeviceKind::cuda && !found)
+    throw Error("training.no_device", "LibTorch finds no CUDA device, or is built without CUDA.",
+                {{"device", "automatic or cpu on this machine"}});
+  return found ? DeviceKind::cuda : DeviceKind::cpu;
+}
+
 TrainingResult train(const Samples& samples, const Split& split, const TrainingOptions& options,
                      const std::filesystem::path& checkpoint, const CancellationToken& cancellation,
-                     const std::function<void(const EpochReport&)>& report) {
+                     const std::function<void(const EpochReport&)>& report, const std::vector<RestStiffness>& rest,
+                     const std::function<void(const StiffnessReport&)>& stiffness_report) {
   check(options, samples);
   // LibTorch's own threads would compete with ours.
   at::set_num_threads(1);
-  return Training(samples, split, options).run(checkpoint, cancellation, report);
+  return Training(samples, split, options, rest).run(checkpoint, cancellation, report, stiffness_report);
 }
 
 }  // namespace supple::training

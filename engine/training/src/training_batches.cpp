@@ -41,29 +41,6 @@ Eigen::MatrixXd whitenings(const Eigen::Matrix<double, 6, -1>& tangents) {
   return result;
 }
 
-/// The identity and the given ones.
-std::vector<EnergySymmetry> with_identity(const std::vector<EnergySymmetry>& symmetries, long parameters) {
-  std::vector<EnergySymmetry> all{{Eigen::Matrix3d::Identity(), Eigen::MatrixXd::Identity(parameters, parameters),
-                                   Eigen::VectorXd::Zero(parameters)}};
-  all.insert(all.end(), symmetries.begin(), symmetries.end());
-  return all;
-}
-
-/// The designs' images, a column each, with the bounds mapped to [-1, 1].
-Eigen::MatrixXd mapped_images(const Samples& samples, const EnergySymmetry& symmetry) {
-  const auto parameters = static_cast<long>(samples.lower.size());
-  const Eigen::Map<const Eigen::ArrayXd> lower(samples.lower.data(), parameters);
-  const Eigen::Map<const Eigen::ArrayXd> upper(samples.upper.data(), parameters);
-  Eigen::MatrixXd p(parameters, static_cast<long>(samples.designs.size()));
-  for (long d = 0; d < p.cols(); ++d) {
-    const Eigen::Map<const Eigen::VectorXd> own(samples.designs[static_cast<std::size_t>(d)].parameters.data(),
-                                                parameters);
-    const Eigen::VectorXd image = symmetry.linear * own + symmetry.constant;
-    p.col(d) = 2 * (image.array() - lower) / (upper - lower) - 1;
-  }
-  return p;
-}
-
 /// Matrices as one tensor, matrices x 3 x 3.
 Tensor stacked(const std::vector<Eigen::Matrix3d>& matrices, const torch::TensorOptions& options) {
   auto tensor = torch::empty({static_cast<long>(matrices.size()), 3, 3}, torch::kDouble);
@@ -89,6 +66,44 @@ void shuffle(std::vector<T>& items, RandomStream& stream) {
 }
 
 }  // namespace
+
+std::vector<EnergySymmetry> with_identity(const std::vector<EnergySymmetry>& symmetries, long parameters) {
+  std::vector<EnergySymmetry> all{{Eigen::Matrix3d::Identity(), Eigen::MatrixXd::Identity(parameters, parameters),
+                                   Eigen::VectorXd::Zero(parameters)}};
+  all.insert(all.end(), symmetries.begin(), symmetries.end());
+  return all;
+}
+
+Eigen::MatrixXd images(const Eigen::Ref<const Eigen::MatrixXd>& parameters, const EnergySymmetry& symmetry) {
+  return (symmetry.linear * parameters).colwise() + symmetry.constant;
+}
+
+Eigen::MatrixXd design_inputs(const Samples& samples, const neural::TileGeometry& geometry,
+                              const Eigen::Ref<const Eigen::MatrixXd>& parameters) {
+  const auto n = parameters.rows();
+  const Eigen::Map<const Eigen::ArrayXd> lower(samples.lower.data(), n);
+  const Eigen::Map<const Eigen::ArrayXd> upper(samples.upper.data(), n);
+  Eigen::MatrixXd inputs(n + static_cast<long>(geometry.features.size()), parameters.cols());
+  for (long d = 0; d < inputs.cols(); ++d) {
+    const Eigen::VectorXd own = parameters.col(d);
+    inputs.col(d).head(n) = 2 * (own.array() - lower) / (upper - lower) - 1;
+    if (!geometry.empty())
+      inputs.col(d).tail(inputs.rows() - n) =
+          neural::evaluate_features(geometry, {own.data(), static_cast<std::size_t>(n)}, false);
+  }
+  return inputs;
+}
+
+bool lies_on(const Eigen::Ref<const Eigen::VectorXd>& design, const Eigen::Ref<const Eigen::MatrixXd>& others) {
+  return others.cols() > 0 && (others.colwise() - design).cwiseAbs().colwise().maxCoeff().minCoeff() < same_design;
+}
+
+bool usable_image(const Eigen::Ref<const Eigen::VectorXd>& own, const Eigen::Ref<const Eigen::VectorXd>& image,
+                  const Eigen::Ref<const Eigen::MatrixXd>& held_out) {
+  if (lies_on(image, held_out)) return false;
+  const double reach = own.cwiseAbs().maxCoeff();
+  return image.cwiseAbs().maxCoeff() <= std::max(reach, 1 + 2 * image_margin) + same_design;
+}
 
 std::vector<Chunk> chunks_by_design(const Samples& samples, const std::vector<int>& rows) {
   std::vector<Chunk> designs;
@@ -119,7 +134,7 @@ std::vector<Chunk> shuffled_chunks(const std::vector<Chunk>& designs, int chunk_
 }
 
 TrainingData::TrainingData(const Samples& samples, const std::vector<EnergySymmetry>& symmetries,
-                           const std::vector<int>& held_out, torch::Device device)
+                           const std::vector<int>& held_out, const neural::TileGeometry& geometry, torch::Device device)
     : designs_(static_cast<std::int64_t>(samples.designs.size())),
       strain_(rows_of(samples.strain, device)),
       stress_(rows_of(samples.stress, device)),
@@ -127,28 +142,26 @@ TrainingData::TrainingData(const Samples& samples, const std::vector<EnergySymme
       tangent_(rows_of(samples.tangent, device)),
       whitening_(rows_of(whitenings(samples.tangent), device)),
       usable_(samples.designs.size(), std::vector<int>{0}) {
+  const auto n = static_cast<long>(samples.lower.size());
+  Eigen::MatrixXd parameters(n, static_cast<long>(samples.designs.size()));
+  for (long d = 0; d < parameters.cols(); ++d)
+    parameters.col(d) =
+        Eigen::Map<const Eigen::VectorXd>(samples.designs[static_cast<std::size_t>(d)].parameters.data(), n);
+  const Eigen::MatrixXd own = design_inputs(samples, {}, parameters);
+  const Eigen::MatrixXd judges = own(Eigen::all, held_out);
   std::vector<Eigen::Matrix3d> strain_maps;
-  std::vector<Tensor> images;
-  Eigen::MatrixXd own;
-  for (const auto& symmetry : with_identity(symmetries, static_cast<long>(samples.lower.size()))) {
+  std::vector<Tensor> seen;
+  for (const auto& symmetry : with_identity(symmetries, n)) {
     strain_maps.push_back(symmetry.strain);
     stress_map_of_.emplace_back(symmetry.strain.inverse().transpose());
-    const auto p = mapped_images(samples, symmetry);
-    images.push_back(rows_of(p, device));
-    if (images.size() == 1) {
-      own = p;
-      continue;
-    }
-    for (long d = 0; d < p.cols(); ++d) {
-      const bool on_held_out = std::any_of(held_out.begin(), held_out.end(), [&](int other) {
-        return (p.col(d) - own.col(other)).cwiseAbs().maxCoeff() < same_design;
-      });
-      const double reach = own.col(d).cwiseAbs().maxCoeff();
-      if (!on_held_out && p.col(d).cwiseAbs().maxCoeff() <= std::max(reach, 1 + 2 * image_margin) + same_design)
-        usable_[static_cast<std::size_t>(d)].push_back(static_cast<int>(images.size()) - 1);
-    }
+    const auto p = design_inputs(samples, geometry, images(parameters, symmetry));
+    seen.push_back(rows_of(p, device));
+    if (seen.size() == 1) continue;
+    for (long d = 0; d < p.cols(); ++d)
+      if (usable_image(own.col(d), p.col(d).head(n), judges))
+        usable_[static_cast<std::size_t>(d)].push_back(static_cast<int>(seen.size()) - 1);
   }
-  p_ = torch::cat(images);
+  p_ = torch::cat(seen);
   strain_maps_ = stacked(strain_maps, strain_.options());
   stress_maps_ = stacked(stress_map_of_, strain_.options());
 }

@@ -38,6 +38,21 @@ struct LabelledBatch {
   torch::Tensor whitening;
 };
 
+/// What designs, a column of parameters each, are to a network: parameters mapped from their bounds to [-1, 1] and the
+/// geometry's features below them, a column each.
+Eigen::MatrixXd design_inputs(const Samples& samples, const neural::TileGeometry& geometry,
+                              const Eigen::Ref<const Eigen::MatrixXd>& parameters);
+/// The designs' parameters as seen through a symmetry, a column each.
+Eigen::MatrixXd images(const Eigen::Ref<const Eigen::MatrixXd>& parameters, const EnergySymmetry& symmetry);
+/// The identity and the given ones.
+std::vector<EnergySymmetry> with_identity(const std::vector<EnergySymmetry>& symmetries, long parameters);
+/// Whether a design is one of others, a column each; by mapped parameters.
+bool lies_on(const Eigen::Ref<const Eigen::VectorXd>& design, const Eigen::Ref<const Eigen::MatrixXd>& others);
+/// Whether the image of a design may be trained on, both given by mapped parameters: it lies in the box or not further
+/// from it than the data may, and on none of the designs that are held out (a column each).
+bool usable_image(const Eigen::Ref<const Eigen::VectorXd>& own, const Eigen::Ref<const Eigen::VectorXd>& image,
+                  const Eigen::Ref<const Eigen::MatrixXd>& held_out);
+
 /// A design as it is, or its image under a symmetry.
 struct SeenDesign {
   std::int64_t design = 0;
@@ -48,12 +63,13 @@ struct SeenDesign {
 class TrainingData {
  public:
   /// Designs that lie on one another by a symmetry are one design: images on `held_out` ones are not used.
+  /// `geometry` lists the features that follow the parameters; it may be empty.
   TrainingData(const Samples& samples, const std::vector<EnergySymmetry>& symmetries, const std::vector<int>& held_out,
-               torch::Device device);
+               const neural::TileGeometry& geometry, torch::Device device);
 
   /// Which symmetries a design may be seen through; the first is 0.
   const std::vector<int>& symmetries_of(int design) const { return usable_[static_cast<std::size_t>(design)]; }
-  /// Parameters, mapped from their bounds to [-1, 1]: designs x parameters.
+  /// Parameters, mapped from their bounds to [-1, 1], and features: designs x (parameters + features).
   torch::Tensor parameters(std::span<const SeenDesign> designs) const;
   /// A^-T, by which stresses go with strains through the symmetry.
   const Eigen::Matrix3d& stress_map(std::int64_t symmetry) const {
@@ -68,7 +84,7 @@ class TrainingData {
 
  private:
   std::int64_t designs_ = 0;
-  torch::Tensor p_;  ///< images under the first symmetry, the second, ... x parameters
+  torch::Tensor p_;  ///< images under the first symmetry, the second, ... x (parameters + features)
   torch::Tensor strain_;
   torch::Tensor stress_;
   torch::Tensor energy_;

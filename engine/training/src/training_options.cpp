@@ -29,6 +29,27 @@ OptimizerKind optimizer_of(std::string_view name) {
   throw Error("training.invalid_option", fmt::format("There is no optimizer {}; the optimizers are soap, adam.", name));
 }
 
+std::string_view to_string(DeviceKind kind) {
+  return kind == DeviceKind::automatic ? "automatic" : kind == DeviceKind::cpu ? "cpu" : "cuda";
+}
+
+DeviceKind device_of(std::string_view name) {
+  for (const auto kind : {DeviceKind::automatic, DeviceKind::cpu, DeviceKind::cuda})
+    if (to_string(kind) == name) return kind;
+  throw Error("training.invalid_option",
+              fmt::format("There is no device {}; the devices are automatic, cpu, cuda.", name),
+              {{"device", "automatic, cpu or cuda"}});
+}
+
+std::string_view to_string(LossKind kind) { return kind == LossKind::robust ? "robust" : "squared"; }
+
+LossKind loss_of(std::string_view name) {
+  for (const auto kind : {LossKind::robust, LossKind::squared})
+    if (to_string(kind) == name) return kind;
+  throw Error("training.invalid_option", fmt::format("There is no loss {}; the losses are robust, squared.", name),
+              {{"loss", "robust or squared"}});
+}
+
 std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions& options) {
   std::vector<std::pair<std::string, std::string>> all;
   const auto add = [&](const char* name, const auto& value) { all.emplace_back(name, fmt::format("{}", value)); };
@@ -41,6 +62,9 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
   add("trunk_layers", shape.trunk_layers);
   add("residuals", shape.residuals);
   add("stiffness_width", shape.stiffness_width);
+  add("stiffness_layers", shape.stiffness_layers);
+  add("rest", to_string(shape.rest));
+  add("features", shape.features);
   add("epochs", options.epochs);
   add("chunk_rows", options.chunk_rows);
   add("batch_chunks", options.batch_chunks);
@@ -48,6 +72,7 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
   add("last_learning_rate", options.last_learning_rate);
   add("largest_gradient", options.largest_gradient);
   add("weight_decay", options.weight_decay);
+  add("loss", to_string(options.loss));
   add("energy_weight", options.energy_weight);
   add("stress_weight", options.stress_weight);
   add("tangent_weight", options.tangent_weight);
@@ -58,6 +83,8 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
   add("largest_input_scale", options.largest_input_scale);
   if (options.start) add("start", fingerprint(*options.start));
   add("stiffness_steps", options.stiffness_steps);
+  add("stiffness_batch", options.stiffness_batch);
+  add("freeze_stiffness", options.freeze_stiffness ? 1 : 0);
   add("patience", options.patience);
   add("validation_interval", options.validation_interval);
   add("symmetries", options.symmetries.size());
@@ -75,6 +102,14 @@ void check(const TrainingOptions& options, const Samples& samples) {
     require(start->shape == options.shape && std::ranges::equal(start->lower, samples.lower) &&
                 std::ranges::equal(start->upper, samples.upper),
             "start", "a network of the shape and the bounds that are trained");
+  require(options.shape.features == static_cast<int>(options.geometry.features.size()), "features",
+          "as many as the geometry lists");
+  require(options.shape.rest == neural::RestForm::free || options.shape.form == neural::EnergyForm::sum_of_squares,
+          "rest", "free where the energy is no sum of squares");
+  require(options.shape.stiffness_width >= 1, "stiffness_width", "at least 1");
+  require(options.shape.stiffness_layers >= 1, "stiffness_layers", "at least 1");
+  require(options.stiffness_steps >= 0, "stiffness_steps", "not negative");
+  require(options.stiffness_batch >= 1, "stiffness_batch", "at least 1");
   require(options.epochs >= 1, "epochs", "at least 1");
   require(options.chunk_rows >= 1, "chunk_rows", "at least 1");
   require(options.batch_chunks >= 1, "batch_chunks", "at least 1");

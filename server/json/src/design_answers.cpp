@@ -22,6 +22,24 @@ void write_numbers_or_nulls(JsonWriter& out, std::string_view name, const Eigen:
   out.end_array();
 }
 
+void write_number_or_null(JsonWriter& out, std::string_view name, const std::optional<double>& value) {
+  out.key(name);
+  if (value) {
+    out.number(*value);
+  } else {
+    out.null();
+  }
+}
+
+/// An entry for each sample, null where nobody can say; null for all where the model has no error bars.
+void write_error_bar(JsonWriter& out, const Eigen::VectorXd& bars) {
+  if (bars.size() > 0) {
+    write_numbers_or_nulls(out, "error_bar", bars);
+  } else {
+    out.key("error_bar").null();
+  }
+}
+
 void write_flags(JsonWriter& out, std::string_view name, const std::vector<std::uint8_t>& flags) {
   out.key(name).begin_array();
   for (const auto flag : flags) out.boolean(flag != 0);
@@ -44,28 +62,57 @@ void write_kind(JsonWriter& out, const design::ProfileSamples& samples) {
   out.field("strain_measure", design::to_string(samples.measure));
 }
 
-void write_verified(JsonWriter& out, const VerifiedProfile* verified) {
+/// One target's profile by simulation beside the model's.
+void write_verified(JsonWriter& out, const FoundDesigns& found, std::size_t target) {
   out.key("verified");
-  if (!verified) {
+  if (!found.verification) {
     out.null();
     return;
   }
-  out.begin_object().key("x").numbers(verified->x);
-  write_numbers_or_nulls(out, "y", verified->simulated);
-  out.key("model").numbers(verified->model);
-  if (const auto difference = design::relative_difference(verified->simulated, verified->model))
-    out.field("relative_rms", *difference);
+  const auto& sampled = found.verification->targets[target];
+  const auto& simulated = found.verification->simulated[target];
+  const auto& model = found.verification->model[target];
+  out.begin_object().key("x").numbers(sampled.samples.x);
+  out.key("target").numbers(sampled.y);
+  write_numbers_or_nulls(out, "y", simulated);
+  write_numbers_or_nulls(out, "model", model);
+  if (const auto difference = design::relative_difference(simulated, model)) out.field("relative_rms", *difference);
+  write_number_or_null(out, "target_error", sampled.relative_rms(simulated));
+  const bool estimated = target < found.discretization_error.size();
+  write_number_or_null(out, "discretization_error", estimated ? found.discretization_error[target] : std::nullopt);
   out.end_object();
 }
 
-void write_design_profile(JsonWriter& out, const design::DesignProfile& profile, const VerifiedProfile* verified) {
+void write_round(JsonWriter& out, const design::PolishRound& round) {
+  out.begin_object().field("proposal", design::to_string(round.proposal));
+  out.key("parameters").numbers(round.parameters);
+  write_number_or_null(out, "target_error", round.target_error);
+  out.field("accepted", round.accepted).field("reason", round.reason).field("seconds", round.seconds).end_object();
+}
+
+void write_polish(JsonWriter& out, const std::optional<design::Polished>& verification) {
+  out.key("polish");
+  if (!verification) {
+    out.null();
+    return;
+  }
+  out.begin_object();
+  write_number_or_null(out, "target_error", verification->target_error);
+  out.field("stopped", design::to_string(verification->stopped)).key("rounds").begin_array();
+  for (const auto& round : verification->rounds) write_round(out, round);
+  out.end_array().end_object();
+}
+
+void write_design_profile(JsonWriter& out, const FoundDesigns& found, std::size_t target) {
+  const design::DesignProfile& profile = found.ranking.front().design.profiles[target];
   out.begin_object();
   write_kind(out, profile.target.samples);
   out.key("x").numbers(profile.target.samples.x);
   out.key("target").numbers(profile.target.y);
   write_numbers_or_nulls(out, "initial", profile.initial);
   out.key("achieved").numbers(profile.achieved);
-  write_verified(out, verified);
+  write_error_bar(out, profile.error_bar);
+  write_verified(out, found, target);
   write_flags(out, "in_range", profile.in_range);
   write_flags(out, "reached", profile.reached);
   out.key("envelope");
@@ -100,31 +147,28 @@ void write_structure_links(JsonWriter& out, const std::string& family, const Eig
 
 /// The fields of one design, without the braces.
 void write_found(JsonWriter& out, const FoundDesigns& found) {
-  const auto& best = found.ranking.front();
+  const auto& best = found.ranking.front().design;
   const auto& model = found.models[best.space];
   if (!found.name.empty()) out.field("name", found.name);
   write_model(out, model, true);
   out.key("parameters").numbers(best.parameters);
   out.key("profile");
-  write_design_profile(out, best.profiles.front(), found.verified ? &*found.verified : nullptr);
+  write_design_profile(out, found, 0);
   out.key("also").begin_array();
-  for (std::size_t t = 1; t < best.profiles.size(); ++t) write_design_profile(out, best.profiles[t], nullptr);
+  for (std::size_t t = 1; t < best.profiles.size(); ++t) write_design_profile(out, found, t);
   out.end_array();
   write_error(out, best.error);
   out.field("reached", best.reached).field("iterations", best.iterations).field("starts", best.starts);
   out.field("stopped", design::to_string(best.stopped)).field("message", best.message);
+  write_polish(out, found.verification);
   out.key("ranking").begin_array();
-  for (const auto& design : found.ranking) {
+  for (const auto& [design, simulated_error] : found.ranking) {
     out.begin_object();
     write_model(out, found.models[design.space], false);
     out.key("parameters").numbers(design.parameters);
     write_error(out, design.error);
-    out.key("model_error");
-    if (design.model_error) {
-      out.number(*design.model_error);
-    } else {
-      out.null();
-    }
+    write_number_or_null(out, "model_error", design.model_error);
+    write_number_or_null(out, "simulated_error", simulated_error);
     out.field("stopped", design::to_string(design.stopped)).end_object();
   }
   out.end_array();
@@ -148,7 +192,7 @@ std::string write_design(const DesignRequest& request, const std::vector<FoundDe
     write_found(out, found.front());
   }
   double residual = 0;
-  for (const auto& region : found) residual = std::max(residual, region.ranking.front().residual);
+  for (const auto& region : found) residual = std::max(residual, region.ranking.front().design.residual);
   out.key("accuracy").begin_object().field("tolerance", request.options.tolerance);
   out.field("equilibrium_tolerance", request.options.equilibrium_tolerance).field("residual", residual).end_object();
   write_bill(out, bill);
@@ -170,6 +214,17 @@ std::string write_partial_design(const std::string& name, const DesignModel& mod
   return out.take();
 }
 
+std::string write_partial_round(const std::string& name, const DesignModel& model, const design::PolishRound& round) {
+  JsonWriter out;
+  out.begin_object();
+  if (!name.empty()) out.field("name", name);
+  write_model(out, model, false);
+  out.key("round");
+  write_round(out, round);
+  out.end_object();
+  return out.take();
+}
+
 std::string write_profile(const DesignModel& model, const ProfileRequest& request, const design::Profile& profile,
                           const Bill& bill) {
   JsonWriter out;
@@ -179,6 +234,7 @@ std::string write_profile(const DesignModel& model, const ProfileRequest& reques
   write_kind(out, request.samples);
   out.key("x").numbers(request.samples.x);
   write_numbers_or_nulls(out, "y", profile.y);
+  write_error_bar(out, profile.error_bar);
   write_flags(out, "in_range", profile.in_range);
   out.key("accuracy").begin_object().field("equilibrium_tolerance", request.equilibrium_tolerance);
   out.field("residual", profile.residual).end_object();

@@ -156,11 +156,16 @@ void read_options(Fields& fields, DesignRequest& request) {
     accuracy.integer("max_iterations", options.max_iterations, 1, 1000);
     accuracy.integer("starts", options.starts, 1, 64);
     if (accuracy.present("candidates")) accuracy.integer("candidates", options.candidates, 1, 4096);
-    accuracy.integer("verified_samples", request.verified_samples, 2, 200);
+    auto& polish = request.verification.options;
+    accuracy.integer("verified_samples", polish.samples, 2, 200);
+    accuracy.number("polish_tolerance", polish.tolerance, 1e-4, 0.5);
+    accuracy.integer("polish_rounds", polish.max_rounds, 1, 200);
+    accuracy.number("polish_seconds", polish.max_seconds, 0.1, 3600);
   });
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("multi_start", request.options.multi_start, switch_names);
     effects.choice("envelope", request.options.envelope, switch_names);
+    effects.choice("polish", request.verification.polish, switch_names);
   });
 }
 
@@ -185,6 +190,7 @@ DesignRequest parse_design(std::string_view body, const Limits& limits) {
   }
   fields.boolean("verify", request.verify);
   read_options(fields, request);
+  request.verification.options.equilibrium_tolerance = request.options.equilibrium_tolerance;
   read_session(fields, request.session);
   request.deadline = read_deadline(fields, limits);
   fields.finish();

@@ -29,6 +29,27 @@ void write_split(JsonWriter& out, std::string_view name, const std::optional<neu
   out.field("designs", split->designs).field("samples", split->samples).end_object();
 }
 
+void write_error_bars(JsonWriter& out, const std::optional<neural::Calibration>& calibration) {
+  out.key("error_bars");
+  if (!calibration) {
+    out.null();
+    return;
+  }
+  out.begin_object().field("level", calibration->level);
+  for (const auto quantity : neural::all_quantities) {
+    const auto& judged = calibration->of(quantity).judged;
+    out.key(neural::to_string(quantity))
+        .begin_object()
+        .field("trusted", neural::trusted_error(quantity))
+        .field("median", judged.median_bar)
+        .field("share", judged.share)
+        .field("designs", judged.designs)
+        .field("samples", judged.states)
+        .end_object();
+  }
+  out.end_object();
+}
+
 void write_network(JsonWriter& out, const neural::Network& network) {
   const auto& shape = network.shape;
   out.key("network")
@@ -67,6 +88,15 @@ void write_strain(JsonWriter& out, const Eigen::Vector3d& strain) {
   out.key("green_strain").numbers(Eigen::Vector3d(strain[0], strain[1], strain[2] / 2));
 }
 
+/// An error bar of a value of this size.
+void write_bar(JsonWriter& out, const neural::Trust& trust, double size) {
+  if (trust.error && std::isfinite(size)) {
+    out.number(*trust.error * size);
+  } else {
+    out.null();
+  }
+}
+
 void write_tangents(JsonWriter& out, const neural::Evaluation& values) {
   out.key("tangent").begin_array();
   for (Eigen::Index i = 0; i < values.tangent.cols(); ++i) {
@@ -80,13 +110,14 @@ void write_tangents(JsonWriter& out, const neural::Evaluation& values) {
   out.end_array();
 }
 
-void write_state(JsonWriter& out, const neural::UniaxialState& state, bool in_range) {
+void write_state(JsonWriter& out, const neural::UniaxialState& state, const neural::Trust& trust) {
   out.begin_object();
   write_strain(out, state.strain);
   out.key("stress").numbers(state.stress);
-  out.field("directional_stress", state.directional_stress)
-      .field("energy_density", state.energy_density)
-      .field("in_range", in_range)
+  out.field("directional_stress", state.directional_stress).key("error_bar");
+  write_bar(out, trust, std::abs(state.directional_stress));
+  out.field("energy_density", state.energy_density)
+      .field("in_range", trust.in_range)
       .field("converged", state.converged);
   write_number_or_null(out, "residual", state.residual);
   out.field("iterations", state.iterations).end_object();
@@ -109,6 +140,7 @@ std::string write_model(const neural::Model& model, const std::string& sha256) {
   write_split(out, "design_split", model.design_split);
   write_split(out, "row_split", model.row_split);
   out.end_object();
+  write_error_bars(out, model.calibration);
   write_network(out, model.network);
   write_provenance(out, model.provenance);
   out.key("material")
@@ -121,17 +153,26 @@ std::string write_model(const neural::Model& model, const std::string& sha256) {
 }
 
 std::string write_evaluation(const ModelVersion& model, neural::Order order, const neural::Evaluation& values,
-                             const std::vector<std::uint8_t>& in_range, const Bill& bill) {
+                             const std::vector<neural::Trust>& trust, bool has_bars, const Bill& bill) {
   JsonWriter out;
   begin_answer(out, model);
   out.key("energy_density").numbers(values.energy_density);
   if (order >= neural::Order::stress) {
     out.key("stress");
     write_rows(out, values.stress.transpose());
+    out.key("stress_error_bar");
+    if (has_bars) {
+      out.begin_array();
+      for (Eigen::Index i = 0; i < values.stress.cols(); ++i)
+        write_bar(out, trust[static_cast<std::size_t>(i)], values.stress.col(i).norm());
+      out.end_array();
+    } else {
+      out.null();
+    }
   }
   if (order >= neural::Order::tangent) write_tangents(out, values);
   out.key("in_range").begin_array();
-  for (const auto inside : in_range) out.boolean(inside != 0);
+  for (const auto& of_strain : trust) out.boolean(of_strain.in_range);
   out.end_array();
   write_bill(out, bill);
   out.end_object();
@@ -139,7 +180,7 @@ std::string write_evaluation(const ModelVersion& model, neural::Order order, con
 }
 
 std::string write_uniaxial(const ModelVersion& model, const UniaxialRequest& request,
-                           const std::vector<neural::UniaxialState>& states, const std::vector<std::uint8_t>& in_range,
+                           const std::vector<neural::UniaxialState>& states, const std::vector<neural::Trust>& trust,
                            const Bill& bill) {
   JsonWriter out;
   begin_answer(out, model);
@@ -147,7 +188,7 @@ std::string write_uniaxial(const ModelVersion& model, const UniaxialRequest& req
   double residual = 0;
   out.key("states").begin_array();
   for (std::size_t i = 0; i < states.size(); ++i) {
-    write_state(out, states[i], in_range[i] != 0);
+    write_state(out, states[i], trust[i]);
     // Unlike std::max this keeps what is no number.
     if (std::isfinite(residual) && !(states[i].residual <= residual)) residual = states[i].residual;
   }

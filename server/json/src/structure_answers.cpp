@@ -44,12 +44,12 @@ void write_family(JsonWriter& out, const tiling::Structure& preset) {
 
 void write_tiles(JsonWriter& out, const tiling::Structure& structure) {
   out.key("tiles").begin_array();
-  for (const auto& placement : structure.tiling.placements) {
-    const auto tile = static_cast<std::size_t>(placement.tile);
+  for (std::size_t k = 0; k < structure.holes.size(); ++k) {
+    const auto& placement = structure.tiling.placements[k];
     out.begin_object().key("outline");
-    write_polygon(out, structure.tiling.tiles[tile], placement);
+    write_polygon(out, structure.tiling.tiles[static_cast<std::size_t>(placement.tile)], placement);
     out.key("holes").begin_array();
-    for (const auto& hole : structure.holes[tile]) write_polygon(out, hole, placement);
+    for (const auto& hole : structure.holes[k]) write_polygon(out, hole, {});
     out.end_array().end_object();
   }
   out.end_array();

@@ -107,47 +107,33 @@ class RegionProgress : public ProgressSink {
   double share_;
 };
 
-/// Nothing where the parameters give no valid structure, which the design's message then says: bounds are a box, and
-/// tiles in its corners can be too small or closed.
-std::optional<tiling::Structure> structure_of(const store::LoadedModel& model, design::Design& best) {
+/// Bounds are a box, and tiles in its corners can be too small or closed: then the design's message says so.
+void say_if_without_structure(const store::LoadedModel& model, design::Design& best) {
   const std::vector<double> parameters(best.parameters.begin(), best.parameters.end());
   try {
-    return make_structure({model.model.family, parameters});
+    make_structure({model.model.family, parameters});
   } catch (const Error& error) {
     if (error.code().rfind("tiling.", 0) != 0) throw;
     best.message += (best.message.empty() ? "" : " ") + ("There is no such structure: " + std::string(error.what()));
-    return std::nullopt;
   }
 }
 
-/// All simulated values are missing where there is no structure.
-json::VerifiedProfile verify(const Region& region, const json::DesignRequest& request, const design::Design& best,
-                             const std::optional<tiling::Structure>& structure, const Execution& execution) {
-  const auto& model = *region.models[best.space];
-  const std::vector<double> parameters(best.parameters.begin(), best.parameters.end());
-  const auto samples = design::thinned(best.profiles.front().target.samples, request.verified_samples);
-  microscale::SimulationOptions options;
-  options.material.youngs_modulus = model.model.provenance.youngs_modulus;
-  options.material.poisson_ratio = model.model.provenance.poisson_ratio;
-  json::VerifiedProfile verified;
-  verified.x = samples.x;
-  verified.simulated = structure ? design::simulate_profile(*structure, samples, options, execution)
-                                 : Eigen::VectorXd::Constant(static_cast<Eigen::Index>(samples.x.size()),
-                                                             std::numeric_limits<double>::quiet_NaN());
-  verified.model = design::evaluate_profile(model.model, model.evaluator, parameters, samples,
-                                            request.options.equilibrium_tolerance, {execution.cancellation})
-                       .y;
-  return verified;
+/// The models' structures with their own material, finer meshed than what the models were trained on.
+std::vector<design::FamilySimulation> simulations_of(const Region& region) {
+  std::vector<design::FamilySimulation> simulations;
+  for (const Model& model : region.models) {
+    const auto& provenance = model->model.provenance;
+    microscale::Material material;
+    material.youngs_modulus = provenance.youngs_modulus;
+    material.poisson_ratio = provenance.poisson_ratio;
+    simulations.push_back(design::verification_of(tiling::family(model->model.family), material));
+  }
+  return simulations;
 }
 
 design::Buildable buildable(const std::string& id) {
   return [&family = tiling::family(id)](const Eigen::VectorXd& parameters) {
-    try {
-      tiling::make_structure(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
-      return true;
-    } catch (const Error&) {
-      return false;
-    }
+    return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
   };
 }
 
@@ -165,15 +151,28 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
     progress = [&](const design::DesignProgress& news) {
       execution.progress->publish(json::write_partial_design(found.name, found.models[news.space], news));
     };
+  std::vector<design::Design> ranking;
   try {
-    found.ranking = design::find_designs(spaces, region.spec.problem, request.options, execution, progress);
+    ranking = design::find_designs(spaces, region.spec.problem, request.options, execution, progress);
   } catch (const Error& error) {
     if (error.code().rfind("design.", 0) != 0 || error.details().empty()) throw;
     throw moved(error, region.folder);
   }
-  auto& best = found.ranking.front();
-  const auto structure = structure_of(*region.models[best.space], best);
-  if (request.verify) found.verified = verify(region, request, best, structure, execution);
+  if (request.simulates()) {
+    const auto on_round = [&](const design::Design& design, const design::PolishRound& round) {
+      if (execution.progress)
+        execution.progress->publish(json::write_partial_round(found.name, found.models[design.space], round));
+    };
+    auto verified = design::verify_designs(spaces, simulations_of(region), region.spec.problem, std::move(ranking),
+                                           request.options, request.verification, execution, on_round);
+    found.ranking = std::move(verified.ranking);
+    found.verification = std::move(verified.polished);
+    found.discretization_error = std::move(verified.discretization_error);
+  } else {
+    for (auto& design : ranking) found.ranking.push_back({std::move(design), std::nullopt});
+  }
+  auto& best = found.ranking.front().design;
+  say_if_without_structure(*region.models[best.space], best);
   return found;
 }
 
@@ -190,10 +189,13 @@ store::Result compute_design(const std::vector<Region>& regions, const json::Des
       inner.progress = progress ? &*progress : nullptr;
       found.push_back(search(regions[i], request, inner));
     }
-    if (!request.verify) execution.cost->add_effect("verification", false, "the request does not ask for it");
+    if (!request.simulates()) {
+      execution.cost->add_effect("verification", false, "the request does not ask for it");
+      execution.cost->add_effect("polish", false, "designs are corrected where they are verified");
+    }
   });
   for (const auto& region : found)
-    for (const auto& design : region.ranking)
+    for (const auto& [design, simulated_error] : region.ranking)
       metrics.count_evaluations(region.models[design.space].id, design.evaluations);
   return json_result(json::write_design(request, found, bill));
 }

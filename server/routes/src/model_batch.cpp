@@ -76,7 +76,7 @@ class Batch {
     result_.values.energy_density.resize(n);
     result_.values.stress.resize(3, request.order >= neural::Order::stress ? n : 0);
     result_.values.tangent.resize(6, request.order >= neural::Order::tangent ? n : 0);
-    result_.in_range.resize(static_cast<std::size_t>(n));
+    result_.trust.resize(static_cast<std::size_t>(n));
   }
 
   ModelBatch run() {
@@ -119,9 +119,15 @@ class Batch {
     if (values.stress.cols() > 0) values.stress.middleCols(piece.begin, count) = part.stress;
     if (values.tangent.cols() > 0) values.tangent.middleCols(piece.begin, count) = part.tangent;
     const auto& parameters = request_.designs[groups_[piece.group].design];
+    const neural::ErrorBars bars(model_.model, model_.evaluator, design, parameters, false);
     for (Index i = piece.begin; i < piece.end; ++i) {
-      result_.in_range[static_cast<std::size_t>(i)] = neural::in_range(
-          model_.model, parameters, request_.strains.col(i), values.energy_density[i], design.rest_stiffness());
+      auto& trust = result_.trust[static_cast<std::size_t>(i)];
+      if (values.stress.cols() > 0) {
+        trust = bars.at_strain(request_.strains.col(i), values.energy_density[i], values.stress.col(i));
+      } else {
+        trust.in_range = neural::in_range(model_.model, parameters, request_.strains.col(i), values.energy_density[i],
+                                          design.rest_stiffness());
+      }
     }
   }
 

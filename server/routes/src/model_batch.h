@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "supple/base/execution.h"
 #include "supple/json/model_requests.h"
+#include "supple/neural/error_bars.h"
 #include "supple/store/model_store.h"
 
 // Many strains of many designs at once.
@@ -16,7 +16,7 @@ namespace supple::routes {
 /// What a model says about the strains of a request, in their order.
 struct ModelBatch {
   neural::Evaluation values;
-  std::vector<std::uint8_t> in_range;
+  std::vector<neural::Trust> trust;
 };
 
 /// Throws "model.parameter_count" unless each design has as many numbers as the model has parameters; `pointer` says

@@ -42,7 +42,8 @@ store::Result compute_evaluation(const store::LoadedModel& model, const json::Ev
   ModelBatch batch;
   const auto bill = billed(outer, [&](const Execution& execution) { batch = evaluate(model, request, execution); });
   metrics.count_evaluations(model.model.id, request.strains.cols());
-  return json_result(json::write_evaluation(version_of(model), request.order, batch.values, batch.in_range, bill));
+  return json_result(json::write_evaluation(version_of(model), request.order, batch.values, batch.trust,
+                                            model.model.calibration.has_value(), bill));
 }
 
 /// Throws "model.not_finite" where a state has a number that is none; residuals may have.
@@ -54,10 +55,26 @@ void check_finite(const std::vector<neural::UniaxialState>& states) {
   }
 }
 
+std::vector<neural::Trust> trust_of(const store::LoadedModel& model, const json::UniaxialRequest& request,
+                                    const neural::Evaluator::Design& design,
+                                    const std::vector<neural::UniaxialState>& states) {
+  const neural::ErrorBars bars(model.model, model.evaluator, design, request.parameters, true);
+  const neural::UniaxialFrame frame(request.direction);
+  std::vector<neural::Trust> trust;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto& state = states[i];
+    trust.push_back(bars.uniaxial(neural::Quantity::stress, frame, request.green_strains[i], state.strain,
+                                  {state.energy_density, state.stress, state.tangent}));
+    // What is no equilibrium is no answer to the question that bars are about.
+    if (!state.converged) trust.back().error.reset();
+  }
+  return trust;
+}
+
 store::Result compute_uniaxial(const store::LoadedModel& model, const json::UniaxialRequest& request,
                                metrics::Metrics& metrics, const Execution& outer) {
   std::vector<neural::UniaxialState> states;
-  std::vector<std::uint8_t> in_range;
+  std::vector<neural::Trust> trust;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const auto design = model.evaluator.design(request.parameters);
     {
@@ -69,14 +86,13 @@ store::Result compute_uniaxial(const store::LoadedModel& model, const json::Unia
     int iterations = 0;
     for (const auto& state : states) {
       iterations += state.iterations;
-      in_range.push_back(neural::in_range(model.model, request.parameters, state.strain, state.energy_density,
-                                          design.rest_stiffness()));
     }
+    trust = trust_of(model, request, design, states);
     execution.cost->add_quantity("iterations", iterations);
     execution.checkpoint(1, "");
   });
   metrics.count_evaluations(model.model.id, static_cast<std::int64_t>(states.size()));
-  return json_result(json::write_uniaxial(version_of(model), request, states, in_range, bill));
+  return json_result(json::write_uniaxial(version_of(model), request, states, trust, bill));
 }
 
 http::Response answer_evaluation(Services& services, const http::Request& http_request) {

@@ -7,13 +7,14 @@
 namespace supple::microscale {
 namespace {
 
-// Hard: dozens of pairs press on each other, many of them a point and an image from the neighbouring cell.
+// Hard: dozens of pairs come within the range of the barrier that the path is followed with, many of them a point and
+// an image from the neighbouring cell, and some press on each other.
 TEST(ContactCases, ContactAcrossThePeriodicBoundaryHolds) {
   const UniaxialLoad load{2.094, {0.95, 0.9, 0.839}};
   const SimulationResult result = follow("IH01", std::vector{0.1191, 0.3178, 0.1199, 0.6276}, load);
   expect_resistance(result, load);
-  EXPECT_GE(result.states.back().contacts, 12);
-  EXPECT_LT(result.states.back().smallest_gap, 0.02 * 0.3);
+  EXPECT_GE(result.states.back().contacts, 6);
+  EXPECT_LT(result.states.back().smallest_gap, 5e-4 * 0.3) << "what is left of the barrier is contact";
 }
 
 // Hard: the tile crosses itself, so that a beam's two sides start close to each other and the mesh is made by cells.
@@ -47,7 +48,8 @@ double mean_width(const tiling::Polygon& hole) {
   return twice_area / perimeter;
 }
 
-// Hard: the sides of long slits are 4 % of the beam width apart at rest and press on each other at the least load.
+// Hard: the sides of long slits are 4 % of the beam width apart at rest, within the barrier's range at the least load,
+// and press on each other later.
 TEST(ContactCases, BeamsThatNearlyTouchAtRestConverge) {
   const std::vector<double> parameters{0.956};
   const tiling::Structure structure = tiling::make_structure(tiling::family("square"), parameters);
@@ -56,7 +58,7 @@ TEST(ContactCases, BeamsThatNearlyTouchAtRestConverge) {
     for (const tiling::Polygon& hole : holes) gap = std::min(gap, mean_width(hole));
   }
   ASSERT_LT(gap, 0.05 * structure.beam_width);
-  const UniaxialLoad load{0.3, {0.995, 0.97, 0.9}};
+  const UniaxialLoad load{0.3, {0.995, 0.97, 0.85}};
   const SimulationResult result = follow("square", parameters, load, hard_case_options(0.8));
   expect_resistance(result, load);
   EXPECT_GT(result.states.back().contacts, 0);

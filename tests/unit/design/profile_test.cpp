@@ -8,6 +8,7 @@
 
 #include "sampled_profile.h"
 #include "support/expect_error.h"
+#include "support/test_calibration.h"
 #include "test_space.h"
 
 namespace supple::design {
@@ -122,6 +123,30 @@ TEST(Profile, SaysWhatLiesOutsideOfTheModelsRange) {
   const auto profile = profile_of(test, test.at({0.5}), {Task::stress_strain, 0, 0, StrainMeasure::green, {0.1, 0.9}});
   EXPECT_EQ(profile.in_range, (std::vector<std::uint8_t>{1, 0}));
   EXPECT_EQ(profile_of(test, test.at({1.5}), {Task::stiffness, 0, 0.1, StrainMeasure::green, {0}}).in_range[0], 0);
+}
+
+TEST(Profile, HasErrorBarsInTheUnitOfItsValues) {
+  TestSpace test(1, 6);
+  const auto parameters = test.at({0.5});
+  const auto ask = [&](Task task, StrainMeasure measure, std::vector<double> x) {
+    return profile_of(test, parameters, {task, 0.2, 0.1, measure, std::move(x)});
+  };
+  EXPECT_EQ(ask(Task::poisson, StrainMeasure::green, {0.3}).error_bar.size(), 0) << "the model has none";
+  test.model.calibration = supple::test::test_calibration(1);
+  const auto stress = ask(Task::stress_strain, StrainMeasure::engineering, {-0.1, 0, 0.2, 0.9});
+  ASSERT_EQ(stress.error_bar.size(), 4);
+  EXPECT_NEAR(stress.error_bar[0], -0.02 * stress.y[0], 1e-12);
+  EXPECT_LT(stress.error_bar[1], 1e-15) << "at rest there is no stress";
+  EXPECT_NEAR(stress.error_bar[2], 0.02 * stress.y[2], 1e-12);
+  EXPECT_TRUE(std::isnan(stress.error_bar[3])) << "beyond the strains of training";
+  EXPECT_EQ(stress.in_range, (std::vector<std::uint8_t>{1, 1, 1, 0}));
+  const auto stiffness = ask(Task::stiffness, StrainMeasure::green, {0.7});
+  EXPECT_NEAR(stiffness.error_bar[0], 0.04 * stiffness.y[0], 1e-12);
+  EXPECT_NEAR(ask(Task::poisson, StrainMeasure::green, {0.7}).error_bar[0], 0.06, 1e-12);
+  EXPECT_EQ(ask(Task::poisson, StrainMeasure::green, {0.7}).in_range[0], 1);
+  test.model.calibration->scales[2].offsets = {std::log(0.2)};
+  EXPECT_EQ(ask(Task::poisson, StrainMeasure::green, {0.7}).in_range[0], 0) << "a bar of 0.2 is not trusted";
+  EXPECT_EQ(ask(Task::stiffness, StrainMeasure::green, {0.7}).in_range[0], 1);
 }
 
 TEST(Profile, RefusesStrainsOfNoLength) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "test_space.h"
 
@@ -43,16 +44,25 @@ std::vector<SampledTarget> far_targets() {
   return {sample_target(stress), sample_target(poisson)};
 }
 
-class Outliers : public ::testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(TargetResiduals, Outliers, ::testing::Values(0.0, 0.1));
+/// Also of a correction, whose slope is as large as the profiles' own.
+class Derivatives : public ::testing::TestWithParam<std::tuple<double, bool>> {};
+INSTANTIATE_TEST_SUITE_P(TargetResiduals, Derivatives,
+                         ::testing::Combine(::testing::Values(0.0, 0.1), ::testing::Bool()));
 
-TEST_P(Outliers, ResidualsHaveTheDerivativesThatDifferencesGive) {
+TEST_P(Derivatives, AreThoseThatDifferencesGive) {
+  const auto [outlier_share, corrected] = GetParam();
+  const double outlier = outlier_share;
+  const bool has_correction = corrected;
   const TestSpace test(2, 3);
   const auto targets = far_targets();
   const auto start = test.at({0.4, 0.6});
   const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(start.data(), 2);
+  const Eigen::MatrixXd slope = Eigen::MatrixXd::NullaryExpr(
+      13, 2, [](Eigen::Index row, Eigen::Index column) { return 0.5 * std::sin(1.0 + 3 * row + 7 * column); });
   const auto residuals = [&] {
-    return TargetResiduals(test.evaluator, targets, {1, 2}, x, {0, 1}, 1e-12, {}, GetParam());
+    TargetResiduals made(test.evaluator, targets, {1, 2}, x, {0, 1}, 1e-12, {}, outlier);
+    if (has_correction) made.correct({Eigen::VectorXd::LinSpaced(13, -0.02, 0.03), slope, x});
+    return made;
   };
   auto at = residuals();
   Eigen::VectorXd r;

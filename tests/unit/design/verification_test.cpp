@@ -82,20 +82,32 @@ TEST(SimulatedProfile, BillsItsEffectAndCanBeCancelled) {
                std::exception);
 }
 
+// Oracle: the structure on a mesh of a third of the size.
+TEST(VerificationMesh, ErrsByLessThanTheCoarserOneDiffers) {
+  const auto stress_on = [](tiling::MeshOptions mesh) {
+    auto options = coarse();
+    options.mesh = mesh;
+    return simulate_profile(structure(), {Task::stress_strain, 0.4, 0, StrainMeasure::green, {0.03}}, options)[0];
+  };
+  const auto [mesh, coarser] = verification_meshes("IH01");
+  auto finest = mesh;
+  finest.mesh_size /= 3;
+  const double exact = stress_on(finest);
+  const double error = std::abs(stress_on(mesh) - exact);
+  EXPECT_LT(error, 0.006 * exact);
+  EXPECT_LT(error, std::abs(stress_on(mesh) - stress_on(coarser)));
+}
+
+TEST(VerificationMesh, IsFinerThanThatOfTheData) {
+  for (const auto& family : tiling::families())
+    EXPECT_LT(verification_meshes(family.id).mesh.mesh_size, family.id == "IH21" || family.id == "IH28" ? 1 : 0.5)
+        << family.id;
+}
+
 TEST(RelativeDifference, IsOverWhatTheSimulationGotTo) {
   const double missing = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NEAR(*relative_difference(Eigen::Vector3d(3, 4, missing), Eigen::Vector3d(3, 5, 6)), 0.2, 1e-15);
   EXPECT_FALSE(relative_difference(Eigen::Vector2d(0, missing), Eigen::Vector2d(1, 2)));
-}
-
-TEST(ThinnedSamples, KeepBothEndsOverStrainAndStayEvenOverDirections) {
-  ProfileSamples samples{Task::stress_strain, 0, 0, StrainMeasure::green, {}};
-  for (int i = 0; i < 11; ++i) samples.x.push_back(0.01 * i);
-  EXPECT_EQ(thinned(samples, 3).x, (std::vector<double>{0, 0.05, 0.1}));
-  samples.task = Task::stiffness;
-  samples.x.pop_back();
-  EXPECT_EQ(thinned(samples, 5).x, (std::vector<double>{0, 0.02, 0.04, 0.06, 0.08}));
-  EXPECT_EQ(thinned(samples, 99).x.size(), 10U);
 }
 
 }  // namespace

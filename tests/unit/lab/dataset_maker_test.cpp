@@ -1,6 +1,9 @@
 #include "supple/lab/dataset_maker.h"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +14,7 @@
 #include "supple/dataset/dataset_file.h"
 #include "supple/dataset/journal.h"
 #include "supple/dataset/merge.h"
+#include "supple/lab/engine_version.h"
 #include "support/temporary_folder.h"
 
 namespace supple::lab {
@@ -158,6 +162,90 @@ TEST_F(DatasetMaker, RecordsADesignThatTheEngineRefuses) {
   EXPECT_EQ(data.designs[0].error_code, "tiling.parameter_out_of_bounds");
   EXPECT_FALSE(data.designs[0].error_message.empty());
   EXPECT_TRUE(data.designs[0].rows.empty());
+}
+
+/// A data set of an older engine, of which only some designs are still what the present one computes.
+class RenewedDataset : public DatasetMaker {
+ protected:
+  void SetUp() override {
+    DatasetMaker::SetUp();
+    make_dataset(quick(5), folder / "first.h5");
+    first = dataset::read_dataset(folder / "first.h5");
+    old = first;
+    for (dataset::Design& design : old.designs) design.engine = "older";
+  }
+  std::vector<std::int64_t> renewed(const Dataset& data) const {
+    std::vector<std::int64_t> indices;
+    for (const dataset::Design& design : data.designs)
+      if (design.engine != "older") indices.push_back(design.index);
+    return indices;
+  }
+  Dataset first, old;
+};
+
+TEST_F(RenewedDataset, KeepsWhatTheEngineStillComputes) {
+  const RenewResult result = renew_dataset(old, {}, folder / "new.h5");
+  EXPECT_TRUE(result.finished);
+  EXPECT_EQ(result.renewed, 0);
+  const Dataset renewed_data = dataset::read_dataset(folder / "new.h5");
+  EXPECT_EQ(renewed(renewed_data), std::vector<std::int64_t>{});
+  expect_same(renewed_data, old);
+}
+
+TEST_F(RenewedDataset, SimulatesAnewWhereStressNextToRestHasChanged) {
+  for (dataset::Row& row : old.designs[1].rows) row.stress[0] *= 1.01;
+  // Of one kind of load alone: the last path's first state.
+  for (dataset::Row& row : old.designs[3].rows) {
+    if (row.path == 2 && row.position == 0) row.stress[1] += 0.01 * std::abs(row.stress[1]) + 1e-6;
+  }
+  // Less than the tolerance.
+  for (dataset::Row& row : old.designs[4].rows) row.stress[0] *= 1.0001;
+  const RenewResult result = renew_dataset(old, {}, folder / "new.h5");
+  EXPECT_EQ(result.designs, 5);
+  EXPECT_EQ(result.renewed, 2);
+  const Dataset data = dataset::read_dataset(folder / "new.h5");
+  EXPECT_EQ(renewed(data), (std::vector<std::int64_t>{1, 3}));
+  expect_same({first.recipe, first.selection, {first.designs[1], first.designs[3]}},
+              {data.recipe, data.selection, {data.designs[1], data.designs[3]}});
+}
+
+TEST_F(RenewedDataset, SimulatesAnewWhatHadFailedAndOnDemandWhatWasInContact) {
+  old.designs[0].error_code = "tiling.self_intersecting";
+  old.designs[0].rows.clear();
+  old.designs[2].paths[1].reached = 1;
+  old.designs[4].rows[3].contacts = 2;
+  EXPECT_EQ(renew_dataset(old, {}, folder / "new.h5").renewed, 2);
+  EXPECT_EQ(renewed(dataset::read_dataset(folder / "new.h5")), (std::vector<std::int64_t>{0, 2}));
+  EXPECT_EQ(renew_dataset(old, {.contacts = true}, folder / "contacts.h5").renewed, 3);
+  EXPECT_EQ(renewed(dataset::read_dataset(folder / "contacts.h5")), (std::vector<std::int64_t>{0, 2, 4}));
+}
+
+TEST_F(RenewedDataset, HoldsTheDesignsOfTheOldOneAloneAndGoesOnWhereItWasStopped) {
+  old.designs.erase(old.designs.begin() + 2);
+  CancellationToken token;
+  StopAfter stop(token, 1);
+  set_thread_count(1);
+  EXPECT_FALSE(renew_dataset(old, {}, folder / "new.h5", token, &stop).finished);
+  EXPECT_FALSE(std::filesystem::exists(folder / "new.h5"));
+  const RenewResult result = renew_dataset(old, {}, folder / "new.h5");
+  EXPECT_TRUE(result.finished);
+  EXPECT_EQ(result.designs, 4);
+  expect_same(dataset::read_dataset(folder / "new.h5"), old);
+}
+
+TEST_F(RenewedDataset, IsRefusedWithATolerancesLimitsAndForAnotherFamily) {
+  const auto code_of = [&](const Dataset& data, const RenewOptions& options) {
+    try {
+      renew_dataset(data, options, folder / "new.h5");
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(code_of(old, {.tolerance = 0}), "dataset.invalid_option");
+  EXPECT_EQ(code_of(old, {.tolerance = 1}), "dataset.invalid_option");
+  old.recipe.set("beam_width", 0.2, "tiling units");
+  EXPECT_EQ(code_of(old, {}), "dataset.different_recipe");
 }
 
 }  // namespace

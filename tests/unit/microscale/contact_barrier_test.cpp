@@ -72,6 +72,27 @@ Eigen::VectorXd tangle(const tiling::PeriodicMesh& mesh, ContactBarrier& barrier
   return x;
 }
 
+TEST(ContactBarrier, OfAnotherRangeIsAsIfItHadBeenMadeWithIt) {
+  RandomStream random("contact_barrier range", 1);
+  const tiling::PeriodicMesh mesh = testing::comb();
+  ContactOptions less = options;
+  less.range /= 2;
+  ContactBarrier made(mesh, less);
+  ContactBarrier changed(mesh, options);
+  const Eigen::VectorXd x = tangle(mesh, changed, random);
+  const double wide = energy(changed, x);
+  changed.set_range(less.range);
+  EXPECT_FALSE(changed.near()) << "pairs of the range before";
+  hold(changed, x);
+  hold(made, x);
+  EXPECT_GT(energy(made, x), 0);
+  EXPECT_EQ(energy(changed, x), energy(made, x));
+  EXPECT_NE(energy(changed, x), wide);
+  changed.set_range(options.range);
+  hold(changed, x);
+  EXPECT_EQ(energy(changed, x), wide);
+}
+
 TEST(ContactBarrier, HasTheDerivativesOfItsEnergyAtTangledStates) {
   RandomStream random("contact_barrier", 1);
   const Eigen::Matrix2d skew = (Eigen::Matrix2d() << 1, 0.7, 0.1, 1).finished();

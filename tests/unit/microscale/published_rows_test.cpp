@@ -131,17 +131,23 @@ const std::vector<PublishedRow>& buckled_rows() {
   return rows;
 }
 
+/// Beams come within the range of a contact barrier and do not touch: with the barrier as wide as paths are followed
+/// with the stress errs by 0.6 %, without it by 0.09 %.
+const PublishedRow& nearly_touching_row() {
+  static const PublishedRow row{"CompressionOfOneCell",
+                                {0.1278593673, 0.3313893914, 0.08809997669, 0.7176405383},
+                                2.303834613,
+                                0.807,
+                                0,
+                                {-0.06783659093, -0.001350153236, 0.009570292892},
+                                0.00752555339,
+                                false,
+                                1};
+  return row;
+}
+
 const std::vector<PublishedRow>& contact_rows() {
   static const std::vector<PublishedRow> rows{
-      {"CompressionOfOneCell",
-       {0.1278593673, 0.3313893914, 0.08809997669, 0.7176405383},
-       2.303834613,
-       0.807,
-       0,
-       {-0.06783659093, -0.001350153236, 0.009570292892},
-       0.00752555339,
-       false,
-       1},
       {"CompressionBuckledOverTwoCells",
        {0.1190794157, 0.3177919258, 0.1199199821, 0.6276279328},
        2.094395102,
@@ -192,6 +198,26 @@ TEST_P(PublishedContactRows, AreReproducedWithContact) {
   EXPECT_EQ(state.cells, GetParam().cells);
   EXPECT_LT(stress_error(state, GetParam()), 0.02);
   EXPECT_NEAR(state.energy_density / GetParam().energy_density, 1, 0.02);
+}
+
+TEST(PublishedRows, DoNotFeelABarrierWithoutContact) {
+  const State state = simulate(nearly_touching_row());
+  EXPECT_EQ(state.contacts, 0);
+  EXPECT_EQ(state.cells, 1);
+  EXPECT_LT(stress_error(state, nearly_touching_row()), 0.002);
+}
+
+// With mitred joints at re-entrant corners the tile is a tenth too stiff: 0.01946 MPa.
+TEST(PublishedRows, DenseTilesHaveSquareJoints) {
+  const tiling::Structure structure = tiling::make_structure(
+      tiling::family("IH01"), std::vector{0.08428510182, 0.394279423, 0.1097567763, 0.436773953});
+  SimulationOptions options;
+  options.mesh = {1.0 / 3, 1, tiling::Region::cell};
+  options.tangents = false;
+  const GreenStrainLoad load = {{{0.0619247381, 0.0322158220, -0.0457172261}}};
+  const SimulationResult result = Simulator(structure, options).run(load);
+  ASSERT_EQ(result.message, "");
+  EXPECT_NEAR(result.states.back().energy_density / 0.01769, 1, 0.004);
 }
 
 TEST(PublishedRows, AreReproducedWithinATenthOfAPercentAtTheMedianBeforeBuckling) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/neural/uniaxial_frame.h"
 #include "support/expect_error.h"
 #include "support/random_network.h"
 
@@ -20,6 +21,14 @@ NetworkShape shape_of(EnergyForm form, Activation activation, int width, int par
   shape.activation = activation;
   shape.width = width;
   shape.parameters = parameters;
+  return shape;
+}
+
+/// With the exact form of rest, features of a tile and another depth of the stiffness branch.
+NetworkShape extended(NetworkShape shape, int features, int stiffness_layers) {
+  shape.rest = RestForm::exact;
+  shape.features = features;
+  shape.stiffness_layers = stiffness_layers;
   return shape;
 }
 
@@ -168,14 +177,19 @@ TEST_P(Evaluations, SinglePrecisionIsCloseByItsRounding) {
   EXPECT_GT((rounded.stress - exact.stress).norm(), 0) << "it is not the same evaluator";
 }
 
-INSTANTIATE_TEST_SUITE_P(Networks, Evaluations,
-                         ::testing::Values(shape_of(EnergyForm::sum_of_squares, Activation::swish, 40, 4),
-                                           shape_of(EnergyForm::sum_of_squares, Activation::swish, 8, 1),
-                                           shape_of(EnergyForm::sum_of_squares, Activation::tanh, 24, 2),
-                                           shape_of(EnergyForm::sum_of_squares, Activation::sine, 16, 3),
-                                           shape_of(EnergyForm::softplus, Activation::swish, 32, 2),
-                                           shape_of(EnergyForm::softplus, Activation::tanh, 16, 1)),
-                         [](const auto& tested) { return name_of(tested.param); });
+INSTANTIATE_TEST_SUITE_P(
+    Networks, Evaluations,
+    ::testing::Values(shape_of(EnergyForm::sum_of_squares, Activation::swish, 40, 4),
+                      shape_of(EnergyForm::sum_of_squares, Activation::swish, 8, 1),
+                      shape_of(EnergyForm::sum_of_squares, Activation::tanh, 24, 2),
+                      shape_of(EnergyForm::sum_of_squares, Activation::sine, 16, 3),
+                      extended(shape_of(EnergyForm::sum_of_squares, Activation::swish, 40, 4), 0, 2),
+                      extended(shape_of(EnergyForm::sum_of_squares, Activation::swish, 24, 2), 23, 3),
+                      extended(shape_of(EnergyForm::sum_of_squares, Activation::tanh, 16, 1), 10, 1),
+                      extended(shape_of(EnergyForm::sum_of_squares, Activation::sine, 16, 3), 0, 4),
+                      shape_of(EnergyForm::softplus, Activation::swish, 32, 2),
+                      shape_of(EnergyForm::softplus, Activation::tanh, 16, 1)),
+    [](const auto& tested) { return name_of(tested.param); });
 
 TEST(SumOfSquares, EnergyAndStressVanishAtRestAndEnergyIsNowhereNegative) {
   NetworkShape shape;
@@ -191,9 +205,56 @@ TEST(SumOfSquares, EnergyAndStressVanishAtRestAndEnergyIsNowhereNegative) {
   EXPECT_GE(evaluator.evaluate(design, strains, Order::energy).energy_density.minCoeff(), 0);
 }
 
+/// L L^T of the stiffness branch alone, with L^T L's rows worked out here from its layers.
+Eigen::Matrix3d stiffness_of_branch(const Network& network, const std::vector<double>& parameters) {
+  const auto n = network.shape.parameters;
+  Eigen::VectorXd x(network.shape.design_inputs());
+  for (int k = 0; k < n; ++k)
+    x[k] = 2 * (parameters[static_cast<std::size_t>(k)] - network.lower[k]) / (network.upper[k] - network.lower[k]) - 1;
+  if (network.shape.features > 0)
+    x.tail(network.shape.features) = evaluate_features(network.geometry, parameters, false);
+  for (std::size_t i = 0; i < network.stiffness.size(); ++i) {
+    x = (network.stiffness[i].weights * x + network.stiffness[i].bias).eval();
+    if (i + 1 < network.stiffness.size()) x = (x.array() / (1 + (-x.array()).exp())).eval();
+  }
+  Eigen::Matrix3d l = Eigen::Matrix3d::Zero();
+  l.diagonal() = x.head<3>().array().exp();
+  l(1, 0) = x[3] * l(0, 0);
+  l(2, 0) = x[4] * l(0, 0);
+  l(2, 1) = x[5] * l(1, 1);
+  return l * l.transpose();
+}
+
+TEST(SumOfSquares, WithTheExactFormOfRestItsHessianThereIsTheStiffnessBranchAlone) {
+  NetworkShape shape;
+  shape.width = 32;
+  shape.parameters = 3;
+  shape = extended(shape, 20, 3);
+  auto network = random_network(shape, 8);
+  const std::vector<double> parameters{0.2, 0.3, 0.9};
+  const auto wanted = stiffness_of_branch(network, parameters);
+  const auto tangent_at_rest = [&] {
+    const Evaluator evaluator(network);
+    const auto rest = evaluator.evaluate(evaluator.design(parameters), Eigen::Vector3d::Zero(), Order::tangent);
+    EXPECT_LE(std::abs(rest.energy_density[0]), 1e-28);
+    EXPECT_LE(rest.stress.norm(), 1e-14 * wanted.norm());
+    return symmetric_matrix(rest.tangent.col(0));
+  };
+  EXPECT_LE((tangent_at_rest() - wanted).norm(), 1e-13 * wanted.norm());
+  const Eigen::Matrix3d sixth = rotation_of_strains(std::numbers::pi / 3);
+  network.symmetries = {sixth, sixth * sixth};
+  Eigen::Matrix3d mean = wanted / 3;
+  for (const auto& map : network.symmetries) mean += map.transpose() * wanted * map / 3;
+  EXPECT_LE((tangent_at_rest() - mean).norm(), 1e-13 * wanted.norm());
+  network.symmetries.clear();
+  network.shape.rest = RestForm::free;
+  EXPECT_GT((tangent_at_rest() - wanted).norm(), 1e-2 * wanted.norm()) << "its slope at rest counts";
+}
+
 TEST(Evaluator, FarOutsideItsRangeTheNumbersStayFinite) {
   NetworkShape shape;
   shape.width = 32;
+  shape = extended(shape, 20, 2);
   const Evaluator evaluator(random_network(shape, 4));
   for (const double far : {1e3, 1e6, -1e6}) {
     const auto answer =
@@ -227,6 +288,15 @@ TEST(Network, ALayerThatDoesNotFitIsNamed) {
   testing::expect_error("model.invalid_network", [&] { validate(network); });
   network = random_network(shape, 1);
   network.symmetries = {Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity())};
+  testing::expect_error("model.invalid_network", [&] { validate(network); });
+  network = random_network(extended(shape, 12, 2), 1);
+  network.geometry.features[3].edge = 5;
+  testing::expect_error("model.invalid_network", [&] { validate(network); });
+  network.geometry.features.resize(11);
+  testing::expect_error("model.invalid_network", [&] { validate(network); });
+  network = random_network(shape, 1);
+  network.shape.form = EnergyForm::softplus;
+  network.shape.rest = RestForm::exact;
   testing::expect_error("model.invalid_network", [&] { validate(network); });
 }
 

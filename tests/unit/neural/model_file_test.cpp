@@ -4,8 +4,10 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "supple/base/error.h"
+#include "supple/files/hdf5_file.h"
 #include "supple/neural/model.h"
 #include "support/random_network.h"
 #include "support/temporary_folder.h"
@@ -71,6 +73,35 @@ TEST_F(ModelFile, HoldsEverythingThatWasWritten) {
   EXPECT_EQ(back.design_split->gradient.percentile_99, 0.2);
   EXPECT_EQ(back.design_split->samples, 1900);
   EXPECT_FALSE(back.row_split.has_value());
+}
+
+TEST_F(ModelFile, TheFormOfRestAndFeaturesOfTheTileAreReadBack) {
+  NetworkShape shape;
+  shape.width = 24;
+  shape.parameters = 2;
+  shape.rest = RestForm::exact;
+  shape.features = 17;
+  shape.stiffness_layers = 3;
+  model.network = random_network(shape, 6);
+  write_model(path, model);
+  const auto back = read_model(path);
+  EXPECT_EQ(back.network.shape, shape);
+  const auto& geometry = back.network.geometry;
+  EXPECT_EQ(geometry.vertices, model.network.geometry.vertices);
+  EXPECT_EQ(geometry.translations, model.network.geometry.translations);
+  EXPECT_EQ(geometry.tiles, 2);
+  EXPECT_EQ(geometry.beam_width, 0.12);
+  const std::vector<double> parameters{0.2, 0.4};
+  EXPECT_EQ(evaluate_features(geometry, parameters, true), evaluate_features(model.network.geometry, parameters, true));
+  EXPECT_EQ(back.network.stiffness[3].weights, model.network.stiffness[3].weights);
+}
+
+TEST_F(ModelFile, AModelThatNeedsNothingNewIsWrittenAsOlderProgramsReadIt) {
+  write_model(path, model);
+  EXPECT_EQ(files::Hdf5Reader(path).integer_attribute("/", "version"), 1);
+  model.network.shape.rest = RestForm::exact;
+  write_model(path, model);
+  EXPECT_EQ(files::Hdf5Reader(path).integer_attribute("/", "version"), 2);
 }
 
 TEST_F(ModelFile, TheSameModelGivesTheSameBytes) {

@@ -25,7 +25,7 @@ std::map<int, std::vector<SideUse>> uses_of_sides(const PeriodicMesh& mesh) {
 }
 
 bool within_a_hole(const Structure& structure, const Eigen::Vector2d& point) {
-  return winding_number(structure.tiling, structure.holes, point) > 0;
+  return windings(structure.tiling, structure.holes, point) > 0;
 }
 
 void expect_outline(const PeriodicMesh& mesh, const Structure& structure,
@@ -61,23 +61,11 @@ std::vector<double> random_parameters(const Family& family, RandomStream& random
 
 Structure preset_structure(const char* id) { return make_structure(family(id), presets(family(id))); }
 
-int winding_number(const Polygon& polygon, const Eigen::Vector2d& point) {
-  int winding = 0;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Eigen::Vector2d a = polygon[k] - point, b = polygon[(k + 1) % polygon.size()] - point;
-    if ((a.y() <= 0) == (b.y() <= 0)) continue;
-    if ((cross(a, b) > 0) == (b.y() > 0)) winding += b.y() > 0 ? 1 : -1;
-  }
-  return winding;
-}
-
-int winding_number(const Tiling& tiling, const std::vector<std::vector<Polygon>>& polygons,
-                   const Eigen::Vector2d& point) {
+int windings(const Tiling& tiling, const std::vector<std::vector<Polygon>>& polygons, const Eigen::Vector2d& point) {
   const Eigen::Matrix2d inverse = tiling.lattice.inverse();
   int winding = 0;
-  for (const Placement& placement : tiling.placements) {
-    for (const Polygon& polygon : polygons[placement.tile]) {
-      const Polygon copy = placed(polygon, placement);
+  for (const std::vector<Polygon>& of_tile : polygons) {
+    for (const Polygon& copy : of_tile) {
       // The translations that bring the point into the copy's bounds, in lattice coordinates.
       Eigen::Array2d lower = Eigen::Array2d::Constant(INFINITY), upper = -lower;
       for (const Eigen::Vector2d& p : copy) {
@@ -128,9 +116,7 @@ void expect_sound(const PeriodicMesh& mesh, const Structure& structure) {
 
   // A torus less its holes: corners - sides + triangles = -holes.
   std::ptrdiff_t holes = 0;
-  for (const Placement& placement : structure.tiling.placements) {
-    holes += static_cast<std::ptrdiff_t>(structure.holes[placement.tile].size());
-  }
+  for (const auto& of_tile : structure.holes) holes += static_cast<std::ptrdiff_t>(of_tile.size());
   const auto sides = static_cast<std::ptrdiff_t>(uses.size());
   EXPECT_EQ(mesh.nodes.cols() - 2 * sides + static_cast<std::ptrdiff_t>(mesh.triangles.size()), -holes);
 }

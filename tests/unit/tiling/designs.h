@@ -16,12 +16,8 @@ std::vector<double> random_parameters(const Family& family, RandomStream& random
 /// The structure at the presets.
 Structure preset_structure(const char* family);
 
-/// How often the polygon winds around the point.
-int winding_number(const Polygon& polygon, const Eigen::Vector2d& point);
-
-/// The sum over all translates of the cell's tiles (`polygons[placement.tile]`) of their winding numbers.
-int winding_number(const Tiling& tiling, const std::vector<std::vector<Polygon>>& polygons,
-                   const Eigen::Vector2d& point);
+/// The sum over all translates of the polygons by the tiling's lattice of their winding numbers around the point.
+int windings(const Tiling& tiling, const std::vector<std::vector<Polygon>>& polygons, const Eigen::Vector2d& point);
 
 /// Expects what every mesh of the structure promises: counterclockwise triangles of the solid's area; each side shared
 /// by two triangles that agree on its place or on the outline; midpoints in the middle; one loop of outline per hole,

@@ -26,7 +26,7 @@ using testing::preset_structure;
 
 std::size_t holes_per_cell(const Structure& structure) {
   std::size_t count = 0;
-  for (const Placement& placement : structure.tiling.placements) count += structure.holes[placement.tile].size();
+  for (const auto& holes : structure.holes) count += holes.size();
   return count;
 }
 
@@ -223,6 +223,28 @@ TEST(Export, StructuresAtTheEdgeOfTheirFamilyAreWrittenToo) {
   const Structure crossing = make_structure(family("IH01"), std::vector{0.18020891, 0.55065870, 0.09055190, 0.778137});
   const double solid = signed_area(polygons_of_svg(write_svg(crossing)));
   EXPECT_NEAR(volume(triangles_of_stl(write_stl(crossing))), solid, 1e-4 * solid);
+}
+
+TEST(Export, PatchesOfTilesThatCrossThemselvesAreInOnePiece) {
+  RandomStream random("tiling.crumbs", 7);
+  const Family& type = family("IH01");
+  std::vector<std::vector<double>> designs = {{0.2346258869, 0.7291153145, 0.05125551419, 0.4096083779}};
+  while (designs.size() < 40) designs.push_back(testing::random_parameters(type, random));
+  int crossing = 0;
+  for (const std::vector<double>& parameters : designs) {
+    Structure structure;
+    try {
+      structure = make_structure(type, parameters);
+    } catch (const Error&) {
+      continue;
+    }
+    crossing += structure.tiles_cross;
+    int pieces = 0;
+    for (const Polygon& polygon : polygons_of_svg(write_svg(structure, {.first = 3, .second = 3})))
+      pieces += area(polygon) > 0;
+    EXPECT_EQ(pieces, 1) << parameters[0] << " " << parameters[1] << " " << parameters[2] << " " << parameters[3];
+  }
+  EXPECT_GT(crossing, 3);
 }
 
 TEST(Export, OptionsOutOfRangeAreNamedWithTheirLimits) {

@@ -21,7 +21,7 @@ std::string text(const std::vector<double>& parameters) {
 }
 
 /// The codes by which designs in and around the box may be refused; anything else is a fault of ours.
-const std::set<std::string> refusals = {"tiling.self_intersecting", "tiling.cell_too_small", "tiling.hole_closed"};
+const std::set<std::string> refusals = {"tiling.cell_too_small", "tiling.hole_closed"};
 
 // Meshes the design or sees it refused for what it is. Returns whether it was meshed.
 bool mesh_or_refuse(const Family& family, const std::vector<double>& parameters, const MeshOptions& options) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "designs.h"
+#include "polygon.h"
 #include "support/expect_error.h"
 
 namespace supple::tiling {
@@ -58,9 +59,9 @@ TEST(Mesh, CornersAreGradedWithinHalfABeamWidth) {
     for (const auto& [triangle, side] : mesh.outline) {
       const Eigen::Vector2d a = mesh.corner(triangle, side), b = mesh.corner(triangle, (side + 1) % 3);
       double distance = std::numeric_limits<double>::infinity();
-      for (const Placement& placement : structure.tiling.placements) {
-        for (const Eigen::Vector2d& corner : structure.holes[placement.tile][0]) {
-          const Eigen::Vector2d apart = placement.linear * corner + placement.offset - (a + b) / 2;
+      for (const std::vector<Polygon>& holes : structure.holes) {
+        for (const Eigen::Vector2d& corner : holes[0]) {
+          const Eigen::Vector2d apart = corner - (a + b) / 2;
           const Eigen::Vector2d shift = (mesh.lattice.inverse() * apart).array().round();
           // The lattice is skewed: look around the rounded shift.
           for (int i = -1; i <= 1; ++i) {
@@ -129,11 +130,17 @@ TEST(Mesh, ARepeatedMeshIsSoundAndKeepsItsNodesOrder) {
       Structure larger = structure;
       larger.tiling.lattice = patch.lattice;
       larger.tiling.placements.clear();
+      larger.holes.clear();
       for (int b = 0; b < second; ++b) {
         for (int a = 0; a < first; ++a) {
+          const Eigen::Vector2d by = cell.lattice * Eigen::Vector2d(a, b);
           for (Placement placement : structure.tiling.placements) {
-            placement.offset += cell.lattice * Eigen::Vector2d(a, b);
+            placement.offset += by;
             larger.tiling.placements.push_back(placement);
+          }
+          for (std::vector<Polygon> holes : structure.holes) {
+            for (Polygon& hole : holes) hole = placed(hole, {.tile = 0, .offset = by});
+            larger.holes.push_back(std::move(holes));
           }
         }
       }

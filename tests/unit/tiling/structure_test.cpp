@@ -28,7 +28,14 @@ double distance_to_outline(const Polygon& polygon, const Eigen::Vector2d& p) {
   return least;
 }
 
-std::size_t holes_in(const Structure& structure, int tile) { return structure.holes[tile].size(); }
+/// Of the first copy of a tile, by the index of its kind.
+std::size_t holes_in(const Structure& structure, int tile) {
+  const auto& placements = structure.tiling.placements;
+  for (std::size_t k = 0; k < placements.size(); ++k) {
+    if (placements[k].tile == tile) return structure.holes[k].size();
+  }
+  return 0;
+}
 
 TEST(Structure, BeamsHaveThePrintedWidthBetweenTheHolesOnTheirTwoSides) {
   for (const Family& family : families()) {
@@ -40,14 +47,11 @@ TEST(Structure, BeamsHaveThePrintedWidthBetweenTheHolesOnTheirTwoSides) {
         const Eigen::Vector2d middle = (tile[k] + tile[(k + 1) % tile.size()]) / 2;
         // The two nearest holes lie on the two sides of the beam.
         std::vector<double> distances;
-        for (const Placement& other : tiling.placements) {
+        for (const std::vector<Polygon>& holes : structure.holes) {
           for (int i = -4; i <= 4; ++i) {
             for (int j = -4; j <= 4; ++j) {
-              Placement moved = other;
-              moved.offset += tiling.lattice * Eigen::Vector2d(i, j);
-              for (const Polygon& hole : structure.holes[other.tile]) {
-                distances.push_back(distance_to_outline(placed(hole, moved), middle));
-              }
+              const Eigen::Vector2d seen_from = middle - tiling.lattice * Eigen::Vector2d(i, j);
+              for (const Polygon& hole : holes) distances.push_back(distance_to_outline(hole, seen_from));
             }
           }
         }
@@ -118,14 +122,132 @@ TEST(Structure, SolidAreaChangesContinuouslyThroughTheSingularity) {
   }
 }
 
-TEST(Structure, TilesMayCrossThemselvesWhereBeamsHideIt) {
+TEST(Structure, TilesMayCrossThemselves) {
   // A vertex of the tile lies just beyond a side.
-  const std::vector<double> hidden = {0.1802089117, 0.5506587018, 0.09055189846, 0.778137};
-  const Structure structure = make_structure(family("IH01"), hidden);
+  const Structure structure =
+      make_structure(family("IH01"), std::vector{0.1802089117, 0.5506587018, 0.09055189846, 0.778137});
   EXPECT_TRUE(structure.tiles_cross);
   EXPECT_EQ(holes_in(structure, 0), 1u);
   EXPECT_FALSE(preset_structure("IH01").tiles_cross);
 }
+
+/// Whether the point is farther than half a beam width from every side of every translate of the cell's tiles.
+bool clear_of_beams(const Structure& structure, const Eigen::Vector2d& point) {
+  for (const Placement& placement : structure.tiling.placements) {
+    const Polygon tile = placed(structure.tiling.tiles[placement.tile], placement);
+    for (int i = -6; i <= 6; ++i) {
+      for (int j = -6; j <= 6; ++j) {
+        const Eigen::Vector2d seen = point - structure.tiling.lattice * Eigen::Vector2d(i, j);
+        if (distance_to_outline(tile, seen) <= structure.beam_width / 2) return false;
+      }
+    }
+  }
+  return true;
+}
+
+TEST(Structure, ThePlaneIsSolidWithinHalfABeamWidthOfEverySideAndOpenFarFromThemAll) {
+  // Of crossing tiles as well: which points are solid does not depend on how tiles wind.
+  const std::vector<std::pair<const char*, std::vector<double>>> designs = {
+      {"IH01", {0.1802089117, 0.5506587018, 0.09055189846, 0.778137}},
+      {"IH01", {0.097405, 0.406142, 0.05, 0.7675}},
+      {"IH01", {0.2346258869, 0.7291153145, 0.05125551419, 0.4096083779}},
+      {"IH67", {0.2341, 1.0539}},
+      {"IH22", {0.15, 0.35, 0.02}},
+      {"IH28", {0.3, 0.8}},
+      {"IH21", {0.15, 0.6}}};
+  for (const auto& [id, parameters] : designs) {
+    const Structure structure = make_structure(family(id), parameters);
+    RandomStream random("tiling.clear_of_beams", 5);
+    int open = 0, differing = 0;
+    for (int k = 0; k < 400; ++k) {
+      const Eigen::Vector2d point =
+          structure.tiling.lattice * Eigen::Vector2d(random.uniform(0, 1), random.uniform(0, 1));
+      const int holes = testing::windings(structure.tiling, structure.holes, point);
+      ASSERT_TRUE(holes == 0 || holes == 1) << id;
+      const bool clear = clear_of_beams(structure, point);
+      EXPECT_TRUE(clear || holes == 0) << id << " at " << point.transpose();
+      // Square joints reach beyond the circle around a vertex.
+      open += holes;
+      differing += clear && holes == 0;
+    }
+    EXPECT_GT(open, 20) << id;
+    EXPECT_LT(differing, 12) << id;
+  }
+}
+
+TEST(Structure, HolesOfOverlappingTilesAreListedOnceAndWithinTheirTile) {
+  const Structure structure = make_structure(family("IH67"), std::vector{0.2341, 1.0539});
+  ASSERT_TRUE(structure.tiles_cross);
+  for (std::size_t k = 0; k < structure.holes.size(); ++k) {
+    const Placement& placement = structure.tiling.placements[k];
+    const Polygon tile = placed(structure.tiling.tiles[placement.tile], placement);
+    for (const Polygon& hole : structure.holes[k]) EXPECT_GT(winding_number(tile, hole[0]), 0);
+  }
+}
+
+/// The largest jump of the solid's area, as a share of the cell's, between two designs 1e-9 of the line apart, among
+/// those that bisection finds between `lower` and `upper`, where the area changes by more than `step` of the cell.
+double largest_jump(const Family& type, const std::vector<double>& from, const std::vector<double>& to, double lower,
+                    double upper, double step) {
+  const auto density = [&](double t) {
+    std::vector<double> parameters;
+    for (std::size_t k = 0; k < from.size(); ++k) parameters.push_back((1 - t) * from[k] + t * to[k]);
+    const Structure structure = make_structure(type, parameters, 0.05);
+    return structure.solid_area / structure.cell_area;
+  };
+  double at_lower = density(lower), at_upper = density(upper);
+  while (upper - lower > 1e-9 && std::abs(at_upper - at_lower) > step) {
+    const double middle = (lower + upper) / 2, at_middle = density(middle);
+    if (std::abs(at_middle - at_lower) > std::abs(at_upper - at_middle)) {
+      upper = middle;
+      at_upper = at_middle;
+    } else {
+      lower = middle;
+      at_lower = at_middle;
+    }
+  }
+  return std::abs(at_upper - at_lower);
+}
+
+class LinesThroughTheBox : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(LinesThroughTheBox, MeetNoJumpOfTheSolidsArea) {
+  const Family& type = family(GetParam());
+  RandomStream random("tiling.lines." + type.id, 6);
+  constexpr int steps = 60;
+  // Of the cell's area: a hole may close when its width is half a percent of a beam's, a side when it is as short.
+  constexpr double allowed = 2e-3;
+  int seen = 0, crossing = 0;
+  for (int line = 0; line < 6; ++line) {
+    const auto from = random_parameters(type, random, 0.05), to = random_parameters(type, random, 0.05);
+    double before = NAN;
+    for (int k = 0; k <= steps; ++k) {
+      const double t = static_cast<double>(k) / steps;
+      std::vector<double> parameters;
+      for (std::size_t i = 0; i < from.size(); ++i) parameters.push_back((1 - t) * from[i] + t * to[i]);
+      try {
+        const Structure structure = make_structure(type, parameters, 0.05);
+        const double density = structure.solid_area / structure.cell_area;
+        ++seen;
+        crossing += structure.tiles_cross;
+        if (std::abs(density - before) > allowed) {
+          EXPECT_LT(largest_jump(type, from, to, t - 1.0 / steps, t, allowed), allowed)
+              << "line " << line << " at " << t;
+        }
+        before = density;
+      } catch (const Error& error) {
+        EXPECT_TRUE(error.code() == "tiling.cell_too_small" || error.code() == "tiling.hole_closed") << error.code();
+        before = NAN;
+      }
+    }
+  }
+  EXPECT_GT(seen, 100);
+  EXPECT_TRUE(type.id != "IH01" || crossing > 20) << "tiles that cross themselves are what is hard";
+}
+
+INSTANTIATE_TEST_SUITE_P(Structure, LinesThroughTheBox,
+                         ::testing::Values("IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67", "square"),
+                         [](const auto& instance) { return instance.param; });
 
 TEST(Structure, BeamsOfFoldedPartsAreKept) {
   // The upper side of the trapezoid is so short that its neighbours cross before they reach it.
@@ -135,29 +257,9 @@ TEST(Structure, BeamsOfFoldedPartsAreKept) {
   for (std::size_t k = 0; k < tile.size(); ++k) {
     for (const double t : {0.1, 0.5, 0.9}) {
       const Eigen::Vector2d on_beam = (1 - t) * tile[k] + t * tile[(k + 1) % tile.size()];
-      EXPECT_EQ(testing::winding_number(structure.tiling, structure.holes, on_beam), 0) << k << " " << t;
+      EXPECT_EQ(testing::windings(structure.tiling, structure.holes, on_beam), 0) << k << " " << t;
     }
   }
-}
-
-TEST(Structure, TilesThatCrossThemselvesAndLeaveThinBeamsAreRefusedWithTheSides) {
-  // A square with a twisted corner, whose copies come too close to each other.
-  Family twisted;
-  twisted.id = "twisted";
-  twisted.beam_width = 0.3;
-  double period = 0;
-  twisted.shape = [&period](std::span<const double>) {
-    Tiling tiling;
-    tiling.tiles = {{{0, 0}, {4, 0}, {4, 4}, {0, 3.9}, {0.1, 4}}};
-    tiling.placements = {{}};
-    tiling.lattice = period * Eigen::Matrix2d::Identity();
-    return tiling;
-  };
-  period = 4.1;
-  EXPECT_TRUE(make_structure(twisted, {}).tiles_cross);
-  period = 3.8;
-  const Error error = expect_error("tiling.self_intersecting", [&] { make_structure(twisted, {}); });
-  EXPECT_NE(std::string(error.what()).find("sides 2 and 4"), std::string::npos) << error.what();
 }
 
 TEST(Structure, BeamsThatSwallowAHoleAreRefused) {
@@ -185,7 +287,7 @@ TEST(Structure, ATilesInsetCanFallApartIntoSeveralHoles) {
   EXPECT_EQ(holes_in(make_structure(hourglass, {}), 0), 2u);
 }
 
-TEST(Structure, HolesHaveMitredCornersAroundReentrantCornersOfTiles) {
+TEST(Structure, HolesHaveSquareCornersAroundReentrantCornersOfTiles) {
   Family notched;
   notched.id = "notched";
   notched.beam_width = 0.3;
@@ -199,11 +301,15 @@ TEST(Structure, HolesHaveMitredCornersAroundReentrantCornersOfTiles) {
   };
   const Structure structure = make_structure(notched, {});
   ASSERT_EQ(holes_in(structure, 0), 1u);
-  ASSERT_EQ(structure.holes[0][0].size(), 7u);
-  double least = INFINITY;
-  const Eigen::Vector2d mitre(2 + 0.15 / std::sin(std::numbers::pi / 8), 2);
-  for (const Eigen::Vector2d& p : structure.holes[0][0]) least = std::min(least, (p - mitre).norm());
-  EXPECT_LT(least, 1e-8);
+  // The tip's corner is cut off at half a beam width: 135 degrees of turn end in two corners of 67.5.
+  ASSERT_EQ(structure.holes[0][0].size(), 8u);
+  const double reach = 0.15 * std::tan(3 * std::numbers::pi / 16);
+  for (const double side : {-1.0, 1.0}) {
+    double least = INFINITY;
+    for (const Eigen::Vector2d& p : structure.holes[0][0])
+      least = std::min(least, (p - Eigen::Vector2d(2 + 0.15, 2 + side * reach)).norm());
+    EXPECT_LT(least, 1e-8);
+  }
 }
 
 TEST(Structure, HolesHaveNoShortSidesAndLieWithinTheirTiles) {
@@ -217,24 +323,69 @@ TEST(Structure, HolesHaveNoShortSidesAndLieWithinTheirTiles) {
         ++made;
         EXPECT_GT(structure.solid_area, 0);
         EXPECT_LT(structure.solid_area, structure.cell_area);
-        for (std::size_t tile = 0; tile < structure.holes.size(); ++tile) {
-          for (const Polygon& hole : structure.holes[tile]) {
+        for (std::size_t placement = 0; placement < structure.holes.size(); ++placement) {
+          const Placement& place = structure.tiling.placements[placement];
+          const Polygon tile = placed(structure.tiling.tiles[place.tile], place);
+          for (const Polygon& hole : structure.holes[placement]) {
             EXPECT_GT(area(hole), 0);
-            EXPECT_GE(outline_distance(hole, structure.tiling.tiles[tile]), 0.99 * structure.beam_width / 2);
+            EXPECT_GE(outline_distance(hole, tile), 0.99 * structure.beam_width / 2);
             for (std::size_t k = 0; k < hole.size(); ++k) {
               EXPECT_GE((hole[(k + 1) % hole.size()] - hole[k]).norm(), 0.005 * structure.beam_width);
-              EXPECT_EQ(testing::winding_number(structure.tiling.tiles[tile], hole[k]), 1);
+              EXPECT_GT(winding_number(tile, hole[k]), 0);
             }
           }
         }
       } catch (const Error& error) {
-        EXPECT_TRUE(error.code() == "tiling.self_intersecting" || error.code() == "tiling.cell_too_small" ||
-                    error.code() == "tiling.hole_closed")
-            << error.code();
+        EXPECT_TRUE(error.code() == "tiling.cell_too_small" || error.code() == "tiling.hole_closed") << error.code();
       }
     }
     EXPECT_GT(made, 20) << family.id;
   }
+}
+
+TEST(CanBeBuilt, AgreesWithTheStructureThatIsMade) {
+  int refused = 0;
+  for (const Family& family : families()) {
+    RandomStream random("can be built " + family.id, 1);
+    for (int draw = 0; draw < 60; ++draw) {
+      // Half of them beside the lower ends of the box, where holes close.
+      std::vector<double> parameters = random_parameters(family, random);
+      if (draw % 2 == 0)
+        for (std::size_t k = 0; k < parameters.size(); ++k)
+          parameters[k] = family.parameters[k].lower + 0.1 * (parameters[k] - family.parameters[k].lower);
+      bool made = true;
+      try {
+        make_structure(family, parameters);
+      } catch (const Error&) {
+        made = false;
+        ++refused;
+      }
+      EXPECT_EQ(can_be_built(family, parameters), made) << family.id << " draw " << draw;
+    }
+    const std::vector<double> beyond(family.parameters.size(), 1e3);
+    EXPECT_FALSE(can_be_built(family, beyond)) << family.id;
+  }
+  EXPECT_GT(refused, 10) << "or nothing was compared";
+}
+
+TEST(CanBeBuilt, AgreesWhereHolesAreAboutToClose) {
+  // Along this line the structure ceases to exist between two of the steps.
+  const Family& id = family("IH29");
+  int changes = 0;
+  bool before = false;
+  for (int step = 0; step <= 400; ++step) {
+    const std::vector<double> parameters{0.005 + 0.0005 * step};
+    bool made = true;
+    try {
+      make_structure(id, parameters);
+    } catch (const Error&) {
+      made = false;
+    }
+    ASSERT_EQ(can_be_built(id, parameters), made) << parameters[0];
+    changes += step > 0 && made != before;
+    before = made;
+  }
+  EXPECT_GE(changes, 1);
 }
 
 }  // namespace

@@ -26,6 +26,14 @@ neural::NetworkShape shape_of(EnergyForm form, Activation activation) {
   return shape;
 }
 
+neural::NetworkShape exact_at_rest(Activation activation, int features) {
+  auto shape = shape_of(EnergyForm::sum_of_squares, activation);
+  shape.rest = neural::RestForm::exact;
+  shape.features = features;
+  shape.stiffness_layers = 3;
+  return shape;
+}
+
 class TorchNetwork : public testing::TestWithParam<neural::NetworkShape> {
  protected:
   neural::Network network = neural::random_network(GetParam(), 11);
@@ -55,8 +63,18 @@ TEST_P(TorchNetwork, EvaluatorAgreesWithAutogradInDoublePrecision) {
     const auto lower = column_tensor(network.lower);
     const auto upper = column_tensor(network.upper);
     auto strain = column_tensor(e).set_requires_grad(true);
-    const Batch batch{(2 * (raw - lower) / (upper - lower) - 1).unsqueeze(0), torch::zeros({1}, torch::kLong),
-                      strain.unsqueeze(0)};
+    auto inputs = 2 * (raw - lower) / (upper - lower) - 1;
+    if (network.shape.features > 0) {
+      // Features as their tangent plane: what LibTorch sees of them are their values and derivatives here.
+      const auto features = evaluate_features(network.geometry, at, true);
+      const Eigen::MatrixXd slopes = features.rightCols(3);
+      inputs = torch::cat({inputs, column_tensor(features.col(0))});
+      for (int k = 0; k < 3; ++k) {
+        const auto moved = torch::cat({torch::zeros({3}, torch::kDouble), column_tensor(slopes.col(k))});
+        inputs = inputs + moved * (raw[k] - p[k]);
+      }
+    }
+    const Batch batch{inputs.unsqueeze(0), torch::zeros({1}, torch::kLong), strain.unsqueeze(0)};
     const auto phi = energy(network.shape, parameters, batch)[0];
     const auto first = torch::autograd::grad({phi}, {strain, raw}, {}, true, true);
     const double tolerance = 1e-10;
@@ -87,16 +105,16 @@ TEST_P(TorchNetwork, EvaluatorAgreesWithAutogradInDoublePrecision) {
 }
 
 /// A batch of 40 strains of 7 designs.
-Batch random_batch(torch::Dtype type) {
+Batch random_batch(torch::Dtype type, int inputs) {
   torch::manual_seed(3);
   const auto options = torch::TensorOptions().dtype(torch::kDouble);
-  return {(2 * torch::rand({7, 3}, options) - 1).to(type), torch::randint(7, {40}, torch::kLong),
+  return {(2 * torch::rand({7, inputs}, options) - 1).to(type), torch::randint(7, {40}, torch::kLong),
           (0.6 * torch::rand({40, 3}, options) - 0.25).to(type)};
 }
 
 TEST_P(TorchNetwork, TrainingKernelsAgreeWithAutograd) {
-  const auto batch = random_batch(torch::kFloat);
-  const auto exact_batch = random_batch(torch::kDouble);
+  const auto batch = random_batch(torch::kFloat, network.shape.design_inputs());
+  const auto exact_batch = random_batch(torch::kDouble, network.shape.design_inputs());
   // Of each row its own.
   const auto directions = torch::rand({40, 3}, torch::kDouble) - 0.4;
   auto ours = to_parameters(network, torch::kFloat, torch::kCPU);
@@ -125,6 +143,18 @@ TEST_P(TorchNetwork, TrainingKernelsAgreeWithAutograd) {
   }
 }
 
+/// What a GPU trains with: the same jets without our kernels.
+TEST_P(TorchNetwork, JetsWithoutOurKernelsAgreeWithAutograd) {
+  const auto batch = random_batch(torch::kDouble, network.shape.design_inputs());
+  const auto directions = torch::rand({40, 3}, torch::kDouble) - 0.4;
+  const auto parameters = to_parameters(network, torch::kDouble, torch::kCPU);
+  const auto a = response(network.shape, parameters, batch, directions);
+  const auto b = response_by_autograd(network.shape, parameters, batch, directions);
+  EXPECT_LE(largest(a.energy - b.energy), 1e-12 * largest(b.energy));
+  EXPECT_LE(largest(a.stress - b.stress), 1e-12 * largest(b.stress));
+  EXPECT_LE(largest(a.stiffness - b.stiffness), 1e-11 * largest(b.stiffness));
+}
+
 TEST_P(TorchNetwork, WeightsGoToTensorsAndBackUnchanged) {
   auto copy = network;
   for (auto& layer : copy.trunk) layer.weights.setZero();
@@ -137,6 +167,8 @@ INSTANTIATE_TEST_SUITE_P(Networks, TorchNetwork,
                          testing::Values(shape_of(EnergyForm::sum_of_squares, Activation::swish),
                                          shape_of(EnergyForm::sum_of_squares, Activation::tanh),
                                          shape_of(EnergyForm::sum_of_squares, Activation::sine),
+                                         exact_at_rest(Activation::swish, 0), exact_at_rest(Activation::swish, 14),
+                                         exact_at_rest(Activation::tanh, 10), exact_at_rest(Activation::sine, 0),
                                          shape_of(EnergyForm::softplus, Activation::swish)),
                          [](const auto& tested) { return neural::name_of(tested.param); });
 

@@ -154,6 +154,25 @@ TEST(Training, OptionsOutOfRangeAreNamed) {
   EXPECT_EQ(testing::places(error), std::vector<std::string>{"width"});
 }
 
+TEST(Training, TheSquaredLossLearnsTooAndIsAnotherTraining) {
+  auto options = small_options(60);
+  options.loss = LossKind::squared;
+  const auto result = train(samples(), parts(), options, {}, {}, ignore);
+  EXPECT_LT(result.history.back().loss, 0.02 * result.history.front().loss) << "squares of errors";
+  EXPECT_LT(split_errors(result.network, samples(), parts().test).gradient.mean, 0.03);
+  const auto loss_named = [](const TrainingOptions& of) {
+    for (const auto& [name, value] : describe(of))
+      if (name == "loss") return value;
+    return std::string();
+  };
+  EXPECT_EQ(loss_named(options), "squared");
+  EXPECT_EQ(loss_named(small_options(1)), "robust");
+  EXPECT_EQ(loss_of("squared"), LossKind::squared);
+  testing::expect_error("training.invalid_option", [] { (void)loss_of("relative"); });
+  EXPECT_EQ(device_of("cuda"), DeviceKind::cuda);
+  testing::expect_error("training.invalid_option", [] { (void)device_of("gpu"); });
+}
+
 TEST(ModelErrors, AreThoseOfTheRowsThatCount) {
   const auto result = train(samples(), parts(), small_options(2), {}, {}, ignore);
   // Data that the network itself made, energies, stresses and tangents then raised by one, two and three percent.

@@ -24,7 +24,7 @@ void place(Samples& samples, std::size_t design, double mapped) {
 TEST(TrainingData, SeesAChunkThroughASymmetryOfStrainAndParameters) {
   auto samples = law_samples(4, 5, 1);
   place(samples, 2, 0.4);
-  const TrainingData data(samples, {mirror(samples)}, {}, torch::kCPU);
+  const TrainingData data(samples, {mirror(samples)}, {}, {}, torch::kCPU);
   const std::vector<Chunk> chunks{{2, {samples.designs[2].first, samples.designs[2].first + 3}}};
   const std::array as_it_is{0};
   const std::array mirrored{1};
@@ -50,7 +50,7 @@ TEST(TrainingData, WhitensDirectionsThroughAnySymmetry) {
   // Soft along one strain, stiff along another; and past buckling, where one eigenvalue is negative.
   samples.tangent.col(0) << 100, 99, 0, 100, 0, 1e-1;
   samples.tangent.col(1) << 5, 0, 0, 2, 0, -1;
-  const TrainingData data(samples, {mirror(samples)}, {}, torch::kCPU);
+  const TrainingData data(samples, {mirror(samples)}, {}, {}, torch::kCPU);
   const std::vector<Chunk> chunks{{0, {0, 1, 2}}};
   for (const int symmetry : {0, 1}) {
     const auto seen = data.labelled(chunks, std::array{symmetry});
@@ -66,7 +66,7 @@ TEST(TrainingData, WhitensDirectionsThroughAnySymmetry) {
 TEST(TrainingData, BoundsWhitenedDirectionsNextToBuckling) {
   auto samples = law_samples(1, 2, 1);
   samples.tangent.col(0) << 4, 0, 0, 1, 0, 1e-9;
-  const TrainingData data(samples, {}, {}, torch::kCPU);
+  const TrainingData data(samples, {}, {}, {}, torch::kCPU);
   const auto seen = data.labelled(std::vector<Chunk>{{0, {0}}}, std::array{0});
   const auto longest = seen.whitening.abs().max().item<double>();
   EXPECT_LT(longest, 100);
@@ -77,7 +77,7 @@ TEST(TrainingData, UsesNoImageThatIsHeldOutOrFarOutOfTheBox) {
   auto samples = law_samples(5, 2, 1);
   const std::array mapped{0.3, -0.3, 1.05, 0.7, 0.0};
   for (std::size_t d = 0; d < mapped.size(); ++d) place(samples, d, mapped[d]);
-  const TrainingData data(samples, {mirror(samples)}, {1}, torch::kCPU);
+  const TrainingData data(samples, {mirror(samples)}, {1}, {}, torch::kCPU);
   EXPECT_EQ(data.symmetries_of(0), std::vector{0}) << "its image is design 1, which is held out";
   EXPECT_EQ(data.symmetries_of(2), (std::vector{0, 1})) << "no further out than the data are";
   EXPECT_EQ(data.symmetries_of(3), (std::vector{0, 1}));
@@ -85,11 +85,11 @@ TEST(TrainingData, UsesNoImageThatIsHeldOutOrFarOutOfTheBox) {
 
   auto shifted = mirror(samples);
   shifted.constant[0] += 0.3 * (samples.upper[0] - samples.lower[0]);
-  const TrainingData further(samples, {shifted}, {}, torch::kCPU);
+  const TrainingData further(samples, {shifted}, {}, {}, torch::kCPU);
   EXPECT_EQ(further.symmetries_of(1), (std::vector{0, 1})) << "at 0.9";
   EXPECT_EQ(further.symmetries_of(4), (std::vector{0, 1})) << "at 0.6";
   place(samples, 4, -0.6);
-  EXPECT_EQ(TrainingData(samples, {shifted}, {}, torch::kCPU).symmetries_of(4), std::vector{0}) << "at 1.2";
+  EXPECT_EQ(TrainingData(samples, {shifted}, {}, {}, torch::kCPU).symmetries_of(4), std::vector{0}) << "at 1.2";
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ export type DesignProfile = Schemas["DesignProfile"];
 export type DesignCandidate = Schemas["DesignCandidate"];
 export type DesignStop = Schemas["DesignStop"];
 export type PartialDesign = Schemas["PartialDesign"];
+export type Polish = NonNullable<Schemas["Polish"]>;
 export type Verified = NonNullable<DesignProfile["verified"]>;
 export type ProfileRequest = Schemas["ProfileRequest"];
 export type Profile = Schemas["ProfileResponse"];

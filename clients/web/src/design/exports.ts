@@ -8,11 +8,11 @@ import { isPolar } from "./state";
 export function csvOf(shown: Shown, before: Curve | null, verified: Curve | null): string {
   const x = isPolar(shown.task) ? "direction_rad" : "strain";
   const unit = shown.task === "poisson" ? "" : "_MPa";
-  const rows = [[x, `target${unit}`, `achieved${unit}`, `before${unit}`, "reached", "in_range"].join(",")];
+  const rows = [[x, `target${unit}`, `achieved${unit}`, `error_bar${unit}`, `before${unit}`, "reached", "in_range"].join(",")];
   const aligned = before && before.x.length === shown.x.length && before.x.every((value, k) => value === shown.x[k]);
   shown.x.forEach((value, k) => {
     const earlier = aligned ? before.y[k] : null;
-    rows.push([value, shown.target[k], shown.achieved[k] ?? "", earlier ?? "", shown.reached[k], shown.inRange[k]].join(","));
+    rows.push([value, shown.target[k], shown.achieved[k] ?? "", shown.errorBar?.[k] ?? "", earlier ?? "", shown.reached[k], shown.inRange[k]].join(","));
   });
   if (verified) {
     rows.push("", [x, `simulated${unit}`].join(","));
@@ -23,7 +23,7 @@ export function csvOf(shown: Shown, before: Curve | null, verified: Curve | null
 
 /** Everything that makes the design again, and what came out. */
 export function jsonOf(state: DesignState, shown: Shown, verified: Curve | null): string {
-  const { found, model, x, target, achieved, reached, inRange, deviation, largest, stopped, message } = shown;
+  const { found, model, x, target, achieved, errorBar, reached, inRange, deviation, largest, stopped, message } = shown;
   const document = {
     task: state.task,
     ...(isPolar(state.task) ? { strain: state.strain } : { direction: state.direction }),
@@ -31,7 +31,7 @@ export function jsonOf(state: DesignState, shown: Shown, verified: Curve | null)
     target: { control_points: state.points, interpolation: state.interpolation },
     design: { family: found.family, model, parameters: found.parameters, by_hand: shown.byHand, stopped, message },
     error: { relative_rms: deviation, max: largest },
-    profile: { x, target, achieved, reached, in_range: inRange },
+    profile: { x, target, achieved, error_bar: errorBar, reached, in_range: inRange },
     verified: verified && { x: verified.x, y: verified.y },
   };
   return `${JSON.stringify(document, null, 2)}\n`;

@@ -177,7 +177,7 @@ export class PlotPanel {
     replace(
       this.legend,
       entry(true, "target", "Target"),
-      entry(view.achieved !== null, "achieved", view.doubt ? "Design, with the model’s mean error" : "Design"),
+      entry(view.achieved !== null, "achieved", view.doubt ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
       entry(view.before !== null, "before", "Before"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
       entry(view.envelope !== null, "reachable", `Within reach of ${view.envelope?.family ?? ""}`, "M0 0H22V10H0Z"),

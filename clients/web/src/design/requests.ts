@@ -74,6 +74,16 @@ export function verificationRequest(state: DesignState, found: Found): DesignReq
   };
 }
 
+/** The design shown, corrected by simulations until they follow the target; held parameters stay. */
+export function polishRequest(state: DesignState, found: Found): DesignRequest {
+  return {
+    ...designRequest({ ...state, family: found.family, found }, "search", "unused"),
+    effects: { multi_start: "off", envelope: "off", polish: "on" },
+    accuracy: { verified_samples: VERIFIED_SAMPLES },
+    session: undefined,
+  };
+}
+
 /** Simulation of the deformed patch: rest to the largest strain, then back to the smallest. */
 export function patchRequest(state: DesignState, found: Found): SimulationRequest {
   const strains = isPolar(state.task) ? [state.strain] : state.points.map((point) => point[0]);

@@ -59,7 +59,7 @@ function notes(shown: Shown): HTMLElement[] {
   const outside = shown.inRange.filter((inside) => !inside).length;
   const words: string[] = [];
   if (shown.message) words.push(shown.message);
-  if (outside > 0) words.push(`${outside} of ${shown.inRange.length} samples lie outside of what the model was trained on: verify them.`);
+  if (outside > 0) words.push(`${outside} of ${shown.inRange.length} samples are beyond what the model can be trusted with: verify them.`);
   return words.map((sentence) => h("p", { class: "note" }, sentence));
 }
 

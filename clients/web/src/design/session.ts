@@ -299,9 +299,9 @@ export class DesignSession {
     this.activity.set({ kind: "busy", effort: "search", progress: job.progress, stage: job.stage });
     const { partial } = job;
     const shown = this.shown.get();
-    if (!partial || !shown || !sameProfile(shown, state)) return;
+    if (!partial || "round" in partial || !shown || !sameProfile(shown, state)) return;
     const { family, parameters } = partial;
-    this.shown.set({ ...shown, found: { family, parameters }, x: partial.x, achieved: partial.achieved, provisional: true });
+    this.shown.set({ ...shown, found: { family, parameters }, x: partial.x, achieved: partial.achieved, errorBar: null, provisional: true });
   }
 
   private accept(answer: DesignAnswer, asked: DesignState): void {

@@ -18,6 +18,8 @@ export interface Shown extends ProfileKind {
   readonly model: string;
   readonly x: readonly number[];
   readonly achieved: readonly (number | null)[];
+  /** The simulated value differs by no more, in 90 of 100 cases; null where nobody can say. */
+  readonly errorBar: readonly (number | null)[] | null;
   readonly target: readonly number[];
   readonly inRange: readonly boolean[];
   /** Which samples of the target are reached. */
@@ -57,12 +59,15 @@ export function expectedDeviation({ error, model_error }: DesignCandidate): numb
   return Math.hypot(error.relative_rms, model_error ?? 1);
 }
 
-/** Where a simulation is to be expected: a model's mean error on either side of its profile. Null beside gaps. */
-export function errorBand({ x, achieved }: Shown, error: ModelError | null): Band | null {
-  if (!error) return null;
+/**
+ * Where a simulation is to be expected: the error bars on either side of the profile, or for a model without them its
+ * mean error. Null beside gaps.
+ */
+export function errorBand({ x, achieved, errorBar }: Shown, error: ModelError | null): Band | null {
   const known = achieved.filter((y): y is number => y !== null);
   if (known.length < achieved.length) return null;
-  const away = known.map((y) => Math.abs(y) * error.mean);
+  const away = errorBar ?? (error && known.map((y) => Math.abs(y) * error.mean));
+  if (!away || !away.every((bar): bar is number => bar !== null)) return null;
   return { x, lower: known.map((y, k) => y - away[k]), upper: known.map((y, k) => y + away[k]) };
 }
 
@@ -79,6 +84,7 @@ export function shownDesign(answer: DesignAnswer, asked: DesignState): Shown {
     model: answer.model,
     x: profile.x,
     achieved: profile.achieved,
+    errorBar: profile.error_bar,
     target: profile.target,
     inRange: profile.in_range,
     reached: profile.reached,
@@ -105,6 +111,7 @@ export function shownProfile(profile: Profile, asked: DesignState): Shown {
     model: profile.model,
     x: profile.x,
     achieved: profile.y,
+    errorBar: profile.error_bar,
     target,
     inRange: profile.in_range,
     reached: away.map((value) => value <= REACHED * size),

@@ -1,19 +1,26 @@
-// The design shown, simulated at its native scale: its curve, and its deformed patch. Ends where the design changes.
+// The design shown, simulated at its native scale: its curve, and its deformed patch; and corrected by simulations, if
+// the person wants it. Ends where the design changes.
 import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { DesignAnswer, Job, Simulation } from "../contract/types";
-import { patchRequest, verificationRequest } from "./requests";
+import type { DesignAnswer, DesignRequest, Job, Polish, Simulation } from "../contract/types";
+import { patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
 import type { Shown } from "./shown";
-import { isPolar, sameProfile } from "./state";
+import { type DesignState, type Found, isPolar, sameProfile } from "./state";
 
 export type VerificationState =
   | { kind: "none" }
-  | { kind: "running"; progress: number; stage: string }
+  | { kind: "running"; progress: number; stage: string; round: RoundSoFar | null }
   | { kind: "failed"; sentence: string }
-  | { kind: "done"; curve: Curve; deviation: number | null; seconds: number };
+  | { kind: "done"; curve: Curve; deviation: number | null; mesh: number | null; polish: Polish; seconds: number };
+
+/** The structure of a polish that was simulated last. */
+export interface RoundSoFar {
+  readonly count: number;
+  readonly error: number | null;
+}
 
 export type PatchState =
   | { kind: "none" }
@@ -37,14 +44,23 @@ export class Verification {
   }
 
   async verify(): Promise<void> {
+    await this.simulate(verificationRequest);
+  }
+
+  /** Corrects the design by simulations, and shows the corrected one. */
+  async polish(): Promise<void> {
+    await this.simulate(polishRequest);
+  }
+
+  private async simulate(requestOf: (state: DesignState, found: Found) => DesignRequest): Promise<void> {
     const shown = this.session.shown.get();
     if (!shown) return;
     this.clear();
     this.subject = shown;
     const { signal } = (this.running = new AbortController());
-    this.state.set({ kind: "running", progress: 0, stage: "" });
-    await this.simulateProfile(shown, signal);
-    if (!signal.aborted) await this.simulatePatch(shown, signal);
+    this.state.set({ kind: "running", progress: 0, stage: "", round: null });
+    const simulated = await this.simulateProfile(shown, requestOf(this.session.state.get(), shown.found), signal);
+    if (!signal.aborted) await this.simulatePatch(simulated, signal);
   }
 
   /** Stops what runs and forgets what was simulated. */
@@ -56,19 +72,43 @@ export class Verification {
     this.patch.set({ kind: "none" });
   }
 
-  private async simulateProfile(shown: Shown, signal: AbortSignal): Promise<void> {
-    const onProgress = (job: Job) => {
-      if (!signal.aborted) this.state.set({ kind: "running", progress: job.progress, stage: job.stage });
+  /** The design that was simulated in the end. */
+  private async simulateProfile(shown: Shown, request: DesignRequest, signal: AbortSignal): Promise<Shown> {
+    let count = 0;
+    let told = "";
+    const onProgress = ({ progress, stage, partial }: Job) => {
+      if (signal.aborted) return;
+      let round: RoundSoFar | null = null;
+      if (partial && "round" in partial) {
+        // The same event may come again, with another progress.
+        const key = partial.round.parameters.join();
+        if (key !== told) ++count;
+        told = key;
+        round = { count, error: partial.round.target_error };
+      }
+      this.state.set({ kind: "running", progress, stage, round });
     };
     try {
-      const request = verificationRequest(this.session.state.get(), shown.found);
       const answer = await runJob<DesignAnswer>(this.client, "/v1/designs", request, { signal, onProgress });
       const { verified } = answer.profile;
-      if (signal.aborted) return;
-      if (!verified) this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
-      else this.state.set({ kind: "done", curve: verified, deviation: verified.relative_rms ?? null, seconds: answer.cost.seconds });
+      if (signal.aborted) return shown;
+      if (!verified || !answer.polish) {
+        this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
+        return shown;
+      }
+      const found = { family: answer.family, parameters: answer.parameters };
+      const simulated = { ...shown, found };
+      const changed = !sameDesign(simulated, shown);
+      this.subject = simulated;
+      this.state.set({
+        kind: "done", curve: verified, deviation: verified.relative_rms ?? null, mesh: verified.discretization_error,
+        polish: answer.polish, seconds: answer.cost.seconds,
+      });
+      if (changed) this.session.setParameters(answer.parameters, true);
+      return simulated;
     } catch (error) {
       if (!isAbort(error) && !signal.aborted) this.state.set({ kind: "failed", sentence: explain(error) });
+      return shown;
     }
   }
 

@@ -8,13 +8,16 @@ import type { PatchState, Verification, VerificationState } from "./verification
 
 export function verificationCard(session: DesignSession, verification: Verification): HTMLElement {
   const verify = button("Verify by simulation", () => void verification.verify(), { kind: "primary" });
+  const polish = button("Polish by simulation", () => void verification.polish(), {
+    title: "Corrects the parameters until the simulation, not the model alone, follows the target",
+  });
   const cancel = button("Cancel", () => verification.clear());
   const words = h("p", { class: "muted" });
   const bar = h("progress", { max: 1, "aria-label": "Progress of the simulation" });
   const view = new PatchView();
   const patchWords = h("p", { class: "muted" });
 
-  session.shown.watch((shown) => (verify.disabled = !shown));
+  session.shown.watch((shown) => (verify.disabled = polish.disabled = !shown));
   verification.state.watch((state) => {
     words.textContent = sentence(state);
     words.className = state.kind === "failed" ? "note" : state.kind === "done" ? "verdict" : "muted";
@@ -34,6 +37,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
     const progress = progressOf(state, patch);
     bar.hidden = cancel.hidden = progress === null;
     verify.hidden = progress !== null || state.kind === "done";
+    polish.hidden = progress !== null || (state.kind === "done" && state.polish.rounds.length > 1);
     if (progress !== null) bar.value = progress;
     view.element.hidden = patch.kind !== "done";
     patchWords.hidden = patchWords.textContent === "";
@@ -41,7 +45,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
 
   show();
   const section = h("section", { class: "card verification", "aria-label": "Verification" });
-  replace(section, h("h2", {}, "Verification"), words, h("div", { class: "row" }, verify, bar, cancel), view.element, patchWords);
+  replace(section, h("h2", {}, "Verification"), words, h("div", { class: "row" }, verify, polish, bar, cancel), view.element, patchWords);
   return section;
 }
 
@@ -53,11 +57,24 @@ function progressOf(state: VerificationState, patch: PatchState): number | null 
 function sentence(state: VerificationState): string {
   switch (state.kind) {
     case "none": return "The curve comes from a neural model. A simulation of the whole structure takes seconds to minutes.";
-    case "running": return state.stage ? `Simulating: ${state.stage}` : "Simulating the structure";
+    case "running":
+      if (state.round) return `Round ${state.round.count}: ${state.round.error === null ? "not simulated" : `${percent(state.round.error)} from the target`}`;
+      return state.stage ? `Simulating: ${state.stage}` : "Simulating the structure";
     case "failed": return state.sentence;
-    case "done":
-      return state.deviation === null
-        ? `Simulated in ${seconds(state.seconds)}.`
-        : `The simulation and the model differ by ${percent(state.deviation)} (rms). Simulated in ${seconds(state.seconds)}.`;
+    case "done": return doneSentence(state);
   }
+}
+
+function doneSentence({ deviation, mesh, polish, seconds: elapsed }: Extract<VerificationState, { kind: "done" }>): string {
+  const words: string[] = [];
+  const first = polish.rounds[0]?.target_error ?? null;
+  if (polish.target_error !== null) {
+    const rounds = polish.rounds.length - 1;
+    const before = rounds > 0 && first !== null ? `, ${percent(first)} before it was polished in ${rounds} ${rounds === 1 ? "round" : "rounds"}` : "";
+    words.push(`The simulation is ${percent(polish.target_error)} from the target (rms)${before}.`);
+  }
+  if (deviation !== null) words.push(`The simulation and the model differ by ${percent(deviation)} (rms).`);
+  if (mesh !== null) words.push(`A coarser mesh changes the simulation by ${percent(mesh)}: its own error is less.`);
+  words.push(`Simulated in ${seconds(elapsed)}.`);
+  return words.join(" ");
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -29,7 +30,7 @@ FoundDesigns found() {
   profile.in_range = {1, 0};
   profile.reached = {0, 1};
   design.profiles = {profile};
-  return {"", {{"IH29", "ih29", "aa"}, {"IH21", "ih21", "bb"}}, {design}, std::nullopt};
+  return {"", {{"IH29", "ih29", "aa"}, {"IH21", "ih21", "bb"}}, {{design, 0.125}}, std::nullopt};
 }
 
 json written(const FoundDesigns& designs, bool several = false) {
@@ -46,6 +47,8 @@ TEST(DesignAnswers, NameTheModelOfTheBestDesign) {
   EXPECT_EQ(answer["parameters"], (json{0.125, 0.5}));
   EXPECT_EQ(answer["ranking"][0]["family"], "IH21");
   EXPECT_TRUE(answer["ranking"][0]["model_error"].is_null()) << "nobody measured it";
+  EXPECT_EQ(answer["ranking"][0]["simulated_error"], 0.125);
+  EXPECT_TRUE(answer["polish"].is_null()) << "nobody asked for it";
   EXPECT_EQ(answer["structure"]["stl"], "/v1/families/IH21/structure?parameters=0.125,0.5&format=stl");
   EXPECT_EQ(answer["accuracy"]["residual"], 1e-11);
   EXPECT_EQ(answer["error"], (json{{"relative_rms", 0.25}, {"max", 2.0}}));
@@ -53,7 +56,7 @@ TEST(DesignAnswers, NameTheModelOfTheBestDesign) {
 
 TEST(DesignAnswers, SayHowFarTheModelIsOff) {
   auto designs = found();
-  designs.ranking[0].model_error = 0.0625;
+  designs.ranking[0].design.model_error = 0.0625;
   EXPECT_EQ(written(designs)["ranking"][0]["model_error"], 0.0625);
 }
 
@@ -67,12 +70,81 @@ TEST(DesignAnswers, HaveNullWhereThereIsNoEquilibrium) {
   EXPECT_EQ(profile["in_range"], (json{true, false}));
 }
 
+TEST(DesignAnswers, HaveErrorBarsWhereTheModelHas) {
+  auto designs = found();
+  EXPECT_TRUE(written(designs)["profile"]["error_bar"].is_null());
+  designs.ranking[0].design.profiles[0].error_bar = Eigen::Vector2d(0.25, missing);
+  const auto bars = written(designs)["profile"]["error_bar"];
+  EXPECT_EQ(bars[0], 0.25);
+  EXPECT_TRUE(bars[1].is_null());
+}
+
+design::Polished polished() {
+  design::Polished polished;
+  polished.parameters = Eigen::Vector2d(0.125, 0.5);
+  design::SampledTarget target;
+  target.samples.x = {0, 1, 2};
+  target.y = Eigen::Vector3d(3, 4, 5);
+  target.weights = Eigen::Vector3d(0.25, 0.5, 0.25);
+  target.bands = Eigen::Vector3d::Zero();
+  target.scale = 2;
+  polished.targets = {target};
+  polished.simulated = {Eigen::Vector3d(3, 4, 6)};
+  polished.model = {Eigen::Vector3d(3, 5, 6)};
+  polished.target_error = 0.25;
+  polished.rounds = {{design::Proposal::search, Eigen::Vector2d(0.25, 0.5), std::nullopt, false, "No path.", 2},
+                     {design::Proposal::step, Eigen::Vector2d(0.125, 0.5), 0.25, true, "", 3}};
+  polished.stopped = design::PolishStop::time_limit;
+  return polished;
+}
+
+TEST(DesignAnswers, CompareTheSimulationWithModelAndTarget) {
+  auto designs = found();
+  designs.verification = polished();
+  const auto verified = written(designs)["profile"]["verified"];
+  EXPECT_NEAR(verified["relative_rms"].get<double>(), 1 / std::sqrt(61.0), 1e-15);
+  EXPECT_EQ(verified["target_error"], 0.25);
+  EXPECT_TRUE(verified["discretization_error"].is_null()) << "nobody estimated it";
+  EXPECT_EQ(verified["target"], (json{3.0, 4.0, 5.0}));
+  EXPECT_EQ(verified["model"], (json{3.0, 5.0, 6.0}));
+}
+
+TEST(DesignAnswers, SayWhatTheMeshOfTheSimulationErrsBy) {
+  auto designs = found();
+  designs.verification = polished();
+  designs.discretization_error = {0.0078125};
+  EXPECT_EQ(written(designs)["profile"]["verified"]["discretization_error"], 0.0078125);
+  designs.discretization_error = {std::nullopt};
+  EXPECT_TRUE(written(designs)["profile"]["verified"]["discretization_error"].is_null());
+}
+
 TEST(DesignAnswers, CompareWithTheSimulationWhereItGotTo) {
   auto designs = found();
-  designs.verified = VerifiedProfile{{0, 1, 2}, Eigen::Vector3d(3, 4, missing), Eigen::Vector3d(3, 5, 6)};
+  designs.verification = polished();
+  designs.verification->simulated = {Eigen::Vector3d(3, 4, missing)};
   const auto verified = written(designs)["profile"]["verified"];
   EXPECT_NEAR(verified["relative_rms"].get<double>(), 0.2, 1e-15);
-  EXPECT_TRUE(verified["y"][2].is_null());
+  EXPECT_TRUE(verified["y"][2].is_null() && verified["target_error"].is_null());
+}
+
+TEST(DesignAnswers, TellWhatEachRoundOfPolishCameTo) {
+  auto designs = found();
+  designs.verification = polished();
+  const auto polish = written(designs)["polish"];
+  EXPECT_EQ(polish["target_error"], 0.25);
+  EXPECT_EQ(polish["stopped"], "time_limit");
+  EXPECT_EQ(polish["rounds"][0], (json{{"proposal", "search"},
+                                       {"parameters", {0.25, 0.5}},
+                                       {"target_error", nullptr},
+                                       {"accepted", false},
+                                       {"reason", "No path."},
+                                       {"seconds", 2.0}}));
+  EXPECT_EQ(polish["rounds"][1]["target_error"], 0.25);
+  EXPECT_EQ(polish["rounds"][1]["proposal"], "step");
+  const auto partial = json::parse(write_partial_round("heel", {"IH21", "ih21", "bb"}, polished().rounds[0]));
+  EXPECT_EQ(partial["round"], polish["rounds"][0]);
+  EXPECT_EQ(partial["name"], "heel");
+  EXPECT_EQ(partial["family"], "IH21");
 }
 
 TEST(DesignAnswers, StandInRegionsWithTheirNames) {

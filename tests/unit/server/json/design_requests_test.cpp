@@ -30,7 +30,8 @@ TEST(DesignRequests, ReadEveryField) {
           "samples":24,"weight":3,"also":[{"task":"stress_strain","direction":0.5,
           "target":{"control_points":[[-0.1,-1],[0.2,2]]}}],"model":"ih21","initial":[0.15,0.6],"fixed":[null,0.6],
           "verify":true,"accuracy":{"tolerance":1e-4,"equilibrium_tolerance":1e-8,"max_iterations":9,"starts":3,
-          "candidates":40,"verified_samples":5},"effects":{"multi_start":"on","envelope":"off"},"session":"tab-1",
+          "candidates":40,"verified_samples":5,"polish_tolerance":0.01,"polish_rounds":7,"polish_seconds":50},
+          "effects":{"multi_start":"on","envelope":"off","polish":"on"},"session":"tab-1",
           "deadline":9})",
       {});
   EXPECT_FALSE(request.several);
@@ -53,7 +54,12 @@ TEST(DesignRequests, ReadEveryField) {
   EXPECT_EQ(*region.problem.initial, Eigen::Vector2d(0.15, 0.6));
   EXPECT_EQ(region.problem.fixed, (std::vector<std::optional<double>>{std::nullopt, 0.6}));
   EXPECT_TRUE(request.verify);
-  EXPECT_EQ(request.verified_samples, 5);
+  EXPECT_EQ(request.verification.polish, Switch::on);
+  EXPECT_EQ(request.verification.options.samples, 5);
+  EXPECT_EQ(request.verification.options.tolerance, 0.01);
+  EXPECT_EQ(request.verification.options.max_rounds, 7);
+  EXPECT_EQ(request.verification.options.max_seconds, 50);
+  EXPECT_EQ(request.verification.options.equilibrium_tolerance, 1e-8);
   EXPECT_EQ(request.options.tolerance, 1e-4);
   EXPECT_EQ(request.options.equilibrium_tolerance, 1e-8);
   EXPECT_EQ(request.options.max_iterations, 9);
@@ -63,6 +69,17 @@ TEST(DesignRequests, ReadEveryField) {
   EXPECT_EQ(request.options.envelope, Switch::off);
   EXPECT_EQ(request.session, "tab-1");
   EXPECT_EQ(request.deadline, 9);
+}
+
+TEST(DesignRequests, SimulateWhereTheyAreVerifiedOrPolishedAtAllEvents) {
+  const auto simulates = [](const std::string& more) {
+    return parse_design("{\"task\":\"stiffness\"," + target + more + "}", {}).simulates();
+  };
+  EXPECT_FALSE(simulates(""));
+  EXPECT_FALSE(simulates(",\"effects\":{\"polish\":\"automatic\"}"));
+  EXPECT_TRUE(simulates(",\"verify\":true"));
+  EXPECT_TRUE(simulates(",\"verify\":true,\"effects\":{\"polish\":\"off\"}"));
+  EXPECT_TRUE(simulates(",\"effects\":{\"polish\":\"on\"}"));
 }
 
 TEST(DesignRequests, ReadRegions) {

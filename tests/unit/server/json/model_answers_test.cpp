@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "support/test_calibration.h"
 #include "support/test_model.h"
 
 namespace supple::json {
@@ -26,7 +27,7 @@ neural::Evaluation two_strains() {
 }
 
 json evaluation(neural::Order order) {
-  return json::parse(write_evaluation(version, order, two_strains(), {1, 0}, {}));
+  return json::parse(write_evaluation(version, order, two_strains(), {{true, {}}, {}}, false, {}));
 }
 
 TEST(ModelAnswers, DescribeAModel) {
@@ -46,6 +47,17 @@ TEST(ModelAnswers, DescribeAModel) {
   EXPECT_EQ(answer["network"]["weights"], model.network.weights());
   EXPECT_EQ(answer["provenance"]["options"], (json{{"kind", "random"}}));
   EXPECT_EQ(answer["material"], (json{{"youngs_modulus", 26.0}, {"poisson_ratio", 0.48}}));
+}
+
+TEST(ModelAnswers, SayWhatErrorBarsAreWorth) {
+  auto model = test::test_model("ih21", 1);
+  EXPECT_TRUE(json::parse(write_model(model, "abc"))["error_bars"].is_null());
+  model.calibration = test::test_calibration(2);
+  const auto bars = json::parse(write_model(model, "abc"))["error_bars"];
+  EXPECT_EQ(bars["level"], 0.9);
+  EXPECT_EQ(bars["stress"],
+            (json{{"trusted", 0.05}, {"median", 0.02}, {"share", 0.91}, {"designs", 12}, {"samples", 480}}));
+  EXPECT_EQ(bars["poisson"]["trusted"], 0.1);
 }
 
 TEST(ModelAnswers, EscapeWhatFilesCallTheirOptions) {
@@ -72,15 +84,25 @@ TEST(EvaluationAnswers, HoldWhatWasAskedForAndNoMore) {
   const auto stresses = evaluation(neural::Order::stress);
   EXPECT_EQ(stresses["stress"], (json{{1, 2, 3}, {4, 5, 6}}));
   EXPECT_FALSE(stresses.contains("tangent"));
+  EXPECT_TRUE(stresses["stress_error_bar"].is_null() && !energies.contains("stress_error_bar"));
   const auto tangents = evaluation(neural::Order::tangent);
   EXPECT_EQ(tangents["tangent"][0], (json{{11, 12, 13}, {12, 22, 23}, {13, 23, 33}}));
+}
+
+TEST(EvaluationAnswers, HaveErrorBarsInTheNormOfTheStress) {
+  auto values = two_strains();
+  values.stress.col(0) << 2, 3, 6;
+  const auto answer =
+      json::parse(write_evaluation(version, neural::Order::stress, values, {{true, 0.5}, {}}, true, {}));
+  EXPECT_EQ(answer["stress_error_bar"][0], 3.5);
+  EXPECT_TRUE(answer["stress_error_bar"][1].is_null());
 }
 
 TEST(EvaluationAnswers, RefuseAnEnergyThatIsNotFinite) {
   auto values = two_strains();
   values.energy_density[1] = none;
   try {
-    write_evaluation(version, neural::Order::energy, values, {1, 1}, {});
+    write_evaluation(version, neural::Order::energy, values, {{}, {}}, false, {});
     FAIL() << "nothing was thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), "computation.non_finite");
@@ -97,7 +119,10 @@ TEST(UniaxialAnswers, HalveTheShearAndReportTheWorstResidual) {
   UniaxialRequest request;
   request.parameters = {0.15, 0.65};
   request.direction = 0.5;
-  const auto answer = json::parse(write_uniaxial(version, request, states, {1, 0}, {}));
+  states[0].directional_stress = -8;
+  const auto answer = json::parse(write_uniaxial(version, request, states, {{true, 0.125}, {}}, {}));
+  EXPECT_EQ(answer["states"][0]["error_bar"], 1.0) << "a share of the stress, in MPa";
+  EXPECT_TRUE(answer["states"][1]["error_bar"].is_null());
   EXPECT_EQ(answer["parameters"], (json{0.15, 0.65}));
   EXPECT_EQ(answer["direction"], 0.5);
   EXPECT_EQ(answer["states"][0]["green_strain"], (json{0.1, 0.2, 0.25})) << "tensor components";
@@ -113,7 +138,7 @@ TEST(UniaxialAnswers, SayNullWhereAStateHasNoResidual) {
   std::vector<neural::UniaxialState> states(2);
   states[0].residual = none;
   states[1].residual = 1e-3;
-  const auto answer = json::parse(write_uniaxial(version, {}, states, {0, 0}, {}));
+  const auto answer = json::parse(write_uniaxial(version, {}, states, {{}, {}}, {}));
   EXPECT_TRUE(answer["states"][0]["residual"].is_null());
   EXPECT_TRUE(answer["accuracy"]["residual"].is_null());
 }

@@ -30,6 +30,9 @@ struct DesignProblem {
   std::optional<Eigen::VectorXd> initial;  ///< where to start, within the bounds
   /// Values of parameters that are held, none for those to be found; empty, or one entry for each parameter.
   std::vector<std::optional<double>> fixed;
+  /// What is added to the model's values before they are compared, an entry for each sample of each target; empty:
+  /// nothing. Profiles are told without it.
+  std::vector<Eigen::VectorXd> corrections{};
 };
 
 struct DesignOptions {
@@ -68,6 +71,7 @@ struct DesignProfile {
   Eigen::VectorXd initial;  ///< at the first starting point; NaN where it has no equilibrium
   Eigen::VectorXd achieved;
   std::vector<std::uint8_t> in_range;  ///< of the design found
+  Eigen::VectorXd error_bar;           ///< of `achieved`, as Profile::error_bar
   std::vector<std::uint8_t> reached;   ///< within the band, or within 1 % of the target's scale beyond it
   Eigen::VectorXd lowest;              ///< over the candidates; empty where they were not evaluated
   Eigen::VectorXd highest;
@@ -78,9 +82,10 @@ struct Design {
   Eigen::VectorXd parameters;
   std::vector<DesignProfile> profiles;  ///< one for each target
   DesignError error;
-  bool reached = false;  ///< all samples of all targets
-  int iterations = 0;    ///< over all starting points
-  int starts = 0;        ///< that were followed
+  /// All samples of all targets: by the simulation where one has got to all of them, by the model otherwise.
+  bool reached = false;
+  int iterations = 0;  ///< over all starting points
+  int starts = 0;      ///< that were followed
   /// Strains at which the network was evaluated for the search, those of the candidates not counted.
   std::int64_t evaluations = 0;
   DesignStop stopped = DesignStop::converged;

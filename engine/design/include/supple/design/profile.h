@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -46,12 +47,16 @@ double green_strain(double strain, StrainMeasure measure);
 /// A profile by a network, an entry for each sample.
 struct Profile {
   Eigen::VectorXd y;                   ///< MPa or dimensionless; NaN where no equilibrium was found
-  std::vector<std::uint8_t> in_range;  ///< as neural::in_range
-  double residual = 0;                 ///< largest of the equilibria found
+  std::vector<std::uint8_t> in_range;  ///< as neural::Trust
+  /// Which the simulated value differs from y by no more, with the share neural::Calibration::level; in the unit of y,
+  /// NaN where nobody can say. Empty where the model has no calibration.
+  Eigen::VectorXd error_bar;
+  double residual = 0;  ///< largest of the equilibria found
 };
 
 /// Evaluates a profile; each sample from rest. Throws "model.parameter_count", "model.invalid_load" for strains beyond
-/// strain_limits. About 5 network evaluations with tangents for each sample and 0.1 of strain. Bills the stage
+/// strain_limits. About 5 network evaluations with tangents for each sample and 0.1 of strain; error bars cost
+/// one more and 2 microseconds a sample. Bills the stage
 /// "equilibria" and the quantity "evaluations".
 Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& evaluator,
                          std::span<const double> parameters, const ProfileSamples& samples,
@@ -62,5 +67,10 @@ Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& ev
 /// simulations.
 double profile_value(Task task, StrainMeasure measure, double direction, double strain, const Eigen::Vector3d& stress,
                      const Eigen::Matrix3d& tangent);
+
+/// A profile of the structure with these parameters at its native scale, an entry for each sample, NaN where the
+/// simulation did not get there. An Error of a tiling or a simulation refuses the parameters.
+using SimulateProfile = std::function<Eigen::VectorXd(const Eigen::VectorXd& parameters, const ProfileSamples& samples,
+                                                      const Execution& execution)>;
 
 }  // namespace supple::design

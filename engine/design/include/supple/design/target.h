@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "supple/design/profile.h"
@@ -32,6 +34,10 @@ struct SampledTarget {
   double scale = 1;  ///< weighted root mean square of y, at least least_scale of the task
   /// Deviations of a profile beyond the bands, signed, in the unit of y.
   Eigen::VectorXd deviations(const Eigen::VectorXd& profile) const;
+  /// Their weighted root mean square over the scale; none where a value of the profile is missing (NaN).
+  std::optional<double> relative_rms(const Eigen::VectorXd& profile) const;
+  /// For each sample whether a profile is within its band, or within 1 % of the scale beyond it.
+  std::vector<std::uint8_t> reached(const Eigen::VectorXd& profile) const;
 };
 
 /// What deviations are measured against at least, where a target is small: of Poisson's ratio 0.1, of stresses and

@@ -66,6 +66,8 @@ class Hdf5Reader {
 
   /// Of the members of a group, in the order in which they were written.
   std::vector<std::string> members(const std::string& group) const;
+  /// Whether the file itself has a member of this name (no path).
+  bool contains(const std::string& name) const;
   /// What form a member has: a single integer, real or text, or a list of reals.
   Kind kind(const std::string& name) const;
   /// The column's values; it must have `components` columns as in Hdf5Writer::column and, unless `rows` < 0, as many

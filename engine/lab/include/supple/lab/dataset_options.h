@@ -36,6 +36,10 @@ struct DatasetOptions {
   microscale::SimulationOptions simulation{};
 };
 
+/// Of a data set of stiffnesses at rest: 20,000 designs of a family that is still to be named, a state each, without
+/// the effects that a load calls for.
+DatasetOptions rest_options();
+
 /// Throws "dataset.invalid_option" (each option named, with its limits) and what tiling::family throws.
 void check(const DatasetOptions& options);
 
@@ -45,8 +49,5 @@ dataset::Recipe recipe_of(const DatasetOptions& options);
 DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection);
 
 dataset::Selection selection_of(const DatasetOptions& options);
-
-/// The version of the engine, with the commit if it was built from one.
-std::string engine_version();
 
 }  // namespace supple::lab

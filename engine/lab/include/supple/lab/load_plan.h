@@ -30,7 +30,9 @@ enum class PlanKind {
   sequence,  ///< a few paths for each design, as above
   /// Every direction k pi/15 with uniaxial stretches 1.001 + 0.016 k up to 1.5 and 0.999 - 0.016 k down to 0.7, and
   /// biaxial ones in steps of 0.03 from 0.9 to 1.17, each from rest: the grid of published data sets.
-  grid
+  grid,
+  /// The state of rest alone, for its tangent: one linear solve.
+  rest
 };
 
 struct LoadPlanOptions {

@@ -94,7 +94,9 @@ struct State {
   double residual = 0;  ///< |g| / f as in SimulationOptions::tolerance
   int iterations = 0;   ///< Newton iterations since the previous state
   int load_steps = 0;   ///< internal load steps since the previous state
-  int contacts = 0;     ///< pairs of boundary points and sides within the barrier's range
+  /// Pairs of boundary points and sides within the barrier's range, which was made less until they touch or it no
+  /// longer matters.
+  int contacts = 0;
   /// mm, between sides that are not neighbours; infinity where none was looked for
   double smallest_gap = std::numeric_limits<double>::infinity();
   bool stable = true;  ///< positive definite against all modes of the patch, two-by-two ones included if looked for

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "supple/neural/calibration.h"
 #include "supple/neural/network.h"
 
 namespace supple::neural {
@@ -61,6 +62,7 @@ struct Model {
   Provenance provenance;
   std::optional<SplitErrors> design_split;  ///< test designs appear in no training row
   std::optional<SplitErrors> row_split;     ///< rows of known designs, as the thesis tests
+  std::optional<Calibration> calibration;   ///< error bars of its answers; none where nobody made them
 };
 
 /// Mean relative error of the stress on designs that training has not seen; none where nobody measured it.

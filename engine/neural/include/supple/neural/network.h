@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/neural/tile_features.h"
+
 namespace supple::neural {
 
 /// Nonlinearity of every hidden layer: z sigmoid(z), tanh z or sin z.
@@ -27,6 +29,18 @@ enum class EnergyForm {
 std::string_view to_string(EnergyForm form);
 EnergyForm energy_form_of(std::string_view name);
 
+/// What rules the stiffness at rest in the sum of squares.
+enum class RestForm {
+  /// Residuals as above: the slope N'(p, 0) adds to L^T / sqrt(s).
+  free,
+  /// r_k = N_k(p, e) - N_k(p, 0) - N_k'(p, 0) e + y_k: the Hessian of Phi at rest is L L^T and nothing else, so that a
+  /// better L is a better stiffness.
+  exact,
+};
+std::string_view to_string(RestForm form);
+/// Throws "model.unknown_form", which lists the known ones.
+RestForm rest_form_of(std::string_view name);
+
 struct NetworkShape {
   int parameters = 1;        ///< 1 to max_parameters
   int width = 256;           ///< neurons of each hidden layer; a multiple of 8
@@ -34,14 +48,19 @@ struct NetworkShape {
   int parameter_layers = 3;  ///< of the branch that reads the parameters
   int trunk_layers = 5;      ///< hidden layers after both branches meet
   int residuals = 8;         ///< outputs of the sum of squares, at least 3; softplus has one
-  int stiffness_width = 64;  ///< neurons of the two hidden layers of the stiffness branch
+  int stiffness_width = 64;  ///< neurons of each hidden layer of the stiffness branch
+  int stiffness_layers = 2;  ///< hidden layers of the stiffness branch
+  int features = 0;          ///< of the tile, inputs of the parameter and stiffness branches beside the parameters
   Activation activation = Activation::swish;
   EnergyForm form = EnergyForm::sum_of_squares;
+  RestForm rest = RestForm::free;
 
   bool operator==(const NetworkShape&) const = default;
   int outputs() const { return form == EnergyForm::softplus ? 1 : residuals; }
   /// What the first layer of the strain branch reads: (y, e), or e alone.
   int strain_inputs() const { return form == EnergyForm::softplus ? 3 : 6; }
+  /// What the first layers of the parameter and stiffness branches read: parameters, then features.
+  int design_inputs() const { return parameters + features; }
 };
 inline constexpr int max_parameters = 8;
 
@@ -54,7 +73,7 @@ struct Layer {
 /// A smooth energy density of strain and tiling parameters: the two-branch network of the thesis (4.3.4), as plain
 /// numbers. Its first trunk layer reads (strain branch, parameter branch); the last layer of `trunk` and of `stiffness`
 /// is linear. The stiffness branch returns (log L11, log L22, log L33, L21/L11, L31/L11, L32/L22) of L in sqrt(MPa),
-/// and has a swish in its two hidden layers.
+/// and has a swish in its hidden layers.
 struct Network {
   NetworkShape shape;
   Eigen::VectorXd lower;  ///< bounds of the parameters, that become -1
@@ -63,6 +82,7 @@ struct Network {
   std::vector<Layer> parameter;
   std::vector<Layer> trunk;
   std::vector<Layer> stiffness;  ///< empty for softplus
+  TileGeometry geometry;         ///< the tile and `shape.features` features of it; unused where there are none
   /// Maps T of strains e that leave the family's energies as they are: rotations of the structure onto itself, without
   /// the identity. The energy density is the mean of Phi(p, e) and all Phi(p, T e), so that it has their symmetry
   /// exactly, at as many more evaluations. Empty: Phi(p, e).

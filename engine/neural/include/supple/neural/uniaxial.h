@@ -12,10 +12,11 @@ namespace supple::neural {
 
 /// Equilibrium under a uniaxial load: the Green strain along d is given, and the stress does no work on the others.
 struct UniaxialState {
-  Eigen::Vector3d strain = Eigen::Vector3d::Zero();  ///< E_xx, E_yy, 2 E_xy
-  Eigen::Vector3d stress = Eigen::Vector3d::Zero();  ///< S_xx, S_yy, S_xy, MPa
-  double directional_stress = 0;                     ///< d^T S d, MPa
-  double energy_density = 0;                         ///< MPa
+  Eigen::Vector3d strain = Eigen::Vector3d::Zero();   ///< E_xx, E_yy, 2 E_xy
+  Eigen::Vector3d stress = Eigen::Vector3d::Zero();   ///< S_xx, S_yy, S_xy, MPa
+  double directional_stress = 0;                      ///< d^T S d, MPa
+  double energy_density = 0;                          ///< MPa
+  Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero();  ///< MPa
   bool converged = false;
   double residual = 0;  ///< the left side of UniaxialOptions::tolerance over what multiplies it on the right
   int iterations = 0;   ///< Newton iterations of this state

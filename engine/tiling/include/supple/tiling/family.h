@@ -55,7 +55,7 @@ const std::vector<Family>& families();
 const Family& family(std::string_view id);
 
 /// The checked tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (each parameter named, with
-/// its bounds and value) and "tiling.cell_too_small" (a tile of less than 15 % of the area of the default's, unless the
+/// its bounds and value) and "tiling.cell_too_small" (a tile of less than 10 % of the area of the default's, unless the
 /// family's holes may close). `box_margin` widens the bounds by that share of their width on either side: training data
 /// surround the box. A tile's outline may cross itself; see `make_structure`.
 Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin = 0);

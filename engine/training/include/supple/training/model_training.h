@@ -24,8 +24,13 @@ struct ModelOptions {
   SplitOptions split;
   TrainingOptions training;  ///< `shape.parameters` and `symmetries` are set from the data
   bool use_symmetry = true;
-  /// Trained on the same data with the same split: training goes on with its network, whose shape holds.
+  bool use_features = false;  ///< the tile's features are inputs; `training.shape.features` and `geometry` are set
+  /// Training goes on with its network, whose shape and features hold. It was trained on the same data with the same
+  /// split, unless it is foreign.
   std::optional<neural::Model> start;
+  /// `start` knows other data of the family: designs that are held out now may have trained it, as far as those data
+  /// have them too. Its network goes on under the new data's bounds.
+  bool start_is_foreign = false;
 };
 
 /// By name, as they are kept with a model: with them and the data the split is made again.
@@ -47,16 +52,18 @@ neural::Model symmetrized(neural::Model model, const ModelData& data);
 struct ModelResult {
   neural::Model model;  ///< with its measured errors
   std::vector<EpochReport> history;
+  std::optional<StiffnessReport> stiffness;
   int best_epoch = 0;
   bool finished = false;
 };
 
 /// Trains a network on data, as `train`, and measures it on designs and on rows that training has not seen. The
 /// data's name and `engine`, the version that trains, go into the provenance. Throws what `train` and `read_samples`
-/// throw, "tiling.family_not_found", and "training.different_data" where `start` was trained on other data or other
-/// designs of them: those that judge must not have trained it.
+/// throw, "tiling.family_not_found", "training.no_features" as `tile_geometry`, and "training.different_data" where
+/// `start` was trained on other data or other designs of them: those that judge must not have trained it.
 ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
-                        const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report);
+                        const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report,
+                        const std::function<void(const StiffnessReport&)>& stiffness_report = {});
 
 }  // namespace supple::training

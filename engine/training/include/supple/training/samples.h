@@ -19,10 +19,22 @@ struct SampledDesign {
 
 /// What a network is trained on and judged by.
 struct ModelData {
-  dataset::Dataset data;  ///< of the family's box, evenly: what errors are measured on is held out of it
+  dataset::Dataset data{};  ///< of the family's box, evenly: what errors are measured on is held out of it
   /// For training only, made for the same family and simulated in the same way, e.g. for a part of the box.
-  std::vector<dataset::Dataset> more;
+  std::vector<dataset::Dataset> more{};
+  /// Stiffnesses at rest (`supple-lab dataset rest`), of the same family and solid: for the stiffness branch alone.
+  std::vector<dataset::Dataset> rest{};
 };
+
+/// A design's tangent at rest, or next to it; MPa.
+struct RestStiffness {
+  std::vector<double> parameters;
+  Eigen::Matrix3d tangent;
+};
+
+/// The positive definite tangent next to rest of each design of `data.rest` that has one. Throws
+/// "dataset.different_recipe" (settings named) where they are of another family, solid or mesh.
+std::vector<RestStiffness> read_rest(const ModelData& data);
 
 /// Where a sample comes from: positions in the data set's designs, those of further data after them in their order, and
 /// in that design's rows.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "supple/design/inverse_design.h"
+#include "supple/design/verified_designs.h"
 #include "supple/json/answers.h"
 #include "supple/json/design_requests.h"
 
@@ -18,25 +18,21 @@ struct DesignModel {
   std::string sha256;
 };
 
-/// A profile by simulation beside the model's.
-struct VerifiedProfile {
-  std::vector<double> x;
-  Eigen::VectorXd simulated;  ///< NaN where the simulation did not get there
-  Eigen::VectorXd model;
-};
-
 /// One region's answer.
 struct FoundDesigns {
-  std::string name;                     ///< of the region; empty where it has none
-  std::vector<DesignModel> models;      ///< of the spaces that were searched
-  std::vector<design::Design> ranking;  ///< best first, at least one
-  std::optional<VerifiedProfile> verified;
+  std::string name;                              ///< of the region; empty where it has none
+  std::vector<DesignModel> models;               ///< of the spaces that were searched
+  std::vector<design::VerifiedDesign> ranking;   ///< best first, at least one
+  std::optional<design::Polished> verification;  ///< of the first; none where the request does not ask for one
+  std::vector<std::optional<double>> discretization_error{};  ///< as in VerifiedDesigns; empty without verification
 };
 
 std::string write_design(const DesignRequest& request, const std::vector<FoundDesigns>& found, const Bill& bill);
 /// What the job's events carry while it runs.
 std::string write_partial_design(const std::string& name, const DesignModel& model,
                                  const design::DesignProgress& progress);
+/// The same for a structure that was simulated.
+std::string write_partial_round(const std::string& name, const DesignModel& model, const design::PolishRound& round);
 std::string write_profile(const DesignModel& model, const ProfileRequest& request, const design::Profile& profile,
                           const Bill& bill);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "supple/design/inverse_design.h"
+#include "supple/design/verified_designs.h"
 #include "supple/json/limits.h"
 
 /// The requests of inverse design as types; they are read like those of requests.h and throw the same. Whether targets
@@ -24,10 +25,13 @@ struct DesignRequest {
   bool several = false;             ///< "regions" rather than one problem
   std::vector<RegionSpec> regions;  ///< at least one
   bool verify = false;
-  int verified_samples = 12;
+  design::VerificationPlan verification;
   design::DesignOptions options;
   std::string session;  ///< empty where it is not given
   double deadline = 0;  ///< seconds; set also where the request leaves it out
+
+  /// Whether designs are simulated: because the request says so, or because they are to be polished at all events.
+  bool simulates() const { return verify || verification.polish == Switch::on; }
 };
 DesignRequest parse_design(std::string_view body, const Limits& limits);
 

@@ -6,6 +6,7 @@
 
 #include "supple/json/answers.h"
 #include "supple/json/model_requests.h"
+#include "supple/neural/error_bars.h"
 #include "supple/neural/evaluator.h"
 #include "supple/neural/model.h"
 #include "supple/neural/uniaxial.h"
@@ -22,13 +23,14 @@ struct ModelVersion {
 /// One model; `sha256` is that of its file.
 std::string write_model(const neural::Model& model, const std::string& sha256);
 
-/// `in_range` has an entry for each strain; of `values` what the order asks for is written.
+/// `trust` has an entry for each strain; of `values` what the order asks for is written. `has_bars`: the model has a
+/// calibration.
 std::string write_evaluation(const ModelVersion& model, neural::Order order, const neural::Evaluation& values,
-                             const std::vector<std::uint8_t>& in_range, const Bill& bill);
+                             const std::vector<neural::Trust>& trust, bool has_bars, const Bill& bill);
 
-/// `in_range` has an entry for each state. Residuals that are not finite are null.
+/// `trust` has an entry for each state. Residuals that are not finite are null.
 std::string write_uniaxial(const ModelVersion& model, const UniaxialRequest& request,
-                           const std::vector<neural::UniaxialState>& states, const std::vector<std::uint8_t>& in_range,
+                           const std::vector<neural::UniaxialState>& states, const std::vector<neural::Trust>& trust,
                            const Bill& bill);
 
 }  // namespace supple::json

@@ -1,0 +1,559 @@
+#include "supple/design/polish.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "free_parameters.h"
+#include "supple/base/error.h"
+#include "supple/base/random.h"
+#include "target_residuals.h"
+
+namespace supple::design {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Of the trust region, as a share of the bounds' widths: at the start, where it may grow to, and where it ends.
+constexpr double first_radius = 0.1;
+constexpr double largest_radius = 0.5;
+/// After probes, which find the slopes of places where the response changes fast: longer steps leave these again.
+constexpr double probed_radius = 0.01;
+constexpr double least_radius = 2e-4;
+/// A step that promises to lessen the deviation by a smaller share of itself is not worth a simulation.
+constexpr double least_promise = 0.02;
+/// A step is trusted where it lessens the deviation by at least this share of what it promised.
+constexpr double trusted_share = 0.5;
+/// After so many steps in a row that were not accepted, probes are worth their simulations.
+constexpr int patience = 2;
+/// After probes so many are enough to give up a start.
+constexpr int probed_patience = 4;
+/// Probes change the profile by so many times its deviation, within these lengths (as shares of the widths).
+constexpr double probed_change = 2;
+constexpr double shortest_probe = 1e-3;
+constexpr double longest_probe = 0.05;
+/// Where steps after probes did not bring the deviation below this share, others would not either.
+constexpr double slow_share = 0.7;
+/// One start has so many rounds at least.
+constexpr int least_rounds = 8;
+/// Where other starts come from: searches from so many random places, of which the best few are taken.
+constexpr int random_starts = 16;
+constexpr int most_starts = 3;
+/// A start from which the network deviates by more is not worth its simulations.
+constexpr double worst_start = 0.1;
+/// Designs nearer (as a share of the widths) were simulated already; minima nearer are one.
+constexpr double same_design = 1e-3;
+constexpr double another_design = 0.02;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// What is known of one structure.
+struct Known {
+  Eigen::VectorXd x;          ///< free parameters, as shares of the bounds' widths
+  Eigen::VectorXd simulated;  ///< all samples of all targets
+  Eigen::VectorXd model;
+  double deviation = infinite;
+  Eigen::VectorXd correction() const { return simulated - model; }
+};
+
+/// How many of a target's samples are simulated: evenly spaced ones of its own where half of `limit` can be had so.
+int samples_to_simulate(const Target& target, int limit) {
+  const bool over_strain = target.task == Task::stress_strain;
+  const int of_target = static_cast<int>(sample_target(target).y.size());
+  if (of_target <= limit) return of_target;
+  // Strains include both ends, directions are a period.
+  const int intervals = over_strain ? of_target - 1 : of_target;
+  for (int count = over_strain ? limit - 1 : limit; 2 * count >= limit; --count)
+    if (count > 0 && intervals % count == 0) return over_strain ? count + 1 : count;
+  return limit;
+}
+
+DesignProblem with_few_samples(DesignProblem problem, int limit) {
+  for (Target& target : problem.targets) target.samples = samples_to_simulate(target, limit);
+  return problem;
+}
+
+class Polish {
+ public:
+  Polish(const DesignSpace& space, const DesignProblem& problem, const SimulateProfile& simulate,
+         const PolishOptions& options, const Execution& execution, const OnPolishRound& on_round)
+      : space_(space),
+        problem_(with_few_samples(problem, options.samples)),
+        simulate_(simulate),
+        options_(options),
+        execution_(execution),
+        on_round_(on_round),
+        bounds_(space, problem_),
+        width_((bounds_.free_part(bounds_.upper) - bounds_.free_part(bounds_.lower))) {
+    for (const Target& target : problem_.targets) {
+      targets_.push_back(sample_target(target));
+      weights_.push_back(target.weight);
+    }
+  }
+
+  Polished run(const Eigen::VectorXd& parameters) {
+    return finished([&] {
+      best_.x = scaled(bounds_.free_part(parameters));
+      return improve(simulate_round(Proposal::search, best_.x, parameters));
+    });
+  }
+
+  Polished go_on(const Polished& before) {
+    return finished([&] {
+      result_.rounds = before.rounds;
+      for (const PolishRound& round : before.rounds) longest_ = std::max(longest_, round.seconds);
+      best_.x = scaled(bounds_.free_part(before.parameters));
+      best_.simulated = joined(before.simulated);
+      best_.model = joined(before.model);
+      best_.deviation = before.target_error.value_or(infinite);
+      return improve(best_);
+    });
+  }
+
+ private:
+  struct Step {
+    Eigen::VectorXd x;
+    double promised = infinite;
+  };
+
+  /// A descent from one start: its best design and what is known around it.
+  struct Descent {
+    Known best;
+    Eigen::MatrixXd slope;  ///< of the correction, by shares of the bounds' widths
+    double radius = first_radius;
+    int rejected = 0;             ///< steps in a row
+    bool probed = false;          ///< around the best design
+    double probed_at = infinite;  ///< deviation at the last probes
+    std::size_t first_round = 0;
+  };
+
+  template <class Work>
+  Polished finished(const Work& work) {
+    start_ = Clock::now();
+    try {
+      result_.stopped = work();
+    } catch (const Error& error) {
+      if (error.code() != "job.deadline_exceeded") throw;
+      result_.stopped = PolishStop::deadline;
+    }
+    if (result_.stopped != PolishStop::deadline && !std::isfinite(best_.deviation))
+      result_.stopped = PolishStop::not_simulated;
+    // As they were simulated, without the rounding of shares and back.
+    result_.parameters = result_.rounds.front().parameters;
+    for (const PolishRound& round : result_.rounds)
+      if (round.accepted) result_.parameters = round.parameters;
+    result_.simulated = parts_of(best_.simulated);
+    result_.model = parts_of(best_.model);
+    if (std::isfinite(best_.deviation)) result_.target_error = best_.deviation;
+    result_.targets = targets_;
+    return result_;
+  }
+
+  PolishStop improve(Known known) {
+    while (true) {
+      if (std::isfinite(known.deviation)) {
+        if (const auto stop = descend(known)) return *stop;
+      }
+      do {
+        if (const auto stop = stop_reached()) return *stop;
+        const auto x = new_start();
+        if (!x) return PolishStop::no_improvement;
+        known = simulate_round(Proposal::new_search, *x, parameters_at(*x));
+      } while (!std::isfinite(known.deviation));
+    }
+  }
+
+  std::optional<PolishStop> stop_reached() const {
+    if (best_.deviation <= options_.tolerance) return PolishStop::reached;
+    if (bounds_.free.empty()) return PolishStop::no_improvement;
+    if (static_cast<int>(result_.rounds.size()) > options_.max_rounds) return PolishStop::round_limit;
+    if (seconds_since(start_) + longest_ > options_.max_seconds) return PolishStop::time_limit;
+    return std::nullopt;
+  }
+
+  /// Nothing where this start leads no further.
+  std::optional<PolishStop> descend(const Known& from) {
+    Descent descent;
+    descent.best = from;
+    descent.slope = Eigen::MatrixXd::Zero(from.simulated.size(), width_.size());
+    descent.first_round = result_.rounds.size();
+    while (true) {
+      if (const auto stop = stop_reached()) return stop;
+      // Half of what is left is kept for other starts.
+      const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
+      if (spent > std::max(least_rounds, options_.max_rounds / 2)) return std::nullopt;
+      const Step step = step_within(descent);
+      const bool promising =
+          descent.radius >= least_radius && step.promised < (1 - least_promise) * descent.best.deviation;
+      if (promising && descent.rejected < (descent.probed ? probed_patience : patience)) {
+        try_step(descent, step);
+        continue;
+      }
+      if (descent.probed || descent.best.deviation > slow_share * descent.probed_at) return std::nullopt;
+      descent.probed = true;
+      if (const auto stop = probe(descent, step.x - descent.best.x)) return stop;
+    }
+  }
+
+  void try_step(Descent& descent, const Step& step) {
+    const Known known = simulate_round(Proposal::step, step.x, parameters_at(step.x));
+    const Eigen::VectorXd moved = known.x - descent.best.x;
+    const bool less = known.deviation < descent.best.deviation;
+    const double gained = descent.best.deviation - known.deviation;
+    if (std::isfinite(known.deviation)) learn(descent, known);
+    const double length = moved.cwiseAbs().maxCoeff();
+    const bool trusted = less && gained >= trusted_share * (descent.best.deviation - step.promised);
+    descent.radius = trusted ? std::min(largest_radius, std::max(descent.radius, 2 * length)) : length / 2;
+    descent.rejected = less ? 0 : descent.rejected + 1;
+    if (less) {
+      descent.best = known;
+      descent.probed = false;
+    }
+  }
+
+  /// The secant: the corrected model then has the simulation's values at the best design and at `known`.
+  static void learn(Descent& descent, const Known& known) {
+    const Eigen::VectorXd moved = known.x - descent.best.x;
+    const Eigen::VectorXd missed = known.correction() - descent.best.correction() - descent.slope * moved;
+    descent.slope += missed * moved.transpose() / moved.squaredNorm();
+  }
+
+  /// Learns the slope of the correction by differences: moves along the right singular vectors of the corrected
+  /// network's Jacobian, each so long that the profile changes by about as much as it deviates. Then stiff directions
+  /// are not left for another landscape, and what valleys change stands out from the simulation's own noise.
+  std::optional<PolishStop> probe(Descent& descent, const Eigen::VectorXd& towards) {
+    descent.probed_at = descent.best.deviation;
+    TargetResiduals residuals = corrected_residuals(descent);
+    Eigen::VectorXd r;
+    Eigen::MatrixXd jacobian;
+    if (!residuals.residuals(unscaled(descent.best.x), r)) return std::nullopt;
+    residuals.jacobian(jacobian);
+    jacobian *= width_.asDiagonal();
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeFullV);
+    const Known from = descent.best;
+    Known least = from;
+    for (Eigen::Index k = 0; k < width_.size(); ++k) {
+      if (const auto stop = stop_reached()) return stop;
+      const double change = k < svd.singularValues().size() ? svd.singularValues()[k] : 0;
+      const double length =
+          std::clamp(probed_change * from.deviation / std::max(change, 1e-300), shortest_probe, longest_probe);
+      Eigen::VectorXd move = svd.matrixV().col(k) * length;
+      if (move.dot(towards) < 0) move = -move;
+      if (!within_bounds(from.x + move) && within_bounds(from.x - move)) move = -move;
+      const Eigen::VectorXd x = (from.x + move).cwiseMax(0).cwiseMin(1);
+      if ((x - from.x).norm() < shortest_probe / 2) continue;
+      const Known known = simulate_round(Proposal::probe, x, parameters_at(x));
+      if (!std::isfinite(known.deviation)) continue;
+      // A move that the bounds have bent is not along the singular vector alone: its secant holds all the same.
+      learn(descent, known);
+      if (known.deviation < least.deviation) least = known;
+    }
+    descent.best = least;
+    descent.radius = probed_radius;
+    descent.rejected = 0;
+    return std::nullopt;
+  }
+
+  static bool within_bounds(const Eigen::VectorXd& x) { return x.minCoeff() >= 0 && x.maxCoeff() <= 1; }
+
+  /// The next design to start from that was not simulated yet: where the corrected network's search leads from other
+  /// places of the box, the least deviation first. Nothing where there are no more.
+  std::optional<Eigen::VectorXd> new_start() {
+    if (!starts_) starts_ = other_minima();
+    while (!starts_->empty()) {
+      const Eigen::VectorXd x = std::move(starts_->front());
+      starts_->erase(starts_->begin());
+      const bool known = std::any_of(result_.rounds.begin(), result_.rounds.end(), [&](const PolishRound& round) {
+        return (x - scaled(bounds_.free_part(round.parameters))).cwiseAbs().maxCoeff() < same_design;
+      });
+      if (!known) return x;
+    }
+    return std::nullopt;
+  }
+
+  std::vector<Eigen::VectorXd> other_minima() const {
+    struct Minimum {
+      Eigen::VectorXd x;
+      double deviation;
+    };
+    std::vector<Minimum> minima;
+    RandomStream random("polish", 1);
+    for (int i = 0; i <= random_starts && seconds_since(start_) < options_.max_seconds; ++i) {
+      DesignProblem shifted = problem_;
+      shifted.initial.reset();
+      if (std::isfinite(best_.deviation)) shifted.corrections = parts_of(best_.correction());
+      // The first is a search of the whole box, the others begin anywhere.
+      if (i > 0) {
+        Eigen::VectorXd x(width_.size());
+        for (double& share : x) share = random.uniform(0, 1);
+        shifted.initial = parameters_at(x);
+      }
+      DesignOptions options;
+      options.envelope = Switch::off;
+      options.multi_start = i > 0 ? Switch::off : Switch::automatic;
+      options.equilibrium_tolerance = std::max(options_.equilibrium_tolerance, 1e-8);
+      try {
+        const Design found = find_design(space_, shifted, options, Execution{execution_.cancellation});
+        const Eigen::VectorXd x = scaled(bounds_.free_part(found.parameters));
+        const double deviation = found.error.relative_rms;
+        const auto same = std::find_if(minima.begin(), minima.end(), [&](const Minimum& other) {
+          return (x - other.x).cwiseAbs().maxCoeff() < another_design;
+        });
+        if (same == minima.end()) {
+          minima.push_back({x, deviation});
+        } else if (deviation < same->deviation) {
+          *same = {x, deviation};
+        }
+      } catch (const Error& error) {
+        if (error.code() != "design.no_equilibrium") throw;
+      }
+    }
+    std::stable_sort(minima.begin(), minima.end(),
+                     [](const Minimum& a, const Minimum& b) { return a.deviation < b.deviation; });
+    std::vector<Eigen::VectorXd> result;
+    for (Minimum& minimum : minima)
+      if (minimum.deviation < worst_start && static_cast<int>(result.size()) < most_starts)
+        result.push_back(std::move(minimum.x));
+    return result;
+  }
+
+  Eigen::VectorXd scaled(const Eigen::VectorXd& free) const {
+    return (free - bounds_.free_part(bounds_.lower)).cwiseQuotient(width_);
+  }
+  Eigen::VectorXd unscaled(const Eigen::VectorXd& x) const {
+    return bounds_.free_part(bounds_.lower) + x.cwiseProduct(width_);
+  }
+  Eigen::VectorXd parameters_at(const Eigen::VectorXd& x) const {
+    return all_parameters(bounds_.held, bounds_.free, unscaled(x));
+  }
+
+  static Eigen::VectorXd joined(const std::vector<Eigen::VectorXd>& parts) {
+    Eigen::Index n = 0;
+    for (const Eigen::VectorXd& part : parts) n += part.size();
+    Eigen::VectorXd values(n);
+    n = 0;
+    for (const Eigen::VectorXd& part : parts) {
+      values.segment(n, part.size()) = part;
+      n += part.size();
+    }
+    return values;
+  }
+
+  std::vector<Eigen::VectorXd> parts_of(const Eigen::VectorXd& values) const {
+    std::vector<Eigen::VectorXd> parts;
+    Eigen::Index at = 0;
+    for (const SampledTarget& target : targets_) {
+      const Eigen::Index n = target.y.size();
+      parts.push_back(values.size() > 0 ? Eigen::VectorXd(values.segment(at, n))
+                                        : Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN()));
+      at += n;
+    }
+    return parts;
+  }
+
+  TargetResiduals model_residuals() const {
+    return {space_.evaluator, targets_,     weights_,
+            bounds_.held,     bounds_.free, std::max(options_.equilibrium_tolerance, 1e-8),
+            space_.buildable};
+  }
+
+  /// The relative root mean square deviation of values of all samples; infinite where one is missing.
+  double deviation(const Eigen::VectorXd& values) const {
+    double sum = 0, weights = 0;
+    Eigen::Index at = 0;
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      const Eigen::Index n = targets_[t].y.size();
+      sum += weights_[t] * std::pow(targets_[t].relative_rms(values.segment(at, n)).value_or(infinite), 2);
+      weights += weights_[t];
+      at += n;
+    }
+    return std::isfinite(sum) ? std::sqrt(sum / weights) : infinite;
+  }
+
+  /// The network's values; empty where an equilibrium is missing.
+  Eigen::VectorXd model_at(const Eigen::VectorXd& parameters) const {
+    Eigen::VectorXd values(total());
+    Eigen::Index at = 0;
+    for (const SampledTarget& target : targets_) {
+      const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
+      values.segment(at, target.y.size()) =
+          evaluate_profile(space_.model, space_.evaluator, span, target.samples, options_.equilibrium_tolerance).y;
+      at += target.y.size();
+    }
+    return values;
+  }
+
+  Eigen::Index total() const {
+    Eigen::Index n = 0;
+    for (const SampledTarget& target : targets_) n += target.y.size();
+    return n;
+  }
+
+  /// Simulates the structure of the parameters and keeps it if it is the best.
+  Known simulate_round(Proposal proposal, const Eigen::VectorXd& x, const Eigen::VectorXd& parameters) {
+    const auto begin = Clock::now();
+    PolishRound round;
+    round.proposal = proposal;
+    round.parameters = parameters;
+    Known known;
+    known.x = x;
+    try {
+      Eigen::VectorXd simulated(total());
+      Eigen::Index at = 0;
+      const Execution inner{execution_.cancellation, nullptr, execution_.cost};
+      for (const SampledTarget& target : targets_) {
+        simulated.segment(at, target.y.size()) = simulate_(parameters, target.samples, inner);
+        at += target.y.size();
+      }
+      known.deviation = deviation(simulated);
+      known.simulated = std::move(simulated);
+      known.model = model_at(parameters);
+      if (!std::isfinite(known.deviation)) round.reason = "The simulation does not reach every sample.";
+      if (!known.model.allFinite()) {
+        known.deviation = result_.rounds.empty() ? known.deviation : infinite;
+        round.reason = "The network has no equilibrium at every sample.";
+      }
+    } catch (const Error& error) {
+      if (!error.code().starts_with("tiling.") && !error.code().starts_with("simulation.")) {
+        if (error.code() == "job.deadline_exceeded") {
+          round.reason = "The deadline passed before the simulation had ended.";
+          record(std::move(round), begin);
+        }
+        throw;
+      }
+      round.reason = error.what();
+    }
+    if (std::isfinite(known.deviation)) round.target_error = known.deviation;
+    round.accepted = result_.rounds.empty() ? round.target_error.has_value() : known.deviation < best_.deviation;
+    if (!round.accepted && round.reason.empty()) round.reason = "Its simulated deviation is not less.";
+    // What the search found is told even where its simulation does not get everywhere.
+    if (round.accepted || result_.rounds.empty()) best_ = known;
+    record(std::move(round), begin);
+    return known;
+  }
+
+  void record(PolishRound round, Clock::time_point begin) {
+    round.seconds = seconds_since(begin);
+    longest_ = std::max(longest_, round.seconds);
+    if (execution_.progress) {
+      const double share = static_cast<double>(result_.rounds.size() + 1) / (options_.max_rounds + 1);
+      execution_.progress->report(std::min(share, 0.99), "polish");
+    }
+    result_.rounds.push_back(std::move(round));
+    if (on_round_) on_round_(result_.rounds.back());
+  }
+
+  TargetResiduals corrected_residuals(const Descent& descent) const {
+    TargetResiduals residuals = model_residuals();
+    // The solver works with parameters, the slope is by shares of the widths.
+    residuals.correct(
+        {descent.best.correction(), descent.slope * width_.cwiseInverse().asDiagonal(), unscaled(descent.best.x)});
+    return residuals;
+  }
+
+  /// The best parameters of the corrected network within the trust region, and the deviation that it promises.
+  Step step_within(const Descent& descent) const {
+    TargetResiduals residuals = corrected_residuals(descent);
+    const Eigen::VectorXd lower = (descent.best.x.array() - descent.radius).max(0);
+    const Eigen::VectorXd upper = (descent.best.x.array() + descent.radius).min(1);
+    const auto found = numerics::minimize_least_squares(
+        residuals, unscaled(descent.best.x), unscaled(lower), unscaled(upper),
+        {.tolerance = 1e-7, .max_iterations = 100, .initial_radius = 1}, Execution{execution_.cancellation});
+    if (!found.defined) return {descent.best.x, infinite};
+    return {scaled(found.x), found.norm};
+  }
+
+  const DesignSpace& space_;
+  const DesignProblem problem_;
+  const SimulateProfile& simulate_;
+  const PolishOptions& options_;
+  const Execution& execution_;
+  const OnPolishRound& on_round_;
+  FreeParameters bounds_;
+  Eigen::VectorXd width_;
+  std::vector<SampledTarget> targets_;
+  std::vector<double> weights_;
+  Polished result_;
+  Known best_;
+  std::optional<std::vector<Eigen::VectorXd>> starts_;  ///< that are left; none before they were looked for
+  Clock::time_point start_;
+  double longest_ = 0;
+};
+
+}  // namespace
+
+std::string_view to_string(PolishStop stop) {
+  switch (stop) {
+    case PolishStop::reached:
+      return "reached";
+    case PolishStop::no_improvement:
+      return "no_improvement";
+    case PolishStop::round_limit:
+      return "round_limit";
+    case PolishStop::time_limit:
+      return "time_limit";
+    case PolishStop::deadline:
+      return "deadline";
+    case PolishStop::not_simulated:
+      return "not_simulated";
+  }
+  return "";
+}
+
+std::string_view to_string(Proposal proposal) {
+  switch (proposal) {
+    case Proposal::search:
+      return "search";
+    case Proposal::step:
+      return "step";
+    case Proposal::probe:
+      return "probe";
+    case Proposal::new_search:
+      return "new_search";
+  }
+  return "";
+}
+
+Polished polish(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
+                const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution,
+                const OnPolishRound& on_round) {
+  return Polish(space, problem, simulate, options, execution, on_round).run(parameters);
+}
+
+Polished polish(const DesignSpace& space, const DesignProblem& problem, const Polished& before,
+                const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution,
+                const OnPolishRound& on_round) {
+  return Polish(space, problem, simulate, options, execution, on_round).go_on(before);
+}
+
+Design design_at(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
+                 const Design& found, const DesignOptions& options) {
+  DesignProblem all_fixed = problem;
+  all_fixed.initial.reset();
+  all_fixed.fixed.clear();
+  for (const double value : parameters) all_fixed.fixed.emplace_back(value);
+  DesignOptions plain = options;
+  plain.envelope = Switch::off;
+  Design design = find_design(space, all_fixed, plain);
+  design.space = found.space;
+  design.iterations = found.iterations;
+  design.starts = found.starts;
+  design.stopped = found.stopped;
+  design.evaluations += found.evaluations;
+  for (std::size_t t = 0; t < design.profiles.size(); ++t) {
+    DesignProfile& profile = design.profiles[t];
+    const DesignProfile& before = found.profiles[t];
+    profile.initial = before.initial;
+    if (before.lowest.size() == 0) continue;
+    profile.lowest = before.lowest.cwiseMin(profile.achieved);
+    profile.highest = before.highest.cwiseMax(profile.achieved);
+  }
+  return design;
+}
+
+}  // namespace supple::design

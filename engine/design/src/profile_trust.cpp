@@ -1,0 +1,43 @@
+#include "profile_trust.h"
+
+#include <cmath>
+#include <limits>
+
+namespace supple::design {
+namespace {
+
+/// What a task's values are to the network's error bars.
+neural::Quantity quantity_of(Task task) {
+  switch (task) {
+    case Task::stiffness:
+      return neural::Quantity::stiffness;
+    case Task::poisson:
+      return neural::Quantity::poisson;
+    default:
+      return neural::Quantity::stress;
+  }
+}
+
+}  // namespace
+
+ProfileTrust profile_trust(const neural::Model& model, const neural::ErrorBars& bars,
+                           const std::vector<Sample>& samples, const Equilibria<double>& equilibria, std::size_t first,
+                           const Eigen::VectorXd& values) {
+  ProfileTrust result;
+  result.in_range.resize(static_cast<std::size_t>(values.size()));
+  if (model.calibration) result.error_bar.setConstant(values.size(), std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const std::size_t at = first + static_cast<std::size_t>(i);
+    const Equilibrium& state = equilibria[at];
+    if (!state.converged) continue;
+    const auto& sample = samples[at];
+    const auto trust =
+        bars.uniaxial(quantity_of(sample.task), equilibria.frame(at), sample.loading.strain, state.strain, state);
+    result.in_range[static_cast<std::size_t>(i)] = trust.in_range;
+    // Of Poisson's ratio bars are differences, of stress and stiffness shares of the value.
+    if (trust.error) result.error_bar[i] = *trust.error * (sample.task == Task::poisson ? 1 : std::abs(values[i]));
+  }
+  return result;
+}
+
+}  // namespace supple::design

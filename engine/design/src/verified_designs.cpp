@@ -1,0 +1,114 @@
+#include "supple/design/verified_designs.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "design_report.h"
+#include "supple/base/error.h"
+
+namespace supple::design {
+namespace {
+
+struct Simulated {
+  Design design;
+  Polished polished;
+  double deviation() const { return polished.target_error.value_or(std::numeric_limits<double>::infinity()); }
+};
+
+std::string_view why_polished(const VerificationPlan& plan, const Polished& polished) {
+  if (plan.polish == Switch::off) return "the request turns it off";
+  if (polished.rounds.size() > 1) return "the simulated deviation was beyond the tolerance";
+  switch (polished.stopped) {
+    case PolishStop::reached:
+      return "the simulated deviation is within the tolerance";
+    case PolishStop::not_simulated:
+      return "no design that was tried could be simulated at every sample";
+    case PolishStop::deadline:
+      return "the deadline passed";
+    case PolishStop::no_improvement:
+      return "there is no parameter to correct, or nowhere to go";
+    default:
+      return "the limits of rounds and seconds leave no round";
+  }
+}
+
+std::vector<std::optional<double>> discretization_errors(const Polished& polished, const SimulateProfile& coarser,
+                                                         const Execution& execution) {
+  std::vector<std::optional<double>> errors(polished.targets.size());
+  if (!coarser || polished.stopped == PolishStop::deadline) return errors;
+  try {
+    for (std::size_t t = 0; t < errors.size(); ++t) {
+      const Eigen::VectorXd& fine = polished.simulated[t];
+      if (!fine.allFinite()) continue;
+      const Execution inner{execution.cancellation, nullptr, execution.cost};
+      const Eigen::VectorXd coarse = coarser(polished.parameters, polished.targets[t].samples, inner);
+      if (coarse.allFinite()) errors[t] = relative_difference(fine, coarse);
+    }
+  } catch (const Error& error) {
+    // The answer stands without its estimate, but for a caller who gave it up.
+    if (error.code() == "job.cancelled") throw;
+  }
+  return errors;
+}
+
+}  // namespace
+
+VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations,
+                               const DesignProblem& problem, std::vector<Design> ranking, const DesignOptions& search,
+                               const VerificationPlan& plan, const Execution& execution,
+                               const std::function<void(const Design&, const PolishRound&)>& on_round) {
+  const bool corrects = plan.polish != Switch::off;
+  const auto round_of = [&](const Design& design) -> OnPolishRound {
+    if (!on_round) return {};
+    return [&](const PolishRound& round) { on_round(design, round); };
+  };
+  PolishOptions alone = plan.options;
+  alone.max_rounds = 0;
+  const std::size_t several = corrects ? static_cast<std::size_t>(std::max(plan.families, 1)) : 1;
+  std::vector<Simulated> simulated;
+  std::vector<Design> others;
+  bool late = false;
+  for (Design& design : ranking) {
+    if (simulated.size() >= several || late) {
+      others.push_back(std::move(design));
+      continue;
+    }
+    Polished polished = polish(spaces[design.space], problem, design.parameters, simulations[design.space].simulate,
+                               alone, execution, round_of(design));
+    late = polished.stopped == PolishStop::deadline;
+    if (late && !corrects) execution.cancellation.throw_if_requested();
+    simulated.push_back({std::move(design), std::move(polished)});
+  }
+  std::stable_sort(simulated.begin(), simulated.end(),
+                   [](const Simulated& a, const Simulated& b) { return a.deviation() < b.deviation(); });
+  Simulated& best = simulated.front();
+  const auto start = std::chrono::steady_clock::now();
+  const bool unfinished =
+      best.polished.stopped == PolishStop::round_limit || best.polished.stopped == PolishStop::not_simulated || late;
+  if (corrects && unfinished) {
+    const DesignSpace& space = spaces[best.design.space];
+    Polished polished = late ? best.polished
+                             : polish(space, problem, best.polished, simulations[best.design.space].simulate,
+                                      plan.options, execution, round_of(best.design));
+    if (late) polished.stopped = PolishStop::deadline;
+    if (polished.parameters != best.design.parameters)
+      best.design = design_at(space, problem, polished.parameters, best.design, search);
+    best.polished = std::move(polished);
+  }
+  if (execution.cost) {
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const auto rounds = static_cast<std::int64_t>(best.polished.rounds.size()) - 1;
+    execution.cost->add_effect("polish", rounds > 0, why_polished(plan, best.polished), rounds, seconds.count());
+  }
+  tell_of_simulation(best.design, best.polished);
+  VerifiedDesigns result;
+  result.polished = best.polished;
+  result.discretization_error = discretization_errors(best.polished, simulations[best.design.space].coarser, execution);
+  for (Simulated& one : simulated) result.ranking.push_back({std::move(one.design), one.polished.target_error});
+  for (Design& design : others) result.ranking.push_back({std::move(design), std::nullopt});
+  return result;
+}
+
+}  // namespace supple::design

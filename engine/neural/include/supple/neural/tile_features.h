@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace supple::neural {
+
+/// A measure of a tile, smooth in its vertices everywhere, also where a tile crosses itself and where lengths vanish.
+/// With w the beam width, smooth lengths are |x|_w = sqrt(|x|^2 + (w/4)^2). Edge k goes from vertex k to the next one.
+enum class FeatureKind {
+  length,         ///< |edge|_w / w
+  log_length,     ///< its logarithm
+  direction_cos,  ///< cos 2t of the edge's angle t, times |edge|^2 / |edge|_w^2
+  direction_sin,  ///< sin 2t, likewise
+  corner_cos,     ///< scalar product of the edges at a vertex over the product of their smooth lengths
+  corner_sin,     ///< their cross product, likewise
+  log_gap,        ///< ln (|d|_w / w) with d from an edge's nearest point to a vertex; the place on the edge is cut off
+                  ///< smoothly
+  side,           ///< on which side of the edge that vertex is: sine of the angle to it, smoothly through zero
+  density,      ///< area of the beams over that of the cell, overlaps counted twice: w tiles sum |edge|_w / (2 |cell|)
+  log_density,  ///< its logarithm
+};
+std::string_view to_string(FeatureKind kind);
+/// Throws "model.invalid_network", which lists the known ones.
+FeatureKind feature_kind_of(std::string_view name);
+
+/// One input of a network: (measure - mean) / scale.
+struct TileFeature {
+  FeatureKind kind = FeatureKind::length;
+  int edge = 0;    ///< of length, direction, gap and side
+  int vertex = 0;  ///< of corner, gap and side
+  double mean = 0;
+  double scale = 1;
+};
+
+/// The tile of a family as far as features need it. A point is affine in the tiling parameters: 2 x (1 + parameters),
+/// its place at zero parameters and its derivative by each. Lengths are in tiling units.
+struct TileGeometry {
+  std::vector<Eigen::Matrix2Xd> vertices;          ///< in order around the tile
+  std::array<Eigen::Matrix2Xd, 2> translations{};  ///< of the lattice
+  int tiles = 1;                                   ///< of one cell
+  double beam_width = 1;
+  std::vector<TileFeature> features;
+
+  bool empty() const { return features.empty(); }
+};
+
+/// The features at these tiling parameters in the first column and, if asked for, their derivatives by each parameter
+/// in further ones: features x (1 or 1 + parameters). About 300 flops a feature.
+Eigen::MatrixXd evaluate_features(const TileGeometry& geometry, std::span<const double> parameters,
+                                  bool with_derivatives);
+
+/// Throws "model.invalid_network" unless points have `parameters` + 1 columns, features name edges and vertices that
+/// there are, and all numbers are finite.
+void validate(const TileGeometry& geometry, int parameters);
+
+}  // namespace supple::neural

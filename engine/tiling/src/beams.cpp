@@ -1,0 +1,225 @@
+#include "beams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <polyclipping/clipper.hpp>
+#include <utility>
+
+#include "polygon.h"
+
+namespace supple::tiling {
+namespace {
+
+/// Clipper computes in integers, whose unit is 1e-9 mm: below every tolerance used on its results, and patches of a
+/// metre stay a million times below the 4.6e18 that Clipper can hold.
+constexpr double units_per_millimetre = 1e9;
+
+/// Vertices closer than this (mm) to the line through their neighbours are no corners.
+constexpr double straightness = 1e-7;
+
+/// Turns below 15 degrees are mitred: a square joint's third side would be a seventh of the half width and shorter, and
+/// ask for elements as small. The areas differ by less than 6e-4 of the squared half width.
+constexpr double smallest_square_turn = std::numbers::pi / 12;
+
+/// Neighbouring tiles share their sides but for rounding: before their union is taken they grow by this (mm).
+constexpr double seam = 1e-6;
+
+ClipperLib::Path to_path(const Polygon& polygon) {
+  ClipperLib::Path path;
+  path.reserve(polygon.size());
+  for (const Eigen::Vector2d& p : polygon) {
+    path.emplace_back(std::llround(p.x() * units_per_millimetre), std::llround(p.y() * units_per_millimetre));
+  }
+  return path;
+}
+
+ClipperLib::Paths to_paths(std::span<const Polygon> polygons) {
+  ClipperLib::Paths paths;
+  paths.reserve(polygons.size());
+  for (const Polygon& polygon : polygons) paths.push_back(to_path(polygon));
+  return paths;
+}
+
+Polygon to_polygon(const ClipperLib::Path& path) {
+  Polygon polygon;
+  polygon.reserve(path.size());
+  for (const ClipperLib::IntPoint& p : path) {
+    polygon.emplace_back(static_cast<double>(p.X) / units_per_millimetre,
+                         static_cast<double>(p.Y) / units_per_millimetre);
+  }
+  return polygon;
+}
+
+void unite(const ClipperLib::Paths& paths, ClipperLib::PolyTree& tree) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPaths(paths, ClipperLib::ptSubject, true);
+  clipper.Execute(ClipperLib::ctUnion, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+}
+
+// The outlines of a tree are its children of even depth; what lies directly within one are its holes.
+void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces) {
+  for (const ClipperLib::PolyNode* outline : parent.Childs) {
+    Face face = {to_polygon(outline->Contour)};
+    for (const ClipperLib::PolyNode* hole : outline->Childs) face.push_back(to_polygon(hole->Contour));
+    faces.push_back(std::move(face));
+    for (const ClipperLib::PolyNode* hole : outline->Childs) add_faces(*hole, faces);
+  }
+}
+
+/// Drops vertices on the line through their neighbours, tips of spikes of no width among them.
+void drop_straight(Polygon& polygon) {
+  for (std::size_t k = 0, kept = 0; kept < polygon.size() && polygon.size() > 2;) {
+    const std::size_t n = polygon.size();
+    const Eigen::Vector2d in = polygon[k] - polygon[(k + n - 1) % n], out = polygon[(k + 1) % n] - polygon[k];
+    // Twice the triangle's area over its longer side here: the height over it.
+    if (std::abs(cross(in, out)) <= straightness * std::max(in.norm(), out.norm())) {
+      polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(k));
+      if (k == polygon.size()) k = 0;
+      // The neighbours have become neighbours of each other: the one before is looked at again.
+      k = (k + polygon.size() - 1) % polygon.size();
+      kept = 0;
+    } else {
+      k = (k + 1) % n;
+      ++kept;
+    }
+  }
+}
+
+/// Merges the ends of the shortest side until none is shorter than `smallest_side`, without straight vertices.
+void simplify(Polygon& polygon, double smallest_side) {
+  drop_straight(polygon);
+  while (polygon.size() > 2) {
+    std::size_t shortest = 0;
+    double length = INFINITY;
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const double candidate = (polygon[(k + 1) % polygon.size()] - polygon[k]).norm();
+      if (candidate < length) {
+        length = candidate;
+        shortest = k;
+      }
+    }
+    if (length >= smallest_side) break;
+    const std::size_t next = (shortest + 1) % polygon.size();
+    polygon[shortest] = (polygon[shortest] + polygon[next]) / 2;
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(next));
+  }
+  drop_straight(polygon);
+}
+
+/// Whether the polygon remains, simplified, as a hole or an outline: twice the area over the perimeter is the width of
+/// a long strip and half that of a square.
+bool remains(Polygon& polygon, double smallest_width) {
+  simplify(polygon, smallest_width);
+  return polygon.size() > 2 && 2 * std::abs(area(polygon)) > smallest_width * perimeter(polygon);
+}
+
+Eigen::Vector2d left_of(const Eigen::Vector2d& direction) { return {-direction.y(), direction.x()}; }
+
+/// One side of an outline: where it begins, its unit direction and its length.
+struct Side {
+  Eigen::Vector2d begin, direction;
+  double length;
+};
+
+/// Closes the gap between the strips beside two consecutive sides, where they turn away. It reaches into both strips,
+/// so that rounding leaves no slit between them.
+Polygon joint(const Side& in, const Side& out, double half_width) {
+  const double turn = std::atan2(cross(in.direction, out.direction), in.direction.dot(out.direction));
+  const double side = turn > 0 ? -1 : 1;  // 1: the gap is to the left
+  const double along = half_width * std::tan(std::abs(turn) / (std::abs(turn) < smallest_square_turn ? 2 : 4));
+  const Eigen::Vector2d from = out.begin + side * half_width * left_of(in.direction);
+  const Eigen::Vector2d to = out.begin + side * half_width * left_of(out.direction);
+  Polygon polygon = {out.begin, from - std::min(half_width, in.length) / 2 * in.direction, from + along * in.direction,
+                     to - along * out.direction, to + std::min(half_width, out.length) / 2 * out.direction};
+  if (side > 0) std::reverse(polygon.begin(), polygon.end());
+  return polygon;
+}
+
+void collect_holes(const ClipperLib::PolyNode& parent, double smallest_width, std::vector<Polygon>& holes) {
+  for (const ClipperLib::PolyNode* outline : parent.Childs) {
+    for (const ClipperLib::PolyNode* hole : outline->Childs) {
+      Polygon polygon = to_polygon(hole->Contour);
+      std::reverse(polygon.begin(), polygon.end());
+      if (remains(polygon, smallest_width)) holes.push_back(std::move(polygon));
+      collect_holes(*hole, smallest_width, holes);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Polygon> beams_along(const Polygon& outline, double half_width, Joints joints) {
+  std::vector<Side> sides;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d side = outline[(k + 1) % outline.size()] - outline[k];
+    const double length = side.norm();
+    if (length * units_per_millimetre >= 1) sides.push_back({outline[k], side / length, length});
+  }
+  std::vector<Polygon> result;
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const Side& side = sides[k];
+    const Side& before = sides[(k + sides.size() - 1) % sides.size()];
+    const Eigen::Vector2d across = half_width * left_of(side.direction),
+                          end = side.begin + side.length * side.direction;
+    result.push_back({side.begin + across, side.begin - across, end - across, end + across});
+    const double turn = cross(before.direction, side.direction);
+    if (turn < 0 || (turn > 0 && joints == Joints::both)) result.push_back(joint(before, side, half_width));
+  }
+  return result;
+}
+
+std::vector<Polygon> holes_between(std::span<const Polygon> solid, double smallest_width) {
+  ClipperLib::PolyTree tree;
+  unite(to_paths(solid), tree);
+  std::vector<Polygon> holes;
+  collect_holes(tree, smallest_width, holes);
+  return holes;
+}
+
+std::vector<Polygon> outlines_of_union(std::span<const Polygon> polygons) {
+  ClipperLib::Paths grown;
+  for (const Polygon& polygon : polygons) {
+    // Each by itself: what an outline that crosses itself runs around backwards belongs to the tile as well.
+    ClipperLib::Paths simple;
+    ClipperLib::SimplifyPolygon(to_path(polygon), simple, ClipperLib::pftNonZero);
+    ClipperLib::ClipperOffset offset;
+    offset.AddPaths(simple, ClipperLib::jtSquare, ClipperLib::etClosedPolygon);
+    ClipperLib::Paths result;
+    offset.Execute(result, seam * units_per_millimetre);
+    grown.insert(grown.end(), result.begin(), result.end());
+  }
+  ClipperLib::PolyTree tree;
+  unite(grown, tree);
+  std::vector<Face> faces;
+  add_faces(tree, faces);
+  std::vector<Polygon> outlines;
+  for (Face& face : faces) {
+    if (remains(face[0], 2 * seam)) outlines.push_back(std::move(face[0]));
+  }
+  return outlines;
+}
+
+std::vector<Face> faces_of_union(std::span<const Polygon> polygons, double smallest_width) {
+  ClipperLib::PolyTree tree;
+  unite(to_paths(polygons), tree);
+  std::vector<Face> faces;
+  add_faces(tree, faces);
+  // Of a part that is too narrow to remain, no hole does.
+  for (Face& face : faces) std::erase_if(face, [&](Polygon& polygon) { return !remains(polygon, smallest_width); });
+  std::erase_if(faces, [](const Face& face) { return face.empty() || area(face[0]) < 0; });
+  return faces;
+}
+
+std::vector<Face> difference(const Polygon& polygon, const std::vector<Polygon>& holes) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPath(to_path(polygon), ClipperLib::ptSubject, true);
+  for (const Polygon& hole : holes) clipper.AddPath(to_path(hole), ClipperLib::ptClip, true);
+  ClipperLib::PolyTree tree;
+  clipper.Execute(ClipperLib::ctDifference, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  std::vector<Face> faces;
+  add_faces(tree, faces);
+  return faces;
+}
+
+}  // namespace supple::tiling

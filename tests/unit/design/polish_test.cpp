@@ -1,0 +1,497 @@
+#include "supple/design/polish.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "supple/design/verified_designs.h"
+#include "support/expect_error.h"
+#include "support/test_calibration.h"
+#include "test_space.h"
+
+namespace supple::design {
+namespace {
+
+using supple::testing::expect_error;
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+/// Stands for a simulation: the network at parameters that are moved a little, and a little stiffer. Its own minima are
+/// where the network's are not.
+class Displaced {
+ public:
+  explicit Displaced(const TestSpace& test, double factor = 1.05) : test_(test), factor_(factor) {}
+
+  Eigen::VectorXd operator()(const Eigen::VectorXd& parameters, const ProfileSamples& samples) const {
+    const Eigen::VectorXd width = test_.model.network.upper - test_.model.network.lower;
+    const Eigen::VectorXd share = (parameters - test_.model.network.lower).cwiseQuotient(width);
+    std::vector<double> moved(static_cast<std::size_t>(share.size()));
+    for (Eigen::Index k = 0; k < share.size(); ++k)
+      moved[static_cast<std::size_t>(k)] =
+          test_.model.network.lower[k] + width[k] * (share[k] + 0.04 * std::sin(3 * share[k] + 1.0 * k));
+    return factor_ * evaluate_profile(test_.model, test_.evaluator, moved, samples).y;
+  }
+
+  SimulateProfile counted(int& calls) const {
+    return
+        [this, &calls](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution& execution) {
+          ++calls;
+          execution.checkpoint(0, "simulation");
+          return (*this)(parameters, samples);
+        };
+  }
+
+ private:
+  const TestSpace& test_;
+  double factor_;
+};
+
+Target target_at(const TestSpace& test, const Displaced& simulation, std::vector<double> shares, Task task,
+                 int points = 9) {
+  Target target;
+  target.task = task;
+  target.direction = 0.3;
+  target.strain = 0.1;
+  target.samples = points;
+  target.interpolation = numerics::Interpolation::linear;
+  ProfileSamples samples{task, target.direction, target.strain, StrainMeasure::green, {}};
+  for (int i = 0; i < points; ++i)
+    samples.x.push_back(task == Task::stress_strain ? -0.1 + 0.3 * i / (points - 1) : std::numbers::pi * i / points);
+  const auto at = test.at(std::move(shares));
+  const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(at.data(), static_cast<Eigen::Index>(at.size()));
+  const auto y = simulation(parameters, samples);
+  for (int i = 0; i < points; ++i) target.control_points.emplace_back(samples.x[static_cast<std::size_t>(i)], y[i]);
+  return target;
+}
+
+/// A problem whose design the network misses by some per cent.
+struct Missed {
+  explicit Missed(Task task = Task::stress_strain, int points = 9)
+      : problem{{target_at(test, displaced, {0.4, 0.65}, task, points)}, {}, {}},
+        found(find_design(test.space(), problem)) {}
+
+  Polished polished(const PolishOptions& options = {}, const Execution& execution = {},
+                    const OnPolishRound& on_round = {}) {
+    return polish(test.space(), problem, found.parameters, simulate, options, execution, on_round);
+  }
+
+  TestSpace test{2, 1};
+  Displaced displaced{test};
+  DesignProblem problem;
+  Design found;
+  int calls = 0;
+  SimulateProfile simulate = displaced.counted(calls);
+};
+
+class PolishTask : public ::testing::TestWithParam<Task> {};
+INSTANTIATE_TEST_SUITE_P(Polish, PolishTask, ::testing::Values(Task::stress_strain, Task::stiffness, Task::poisson),
+                         [](const auto& task) { return std::string(to_string(task.param)); });
+
+TEST_P(PolishTask, ReachesTheTargetInTheSimulationThatTheNetworkMisses) {
+  Missed missed(GetParam());
+  const auto polished = missed.polished({.tolerance = 1e-4});
+  ASSERT_TRUE(polished.rounds.front().target_error && polished.target_error);
+  EXPECT_GT(*polished.rounds.front().target_error, 5e-3);
+  EXPECT_LE(*polished.target_error, 1e-4);
+  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_LE(polished.rounds.size(), 8U);
+  // What it says is what the simulation says of the parameters that it returns.
+  const auto& samples = polished.targets[0].samples;
+  EXPECT_EQ(polished.simulated[0], missed.displaced(polished.parameters, samples));
+  EXPECT_EQ(*polished.target_error, *polished.targets[0].relative_rms(polished.simulated[0]));
+  const std::vector<double> parameters(polished.parameters.begin(), polished.parameters.end());
+  EXPECT_TRUE(polished.model[0].isApprox(
+      evaluate_profile(missed.test.model, missed.test.evaluator, parameters, samples).y, 1e-8));
+}
+
+TEST(Polish, AcceptsOnlyWhatTheSimulationFindsBetter) {
+  Missed missed;
+  std::vector<PolishRound> told;
+  const auto polished =
+      missed.polished({.tolerance = 1e-4}, {}, [&](const PolishRound& round) { told.push_back(round); });
+  ASSERT_EQ(told.size(), polished.rounds.size());
+  EXPECT_EQ(missed.calls, static_cast<int>(told.size()));
+  EXPECT_EQ(told.front().proposal, Proposal::search);
+  EXPECT_EQ(told.front().parameters, missed.found.parameters);
+  double best = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd accepted;
+  for (const PolishRound& round : told) {
+    EXPECT_EQ(round.accepted, *round.target_error < best);
+    EXPECT_EQ(round.reason.empty(), round.accepted);
+    EXPECT_GE(round.seconds, 0);
+    if (!round.accepted) continue;
+    best = *round.target_error;
+    accepted = round.parameters;
+  }
+  EXPECT_EQ(polished.parameters, accepted) << "to the last bit";
+  EXPECT_EQ(best, *polished.target_error);
+}
+
+TEST(Polish, KeepsTheSearchsDesignWhereNothingIsBetter) {
+  Missed missed;
+  const Eigen::VectorXd found = missed.found.parameters;
+  // The target's own curve, but for an amount that grows the farther the design is from the one found.
+  missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
+    const auto target = sample_target(missed.problem.targets[0]);
+    EXPECT_EQ(samples.x, target.samples.x);
+    return Eigen::VectorXd(target.y * (1.02 + 10 * (parameters - found).norm()));
+  };
+  const auto polished = missed.polished({.max_rounds = 60});
+  EXPECT_EQ(polished.parameters, found);
+  EXPECT_EQ(polished.stopped, PolishStop::no_improvement);
+  EXPECT_NEAR(*polished.target_error, 0.02, 1e-9);
+  const auto tried = [&](Proposal proposal) {
+    return std::any_of(polished.rounds.begin(), polished.rounds.end(),
+                       [&](const PolishRound& round) { return round.proposal == proposal; });
+  };
+  EXPECT_TRUE(tried(Proposal::probe) && tried(Proposal::new_search)) << "before it gives up";
+  for (std::size_t i = 1; i < polished.rounds.size(); ++i)
+    EXPECT_EQ(polished.rounds[i].reason, "Its simulated deviation is not less.");
+}
+
+TEST(Polish, GoesAroundParametersThatHaveNoStructure) {
+  Missed free;
+  const Eigen::VectorXd first_step = free.polished({.tolerance = 1e-3}).rounds.at(1).parameters;
+  Missed missed;
+  missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
+    if ((parameters - first_step).norm() < 1e-9) throw Error("tiling.cell_too_small", "There is no such tile.");
+    return missed.displaced(parameters, samples);
+  };
+  const auto polished = missed.polished({.tolerance = 1e-3});
+  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_EQ(polished.rounds.at(1).reason, "There is no such tile.");
+  EXPECT_FALSE(polished.rounds.at(1).target_error || polished.rounds.at(1).accepted);
+}
+
+TEST(Polish, RefusesDesignsThatCannotBeBuiltWithTheirReason) {
+  Missed missed;
+  const Eigen::VectorXd found = missed.found.parameters;
+  missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
+    if (parameters != found) throw Error("tiling.cell_too_small", "There is no such tile.");
+    return missed.displaced(parameters, samples);
+  };
+  const auto polished = missed.polished();
+  EXPECT_EQ(polished.parameters, found);
+  EXPECT_EQ(polished.stopped, PolishStop::no_improvement);
+  ASSERT_GT(polished.rounds.size(), 3U);
+  for (std::size_t i = 1; i < polished.rounds.size(); ++i) {
+    EXPECT_FALSE(polished.rounds[i].target_error);
+    EXPECT_EQ(polished.rounds[i].reason, "There is no such tile.");
+  }
+}
+
+TEST(Polish, ThrowsWhatIsNoMatterOfTheParameters) {
+  Missed missed;
+  missed.simulate = [](const Eigen::VectorXd&, const ProfileSamples&, const Execution&) -> Eigen::VectorXd {
+    throw Error("numerics.out_of_memory", "No memory.");
+  };
+  expect_error("numerics.out_of_memory", [&] { missed.polished(); });
+}
+
+TEST(Polish, SaysWhereNoDesignIsSimulatedEverywhere) {
+  Missed missed;
+  missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
+    Eigen::VectorXd y = missed.displaced(parameters, samples);
+    y[3] = missing;
+    return y;
+  };
+  const auto polished = missed.polished();
+  EXPECT_EQ(polished.stopped, PolishStop::not_simulated);
+  EXPECT_FALSE(polished.target_error);
+  EXPECT_EQ(polished.parameters, missed.found.parameters);
+  for (const PolishRound& round : polished.rounds) {
+    EXPECT_FALSE(round.accepted || round.target_error);
+    EXPECT_EQ(round.reason, "The simulation does not reach every sample.");
+  }
+  EXPECT_EQ(missed.polished({.max_rounds = 0}).stopped, PolishStop::not_simulated);
+  EXPECT_TRUE(std::isnan(polished.simulated[0][3]) && std::isfinite(polished.simulated[0][2]))
+      << "what there is is told";
+}
+
+TEST(Polish, StartsElsewhereWhereTheDesignFoundCannotBeSimulated) {
+  Missed missed;
+  const Eigen::VectorXd elsewhere = missed.test.model.network.lower;
+  missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
+    if (parameters == elsewhere) throw Error("tiling.cell_too_small", "There is no such tile.");
+    return missed.displaced(parameters, samples);
+  };
+  const auto polished = polish(missed.test.space(), missed.problem, elsewhere, missed.simulate, {.tolerance = 1e-3});
+  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_FALSE(polished.rounds[0].accepted);
+  EXPECT_EQ(polished.rounds[1].proposal, Proposal::new_search);
+  EXPECT_TRUE(polished.rounds[1].accepted);
+}
+
+TEST(Polish, KeepsToItsRounds) {
+  for (const int most : {0, 1, 3}) {
+    Missed missed;
+    const auto polished = missed.polished({.tolerance = 1e-9, .max_rounds = most});
+    EXPECT_EQ(polished.rounds.size(), static_cast<std::size_t>(most) + 1);
+    EXPECT_EQ(polished.stopped, PolishStop::round_limit);
+  }
+}
+
+TEST(Polish, KeepsToItsSeconds) {
+  Missed missed;
+  const auto polished = missed.polished({.tolerance = 1e-9, .max_seconds = 1e-9});
+  EXPECT_EQ(polished.rounds.size(), 1U);
+  EXPECT_EQ(polished.stopped, PolishStop::time_limit);
+}
+
+TEST(Polish, GivesTheBestSoFarWhereTheDeadlinePassesInARound) {
+  for (const int last : {0, 2}) {
+    Missed missed;
+    const CancellationToken token;
+    int calls = 0;
+    missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples,
+                          const Execution& execution) {
+      if (calls++ == last) token.request(StopReason::deadline);
+      execution.checkpoint(0, "simulation");
+      return missed.displaced(parameters, samples);
+    };
+    const auto polished = missed.polished({.tolerance = 1e-9}, {token});
+    EXPECT_EQ(polished.stopped, PolishStop::deadline);
+    ASSERT_EQ(polished.rounds.size(), static_cast<std::size_t>(last) + 1);
+    EXPECT_EQ(polished.rounds.back().reason, "The deadline passed before the simulation had ended.");
+    EXPECT_FALSE(polished.rounds.back().target_error || polished.rounds.back().accepted);
+    EXPECT_EQ(polished.target_error.has_value(), last > 0);
+    if (last == 0) {
+      EXPECT_EQ(polished.parameters, missed.found.parameters);
+    } else {
+      EXPECT_LE(*polished.target_error, *polished.rounds.front().target_error);
+    }
+    EXPECT_EQ(polished.simulated[0].allFinite(), last > 0);
+  }
+}
+
+TEST(Polish, StopsWhereItIsCancelled) {
+  Missed missed;
+  const CancellationToken token;
+  token.request(StopReason::cancelled);
+  expect_error("job.cancelled", [&] { missed.polished({}, {token}); });
+}
+
+TEST(Polish, GoesOnWithoutSimulatingAgain) {
+  Missed at_once, in_parts;
+  const PolishOptions options{.tolerance = 1e-4};
+  const auto whole = at_once.polished(options);
+  PolishOptions alone = options;
+  alone.max_rounds = 0;
+  const auto first = in_parts.polished(alone);
+  const auto rest = polish(in_parts.test.space(), in_parts.problem, first, in_parts.simulate, options);
+  EXPECT_EQ(in_parts.calls, at_once.calls);
+  ASSERT_EQ(rest.rounds.size(), whole.rounds.size());
+  EXPECT_EQ(rest.parameters, whole.parameters);
+  EXPECT_EQ(rest.target_error, whole.target_error);
+}
+
+TEST(Polish, KeepsParametersThatAreFixed) {
+  Missed missed;
+  const double held = missed.found.parameters[1];
+  missed.problem.fixed = {std::nullopt, held};
+  for (const auto& round : missed.polished({.tolerance = 1e-9, .max_rounds = 6}).rounds)
+    EXPECT_EQ(round.parameters[1], held);
+  missed.problem.fixed = {missed.found.parameters[0], held};
+  const auto nothing_free = missed.polished({.tolerance = 1e-9});
+  EXPECT_EQ(nothing_free.stopped, PolishStop::no_improvement);
+  EXPECT_EQ(nothing_free.rounds.size(), 1U);
+}
+
+TEST(Polish, SimulatesSamplesOfTheTargetWhereItCan) {
+  Missed missed(Task::stiffness, 50);
+  const auto polished = missed.polished({.samples = 12, .max_rounds = 0});
+  const auto wanted = sample_target(missed.problem.targets[0]).samples.x;
+  EXPECT_EQ(polished.targets[0].samples.x.size(), 10U) << "the largest divisor of 50 up to 12";
+  for (const double x : polished.targets[0].samples.x)
+    EXPECT_TRUE(std::any_of(wanted.begin(), wanted.end(), [&](double y) { return std::abs(x - y) < 1e-12; })) << x;
+  Missed curve(Task::stress_strain, 31);
+  EXPECT_EQ(curve.polished({.samples = 12, .max_rounds = 0}).targets[0].samples.x.size(), 11U);
+  Missed prime(Task::stiffness, 53);
+  EXPECT_EQ(prime.polished({.samples = 12, .max_rounds = 0}).targets[0].samples.x.size(), 12U);
+  EXPECT_EQ(curve.polished({.samples = 99, .max_rounds = 0}).targets[0].samples.x.size(), 31U);
+}
+
+TEST(Polish, CountsTheWeightsOfTargetsAndTheirBands) {
+  Missed missed;
+  Target second = target_at(missed.test, missed.displaced, {0.4, 0.65}, Task::stiffness);
+  for (auto& point : second.control_points) point[1] *= 1.2;
+  second.weight = 3;
+  missed.problem.targets.push_back(second);
+  const auto polished = missed.polished({.max_rounds = 0});
+  const double first = *polished.targets[0].relative_rms(polished.simulated[0]);
+  const double other = *polished.targets[1].relative_rms(polished.simulated[1]);
+  EXPECT_GT(other, 0.1);
+  EXPECT_NEAR(*polished.target_error, std::sqrt((first * first + 3 * other * other) / 4), 1e-12);
+  missed.problem.targets[1].bands.assign(second.control_points.size(), 1e3);
+  EXPECT_NEAR(*missed.polished({.max_rounds = 0}).target_error, first / 2, 1e-12);
+}
+
+TEST(DesignAt, TellsOfThePolishedDesignAsOfOneThatWasFound) {
+  Missed missed;
+  const auto polished = missed.polished();
+  const auto design = design_at(missed.test.space(), missed.problem, polished.parameters, missed.found, {});
+  EXPECT_EQ(design.parameters, polished.parameters);
+  EXPECT_EQ(design.iterations, missed.found.iterations);
+  EXPECT_EQ(design.starts, missed.found.starts);
+  EXPECT_EQ(design.stopped, missed.found.stopped);
+  EXPECT_EQ(design.profiles[0].initial, missed.found.profiles[0].initial);
+  EXPECT_TRUE((design.profiles[0].lowest.array() <= design.profiles[0].achieved.array()).all());
+  EXPECT_TRUE((design.profiles[0].highest.array() >= design.profiles[0].achieved.array()).all());
+  EXPECT_NEAR(design.error.relative_rms, *design.profiles[0].target.relative_rms(design.profiles[0].achieved), 1e-9);
+  EXPECT_GT(design.error.relative_rms, missed.found.error.relative_rms) << "the network finds its own design better";
+}
+
+TEST(DesignAt, HasTheErrorBarsOfTheProfile) {
+  Missed missed(Task::stiffness);
+  missed.test.model.calibration = supple::test::test_calibration(2);
+  // Bars that depend on every feature of a state.
+  for (auto& scale : missed.test.model.calibration->scales)
+    scale.coefficients.segment(1, scale.mean.size()).setConstant(0.01);
+  const Eigen::VectorXd& parameters = missed.found.parameters;
+  const auto design = design_at(missed.test.space(), missed.problem, parameters, missed.found, {});
+  const auto& shown = design.profiles[0];
+  const std::vector<double> same(parameters.begin(), parameters.end());
+  const auto profile = evaluate_profile(missed.test.model, missed.test.evaluator, same, shown.target.samples, 1e-12);
+  ASSERT_EQ(shown.error_bar.size(), profile.error_bar.size());
+  ASSERT_GT(shown.error_bar.size(), 0);
+  EXPECT_LT((shown.error_bar - profile.error_bar).norm(), 1e-8 * profile.error_bar.norm());
+}
+
+TEST(DesignAt, HoldsAllParametersAlsoWhereTheProblemFixesSome) {
+  Missed missed;
+  missed.problem.fixed = {std::nullopt, missed.found.parameters[1]};
+  const auto polished = missed.polished();
+  const auto design = design_at(missed.test.space(), missed.problem, polished.parameters, missed.found, {});
+  EXPECT_EQ(design.parameters, polished.parameters);
+}
+
+/// Two families for one target: the network of the first meets it, the simulation of the second does.
+struct TwoFamilies {
+  TwoFamilies() {
+    problem.targets = {target_at(second, second_displaced, {0.4, 0.65}, Task::stress_strain)};
+    ranking = find_designs(spaces, problem);
+  }
+  VerifiedDesigns verified(const VerificationPlan& plan, const Execution& execution = {}) {
+    return verify_designs(spaces, simulations, problem, ranking, {}, plan, execution,
+                          [&](const Design& design, const PolishRound&) { told.push_back(design.space); });
+  }
+
+  TestSpace first{2, 1};
+  TestSpace second{2, 1};
+  Displaced first_displaced{first, 1.5};
+  Displaced second_displaced{second};
+  int first_calls = 0, second_calls = 0;
+  std::vector<DesignSpace> spaces{first.space(), second.space()};
+  std::vector<FamilySimulation> simulations{{first_displaced.counted(first_calls), {}},
+                                            {second_displaced.counted(second_calls), {}}};
+  DesignProblem problem;
+  std::vector<Design> ranking;
+  std::vector<std::size_t> told;
+};
+
+TEST(VerifyDesigns, RanksFamiliesByTheirSimulation) {
+  TwoFamilies families;
+  ASSERT_EQ(families.ranking.front().space, 0U) << "the same network twice: the first comes first";
+  CostLedger bill;
+  const auto verified = families.verified({}, {.cost = &bill});
+  EXPECT_EQ(verified.ranking.front().design.space, 1U);
+  EXPECT_EQ(families.first_calls, 1);
+  ASSERT_TRUE(verified.ranking[0].target_error && verified.ranking[1].target_error);
+  EXPECT_LT(*verified.ranking[0].target_error, *verified.ranking[1].target_error);
+  EXPECT_EQ(verified.polished.stopped, PolishStop::reached);
+  EXPECT_EQ(verified.ranking.front().design.parameters, verified.polished.parameters);
+  EXPECT_EQ(*verified.ranking.front().target_error, *verified.polished.target_error);
+  EXPECT_EQ(families.told.size(), static_cast<std::size_t>(families.first_calls + families.second_calls));
+  ASSERT_EQ(bill.effects().size(), 1U);
+  EXPECT_TRUE(bill.effects()[0].ran);
+  EXPECT_EQ(bill.effects()[0].count, families.second_calls - 1);
+}
+
+TEST(VerifyDesigns, SimulateOnlyTheFirstWherePolishingIsOff) {
+  TwoFamilies families;
+  CostLedger bill;
+  const auto verified = families.verified({.polish = Switch::off}, {.cost = &bill});
+  EXPECT_EQ(verified.ranking.front().design.space, 0U);
+  EXPECT_EQ(families.first_calls, 1);
+  EXPECT_EQ(families.second_calls, 0);
+  EXPECT_FALSE(verified.ranking[1].target_error);
+  EXPECT_EQ(verified.ranking.front().design.parameters, families.ranking.front().parameters);
+  EXPECT_FALSE(bill.effects()[0].ran);
+  EXPECT_EQ(bill.effects()[0].why, "the request turns it off");
+}
+
+TEST(VerifyDesigns, LeaveFamiliesBeyondThePlanBehind) {
+  TwoFamilies families;
+  const auto verified = families.verified({.families = 1});
+  EXPECT_EQ(verified.ranking.front().design.space, 0U);
+  EXPECT_EQ(families.second_calls, 0);
+  EXPECT_EQ(verified.ranking.size(), 2U);
+}
+
+TEST(VerifyDesigns, LetTheSimulationSayWhetherTheTargetIsReached) {
+  TwoFamilies families;
+  const auto polished = families.verified({});
+  const Design& corrected = polished.ranking.front().design;
+  EXPECT_TRUE(corrected.reached);
+  EXPECT_EQ(corrected.message.find("No design"), std::string::npos) << corrected.message;
+  ASSERT_TRUE(families.ranking.front().reached) << "by the network";
+  const auto plain = families.verified({.polish = Switch::off});
+  const Design& wrong = plain.ranking.front().design;
+  EXPECT_FALSE(wrong.reached);
+  EXPECT_EQ(wrong.message.rfind("The simulated structure does not reach the target: it deviates by ", 0), 0U)
+      << wrong.message;
+}
+
+TEST(VerifyDesigns, SayByHowMuchACoarserMeshChangesTheAnswer) {
+  TwoFamilies families;
+  EXPECT_FALSE(families.verified({}).discretization_error.at(0)) << "nobody asks";
+  Eigen::VectorXd asked_for;
+  families.simulations[0].coarser = [](const auto&, const auto&, const auto&) -> Eigen::VectorXd {
+    throw Error("internal", "The other family's structure.");
+  };
+  families.simulations[1].coarser = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples,
+                                        const Execution& execution) -> Eigen::VectorXd {
+    asked_for = parameters;
+    return 1.25 * families.simulations[1].simulate(parameters, samples, execution);
+  };
+  const auto verified = families.verified({});
+  ASSERT_EQ(verified.discretization_error.size(), 1U);
+  EXPECT_NEAR(verified.discretization_error[0].value(), 0.25, 1e-12);
+  EXPECT_EQ(asked_for, verified.polished.parameters);
+}
+
+TEST(VerifyDesigns, StandWithoutTheEstimateThatFailsUnlessTheyAreCancelled) {
+  TwoFamilies families;
+  const auto fails_with = [&](const char* code) {
+    families.simulations[1].coarser = [code](const auto&, const auto&, const auto&) -> Eigen::VectorXd {
+      throw Error(code, "No estimate.");
+    };
+  };
+  fails_with("tiling.meshing_failed");
+  EXPECT_FALSE(families.verified({}).discretization_error.at(0));
+  families.simulations[1].coarser = [](const auto&, const ProfileSamples& samples, const auto&) -> Eigen::VectorXd {
+    return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(samples.x.size()),
+                                     std::numeric_limits<double>::quiet_NaN());
+  };
+  EXPECT_FALSE(families.verified({}).discretization_error.at(0));
+  fails_with("job.cancelled");
+  expect_error("job.cancelled", [&] { families.verified({}); });
+}
+
+TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
+  TwoFamilies families;
+  const CancellationToken token;
+  token.request(StopReason::deadline);
+  const auto verified = families.verified({}, {.cancellation = token});
+  EXPECT_EQ(verified.polished.stopped, PolishStop::deadline);
+  EXPECT_EQ(verified.ranking.size(), 2U);
+  EXPECT_FALSE(verified.ranking[0].target_error);
+  EXPECT_FALSE(verified.discretization_error.at(0));
+  expect_error("job.deadline_exceeded", [&] { families.verified({.polish = Switch::off}, {.cancellation = token}); });
+}
+
+}  // namespace
+}  // namespace supple::design
