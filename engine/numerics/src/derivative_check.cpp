@@ -3,6 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
+#include <stdexcept>
+#include <variant>
 #include <vector>
 
 namespace supple::numerics {
@@ -62,11 +65,23 @@ class Comparison {
   bool first_ = true;
 };
 
-Eigen::MatrixXd to_dense(const Hessian& hessian) {
-  if (const auto* dense = std::get_if<Eigen::MatrixXd>(&hessian)) return *dense;
-  if (const auto* sparse = std::get_if<SparseMatrix>(&hessian)) return Eigen::MatrixXd(*sparse);
-  return {};
-}
+/// Both triangles of any kind of Hessian; empty where there is none. A kind that is not listed does not compile.
+struct ToDense {
+  Eigen::MatrixXd operator()(std::monostate) const { return {}; }
+  Eigen::MatrixXd operator()(const Eigen::MatrixXd& dense) const { return dense; }
+  Eigen::MatrixXd operator()(const SparseMatrix& sparse) const { return sparse; }
+  Eigen::MatrixXd operator()(const std::shared_ptr<const BorderedMatrix>& bordered) const {
+    const Eigen::Index n = bordered->core.rows();
+    const Eigen::Index m = bordered->corner.rows();
+    Eigen::MatrixXd dense(n + m, n + m);
+    const Eigen::MatrixXd lower(bordered->core);
+    dense.topLeftCorner(n, n) = lower.selfadjointView<Eigen::Lower>();
+    dense.topRightCorner(n, m) = bordered->border;
+    dense.bottomLeftCorner(m, n) = bordered->border.transpose();
+    dense.bottomRightCorner(m, m) = bordered->corner;
+    return dense;
+  }
+};
 
 }  // namespace
 
@@ -83,12 +98,18 @@ std::string DerivativeCheck::summary() const {
 DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
                                   const DerivativeCheckOptions& options) {
   const Evaluation base = function(Eigen::VectorXd::Zero(dimension), options.hessian ? 2 : 1);
-  const Eigen::MatrixXd hessian = to_dense(base.hessian);
-  const bool with_hessian = options.hessian && hessian.size() > 0;
+  // A bordered Hessian is the function's own until it is evaluated again, so that a copy is made here.
+  const Eigen::MatrixXd hessian = options.hessian ? std::visit(ToDense{}, base.hessian) : Eigen::MatrixXd();
+  if (base.gradient.size() != dimension)
+    throw std::invalid_argument("check_derivatives: the function gave no gradient of the dimension");
+  if (options.hessian && (hessian.rows() != dimension || hessian.cols() != dimension))
+    throw std::invalid_argument(
+        "check_derivatives: a Hessian was to be checked and the function gave none of the dimension");
 
   DerivativeCheck check;
   Comparison gradient_comparison(base.gradient.cwiseAbs().maxCoeff(), check.gradient);
-  Comparison hessian_comparison(with_hessian ? hessian.cwiseAbs().maxCoeff() : 0, check.hessian);
+  Eigen::MatrixXd numeric_hessian(dimension, dimension);
+  Eigen::MatrixXd uncertainty(dimension, dimension);
   for (Eigen::Index column = 0; column < dimension; ++column) {
     // One array per step length: the difference of the value, then those of the gradient.
     std::vector<Eigen::ArrayXd> differences;
@@ -103,10 +124,18 @@ DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index di
     }
     const Extrapolated numeric = ridders(differences);
     gradient_comparison.add(column, 0, base.gradient[column], numeric.value[0], numeric.uncertainty[0]);
-    if (!with_hessian) continue;
-    for (Eigen::Index row = 0; row < dimension; ++row)
-      hessian_comparison.add(row, column, hessian(row, column), numeric.value[1 + row], numeric.uncertainty[1 + row]);
+    numeric_hessian.col(column) = numeric.value.tail(dimension).matrix();
+    uncertainty.col(column) = numeric.uncertainty.tail(dimension).matrix();
   }
+  if (!options.hessian) return check;
+  if (options.frames_turn) {
+    numeric_hessian = (numeric_hessian + numeric_hessian.transpose()).eval() / 2;
+    uncertainty = (uncertainty + uncertainty.transpose()).eval() / 2;
+  }
+  Comparison hessian_comparison(hessian.cwiseAbs().maxCoeff(), check.hessian);
+  for (Eigen::Index column = 0; column < dimension; ++column)
+    for (Eigen::Index row = 0; row < dimension; ++row)
+      hessian_comparison.add(row, column, hessian(row, column), numeric_hessian(row, column), uncertainty(row, column));
   return check;
 }
 

@@ -25,7 +25,7 @@ struct DerivativeCheck {
     double uncertainty = 0;
   };
   Worst gradient;
-  Worst hessian;  ///< empty (error 0) where no Hessian was checked
+  Worst hessian;  ///< empty (error 0) only where the options leave Hessians out
 
   /// One sentence with both worst entries.
   std::string summary() const;
@@ -37,6 +37,10 @@ struct DerivativeCheckOptions {
   double step = 1e-2;
   int levels = 8;
   bool hessian = true;
+  /// The gradients at displaced states are given in frames that have turned along with the state (a chart that is
+  /// rebased), with no transport back. Differences of such gradients are the Hessian plus an antisymmetric matrix, the
+  /// frames' torsion times the gradient: straight lines do not feel it, and only the symmetric part is compared.
+  bool frames_turn = false;
 };
 
 /// A function near a base state: value and derivatives at the state that lies `step` away, with the gradient expressed
@@ -44,7 +48,9 @@ struct DerivativeCheckOptions {
 using LocalFunction = std::function<Evaluation(const Eigen::VectorXd& step, int order)>;
 
 /// Compares gradient with central differences of the value, and Hessian with central differences of the gradient.
-/// 2 levels n evaluations of order 1.
+/// 2 levels n evaluations of order 1. Checks every kind of Hessian, bordered ones too. Throws std::invalid_argument where
+/// the function gives no gradient of n entries, or no n x n Hessian although the options ask for one: what was not
+/// checked does not pass.
 DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
                                   const DerivativeCheckOptions& options = {});
 
