@@ -1,6 +1,6 @@
 // Neural models: what evaluations cost against the arithmetic's floor and LibTorch, uniaxial curves and times against
-// fresh simulations, smoothness along design parameters, activation functions, what accuracy costs, and what the loss,
-// the optimizer and the tangent term give.
+// fresh simulations, what these differ by among themselves, smoothness along design parameters, activation functions,
+// what accuracy costs, and what the loss, the optimizer and the tangent term give.
 //
 //   neural_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--work DIR] [--out DIR] [STUDY ...]
 //   default: all studies into docs/bench
@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
                       folder_option("--work", settings.work), folder_option("--out", settings.folder)},
                      {{"speed", [&] { study_speed(settings); }},
                       {"uniaxial", [&] { study_uniaxial(settings); }},
+                      {"floor", [&] { study_floor(settings); }},
                       {"native-time", [&] { study_native_time(settings); }},
                       {"smoothness", [&] { study_smoothness(settings); }},
                       {"activations", [&] { study_activations(settings); }},

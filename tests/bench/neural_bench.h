@@ -33,6 +33,7 @@ std::vector<neural::Model> models_of(const NeuralSettings& settings);
 
 void study_speed(const NeuralSettings& settings);
 void study_uniaxial(const NeuralSettings& settings);
+void study_floor(const NeuralSettings& settings);
 void study_native_time(const NeuralSettings& settings);
 void study_smoothness(const NeuralSettings& settings);
 void study_activations(const NeuralSettings& settings);
