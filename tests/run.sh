@@ -1,9 +1,11 @@
 #!/bin/bash
-# Installs what the tests need, builds, and runs every test.
+# Installs what the tests need, builds, and runs the tests.
 #
-#   tests/run.sh                all parts
+#   tests/run.sh                the parts that a change is tried with, less than 20 minutes on two cores
+#   tests/run.sh --all          every part, as continuous integration runs them
 #   tests/run.sh unit api       only these parts, in the order below
 #   tests/run.sh --list         the parts and what each does
+#   tests/run.sh --all --minutes    writes how long each part took into CONTRIBUTING.md
 #
 # Ends with status 0 only if every part passed. Environment: SUPPLE_JOBS (number of cores), SUPPLE_FUZZ_SECONDS (60, over
 # all targets), SUPPLE_SKIP_PACKAGES=1 (leave apt alone).
@@ -31,6 +33,7 @@ declare -A about=(
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
 order=(arrows format build unit stability python api web browser bench tidy asan tsan fuzz)
+usual=(arrows format build unit stability python api web)
 
 # The machines of CI start from nothing.
 configure_preset() { cmake --preset "$1" ${CI:+-DSUPPLE_UNITY_TESTS=ON} >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }; }
@@ -104,13 +107,52 @@ install_packages() {
   apt-get update -q && apt-get install -y -q --no-install-recommends $missing
 }
 
-case "${1:-}" in
-  --list) for part in "${order[@]}"; do printf '%-10s %s\n' "$part" "${about[$part]}"; done; exit 0 ;;
-  -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
-esac
-for part in "$@"; do
-  [ -n "${about[$part]:-}" ] || { echo "tests/run.sh: no part '$part'; the parts are: ${order[*]}" >&2; exit 2; }
+in_minutes() { printf '%d.%d' $(($1 / 60)) $(($1 % 60 / 6)); }  # seconds, rounded down
+
+# Puts a table of this run into CONTRIBUTING.md, between its two marks.
+write_minutes() {
+  local table
+  table=$(
+    printf 'Measured by `tests/run.sh %s--minutes` on %s cores' "$asked" "$jobs"
+    [ -n "$from_nothing" ] && printf ', starting without any build'
+    printf ':\n\n| Part | Minutes | What it does |\n|---|--:|---|\n'
+    for row in "${minutes[@]}"; do printf '%s\n' "$row"; done
+    printf '| all | %s | |\n' "$(in_minutes "$SECONDS")"
+  )
+  TABLE=$table "$python" - <<'PYTHON'
+import os, pathlib, re
+page = pathlib.Path("CONTRIBUTING.md")
+text, found = re.subn(r"(<!-- minutes -->\n).*?(<!-- /minutes -->)",
+                      lambda marks: marks[1] + os.environ["TABLE"] + "\n" + marks[2], page.read_text(), flags=re.S)
+if found != 1:
+    raise SystemExit("CONTRIBUTING.md has no place for the table of minutes")
+page.write_text(text)
+PYTHON
+}
+
+asked=""
+keep_minutes=""
+wanted=()
+for argument in "$@"; do
+  case "$argument" in
+    --list)
+      for part in "${order[@]}"; do
+        [[ " ${usual[*]} " == *" $part "* ]] && mark="" || mark=" (with --all or by name)"
+        printf '%-10s %s%s\n' "$part" "${about[$part]}" "$mark"
+      done
+      exit 0 ;;
+    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    --all) wanted=("${order[@]}"); asked="--all " ;;
+    --minutes) keep_minutes=1 ;;
+    *)
+      [ -n "${about[$argument]:-}" ] ||
+        { echo "tests/run.sh: no part '$argument'; the parts are: ${order[*]}" >&2; exit 2; }
+      wanted+=("$argument"); asked+="$argument " ;;
+  esac
 done
+[ "${#wanted[@]}" -gt 0 ] || wanted=("${usual[@]}")
+from_nothing=1
+[ -d build ] && from_nothing=""
 
 mkdir -p build
 if [ -z "${SUPPLE_SKIP_PACKAGES:-}" ]; then
@@ -118,15 +160,20 @@ if [ -z "${SUPPLE_SKIP_PACKAGES:-}" ]; then
 fi
 
 summary=()
+minutes=()
 status=0
+if [ "$SECONDS" -gt 5 ]; then minutes+=("| packages | $(in_minutes "$SECONDS") | installs what is missing |"); fi
 for part in "${order[@]}"; do
-  [ $# -eq 0 ] || [[ " $* " == *" $part "* ]] || continue
+  [[ " ${wanted[*]} " == *" $part "* ]] || continue
   printf '\n=== %s: %s\n' "$part" "${about[$part]}"
   start=$SECONDS
   if "part_$part"; then outcome=passed; else outcome=FAILED; status=1; fi
-  summary+=("$(printf '%-10s %-7s %5d s' "$part" "$outcome" $((SECONDS - start)))")
+  took=$((SECONDS - start))
+  summary+=("$(printf '%-10s %-7s %5d s' "$part" "$outcome" "$took")")
+  minutes+=("| $part | $(in_minutes "$took") | ${about[$part]} |")
 done
 
 printf '\n=== summary\n'
 printf '%s\n' "${summary[@]}"
+if [ -n "$keep_minutes" ]; then write_minutes; fi
 exit $status
