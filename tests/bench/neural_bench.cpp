@@ -42,6 +42,9 @@ std::vector<neural::Model> models_of(const NeuralSettings& settings) {
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), model.family) != wanted.end())
       models.push_back(std::move(model));
   }
+  // What a short run is to show, one small cell and one of several tiles show.
+  if (settings.brief && settings.families.empty())
+    std::erase_if(models, [](const neural::Model& model) { return model.family != "IH01" && model.family != "IH67"; });
   return models;
 }
 

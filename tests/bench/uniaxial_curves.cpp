@@ -93,7 +93,7 @@ class KeptCurves {
 
 microscale::SimulationOptions curve_options(const std::string& family, bool brief) {
   auto options = data_set_options(family);
-  if (brief) options.mesh.mesh_size = 1;
+  if (brief) options.mesh.mesh_size = 1.5;
   options.tangents = false;
   return options;
 }
