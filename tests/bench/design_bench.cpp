@@ -2,12 +2,13 @@
 // over all families cost, what accuracy costs, the solver against its rivals, verification and polish by simulation,
 // what the width of networks costs and gives, and what searches by simulation alone come to.
 //
-//   design_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--out DIR] [STUDY ...]
+//   design_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--work DIR] [--out DIR] [STUDY ...]
 //   default: all studies into docs/bench
 #include "design_bench.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <numbers>
 
 #include "command_line.h"
@@ -24,6 +25,14 @@ std::string design_introduction(const DesignSettings& settings, const std::strin
   return page + "\n\n" + text + " Times are CPU times of one thread unless they are called elapsed.";
 }
 
+LoadedSpace::LoadedSpace(const std::filesystem::path& file) : LoadedSpace(neural::read_model(file)) {
+  std::ifstream in(file, std::ios::binary);
+  constexpr std::streamoff digits = 8;
+  in.seekg(-(digits + 1), std::ios::end);  // and the end of the line
+  checksum.resize(digits);
+  in.read(checksum.data(), digits);
+}
+
 std::vector<std::unique_ptr<LoadedSpace>> spaces_of(const DesignSettings& settings) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(settings.models))
@@ -35,7 +44,7 @@ std::vector<std::unique_ptr<LoadedSpace>> spaces_of(const DesignSettings& settin
   };
   std::vector<std::unique_ptr<LoadedSpace>> spaces;
   for (const auto& file : files) {
-    auto space = std::make_unique<LoadedSpace>(neural::read_model(file));
+    auto space = std::make_unique<LoadedSpace>(file);
     const auto& family = space->model.family;
     // What a short run is to show, one small cell and one of several tiles show.
     if (settings.brief && wanted.empty() && family != "IH01" && family != "IH67") continue;
@@ -80,10 +89,24 @@ design::SimulateProfile simulation_of(const std::string& family, const DesignSet
   return design::simulation_of(tiling::family(family), options);
 }
 
+namespace {
+
+struct RandomDesign {
+  std::vector<double> parameters;
+  double direction;
+};
+RandomDesign random_design(const LoadedSpace& space, RandomStream& random) {
+  auto parameters = random_parameters(space.model, random);
+  return {std::move(parameters), random.uniform(0, std::numbers::pi)};
+}
+
+}  // namespace
+
+void skip_target(const LoadedSpace& space, RandomStream& random) { random_design(space, random); }
+
 std::optional<design::Target> simulated_target(const LoadedSpace& space, design::Task task, RandomStream& random,
                                                const design::SimulateProfile& simulate) {
-  const auto parameters = random_parameters(space.model, random);
-  const double direction = random.uniform(0, std::numbers::pi);
+  const auto [parameters, direction] = random_design(space, random);
   try {
     auto target = target_of(space, parameters, task, direction, 0.05, 12);
     if (!target) return std::nullopt;
@@ -108,7 +131,7 @@ int main(int argc, char** argv) {
   return run_program(argc, argv,
                      {flag("--short", settings.brief), number_option("--designs", settings.designs),
                       list_option("--family", settings.families), folder_option("--models", settings.models),
-                      folder_option("--out", settings.folder)},
+                      folder_option("--work", settings.work), folder_option("--out", settings.folder)},
                      {{"recovery", [&] { study_recovery(settings); }},
                       {"speed", [&] { study_design_speed(settings); }},
                       {"accuracy", [&] { study_design_accuracy(settings); }},

@@ -18,13 +18,16 @@ struct DesignSettings {
   std::vector<std::string> families;
   std::filesystem::path models = "models";
   std::filesystem::path folder = "docs/bench";
+  std::filesystem::path work = "build/bench/designs";  ///< outcomes of long studies, which later runs go on from
 };
 
 /// A model with what belongs to it.
 struct LoadedSpace {
+  explicit LoadedSpace(const std::filesystem::path& file);
   explicit LoadedSpace(neural::Model loaded)
       : model(std::move(loaded)), evaluator(model.network), candidates(model.network) {}
   design::DesignSpace space() const { return {model, evaluator, candidates}; }
+  std::string checksum;  ///< of the model's file, as it ends
   neural::Model model;
   neural::Evaluator evaluator;
   design::Candidates candidates;
@@ -46,6 +49,9 @@ design::SimulateProfile simulation_of(const std::string& family, const DesignSet
 /// where it cannot be simulated at every sample.
 std::optional<design::Target> simulated_target(const LoadedSpace& space, design::Task task, RandomStream& random,
                                                const design::SimulateProfile& simulate);
+
+/// Draws from `random` what simulated_target draws.
+void skip_target(const LoadedSpace& space, RandomStream& random);
 
 inline constexpr design::Task all_tasks[] = {design::Task::stress_strain, design::Task::stiffness,
                                              design::Task::poisson};

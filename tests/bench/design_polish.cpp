@@ -1,4 +1,9 @@
 // What a design does when it is simulated, and how far simulation corrects it.
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
 #include "design_bench.h"
 #include "measurement.h"
 #include "report.h"
@@ -10,58 +15,122 @@ namespace supple::bench {
 namespace {
 
 constexpr int most_draws = 5;  ///< of random parameters, for each target wanted
+/// Counted for a design of the search whose simulation does not reach every sample.
+constexpr double unsimulated_deviation = 1;
 
 constexpr auto introduction =
     "Targets are what random designs within the bounds do when they are simulated: stress at 10 strains from -0.1 to "
-    "0.2 "
-    "along a random direction, stiffness and Poisson's ratio at a strain of 0.05 in 12 directions. The network finds a "
+    "0.2 along a random direction, stiffness and Poisson's ratio at a strain of 0.05 in 12 directions. The network "
+    "finds a "
     "design for each; then simulations correct it (`effects.polish`) until it deviates by 0.2 %, at most 30 rounds. "
-    "Deviations are relative root mean squares as in answers, 0.01 is one per cent. Seconds are elapsed, on two "
+    "Deviations are relative root mean squares as in answers, 0.01 is one per cent; a design of the search whose "
+    "simulation does not reach every sample counts as one that deviates by 100 %. Seconds are elapsed, on two "
     "threads.";
 
+/// What became of one random design; nothing where it makes no target.
 struct Outcome {
-  std::vector<double> network, unpolished, polished, rounds, search_seconds, first_seconds, seconds;
+  bool usable = false;
+  double network = 0, unpolished = 0, polished = 0;
+  int rounds = 0;
+  double search_seconds = 0, first_seconds = 0, seconds = 0;
 };
 
-Outcome design_again(const LoadedSpace& space, design::Task task, int targets, const DesignSettings& settings) {
-  Outcome outcome;
+/// Outcomes of one model and task that earlier runs have come to, a line each: a run of all families takes hours. A
+/// change of the search, of polish or of the simulation asks for the work folder to be removed.
+class KeptOutcomes {
+ public:
+  explicit KeptOutcomes(std::filesystem::path file) : file_(std::move(file)) {
+    std::filesystem::create_directories(file_.parent_path());
+    std::ifstream in(file_);
+    for (std::string line; std::getline(in, line);) {
+      std::istringstream text(line);
+      Outcome o;
+      if (text >> o.usable >> o.network >> o.unpolished >> o.polished >> o.rounds >> o.search_seconds >>
+          o.first_seconds >> o.seconds)
+        outcomes_.push_back(o);
+    }
+  }
+  std::size_t size() const { return outcomes_.size(); }
+  const Outcome& operator[](std::size_t i) const { return outcomes_[i]; }
+  void keep(const Outcome& o) {
+    outcomes_.push_back(o);
+    std::ofstream out(file_, std::ios::app);
+    out.precision(17);
+    out << o.usable << ' ' << o.network << ' ' << o.unpolished << ' ' << o.polished << ' ' << o.rounds << ' '
+        << o.search_seconds << ' ' << o.first_seconds << ' ' << o.seconds << '\n';
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::vector<Outcome> outcomes_;
+};
+
+Outcome polish_one(const LoadedSpace& space, const design::Target& target, const design::SimulateProfile& simulate,
+                   const design::PolishOptions& options) {
+  auto buildable = space.space();
+  buildable.buildable = [&family = tiling::family(space.model.family)](const Eigen::VectorXd& parameters) {
+    return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+  };
+  const design::DesignProblem problem{{target}, {}, {}};
+  const double start = wall_seconds();
+  const auto found = design::find_design(buildable, problem);
+  const double searched = wall_seconds();
+  const auto polished = design::polish(buildable, problem, found.parameters, simulate, options);
+  const double end = wall_seconds();
+  const auto& first = polished.rounds.front();
+  if (!polished.target_error) return {};
+  std::printf("%s %s: %.3f %% by the network, %.3f %% simulated, %.3f %% polished in %zu rounds and %.1f s (%s)\n",
+              space.model.family.c_str(), to_string(target.task).data(), 100 * found.error.relative_rms,
+              100 * first.target_error.value_or(unsimulated_deviation), 100 * *polished.target_error,
+              polished.rounds.size() - 1, end - searched, to_string(polished.stopped).data());
+  std::fflush(stdout);
+  return {true,
+          found.error.relative_rms,
+          first.target_error.value_or(unsimulated_deviation),
+          *polished.target_error,
+          static_cast<int>(polished.rounds.size()) - 1,
+          searched - start,
+          first.seconds,
+          end - searched};
+}
+
+/// The first `targets` of random designs that make one.
+std::vector<Outcome> outcomes_of(const LoadedSpace& space, design::Task task, int targets,
+                                 const DesignSettings& settings) {
+  const std::string name(to_string(task));
+  if (settings.brief) std::filesystem::remove_all(settings.work / "polish");
+  KeptOutcomes kept(settings.work / "polish" / (space.model.family + "-" + name + "-" + space.checksum + ".txt"));
   RandomStream random("polish " + space.model.family, static_cast<std::uint64_t>(task) + 1);
   const auto simulate = simulation_of(space.model.family, settings);
   design::PolishOptions options;
   options.max_seconds = 3600;  // what rounds come to is the question here, on whatever machine
   if (settings.brief) options.max_rounds = 1;
-  for (int i = 0; static_cast<int>(outcome.network.size()) < targets && i < most_draws * targets; ++i) {
-    const auto target = simulated_target(space, task, random, simulate);
-    if (!target) continue;
-    const design::DesignProblem problem{{*target}, {}, {}};
-    try {
-      auto buildable = space.space();
-      buildable.buildable = [&family = tiling::family(space.model.family)](const Eigen::VectorXd& parameters) {
-        return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
-      };
-      const double start = wall_seconds();
-      const auto found = design::find_design(buildable, problem);
-      const double searched = wall_seconds();
-      const auto polished = design::polish(buildable, problem, found.parameters, simulate, options);
-      const double end = wall_seconds();
-      if (!polished.target_error) continue;
-      outcome.network.push_back(found.error.relative_rms);
-      outcome.unpolished.push_back(*polished.rounds.front().target_error);
-      outcome.polished.push_back(*polished.target_error);
-      outcome.rounds.push_back(static_cast<double>(polished.rounds.size()) - 1);
-      outcome.search_seconds.push_back(searched - start);
-      outcome.first_seconds.push_back(polished.rounds.front().seconds);
-      outcome.seconds.push_back(end - searched);
-      std::printf("%s %s: %.3f %% by the network, %.3f %% simulated, %.3f %% polished in %zu rounds and %.1f s (%s)\n",
-                  space.model.family.c_str(), to_string(task).data(), 100 * found.error.relative_rms,
-                  100 * outcome.unpolished.back(), 100 * outcome.polished.back(), polished.rounds.size() - 1,
-                  outcome.seconds.back(), to_string(polished.stopped).data());
-      std::fflush(stdout);
-    } catch (const Error& failure) {
-      std::printf("%s: %s\n", space.model.family.c_str(), failure.what());
+  std::vector<Outcome> outcomes;
+  for (std::size_t i = 0;
+       static_cast<int>(outcomes.size()) < targets && i < static_cast<std::size_t>(most_draws * targets); ++i) {
+    if (i < kept.size()) {
+      skip_target(space, random);
+    } else {
+      Outcome outcome;
+      try {
+        if (const auto target = simulated_target(space, task, random, simulate))
+          outcome = polish_one(space, *target, simulate, options);
+      } catch (const Error& failure) {
+        std::printf("%s: %s\n", space.model.family.c_str(), failure.what());
+      }
+      kept.keep(outcome);
     }
+    if (kept[i].usable) outcomes.push_back(kept[i]);
   }
-  return outcome;
+  return outcomes;
+}
+
+template <class Member>
+std::vector<double> all(const std::vector<Outcome>& outcomes, Member member) {
+  std::vector<double> values;
+  values.reserve(outcomes.size());
+  for (const Outcome& outcome : outcomes) values.push_back(static_cast<double>(outcome.*member));
+  return values;
 }
 
 }  // namespace
@@ -90,14 +159,17 @@ void study_polish(const DesignSettings& settings) {
   };
   for (const auto& space : spaces_of(settings)) {
     for (const auto task : all_tasks) {
-      const Outcome outcome = design_again(*space, task, targets, settings);
-      if (outcome.network.empty()) continue;
-      table.row({space->model.family, std::string(to_string(task)), count(static_cast<double>(outcome.network.size())),
-                 number(mean(outcome.network)), number(median(outcome.unpolished)), number(mean(outcome.unpolished)),
-                 number(quantile(outcome.unpolished, 1)), number(median(outcome.polished)),
-                 number(mean(outcome.polished)), number(quantile(outcome.polished, 1)), count(median(outcome.rounds)),
-                 number(median(outcome.search_seconds)), number(median(outcome.first_seconds)),
-                 number(median(outcome.seconds))});
+      const auto outcomes = outcomes_of(*space, task, targets, settings);
+      if (outcomes.empty()) continue;
+      const auto unpolished = all(outcomes, &Outcome::unpolished);
+      const auto polished = all(outcomes, &Outcome::polished);
+      table.row({space->model.family, std::string(to_string(task)), count(static_cast<double>(outcomes.size())),
+                 number(mean(all(outcomes, &Outcome::network))), number(median(unpolished)), number(mean(unpolished)),
+                 number(quantile(unpolished, 1)), number(median(polished)), number(mean(polished)),
+                 number(quantile(polished, 1)), count(median(all(outcomes, &Outcome::rounds))),
+                 number(median(all(outcomes, &Outcome::search_seconds))),
+                 number(median(all(outcomes, &Outcome::first_seconds))),
+                 number(median(all(outcomes, &Outcome::seconds)))});
     }
     write_page();
   }
