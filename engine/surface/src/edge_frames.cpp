@@ -1,5 +1,6 @@
 #include "edge_frames.h"
 
+#include <algorithm>
 #include <numbers>
 
 namespace supple::surface {
@@ -19,6 +20,7 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::
     const std::int32_t onward = TriangleMesh::next(h);
     const std::int32_t back = TriangleMesh::previous(h);
     frame.length = m.edge_length(h);
+    longest_edge = std::max(longest_edge, frame.length);
     frame.left_length = m.edge_length(back);
     frame.right_length = m.edge_length(onward);
     const double angle = m.corner_angle(h);

@@ -42,6 +42,7 @@ struct SearchMesh {
   std::shared_ptr<const TriangleMesh> mesh;
   std::vector<EdgeFrame> frames;
   std::vector<std::uint8_t> pins_paths;
+  double longest_edge = 0;
   std::span<const FanCorner> fan(std::int32_t vertex) const {
     return {corners.data() + first_corner[vertex], corners.data() + first_corner[vertex + 1]};
   }

@@ -8,6 +8,7 @@ namespace supple::surface {
 SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
   if (!kept) throw Error("field.not_kept", "The field was computed without what point queries need.");
   SearchTarget target = make_target(*mesh, point);
+  if (arrive_near_vertex(*mesh, sources, target)) return target;
   const std::int32_t face = index(point.face);
   const auto offer_windows = [&](std::int32_t h) {
     for (std::int32_t i = first[h]; i < first[h + 1]; ++i) offer_window(*mesh, sources, target, h, windows[i], i);

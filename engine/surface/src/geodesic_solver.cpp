@@ -58,10 +58,15 @@ void bill(const WindowSearch& search, const Execution& execution) {
   execution.cost->add_quantity("batches", static_cast<double>(search.batches()));
 }
 
-double length_of(const std::vector<PathPoint>& path) {
+/// No path of use is longer than a known one, whose length its positions tell up to the rounding of coordinates.
+double limit_by(const std::vector<PathPoint>& path) {
   double length = 0;
-  for (std::size_t i = 1; i < path.size(); ++i) length += (path[i].position - path[i - 1].position).norm();
-  return length;
+  double coordinates = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    length += (path[i].position - path[i - 1].position).norm();
+    coordinates += path[i].position.lpNorm<1>();
+  }
+  return length * (1 + 1e-9) + kEdgeRounding * coordinates;
 }
 
 }  // namespace
@@ -86,6 +91,9 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfaceP
   const SearchMesh& search_mesh = *implementation_->search_mesh;
   if (mesh().component(index(from.face)) != mesh().component(index(to.face))) return {};
   SearchTarget target = make_target(search_mesh, to);
+  if (arrive_near_vertex(search_mesh, {&from, 1}, target)) {
+    return assemble({&search_mesh, {}, nullptr, {&from, 1}}, target, options);
+  }
   Implementation::Lease search(*implementation_);
   SearchSettings settings;
   settings.goal_directed = true;
@@ -93,7 +101,7 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfaceP
   if (hints.known_path && hints.known_path->size() > 1 &&
       hints.known_path->front().position == position(mesh(), from) &&
       hints.known_path->back().position == target.position) {
-    settings.limit = length_of(*hints.known_path) * (1 + 1e-9);
+    settings.limit = limit_by(*hints.known_path);
   }
   if (hints.landmark) {
     settings.landmark = hints.landmark->vertex_distances();
@@ -111,15 +119,21 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfaceP
 std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, std::span<const SurfacePoint> to,
                                                 const GeodesicOptions& options, const Execution& execution) const {
   const SurfacePoint from = snapped(from_point);
+  const SearchMesh& search_mesh = *implementation_->search_mesh;
+  std::vector<Geodesic> results(to.size());
   std::vector<SearchTarget> targets;
   std::vector<std::size_t> places;
   const std::int32_t component = mesh().component(index(from.face));
   for (std::size_t i = 0; i < to.size(); ++i) {
     if (mesh().component(index(to[i].face)) != component) continue;
-    targets.push_back(make_target(*implementation_->search_mesh, to[i]));
+    SearchTarget target = make_target(search_mesh, to[i]);
+    if (arrive_near_vertex(search_mesh, {&from, 1}, target)) {
+      results[i] = assemble({&search_mesh, {}, nullptr, {&from, 1}}, target, options);
+      continue;
+    }
+    targets.push_back(target);
     places.push_back(i);
   }
-  std::vector<Geodesic> results(to.size());
   if (targets.empty()) return results;
   Implementation::Lease search(*implementation_);
   SearchSettings settings;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "near_vertex.h"
 #include "supple/surface/geodesic_derivatives.h"
 
 namespace supple::surface {
@@ -69,6 +70,10 @@ class Backtrace {
         source_ = best.source;
         first_length_ = best.image.norm();
         reach_source_directly(target);
+        return;
+      case Arrival::Kind::near_vertex:
+        source_ = best.source;
+        follow_fan(target);
         return;
       case Arrival::Kind::vertex:
         if (best.vertex == target.vertex) {
@@ -143,12 +148,17 @@ class Backtrace {
     double head = std::clamp(x / frame.length, 0.0, 1.0);
     if (head < kVertexSnap) return add_vertex(frame.tail);
     if (head > 1 - kVertexSnap) return add_vertex(frame.head);
+    add_point(crossing_point(h, head));
+  }
+
+  /// The point of h that has the given barycentric coordinate of its head.
+  PathPoint crossing_point(std::int32_t h, double head) const {
     PathPoint point;
     point.point.face = FaceId(TriangleMesh::face_of(h));
     point.point.barycentric[h % 3] = 1 - head;
-    point.point.barycentric[(h % 3 + 1) % 3] = head;
+    point.point.barycentric[(h + 1) % 3] = head;
     point.position = position(*mesh_.mesh, point.point);
-    add_point(point);
+    return point;
   }
 
   void add_vertex(std::int32_t v) {
@@ -163,6 +173,22 @@ class Backtrace {
       direct_ = travel.normalized();
     } else {
       departure_ = Departure{3 * face, travel};
+    }
+    finish();
+  }
+
+  void follow_fan(const SearchTarget& target) {
+    const std::optional<NearVertexPath> path = path_near_vertex(mesh_, state_.sources[source_], target.point);
+    departure_ = Departure{path->from_corner, path->departure};
+    first_length_ = path->departure.norm();
+    if (path->through_vertex()) {
+      if (mesh_.pins(path->vertex)) pins_.push_back(path->vertex);
+      add_vertex(path->vertex);
+    } else {
+      const std::vector<FanCrossing> crossings = fan_crossings(mesh_, *path);
+      for (auto crossing = crossings.rbegin(); crossing != crossings.rend(); ++crossing) {
+        add_point(crossing_point(crossing->halfedge, crossing->x / mesh_.mesh->edge_length(crossing->halfedge)));
+      }
     }
     finish();
   }

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "near_vertex.h"
 #include "window_search.h"
 
 namespace supple::surface {
@@ -37,8 +38,19 @@ Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target,
           relative.x() * direction.y() + relative.y() * direction.x()};
 }
 
+/// a - b for barycentric coordinates of one face. The largest coordinates have the fewest digits after the point, so
+/// that their difference is taken from the other two.
+Eigen::Vector3d difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  Eigen::Vector3d d = a - b;
+  int largest = 0;
+  a.cwiseMax(b).maxCoeff(&largest);
+  d[largest] = -(d[(largest + 1) % 3] + d[(largest + 2) % 3]);
+  return d;
+}
+
 /// Offset along h, which leads from the source's face into the target's, from the target to the source. From
-/// differences of barycentrics: points a millionth of the edge apart keep their relative accuracy.
+/// differences of barycentrics: points a millionth of the edge apart keep their relative accuracy, and so do points as
+/// close to one of its ends.
 double across_edge(const SearchMesh& mesh, const SurfacePoint& source, const SurfacePoint& target, std::int32_t h) {
   const EdgeFrame& frame = mesh.frames[h];
   const std::int32_t twin = mesh.mesh->twin(h);
@@ -56,6 +68,13 @@ double across_edge(const SearchMesh& mesh, const SurfacePoint& source, const Sur
   const double source_apex = seen[(twin + 2) % 3];
   const double target_head = target.barycentric[(h + 1) % 3];
   const double target_apex = target.barycentric[(h + 2) % 3];
+  if (source_head > 0.5) {
+    // Counted from the head, as everything that is small there.
+    const double source_tail = seen[(twin + 1) % 3];
+    const double target_tail = target.barycentric[h % 3];
+    return frame.length * (target_tail - source_tail) - source_apex * behind.apex_x +
+           target_apex * (frame.length - frame.apex_x);
+  }
   return frame.length * (source_head - target_head) + source_apex * (frame.length - behind.apex_x) -
          target_apex * frame.apex_x;
 }
@@ -89,6 +108,20 @@ double angle_at_apex(const EdgeFrame& frame, double source_x, double depth) {
 }
 
 }  // namespace
+
+std::int32_t nearest_corner(const TriangleMesh& mesh, const SurfacePoint& point) {
+  int corner = 0;
+  point.barycentric.maxCoeff(&corner);
+  return mesh.faces()[index(point.face)][corner];
+}
+
+Eigen::Vector3d offset_from(const TriangleMesh& mesh, const SurfacePoint& point, std::int32_t vertex) {
+  const Triangle& corners = mesh.faces()[index(point.face)];
+  const Eigen::Vector3d& origin = mesh.positions()[vertex];
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (int i = 0; i < 3; ++i) offset += point.barycentric[i] * (mesh.positions()[corners[i]] - origin);
+  return offset;
+}
 
 SurfacePoint snapped(const SurfacePoint& point) {
   for (int i = 0; i < 3; ++i) {
@@ -185,7 +218,7 @@ void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoi
   arrival.source = source_index;
   if (index(source.face) == face) {
     // From differences of barycentrics, so that close points keep their relative accuracy.
-    arrival.image = planar_point(mesh.frames[3 * face], source.barycentric - target.point.barycentric, 0);
+    arrival.image = planar_point(mesh.frames[3 * face], difference(source.barycentric, target.point.barycentric), 0);
   } else {
     const int side = side_of(source);
     if (side < 0) return;
@@ -194,10 +227,32 @@ void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoi
     Eigen::Vector3d here = Eigen::Vector3d::Zero();
     here[across % 3] = source.barycentric[(side + 1) % 3];
     here[(across + 1) % 3] = source.barycentric[side];
-    arrival.image = planar_point(mesh.frames[3 * face], here - target.point.barycentric, 0);
+    arrival.image = planar_point(mesh.frames[3 * face], difference(here, target.point.barycentric), 0);
   }
   arrival.length = arrival.image.norm();
   offer(target, arrival);
+}
+
+bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target) {
+  if (target.vertex >= 0) return false;
+  Arrival best;
+  double competing_length = kInfinity;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::optional<NearVertexPath> path = path_near_vertex(mesh, sources[i], target.point);
+    if (!path || path->length >= best.length) continue;
+    // Sources that are not near the vertex are at least this far from the target.
+    if (sources.size() > 1 && path->length > path->reach - path->to.norm()) continue;
+    best.kind = Arrival::Kind::near_vertex;
+    best.length = path->length;
+    best.vertex = path->vertex;
+    best.source = static_cast<std::int32_t>(i);
+    best.image = to_side_zero(mesh, target, path->to_corner % 3, -path->arrival);
+    competing_length = path->competing_length;
+  }
+  if (best.kind == Arrival::Kind::none) return false;
+  target.best = best;
+  target.competing_length = competing_length;
+  return true;
 }
 
 void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, double distance,

@@ -52,8 +52,8 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
     const std::int32_t h = 3 * face + side;
     const EdgeFrame& frame = mesh_->frames[h];
     const Eigen::Vector2d& p = planar[side];
-    improve_vertex(frame.apex, hypotenuse(p.x() - frame.apex_x, p.y() - frame.apex_y), 0, p.x(), -p.y(), h, -1, origin,
-                   -1);
+    // From the frame whose origin is the apex: a source next to it keeps its digits there.
+    improve_vertex(frame.apex, planar[(side + 2) % 3].norm(), 0, p.x(), -p.y(), h, -1, origin, -1);
     const std::int32_t across = mesh_->mesh->twin(h);
     if (side == entered_through || across < 0) continue;
     Window window{0, frame.length, frame.length - p.x(), std::max(0.0, p.y()), 0, -1, -1, origin, across};

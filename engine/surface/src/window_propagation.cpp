@@ -1,4 +1,6 @@
 // How windows pass through a face: the inner loop of the search.
+#include <Eigen/Geometry>
+
 #include "window_search.h"
 
 namespace supple::surface {
@@ -73,11 +75,11 @@ inline void WindowSearch::admit(Window& window, Exit& exit) {
 }
 
 Eigen::Vector2d WindowSearch::goal_in_frame(std::int32_t tail, std::int32_t head, double length) const {
-  const Eigen::Vector3d& origin = mesh_->mesh->positions()[tail];
-  const Eigen::Vector3d edge = mesh_->mesh->positions()[head] - origin;
-  const Eigen::Vector3d relative = goal_ - origin;
-  const double along = relative.dot(edge) / length;
-  return {along, std::sqrt(std::max(0.0, relative.squaredNorm() - along * along))};
+  const std::vector<Eigen::Vector3d>& positions = mesh_->mesh->positions();
+  const Eigen::Vector3d edge = (positions[head] - positions[tail]) / length;
+  const Eigen::Vector3d relative = goal_from(tail);
+  // By the area: the height of a goal next to the edge cancels in a difference of squares.
+  return {edge.dot(relative), edge.cross(relative).norm()};
 }
 
 WindowSearch::Exit WindowSearch::exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head,

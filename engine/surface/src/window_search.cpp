@@ -87,11 +87,15 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   }
   double first_key = 0;
   if (settings.goal_directed) {
-    goal_ = targets[0].position;
-    first_key = (position(*mesh_->mesh, sources_[0]) - goal_).norm();
+    const SurfacePoint& goal = targets[0].point;
+    goal_corner_ = nearest_corner(*mesh_->mesh, goal);
+    goal_offset_ = offset_from(*mesh_->mesh, goal, goal_corner_);
+    const std::int32_t source_corner = nearest_corner(*mesh_->mesh, sources_[0]);
+    const Eigen::Vector3d source_offset = offset_from(*mesh_->mesh, sources_[0], source_corner);
+    first_key = (goal_from(source_corner) - source_offset).norm();
     if (!settings.landmark.empty()) {
       for (const std::int32_t v : mesh_->mesh->faces()[index(sources_[0].face)]) {
-        const double away = (mesh_->mesh->positions()[v] - position(*mesh_->mesh, sources_[0])).norm();
+        const double away = offset_from(*mesh_->mesh, sources_[0], v).norm();
         first_key = std::max(first_key, to_goal(v) - away);
       }
     }
@@ -107,6 +111,10 @@ void WindowSearch::offer_corners(SearchTarget& target) {
   }
 }
 
+double WindowSearch::beyond(double length) const {
+  return length * (1 + kTieTolerance) + kEdgeRounding * mesh_->longest_edge;
+}
+
 bool WindowSearch::settled() {
   if (targets_.empty()) return false;
   const double certain = queue_.least_key();
@@ -115,8 +123,9 @@ bool WindowSearch::settled() {
     if (target.best.length > certain || settings_.goal_directed) {
       offer_corners(target);
     }
-    if (settings_.goal_directed) bound_ = std::min(bound_, target.best.length * (1 + kTieTolerance));
-    if (target.best.length * (1 + kTieTolerance) > certain) return false;
+    const double enough = beyond(target.best.length);
+    if (settings_.goal_directed) bound_ = std::min(bound_, enough);
+    if (enough > certain) return false;
     ++uncertain_;
   }
   return true;
@@ -226,7 +235,7 @@ void WindowSearch::queue_halfedge(std::int32_t h, HalfedgeRecord& record, double
 
 void WindowSearch::queue_vertex(std::int32_t v, VertexRecord& record) {
   double key = distances_[v].value;
-  if (settings_.goal_directed) key += std::max(to_goal(v), (mesh_->mesh->positions()[v] - goal_).norm());
+  if (settings_.goal_directed) key += std::max(to_goal(v), goal_from(v).norm());
   if (key > bound_) return;
   const BucketQueue::Bucket bucket = queue_.bucket_of(key);
   if (record.queued <= bucket) return;

@@ -34,11 +34,11 @@ struct VertexRecord {
 
 /// How a path reaches a target.
 struct Arrival {
-  enum class Kind { none, direct, window, vertex } kind = Kind::none;
+  enum class Kind { none, direct, window, vertex, near_vertex } kind = Kind::none;
   double length = kInfinity;
   std::int32_t window = -1;  ///< pool index
   std::int32_t vertex = -1;
-  std::int32_t source = -1;  ///< for direct arrivals
+  std::int32_t source = -1;  ///< for direct arrivals and those near a vertex
   double crossing = 0;       ///< of the window's edge, in the window's frame
   /// Prefers, of ways of equal length, straight ones (0), then those by a vertex (1), then those bent at a window's
   /// end, which only approach one of the others (2).
@@ -58,6 +58,10 @@ struct SearchTarget {
   double competing_length = kInfinity;  ///< shortest length met of a path with another image
 };
 
+/// The vertex of its face that the point is nearest to, by barycentric coordinates.
+std::int32_t nearest_corner(const TriangleMesh& mesh, const SurfacePoint& point);
+/// Vector from a vertex of its face to the point, from barycentric coordinates: accurate relative to its own length.
+Eigen::Vector3d offset_from(const TriangleMesh& mesh, const SurfacePoint& point, std::int32_t vertex);
 /// The point, or the vertex that it cannot be told from.
 SurfacePoint snapped(const SurfacePoint& point);
 SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& point);
@@ -71,6 +75,10 @@ void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources,
                   const Window& window, std::int32_t window_index);
 /// Offers the straight way from a source in the same face, or in a face that shares the edge on which the source lies.
 void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoint& source, int source_index);
+/// Where the target and a source lie close to the same vertex in different faces, makes the path between them, which
+/// is then known without a search, the target's best and returns true. Of several sources the nearest is taken, if none
+/// further from the vertex can be nearer to the target.
+bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target);
 /// Offers an arrival whose image is set.
 void offer(SearchTarget& target, const Arrival& arrival);
 
@@ -201,6 +209,13 @@ class WindowSearch {
   double allowed(std::int32_t vertex, double length) const {
     return distance(vertex) * (1 + kDropTolerance) + kEdgeRounding * length;
   }
+  /// Vector from a vertex to the goal. A goal next to the vertex keeps its digits, which its coordinates do not have.
+  Eigen::Vector3d goal_from(std::int32_t vertex) const {
+    const std::vector<Eigen::Vector3d>& positions = mesh_->mesh->positions();
+    return (positions[goal_corner_] - positions[vertex]) + goal_offset_;
+  }
+  /// Keys beyond this do not matter for a target whose best known length is given: they exceed it, rounding included.
+  double beyond(double length) const;
   /// The goal turned about the edge into the plane of the next face: no path to it is shorter than to there.
   Eigen::Vector2d goal_in_frame(std::int32_t tail, std::int32_t head, double length) const;
   [[gnu::always_inline]] std::int32_t allocate();
@@ -230,9 +245,10 @@ class WindowSearch {
   std::vector<Hook> hooks_;
   SearchSettings settings_;
   bool plain_ = true;
-  double bound_ = kInfinity;   ///< keys beyond this are of no use
-  std::size_t uncertain_ = 0;  ///< the targets before this one are certain
-  Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
+  double bound_ = kInfinity;                               ///< keys beyond this are of no use
+  std::size_t uncertain_ = 0;                              ///< the targets before this one are certain
+  std::int32_t goal_corner_ = 0;                           ///< the corner of its face that the goal lies nearest to
+  Eigen::Vector3d goal_offset_ = Eigen::Vector3d::Zero();  ///< the goal's from that corner
   std::vector<std::int32_t> batch_;
   std::vector<std::int32_t> places_;  ///< of the pool's windows in what copy_kept hands out
   std::int64_t windows_created_ = 0;
