@@ -1,6 +1,7 @@
 #include "edge_frames.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace supple::surface {
@@ -21,17 +22,21 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::
     const std::int32_t back = TriangleMesh::previous(h);
     frame.length = m.edge_length(h);
     longest_edge = std::max(longest_edge, frame.length);
+    has_needles = has_needles || m.edge_length(onward) < kShortSide * frame.length ||
+                  m.edge_length(back) < kShortSide * frame.length;
     frame.left_length = m.edge_length(back);
     frame.right_length = m.edge_length(onward);
     const double angle = m.corner_angle(h);
-    frame.apex_x = frame.left_length * std::cos(angle);
+    const double from_tail = frame.left_length * std::cos(angle);
+    const double from_head = -frame.right_length * std::cos(m.corner_angle(onward));
+    frame.offset_from_head = std::abs(from_head) < std::abs(from_tail);
+    frame.apex_offset = frame.offset_from_head ? from_head : from_tail;
     frame.apex_y = frame.left_length * std::sin(angle);
     frame.left = m.twin(back);
     frame.right = m.twin(onward);
     frame.tail = m.tail(h);
     frame.head = m.head(h);
     frame.apex = m.tail(back);
-    frame.padding = 0;
   }
   pins_paths.resize(static_cast<std::size_t>(m.vertex_count()));
   corners.reserve(frames.size());
@@ -54,7 +59,7 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::
 Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side) {
   const double head = barycentric[(side + 1) % 3];
   const double apex = barycentric[(side + 2) % 3];
-  return {head * frame.length + apex * frame.apex_x, apex * frame.apex_y};
+  return {head * frame.length + apex * frame.apex_x(), apex * frame.apex_y};
 }
 
 }  // namespace supple::surface

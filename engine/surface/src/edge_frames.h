@@ -14,13 +14,19 @@ namespace supple::surface {
 /// on the positive x axis and the apex above, and where windows go from here. One cache line.
 struct EdgeFrame {
   double length;
-  double apex_x, apex_y;
+  double apex_offset;  ///< along h from one of its ends to the apex: from the end that gives the smaller number
+  double apex_y;
   double left_length;   ///< of the edge tail - apex
   double right_length;  ///< of the edge apex - head
   std::int32_t left;    ///< twin of previous(h), from tail to apex in the next face; -1 on the boundary
   std::int32_t right;   ///< twin of next(h), from apex to head in the next face; -1 on the boundary
   std::int32_t tail, head, apex;
-  std::int32_t padding;
+  std::int32_t offset_from_head;  ///< 1 if apex_offset counts from the head, else 0
+
+  double apex_x() const { return (offset_from_head ? length : 0) + apex_offset; }
+  /// length - apex_x without cancellation. Divided by right_length it is the right edge's direction, which a difference
+  /// of lengths loses where that edge is short.
+  double right_x() const { return (offset_from_head ? 0 : length) - apex_offset; }
 };
 static_assert(sizeof(EdgeFrame) == 64);
 
@@ -31,6 +37,10 @@ struct FanCorner {
   std::int32_t halfedge;  ///< outgoing
   std::int32_t across;  ///< twin of the side opposite the vertex: where windows from the vertex go; -1 on the boundary
 };
+
+/// A vertex that is closer than this to another, relative to the sides of a face of both, is seen from there in a
+/// direction that has lost more digits than the tolerances allow for.
+inline constexpr double kShortSide = 1e-4;
 
 /// The mesh as the searches see it.
 struct SearchMesh {
@@ -43,6 +53,7 @@ struct SearchMesh {
   std::vector<EdgeFrame> frames;
   std::vector<std::uint8_t> pins_paths;
   double longest_edge = 0;
+  bool has_needles = false;  ///< a face has a side below kShortSide of another
   std::span<const FanCorner> fan(std::int32_t vertex) const {
     return {corners.data() + first_corner[vertex], corners.data() + first_corner[vertex + 1]};
   }

@@ -47,11 +47,11 @@ std::vector<double> edge_graph_distances(const SearchMesh& mesh, std::span<const
       improve(frame.head, distance + frame.right_length);
       if (const std::int32_t across = m.twin(opposite); across >= 0) {
         const EdgeFrame& other = mesh.frames[across];
-        const double x = frame.length - frame.apex_x;  // v in the other face's frame is (x, -apex_y)
+        const double x = frame.right_x();  // v in the other face's frame is (x, -apex_y)
         const double height = frame.apex_y + other.apex_y;
-        const double crossing = x + (other.apex_x - x) * frame.apex_y / height;
+        const double crossing = x + (other.apex_x() - x) * frame.apex_y / height;
         if (crossing > 0 && crossing < frame.length) {
-          improve(other.apex, distance + hypotenuse(other.apex_x - x, height));
+          improve(other.apex, distance + hypotenuse(other.apex_x() - x, height));
         }
       }
       corner = m.rotate(corner);

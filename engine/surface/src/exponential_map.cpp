@@ -10,6 +10,7 @@
 
 #include "halfedge_frame.h"
 #include "supple/base/error.h"
+#include "triangle_area.h"
 
 namespace supple::surface {
 namespace {
@@ -57,7 +58,7 @@ std::array<Vector2d, 3> plane_sides(const TriangleMesh& mesh, Index h) {
   const Vector3d& apex = p[mesh.tail(TriangleMesh::previous(h))];
   const double length = mesh.edge_length(h);
   const Vector3d along = (head - tail) / length;
-  const double height = along.cross(apex - tail).norm();
+  const double height = doubled_area(tail, head, apex).norm() / length;
   return {Vector2d(length, 0), Vector2d(along.dot(apex - head), height), Vector2d(along.dot(tail - apex), -height)};
 }
 

@@ -1,9 +1,10 @@
 #include "supple/surface/mesh_report.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <numbers>
+
+#include "triangle_area.h"
 
 namespace supple::surface {
 namespace {
@@ -41,7 +42,7 @@ MeshReport report(const TriangleMesh& mesh) {
   const auto& p = mesh.positions();
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     const auto& [a, b, c] = mesh.faces()[f];
-    result.area += 0.5 * (p[b] - p[a]).cross(p[c] - p[a]).norm();
+    result.area += 0.5 * doubled_area(p[a], p[b], p[c]).norm();
     double smallest = std::numeric_limits<double>::infinity();
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
       result.edges += mesh.twin(h) < h;

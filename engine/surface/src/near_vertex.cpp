@@ -16,7 +16,7 @@ using std::numbers::pi;
 /// thousandth of the rounding that the tolerances allow them.
 constexpr double kNear = 1e-3;
 
-Vector2d apex_of(const EdgeFrame& frame) { return {frame.apex_x, frame.apex_y}; }
+Vector2d apex_of(const EdgeFrame& frame) { return {frame.apex_x(), frame.apex_y}; }
 
 /// A point of a fan: how far from the vertex and at which angles from the two edges of its corner.
 struct FanPoint {
@@ -62,7 +62,7 @@ FanChord chord_between(const SearchMesh& mesh, const FanPoint& a, const FanPoint
     const EdgeFrame& behind = mesh.frames[a.corner];
     const EdgeFrame& ahead = mesh.frames[b.corner];
     const Vector2d along = apex_of(behind) / behind.left_length;
-    const double dx = ahead.length * (b.head - a.apex) + b.apex * ahead.apex_x - a.head * behind.length * along.x();
+    const double dx = ahead.length * (b.head - a.apex) + b.apex * ahead.apex_x() - a.head * behind.length * along.x();
     const double dy = b.position.y() + a.head * behind.length * along.y();
     chord.arrival = {dx, dy};
     chord.departure = dx * along + dy * Vector2d(-along.y(), along.x());

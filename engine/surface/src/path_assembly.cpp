@@ -26,9 +26,9 @@ Vector2d rotated(const Vector2d& v, double angle) {
 /// Unit direction of halfedge 3 f + side in the tangent frame of f.
 Vector2d side_direction(const SearchMesh& mesh, std::int32_t h) {
   const EdgeFrame& frame = mesh.frames[h - h % 3];
-  const Vector2d apex(frame.apex_x, frame.apex_y);
+  const Vector2d apex(frame.apex_x(), frame.apex_y);
   if (h % 3 == 0) return {1, 0};
-  if (h % 3 == 1) return (apex - Vector2d(frame.length, 0)) / frame.right_length;
+  if (h % 3 == 1) return Vector2d(-frame.right_x(), frame.apex_y) / frame.right_length;
   return -apex / frame.left_length;
 }
 
@@ -89,7 +89,7 @@ class Backtrace {
         Vector2d end;
         if (target.vertex >= 0) {
           const EdgeFrame& frame = mesh_.frames[window.halfedge];
-          end = {frame.apex_x, frame.apex_y};
+          end = {frame.apex_x(), frame.apex_y};
         } else {
           end = target.planar[window.halfedge % 3];
         }
@@ -207,10 +207,10 @@ class Backtrace {
       const Window& parent = state_.windows[window->parent];
       const EdgeFrame& frame = mesh_.frames[parent.halfedge];
       const bool left = window->halfedge == frame.left;
-      const Vector2d apex(frame.apex_x, frame.apex_y);
+      const Vector2d apex(frame.apex_x(), frame.apex_y);
       const Vector2d origin = left ? Vector2d(0, 0) : apex;
-      const Vector2d direction =
-          left ? Vector2d(apex / frame.left_length) : Vector2d((Vector2d(frame.length, 0) - apex) / frame.right_length);
+      const Vector2d direction = left ? Vector2d(apex / frame.left_length)
+                                      : Vector2d(Vector2d(frame.right_x(), -frame.apex_y) / frame.right_length);
       const Vector2d normal(-direction.y(), direction.x());
       const Vector2d on_edge = origin + x * direction;
       end = origin + end.x() * direction + end.y() * normal;
@@ -266,10 +266,10 @@ class Backtrace {
       arrive_at_vertex(record.origin, length);
     } else if (record.window >= 0) {
       const EdgeFrame& frame = mesh_.frames[record.halfedge];
-      follow_window(record.window, {frame.apex_x, frame.apex_y});
+      follow_window(record.window, {frame.apex_x(), frame.apex_y});
     } else if (record.halfedge >= 0) {
       const EdgeFrame& frame = mesh_.frames[record.halfedge];
-      const Vector2d vector(frame.apex_x - record.source_x, frame.apex_y + record.depth);
+      const Vector2d vector(frame.apex_x() - record.source_x, frame.apex_y + record.depth);
       source_ = -1 - record.origin;
       first_length_ = vector.norm();
       departure_ = Departure{record.halfedge, vector};

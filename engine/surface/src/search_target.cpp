@@ -30,9 +30,9 @@ Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target,
   if (side == 0) return relative;
   // The frame of side s is turned against that of side 0 by the direction of halfedge s in the frame of side 0.
   const EdgeFrame& frame = mesh.frames[3 * index(target.point.face)];
-  const Eigen::Vector2d apex(frame.apex_x, frame.apex_y);
+  const Eigen::Vector2d apex(frame.apex_x(), frame.apex_y);
   const Eigen::Vector2d direction =
-      side == 1 ? Eigen::Vector2d((apex - Eigen::Vector2d(frame.length, 0)) / frame.right_length)
+      side == 1 ? Eigen::Vector2d(Eigen::Vector2d(-frame.right_x(), frame.apex_y) / frame.right_length)
                 : Eigen::Vector2d(-apex / frame.left_length);
   return {relative.x() * direction.x() - relative.y() * direction.y(),
           relative.x() * direction.y() + relative.y() * direction.x()};
@@ -72,11 +72,9 @@ double across_edge(const SearchMesh& mesh, const SurfacePoint& source, const Sur
     // Counted from the head, as everything that is small there.
     const double source_tail = seen[(twin + 1) % 3];
     const double target_tail = target.barycentric[h % 3];
-    return frame.length * (target_tail - source_tail) - source_apex * behind.apex_x +
-           target_apex * (frame.length - frame.apex_x);
+    return frame.length * (target_tail - source_tail) - source_apex * behind.apex_x() + target_apex * frame.right_x();
   }
-  return frame.length * (source_head - target_head) + source_apex * (frame.length - behind.apex_x) -
-         target_apex * frame.apex_x;
+  return frame.length * (source_head - target_head) + source_apex * behind.right_x() - target_apex * frame.apex_x();
 }
 
 /// Arrivals longer than this change nothing.
@@ -99,9 +97,9 @@ Eigen::Vector2d polar_image(const SearchMesh& mesh, std::int32_t vertex, double 
 }
 
 double angle_at_apex(const EdgeFrame& frame, double source_x, double depth) {
-  const double to_tail_x = -frame.apex_x;
+  const double to_tail_x = -frame.apex_x();
   const double to_tail_y = -frame.apex_y;
-  const double to_source_x = source_x - frame.apex_x;
+  const double to_source_x = source_x - frame.apex_x();
   const double to_source_y = -depth - frame.apex_y;
   return std::atan2(to_tail_x * to_source_y - to_tail_y * to_source_x,
                     to_tail_x * to_source_x + to_tail_y * to_source_y);
@@ -198,13 +196,13 @@ void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources,
   } else {
     const EdgeFrame& frame = mesh.frames[h];
     if (frame.apex != target.vertex) return;
-    arrival.length = length_to(window, frame.apex_x, frame.apex_y, arrival.crossing);
+    arrival.length = length_to(window, frame.apex_x(), frame.apex_y, arrival.crossing);
     if (arrival.length > worst_of_use(target)) return;
-    arrival.rank = rank_of(window, frame.apex_x, frame.apex_y);
+    arrival.rank = rank_of(window, frame.apex_x(), frame.apex_y);
     const double angle =
         mesh.polar_angle(TriangleMesh::previous(h)) + angle_at_apex(frame, window.source_x, window.depth);
     arrival.image = polar_image(mesh, target.vertex, angle,
-                                hypotenuse(window.source_x - frame.apex_x, window.depth + frame.apex_y));
+                                hypotenuse(window.source_x - frame.apex_x(), window.depth + frame.apex_y));
   }
   offer(target, arrival);
 }
@@ -268,7 +266,7 @@ void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, doub
     arrival.rank = 0;  // whatever its last piece is, the record has it
     if (record.along >= 0 || record.halfedge >= 0) {
       const double reach = record.along >= 0 ? mesh.mesh->edge_length(record.along)
-                                             : hypotenuse(record.source_x - mesh.frames[record.halfedge].apex_x,
+                                             : hypotenuse(record.source_x - mesh.frames[record.halfedge].apex_x(),
                                                           record.depth + mesh.frames[record.halfedge].apex_y);
       arrival.image = polar_image(mesh, v, arrival_angle(mesh, record, v), reach);
     }

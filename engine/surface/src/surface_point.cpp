@@ -1,9 +1,9 @@
 #include "supple/surface/surface_point.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
+#include "halfedge_frame.h"
 #include "supple/base/error.h"
 
 namespace supple::surface {
@@ -80,12 +80,7 @@ int side_of(const SurfacePoint& point) {
 }
 
 Eigen::Matrix<double, 3, 2> tangent_frame(const TriangleMesh& mesh, FaceId face) {
-  const auto& [a, b, c] = mesh.faces()[index(face)];
-  const Eigen::Vector3d along = (mesh.positions()[b] - mesh.positions()[a]).normalized();
-  const Eigen::Vector3d normal = along.cross(mesh.positions()[c] - mesh.positions()[a]).normalized();
-  Eigen::Matrix<double, 3, 2> frame;
-  frame << along, normal.cross(along);
-  return frame;
+  return halfedge_frame(mesh, 3 * index(face));
 }
 
 }  // namespace supple::surface

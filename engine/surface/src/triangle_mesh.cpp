@@ -7,6 +7,7 @@
 #include "equal_points.h"
 #include "mesh_connectivity.h"
 #include "mesh_faults.h"
+#include "triangle_area.h"
 
 namespace supple::surface {
 namespace {
@@ -47,10 +48,10 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
   std::int64_t edges = 0;
   for (std::int32_t h = 0; h < halfedges; ++h) {
     const Eigen::Vector3d& at = mesh.positions_[mesh.tail(h)];
-    const Eigen::Vector3d along = mesh.positions_[mesh.head(h)] - at;
-    const Eigen::Vector3d back = mesh.positions_[mesh.tail(previous(h))] - at;
-    mesh.lengths_[h] = along.norm();
-    mesh.angles_[h] = std::atan2(along.cross(back).norm(), along.dot(back));
+    const Eigen::Vector3d& ahead = mesh.positions_[mesh.head(h)];
+    const Eigen::Vector3d& apex = mesh.positions_[mesh.tail(previous(h))];
+    mesh.lengths_[h] = (ahead - at).norm();
+    mesh.angles_[h] = std::atan2(doubled_area(at, ahead, apex).norm(), (ahead - at).dot(apex - at));
     if (mesh.twins_[h] < h) {
       length_sum += mesh.lengths_[h];
       ++edges;

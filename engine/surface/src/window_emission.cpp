@@ -92,13 +92,13 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
     const auto meets = [&](double turn) {
       const double c = std::cos(turn);
       const double s = std::sin(turn);
-      const double dx = -frame.apex_x * c + frame.apex_y * s;
-      const double dy = -frame.apex_x * s - frame.apex_y * c;
-      return std::clamp(frame.apex_x - frame.apex_y * dx / dy, 0.0, frame.length);
+      const double dx = -frame.apex_x() * c + frame.apex_y * s;
+      const double dy = -frame.apex_x() * s - frame.apex_y * c;
+      return std::clamp(frame.apex_x() - frame.apex_y * dx / dy, 0.0, frame.length);
     };
     const double from = low <= 0 ? 0 : meets(low);
     const double to = high >= angle ? frame.length : meets(high);
-    Window window{frame.length - to, frame.length - from, frame.length - frame.apex_x, frame.apex_y, sigma, -1, -1, v,
+    Window window{frame.length - to, frame.length - from, frame.right_x(), frame.apex_y, sigma, -1, -1, v,
                   corner.across};
     admit_first(window);
   };

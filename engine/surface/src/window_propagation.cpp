@@ -9,6 +9,8 @@ namespace {
 /// An apex this far outside a window, relative to the edge, still takes the path by the window's end: windows on both
 /// sides of a vertex meet there only up to rounding.
 constexpr double kApexTolerance = 1e-9;
+/// A difference of squares below this part of either has lost too many digits.
+constexpr double kCancelled = 1e-4;
 /// Neighbouring windows that overlap by less, relative to the edge, only touch up to rounding: not worth trimming.
 constexpr double kTouching = 1e-9;
 /// A ray to the apex that leaves its window by less, relative to the edge, is straight up to rounding.
@@ -76,10 +78,14 @@ inline void WindowSearch::admit(Window& window, Exit& exit) {
 
 Eigen::Vector2d WindowSearch::goal_in_frame(std::int32_t tail, std::int32_t head, double length) const {
   const std::vector<Eigen::Vector3d>& positions = mesh_->mesh->positions();
-  const Eigen::Vector3d edge = (positions[head] - positions[tail]) / length;
+  const Eigen::Vector3d edge = positions[head] - positions[tail];
   const Eigen::Vector3d relative = goal_from(tail);
-  // By the area: the height of a goal next to the edge cancels in a difference of squares.
-  return {edge.dot(relative), edge.cross(relative).norm()};
+  const double along = edge.dot(relative) / length;
+  const double squared = relative.squaredNorm();
+  const double height = squared - along * along;
+  if (height > kCancelled * squared) return {along, std::sqrt(height)};
+  // The height of a goal next to the edge's line cancels in a difference of squares, but not in an area.
+  return {along, edge.cross(relative).norm() / length};
 }
 
 WindowSearch::Exit WindowSearch::exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head,
@@ -106,33 +112,37 @@ void WindowSearch::leave_by(const Exit& exit) {
   queue_halfedge(exit.halfedge, record, exit.key);
 }
 
-template <bool plain>
-void WindowSearch::propagate(const Window& w, std::int32_t i, const EdgeFrame& frame, std::int32_t h, Exit& left,
-                             Exit& right) {
-  const double ax = frame.apex_x;
-  const double ay = frame.apex_y;
+template <bool plain, bool close>
+void WindowSearch::propagate(const Window& w, std::int32_t i, const Entrance& entrance, Exit& left, Exit& right) {
+  const double length = entrance.length;
+  const double ax = entrance.apex_x;
+  const double ay = entrance.apex_y;
   const double reach = w.depth + ay;
   // Negative where a ray through b passes left of the apex; no division.
   const auto side_of_apex = [&](double b) { return (b - w.source_x) * reach - (ax - w.source_x) * w.depth; };
   const double first = side_of_apex(w.b0);
   const double last = side_of_apex(w.b1);
-  const double tolerance = kApexTolerance * frame.length * reach;
+  const double tolerance = kApexTolerance * length * reach;
   if (first <= tolerance && last >= -tolerance) {
     double crossing = 0;
-    const double rounding = kStraight * frame.length * reach;
-    if (improve_vertex(frame.apex, length_to(w, ax, ay, crossing), w.sigma, w.source_x, w.depth, h, i, w.origin, -1,
-                       first <= rounding && last >= -rounding)) {
-      left.head = allowed(frame.apex, left.length);
-      right.tail = allowed(frame.apex, right.length);
+    const double rounding = kStraight * length * reach;
+    if (improve_vertex(entrance.apex, length_to(w, ax, ay, crossing), w.sigma, w.source_x, w.depth, entrance.halfedge,
+                       i, w.origin, -1, first <= rounding && last >= -rounding)) {
+      left.head = allowed(entrance.apex, left.length);
+      right.tail = allowed(entrance.apex, right.length);
     }
   }
+  // A source next to an end of the edge has lost the direction in which it sees that end: the windows on both sides of
+  // such a vertex overlap by what rounding may leave open between them.
+  const double rounding = close ? kEdgeRounding * length : 0;
   if (left.halfedge >= 0 && first < 0) {
     // Along tail -> apex; a ray through b meets it at this distance from the tail.
     const auto meets = [&](double b) { return w.depth * b / (w.depth * left.ux + (w.source_x - b) * left.uy); };
     Window child;
     child.b0 = meets(w.b0);
-    const double end = meets(w.b1);
-    child.b1 = last < 0 ? std::min(end, left.length) : left.length;
+    const double beyond = close && w.b1 >= length ? rounding : 0;
+    const double end = meets(w.b1 + beyond);
+    child.b1 = last + beyond * reach < 0 ? std::min(end, left.length) : left.length;
     child.source_x = w.source_x * left.ux - w.depth * left.uy;
     child.depth = std::max(0.0, w.source_x * left.uy + w.depth * left.ux);
     child.sigma = w.sigma;
@@ -144,11 +154,12 @@ void WindowSearch::propagate(const Window& w, std::int32_t i, const EdgeFrame& f
   if (right.halfedge >= 0 && last > 0) {
     // Along apex -> head; a ray through b meets it at this distance from the head.
     const auto meets = [&](double b) {
-      return w.depth * (frame.length - b) / (w.depth * right.ux + (b - w.source_x) * right.uy);
+      return w.depth * (length - b) / (w.depth * right.ux + (b - w.source_x) * right.uy);
     };
     Window child;
-    const double begin = right.length - meets(w.b0);
-    child.b0 = first > 0 ? std::max(0.0, begin) : 0;
+    const double before = close && w.b0 <= 0 ? rounding : 0;
+    const double begin = right.length - meets(w.b0 - before);
+    child.b0 = first - before * reach > 0 ? std::max(0.0, begin) : 0;
     child.b1 = right.length - meets(w.b1);
     child.source_x = (w.source_x - ax) * right.ux + reach * right.uy;
     child.depth = std::max(0.0, (ax - w.source_x) * right.uy + reach * right.ux);
@@ -195,10 +206,11 @@ void WindowSearch::process(std::int32_t h) {
   }
   const double per_left = 1 / frame.left_length;
   const double per_right = 1 / frame.right_length;
-  Exit left = exit_towards(frame.left, frame.tail, frame.apex, frame.left_length, frame.apex_x * per_left,
+  Exit left = exit_towards(frame.left, frame.tail, frame.apex, frame.left_length, frame.apex_x() * per_left,
                            frame.apex_y * per_left);
-  Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length,
-                            (frame.length - frame.apex_x) * per_right, frame.apex_y * per_right);
+  Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length, frame.right_x() * per_right,
+                            frame.apex_y * per_right);
+  const Entrance entrance{h, frame.apex, frame.length, frame.apex_x(), frame.apex_y};
   // Every window has at most two children: with room for them the pool does not move under the loop.
   if (pool_.capacity() < pool_.size() + 2 * batch_.size()) pool_.reserve(2 * pool_.capacity() + 2 * batch_.size());
   const bool has_targets = !targets_.empty() && faces_[TriangleMesh::face_of(h)].epoch == epoch_;
@@ -215,9 +227,11 @@ void WindowSearch::process(std::int32_t h) {
                     [&](SearchTarget& target) { offer_window(*mesh_, sources_, target, h, window, i); });
     }
     if (plain_) {
-      propagate<true>(window, i, frame, h, left, right);
+      propagate<true, false>(window, i, entrance, left, right);
+    } else if (!close_) {
+      propagate<false, false>(window, i, entrance, left, right);
     } else {
-      propagate<false>(window, i, frame, h, left, right);
+      propagate<false, true>(window, i, entrance, left, right);
     }
     if (settings_.keep_windows) {
       pool_[i].next = halfedges_[h].kept;

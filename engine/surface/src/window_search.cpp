@@ -70,7 +70,11 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   targets_ = targets;
   settings_ = settings;
   bound_ = settings.limit;
-  plain_ = !settings.goal_directed && settings.relative_error == 0 && settings.limit == kInfinity;
+  close_ = mesh_->has_needles;
+  for (const SurfacePoint& source : sources_) {
+    close_ = close_ || (corner_of(source) < 0 && source.barycentric.maxCoeff() > 1 - kShortSide);
+  }
+  plain_ = !settings.goal_directed && settings.relative_error == 0 && settings.limit == kInfinity && !close_;
   uncertain_ = 0;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const SearchTarget& target = targets[i];
@@ -88,8 +92,9 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   double first_key = 0;
   if (settings.goal_directed) {
     const SurfacePoint& goal = targets[0].point;
-    goal_corner_ = nearest_corner(*mesh_->mesh, goal);
-    goal_offset_ = offset_from(*mesh_->mesh, goal, goal_corner_);
+    const std::int32_t goal_corner = nearest_corner(*mesh_->mesh, goal);
+    goal_corner_ = mesh_->mesh->positions()[goal_corner];
+    goal_offset_ = offset_from(*mesh_->mesh, goal, goal_corner);
     const std::int32_t source_corner = nearest_corner(*mesh_->mesh, sources_[0]);
     const Eigen::Vector3d source_offset = offset_from(*mesh_->mesh, sources_[0], source_corner);
     first_key = (goal_from(source_corner) - source_offset).norm();

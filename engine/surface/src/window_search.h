@@ -179,6 +179,12 @@ class WindowSearch {
   void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
 
   void process(std::int32_t h);
+  /// The edge that a batch of windows enters a face by, and the corner opposite: a copy of what the frame says, which
+  /// the compiler need not read again whenever a window has been written.
+  struct Entrance {
+    std::int32_t halfedge, apex;
+    double length, apex_x, apex_y;
+  };
   /// One of the two edges that windows leave a face by, as a batch of windows sees it.
   struct Exit {
     std::int32_t halfedge;  ///< that they arrive at in the next face, -1 on the boundary
@@ -191,10 +197,9 @@ class WindowSearch {
     std::int32_t pending;  ///< the halfedge's list, on which new windows are put
   };
   Exit exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head, double length, double ux, double uy);
-  /// `plain` searches have no goal, no allowed error and no limit: their inner loop asks for none.
-  template <bool plain>
-  void propagate(const Window& window, std::int32_t index, const EdgeFrame& frame, std::int32_t h, Exit& left,
-                 Exit& right);
+  /// `plain` searches have no goal, no allowed error and no limit, and are not `close`: their inner loop asks for none.
+  template <bool plain, bool close>
+  void propagate(const Window& window, std::int32_t index, const Entrance& entrance, Exit& left, Exit& right);
   /// Cuts a new window against its edge's vertices, and keeps it if anything is left and no bound excludes it.
   template <bool plain>
   [[gnu::always_inline]] void admit(Window& window, Exit& exit);
@@ -211,8 +216,7 @@ class WindowSearch {
   }
   /// Vector from a vertex to the goal. A goal next to the vertex keeps its digits, which its coordinates do not have.
   Eigen::Vector3d goal_from(std::int32_t vertex) const {
-    const std::vector<Eigen::Vector3d>& positions = mesh_->mesh->positions();
-    return (positions[goal_corner_] - positions[vertex]) + goal_offset_;
+    return (goal_corner_ - mesh_->mesh->positions()[vertex]) + goal_offset_;
   }
   /// Keys beyond this do not matter for a target whose best known length is given: they exceed it, rounding included.
   double beyond(double length) const;
@@ -245,10 +249,11 @@ class WindowSearch {
   std::vector<Hook> hooks_;
   SearchSettings settings_;
   bool plain_ = true;
+  bool close_ = false;  ///< some sources or turning vertices may be much closer to a vertex than their edges are long
   double bound_ = kInfinity;                               ///< keys beyond this are of no use
   std::size_t uncertain_ = 0;                              ///< the targets before this one are certain
-  std::int32_t goal_corner_ = 0;                           ///< the corner of its face that the goal lies nearest to
-  Eigen::Vector3d goal_offset_ = Eigen::Vector3d::Zero();  ///< the goal's from that corner
+  Eigen::Vector3d goal_corner_ = Eigen::Vector3d::Zero();  ///< the corner of its face that the goal lies nearest to
+  Eigen::Vector3d goal_offset_ = Eigen::Vector3d::Zero();  ///< of the goal from that corner
   std::vector<std::int32_t> batch_;
   std::vector<std::int32_t> places_;  ///< of the pool's windows in what copy_kept hands out
   std::int64_t windows_created_ = 0;
