@@ -3,9 +3,10 @@
 namespace supple::surface {
 namespace {
 
-/// Bucket width over mean edge length. Wider buckets gather larger batches and waste more work out of order.
+/// Bucket width over mean edge length. Wider buckets gather larger batches and waste more work out of order; a search
+/// for a pair goes through the whole bucket that the target's distance lies in.
 constexpr double kFieldBucket = 0.5;
-constexpr double kGoalBucket = 0.25;
+constexpr double kGoalBucket = 0.03;
 /// The search goes on past the best known length by this much, relative, so that ties are seen.
 constexpr double kTieTolerance = 1e-9;
 /// How many queue entries ahead memory is asked for.
