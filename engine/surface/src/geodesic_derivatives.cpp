@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "halfedge_frame.h"
@@ -78,28 +79,146 @@ Frame unfolded_frame(const TriangleMesh& mesh, const SurfacePoint& point, std::i
   return there * back;
 }
 
+/// Whether the path crosses an edge there, and not a vertex.
+bool crosses_edge(const PathPoint& point) { return point.vertex == VertexId::none && side_of(point.point) >= 0; }
+
 /// A point of the path as a function of one crossing parameter; vertices and ends do not move with any.
 struct Node {
   Vector3d position;
   Vector3d slope = Vector3d::Zero();
-  Vector3d curvature = Vector3d::Zero();
   bool moves = false;
 };
 
-Node crossing_node(const TriangleMesh& mesh, const PathPoint& point, double epsilon) {
+Node crossing_node(const TriangleMesh& mesh, const PathPoint& point) {
   Node node{point.position};
-  const int side = side_of(point.point);
-  if (point.vertex != VertexId::none || side < 0) return node;
-  const std::int32_t h = 3 * index(point.point.face) + side;
-  const double t = point.point.barycentric[(side + 1) % 3];
-  const Mollified m = epsilon > 0 ? mollify(t, epsilon) : Mollified{t, 1, 0};
-  const Vector3d& tail = mesh.positions()[mesh.tail(h)];
-  const Vector3d edge = mesh.positions()[mesh.head(h)] - tail;
-  node.position = tail + m.value * edge;
-  node.slope = m.slope * edge;
-  node.curvature = m.curvature * edge;
+  if (!crosses_edge(point)) return node;
+  const std::int32_t h = 3 * index(point.point.face) + side_of(point.point);
+  node.slope = mesh.positions()[mesh.head(h)] - mesh.positions()[mesh.tail(h)];
   node.moves = true;
   return node;
+}
+
+using Jacobian = Eigen::Matrix<double, 2, 4>;  // of a point of the plane by the ends' tangent coordinates
+using Row = Eigen::RowVector4d;
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+/// The derivatives of cross(a, b) by a, and by b.
+Row cross(const Jacobian& a, const Vector2d& b) { return a.row(0) * b.y() - a.row(1) * b.x(); }
+Row cross(const Vector2d& a, const Jacobian& b) { return a.x() * b.row(1) - a.y() * b.row(0); }
+
+/// A straight part of a path, from one end or vertex to the next, with its faces laid into one plane.
+struct StraightPart {
+  struct Crossing {
+    Vector2d tail, head;  ///< of the edge
+    double t;
+  };
+  Vector2d begin, end;
+  Jacobian begin_moves = Jacobian::Zero(), end_moves = Jacobian::Zero();
+  std::vector<Crossing> crossings;
+};
+
+/// The part of the path between its points `first` and `last`, with crossings alone between.
+StraightPart laid_out(const TriangleMesh& mesh, const std::vector<PathPoint>& path, std::size_t first,
+                      std::size_t last) {
+  const auto& positions = mesh.positions();
+  StraightPart part;
+  const std::int32_t entered = common_face(mesh, path[first].point, path[first + 1].point);
+  std::int32_t h = entered >= 0 ? entered : 3 * index(path[first].point.face);
+  Eigen::Matrix<double, 2, 3> into_plane = halfedge_frame(mesh, h).transpose();
+  Vector3d at = positions[mesh.tail(h)];
+  Vector2d at_in_plane = Vector2d::Zero();
+  const auto in_plane = [&](const Vector3d& p) { return Vector2d(at_in_plane + into_plane * (p - at)); };
+  // The edges of one vertex get one place for it: crossings next to it are told apart by their offsets.
+  std::array<std::int32_t, 2> known_vertices{-1, -1};
+  std::array<Vector2d, 2> known_places;
+  const auto place_of = [&](std::int32_t vertex) {
+    for (int i = 0; i < 2; ++i) {
+      if (known_vertices[i] == vertex) return known_places[i];
+    }
+    return in_plane(positions[vertex]);
+  };
+  part.begin = in_plane(path[first].position);
+  if (first == 0) part.begin_moves.leftCols<2>() = into_plane * unfolded_frame(mesh, path[first].point, h);
+  for (std::size_t k = first + 1; k < last; ++k) {
+    const int side = side_of(path[k].point);
+    std::int32_t over = 3 * index(path[k].point.face) + side;
+    double t = path[k].point.barycentric[(side + 1) % 3];
+    if (TriangleMesh::face_of(over) != TriangleMesh::face_of(h)) {
+      over = mesh.twin(over);
+      t = 1 - t;
+    }
+    const Vector2d tail = place_of(mesh.tail(over));
+    const Vector2d head = place_of(mesh.head(over));
+    known_vertices = {mesh.tail(over), mesh.head(over)};
+    known_places = {tail, head};
+    part.crossings.push_back({tail, head, t});
+    h = mesh.twin(over);
+    // The twin runs the other way, and its face lies on the other side.
+    const Vector2d along = (tail - head).normalized();
+    Matrix2d axes;
+    axes << along.x(), -along.y(), along.y(), along.x();
+    into_plane = axes * halfedge_frame(mesh, h).transpose();
+    at = positions[mesh.tail(h)];
+    at_in_plane = head;
+  }
+  part.end = in_plane(path[last].position);
+  if (last + 1 == path.size()) {
+    std::int32_t seen = common_face(mesh, path[last].point, path[last - 1].point);
+    for (const std::int32_t k : faces_around(mesh, path[last].point)) {
+      if (TriangleMesh::face_of(k) == TriangleMesh::face_of(h)) seen = k;
+    }
+    part.end_moves.rightCols<2>() = into_plane * (seen >= 0 ? unfolded_frame(mesh, path[last].point, seen)
+                                                            : tangent_frame(mesh, path[last].point.face));
+  }
+  return part;
+}
+
+/// A point of the plane as a function of the ends. Its second derivatives all point along one direction.
+struct MovingPoint {
+  Vector2d origin, offset;  ///< the point is at their sum; of crossings the origin is the nearer end of the edge
+  Jacobian jacobian;
+  Vector2d direction = Vector2d::Zero();
+  Eigen::Matrix4d curvature = Eigen::Matrix4d::Zero();  ///< second derivatives, in units of `direction`
+};
+
+/// Where the straight line crosses an edge, mollified. The crossing's parameter is t = n / w, with n and w the
+/// distances from the line of the edge's tail, and of tail and head together, times the line's length: bilinear in the
+/// ends.
+MovingPoint mollified_crossing(const StraightPart& part, const StraightPart::Crossing& crossing, double epsilon) {
+  const Vector2d edge = crossing.head - crossing.tail;
+  const Mollified m = mollify(crossing.t, epsilon);
+  const bool near_tail = crossing.t <= 0.5;
+  MovingPoint point{near_tail ? crossing.tail : crossing.head,
+                    near_tail ? Vector2d(m.value * edge) : Vector2d(-mollify(1 - crossing.t, epsilon).value * edge),
+                    Jacobian::Zero(), edge};
+  const Vector2d line = part.end - part.begin;
+  const Jacobian line_moves = part.end_moves - part.begin_moves;
+  const double w = -cross(line, edge);
+  if (w == 0) return point;
+  const Row w1 = -cross(line_moves, edge);
+  const Row n1 = cross(line_moves, Vector2d(crossing.tail - part.begin)) - cross(line, part.begin_moves);
+  const Row t1 = (n1 - crossing.t * w1) / w;
+  const Eigen::Matrix4d n2 =
+      line_moves.row(1).transpose() * part.begin_moves.row(0) - line_moves.row(0).transpose() * part.begin_moves.row(1);
+  const Eigen::Matrix4d mixed = t1.transpose() * w1;
+  const Eigen::Matrix4d t2 = (n2 + n2.transpose() - mixed - mixed.transpose()) / w;
+  point.jacobian = edge * (m.slope * t1);
+  point.curvature = m.curvature * t1.transpose() * t1 + m.slope * t2;
+  return point;
+}
+
+/// Adds the length of the segment and its derivatives.
+void add_segment(const MovingPoint& from, const MovingPoint& to, PathLength& sum) {
+  const Vector2d segment = (to.origin - from.origin) + (to.offset - from.offset);
+  const double length = segment.norm();
+  if (length == 0) return;
+  const Vector2d u = segment / length;
+  const Jacobian moves = to.jacobian - from.jacobian;
+  const Row turns = cross(u, moves);
+  sum.length += length;
+  sum.derivatives.tangent_gradient += moves.transpose() * u;
+  sum.derivatives.tangent_hessian +=
+      turns.transpose() * turns / length + u.dot(to.direction) * to.curvature - u.dot(from.direction) * from.curvature;
 }
 
 }  // namespace
@@ -117,12 +236,31 @@ Mollified mollify(double t, double epsilon) {
   return {t, 1, 0};
 }
 
-MollifiedLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon) {
-  MollifiedLength result;
+PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon) {
+  PathLength result;
+  for (std::size_t first = 0; first + 1 < path.size();) {
+    std::size_t last = first + 1;
+    while (last + 1 < path.size() && crosses_edge(path[last])) ++last;
+    const StraightPart part = laid_out(mesh, path, first, last);
+    MovingPoint previous{part.begin, Vector2d::Zero(), part.begin_moves};
+    for (const StraightPart::Crossing& crossing : part.crossings) {
+      const MovingPoint point = mollified_crossing(part, crossing, epsilon);
+      add_segment(previous, point, result);
+      previous = point;
+    }
+    add_segment(previous, {part.end, Vector2d::Zero(), part.end_moves}, result);
+    first = last;
+  }
+  if (result.length > 0) express_in_barycentrics(mesh, path.front().point, path.back().point, result.derivatives);
+  return result;
+}
+
+PathLength path_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path) {
+  PathLength result;
   if (path.size() < 2) return result;
   std::vector<Node> nodes;
   nodes.push_back(Node{path.front().position});
-  for (std::size_t i = 1; i + 1 < path.size(); ++i) nodes.push_back(crossing_node(mesh, path[i], epsilon));
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) nodes.push_back(crossing_node(mesh, path[i]));
   nodes.push_back(Node{path.back().position});
   const std::size_t last = nodes.size() - 1;
 
@@ -168,13 +306,12 @@ MollifiedLength mollified_length(const TriangleMesh& mesh, const std::vector<Pat
   for (std::size_t k = 0; k < m; ++k) {
     const Node& node = nodes[k + 1];
     if (!node.moves) continue;
-    diagonal[k] = node.slope.dot((curvatures[k] + curvatures[k + 1]) * node.slope) +
-                  (directions[k] - directions[k + 1]).dot(node.curvature);
+    diagonal[k] = node.slope.dot((curvatures[k] + curvatures[k + 1]) * node.slope);
     if (k + 1 < m && nodes[k + 2].moves) above[k] = -node.slope.dot(curvatures[k + 1] * nodes[k + 2].slope);
     if (k == 0) mixed[k].head<2>() -= node.slope.transpose() * curvatures.front() * ends.leftCols<2>();
     if (k + 1 == m) mixed[k].tail<2>() -= node.slope.transpose() * curvatures.back() * ends.rightCols<2>();
   }
-  // Thomas's algorithm; a crossing with neither slope nor curvature (a straight mollified pass) stays where it is.
+  // Thomas's algorithm; a crossing that the path runs along stays where it is.
   std::vector<Eigen::RowVector4d> solution = mixed;
   std::vector<double> pivot(m);
   for (std::size_t k = 0; k < m; ++k) {

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "supple/surface/geodesic_derivatives.h"
 #include "supple/surface/geodesic_solver.h"
@@ -169,7 +171,7 @@ TEST(GeodesicDerivatives, OfTheTridiagonalFormEqualTheClosedForms) {
           i % 4 == 2 ? testing::random_edge_point(*mesh, stream) : testing::random_point(*mesh, stream);
       const Geodesic g = solver.geodesic(a, b, {.derivatives = 2, .path = true});
       if (g.distance < 0.1 * mesh->mean_edge_length()) continue;
-      const MollifiedLength general = mollified_length(*mesh, g.path, 0);
+      const PathLength general = path_length(*mesh, g.path);
       EXPECT_NEAR(general.length, g.distance, 1e-11 * g.distance);
       EXPECT_LT((general.derivatives.tangent_gradient - g.derivatives->tangent_gradient).norm(), 1e-7) << i;
       EXPECT_LT((general.derivatives.tangent_hessian - g.derivatives->tangent_hessian).norm(),
@@ -219,6 +221,114 @@ TEST(Mollifier, ChangesNothingForPathsAwayFromVertices) {
     ++compared;
   }
   EXPECT_GT(compared, 20);
+}
+
+/// Compares the derivatives of the mollified distance with fourth-order central differences. Returns whether the path
+/// crosses the same edges on all steps, on the same side of the blend's ends, so that all of them exist.
+bool expect_mollified_derivatives(const GeodesicSolver& solver, const SurfacePoint& a, const SurfacePoint& b,
+                                  double epsilon) {
+  const auto edges = [&](const Geodesic& g) {
+    std::vector<int> passed;
+    for (std::size_t k = 1; k + 1 < g.path.size(); ++k) {
+      const PathPoint& p = g.path[k];
+      passed.push_back(index(p.vertex));
+      if (p.vertex != VertexId::none) continue;
+      const double t = p.point.barycentric.maxCoeff();
+      passed.push_back(3 * index(p.point.face) + side_of(p.point));
+      passed.push_back(t > 1 - epsilon);
+    }
+    return passed;
+  };
+  const GeodesicOptions options{.derivatives = 2, .path = true, .mollifier = epsilon};
+  const Geodesic g = solver.geodesic(a, b, options);
+  const double h = 1e-4 * epsilon;
+  for (int variable = 0; variable < 4; ++variable) {
+    const int end = variable / 2;
+    const Vector3d& direction = kDirections[variable % 2];
+    Eigen::Matrix<double, 6, 1> along = Eigen::Matrix<double, 6, 1>::Zero();
+    along.segment<3>(3 * end) = direction;
+    const auto at = [&](double step) {
+      return end == 0 ? solver.geodesic(moved(a, step * direction), b, options)
+                      : solver.geodesic(a, moved(b, step * direction), options);
+    };
+    const Geodesic m2 = at(-2 * h), m1 = at(-h), p1 = at(h), p2 = at(2 * h);
+    for (const Geodesic* step : {&m2, &m1, &p1, &p2}) {
+      if (edges(*step) != edges(g)) return false;
+    }
+    const double first =
+        (*m2.mollified_distance - 8 * *m1.mollified_distance + 8 * *p1.mollified_distance - *p2.mollified_distance) /
+        (12 * h);
+    const double scale = direction.norm() * solver.mesh().mean_edge_length();
+    EXPECT_NEAR(g.derivatives->gradient.dot(along), first, 1e-11 / h * scale) << epsilon;
+    const Eigen::Matrix<double, 6, 1> second = (m2.derivatives->gradient - 8 * m1.derivatives->gradient +
+                                                8 * p1.derivatives->gradient - p2.derivatives->gradient) /
+                                               (12 * h);
+    for (int other = 0; other < 4; ++other) {
+      Eigen::Matrix<double, 6, 1> test = Eigen::Matrix<double, 6, 1>::Zero();
+      test.segment<3>(3 * (other / 2)) = kDirections[other % 2];
+      const double size = scale * kDirections[other % 2].norm() * solver.mesh().mean_edge_length();
+      const double bound = size * (1 + g.derivatives->tangent_hessian.norm());
+      EXPECT_NEAR(test.dot(g.derivatives->hessian * along), second.dot(test), 1e-4 * bound) << epsilon;
+    }
+  }
+  return true;
+}
+
+TEST(Mollifier, DerivativesAreThoseOfTheMollifiedDistance) {
+  for (const auto& mesh : {share(testing::icosphere(2)), share(testing::torus(24, 12)), share(testing::saddle(8)),
+                           share(testing::l_shape(3)), share(testing::cone(12, 8.5, 3))}) {
+    const GeodesicSolver solver(mesh);
+    RandomStream stream("mollified_derivatives", 27);
+    for (const double epsilon : {0.5, 0.1, 0.03, 0.01}) {
+      int checked = 0;
+      for (int i = 0; i < 60; ++i) {
+        const SurfacePoint a = testing::random_point(*mesh, stream);
+        const SurfacePoint b = testing::random_point(*mesh, stream);
+        if (smallest(a) < 2e-3 || smallest(b) < 2e-3) continue;
+        const Geodesic g = solver.geodesic(a, b);
+        if (g.competing_excess < 5e-3 * mesh->mean_edge_length() || g.distance < 0.3 * mesh->mean_edge_length()) {
+          continue;
+        }
+        checked += expect_mollified_derivatives(solver, a, b, epsilon);
+      }
+      EXPECT_GT(checked, 20) << epsilon;
+    }
+  }
+}
+
+// Where a path comes to be held by a hyperbolic vertex, it meets all edges between at their ends.
+TEST(Mollifier, GradientsAreContinuousWhereAHyperbolicVertexBeginsToHoldThePath) {
+  const auto mesh = share(testing::cone(12, 8.5, 3));
+  const GeodesicSolver solver(mesh);
+  RandomStream stream("hyperbolic", 28);
+  int found = 0, checked = 0;
+  for (int i = 0; i < 2000 && found < 40; ++i) {
+    const SurfacePoint a = testing::random_point(*mesh, stream);
+    SurfacePoint free = testing::random_point(*mesh, stream);
+    SurfacePoint held{free.face, testing::random_point(*mesh, stream).barycentric};
+    if (!solver.geodesic(a, free).pinned_at.empty()) std::swap(free, held);
+    if (!solver.geodesic(a, free).pinned_at.empty() || solver.geodesic(a, held).pinned_at.empty()) continue;
+    if (position(*mesh, a).norm() < 0.2 || position(*mesh, free).norm() < 0.2) continue;
+    ++found;
+    // Towards the border of the vertex's shadow, from both sides.
+    for (int halving = 0; halving < 40; ++halving) {
+      if (halving == 4 && smallest(free) > 2e-3 && smallest(a) > 2e-3) {
+        for (const double epsilon : {0.3, 0.1}) checked += expect_mollified_derivatives(solver, a, free, epsilon);
+      }
+      const SurfacePoint middle{free.face, 0.5 * (free.barycentric + held.barycentric)};
+      (solver.geodesic(a, middle).pinned_at.empty() ? free : held) = middle;
+    }
+    for (const double epsilon : {0.3, 0.1, 0.01, 1e-4}) {
+      const GeodesicOptions options{.derivatives = 2, .mollifier = epsilon};
+      const Geodesic f = solver.geodesic(a, free, options), h = solver.geodesic(a, held, options);
+      EXPECT_NEAR(*f.mollified_distance, *h.mollified_distance, 1e-10);
+      EXPECT_LT((f.derivatives->tangent_gradient - h.derivatives->tangent_gradient).norm(), 1e-6)
+          << i << " " << epsilon;
+      EXPECT_TRUE(f.derivatives->hessian.allFinite());
+    }
+  }
+  EXPECT_EQ(found, 40);
+  EXPECT_GT(checked, 20);
 }
 
 }  // namespace

@@ -15,19 +15,26 @@ struct Mollified {
 };
 Mollified mollify(double t, double epsilon);
 
-/// A path's length with mollified crossings, and its derivatives.
-struct MollifiedLength {
+/// A path's length and its derivatives.
+struct PathLength {
   double length = 0;
   GeodesicDerivatives derivatives;
 };
 
 /// First and second derivatives of a shortest path's length from the path alone, by implicit differentiation of the
-/// conditions that make it shortest (thesis eq. 3.7 to 3.11), crossings mollified by `epsilon` (0: not at all).
+/// conditions that make it shortest (thesis eq. 3.7 to 3.11).
 ///
 /// The crossings' system is symmetric tridiagonal: O(points). `path` starts and ends at the ends and holds every edge
-/// crossing; vertices that it passes stay where they are. Without mollifier this agrees with the closed forms of
-/// Geodesic::derivatives.
-MollifiedLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon);
+/// crossing; vertices that it passes stay where they are. Agrees with the closed forms of Geodesic::derivatives.
+PathLength path_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path);
+
+/// The length of a shortest path whose crossings t of edges are replaced by mollified ones, with its exact first and
+/// second derivatives. Needs 0 < epsilon <= 0.5; `path` as for path_length, in full.
+///
+/// Mollified crossings do not make the length least, so that what the thesis leaves out because of that (eq. 3.6)
+/// counts here: the motion of the crossings with the ends, to second order. Between vertices the path is straight in
+/// unfolded faces, which gives t and its derivatives in closed form. O(points).
+PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon);
 
 /// Fills the barycentric derivatives from the tangent ones.
 void express_in_barycentrics(const TriangleMesh& mesh, const SurfacePoint& from, const SurfacePoint& to,
