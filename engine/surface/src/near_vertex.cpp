@@ -12,8 +12,8 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-/// Points nearer to a vertex than this part of the least height over it are near. Further away, windows err by a
-/// thousandth of the rounding that the tolerances allow them.
+/// Points nearer to a vertex than this part of the least height over it are near. Further away, the rounding of an
+/// edge's length, which windows err by, is less than 1e-12 of the distances.
 constexpr double kNear = 1e-3;
 
 Vector2d apex_of(const EdgeFrame& frame) { return {frame.apex_x(), frame.apex_y}; }
