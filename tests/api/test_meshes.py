@@ -126,6 +126,23 @@ def test_the_list_comes_in_pages_that_hold_every_mesh_once(api: Api) -> None:
 
 
 SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+L_SHAPE = "3 0 0", "3 1 0", "1 1 0", "1 3 0", "0 3 0", "0 0 0"
+
+
+@pytest.mark.parametrize("content", [
+    "".join(f"v {p}\n" for p in L_SHAPE) + "f 1 2 3 4 5 6\n",
+    "OFF\n6 1 0\n" + "\n".join(L_SHAPE) + "\n6 0 1 2 3 4 5\n",
+], ids=["obj", "off"])
+def test_a_polygon_that_is_not_convex_is_covered_once(api: Api, content: str) -> None:
+    document = upload(api, content.encode())
+    assert (document["faces"], document["boundary_loops"]) == (4, 1)
+    assert document["area"] == pytest.approx(5)
+
+
+def test_a_polygon_that_crosses_itself_is_refused_and_named(api: Api) -> None:
+    content = b"v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\nv 0 5 0\nf 1 3 5\nf 1 2 3 4\n"
+    response = api.post("/v1/meshes", body=content, headers=OCTETS)
+    assert (response.status_code, problem_code(response), pointers(response)) == (422, "mesh.invalid_polygon", ["face 1"])
 
 
 @pytest.mark.parametrize("vertices, faces, code, element", [

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "mesh_faults.h"
+#include "polygon_cutter.h"
 #include "supple/base/error.h"
 
 namespace supple::surface {
@@ -124,18 +126,55 @@ void SoupBuilder::add_vertex(const Eigen::Vector3d& p) {
 }
 
 void SoupBuilder::add_polygon(std::span<const std::int32_t> corners) {
+  const std::int64_t number = polygons_++;
   if (corners.size() < 3) {
     ++skipped_polygons_;
     return;
   }
-  cut_polygons_ += corners.size() > 3;
+  if (corners.size() > 3) larger_polygons_.push_back({number, soup_.faces.size(), corners.size()});
   check_limit(static_cast<std::int64_t>(soup_.faces.size() + corners.size() - 2), limits_.faces, "faces");
   for (std::size_t i = 2; i < corners.size(); ++i) soup_.faces.push_back({corners[0], corners[i - 1], corners[i]});
 }
 
+void SoupBuilder::cut_polygons() {
+  PolygonCutter cutter;
+  FaultList faults;
+  std::vector<std::int32_t> corners;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Triangle> triangles;
+  for (const Polygon& polygon : larger_polygons_) {
+    const std::span<Triangle> fan(soup_.faces.data() + polygon.first_triangle, polygon.corners - 2);
+    corners.assign({fan[0][0], fan[0][1]});
+    for (const Triangle& triangle : fan) corners.push_back(triangle[2]);
+    // The check of the mesh names the faces of vertices that do not exist.
+    const auto exists = [&](std::int32_t v) { return v >= 0 && v < vertex_count(); };
+    if (!std::all_of(corners.begin(), corners.end(), exists)) continue;
+    positions.clear();
+    for (const std::int32_t v : corners) positions.push_back(soup_.positions[v]);
+    triangles.resize(fan.size());
+    const PolygonCutter::Outcome outcome = cutter.cut(positions, triangles);
+    if (outcome != PolygonCutter::Outcome::cut) {
+      faults.add([&]() -> Error::Detail {
+        const std::string size = "has " + std::to_string(polygon.corners) + " corners and ";
+        return {name_of_face(polygon.number),
+                size + (outcome == PolygonCutter::Outcome::crosses_itself
+                            ? "crosses itself"
+                            : "is not convex; the limit is " + std::to_string(PolygonCutter::most_corners))};
+      });
+      continue;
+    }
+    for (std::size_t i = 0; i < fan.size(); ++i) {
+      for (int j = 0; j < 3; ++j) fan[i][j] = corners[triangles[i][j]];
+    }
+  }
+  faults.throw_if_any("mesh.invalid_polygon", "polygon cannot be cut into triangles",
+                      "polygons cannot be cut into triangles");
+}
+
 TriangleSoup SoupBuilder::finish() && {
-  if (cut_polygons_ > 0) {
-    soup_.warnings.push_back(std::to_string(cut_polygons_) + (cut_polygons_ == 1 ? " polygon was" : " polygons were") +
+  cut_polygons();
+  if (const std::size_t cut = larger_polygons_.size(); cut > 0) {
+    soup_.warnings.push_back(std::to_string(cut) + (cut == 1 ? " polygon was" : " polygons were") +
                              " cut into triangles.");
   }
   if (skipped_polygons_ > 0) {

@@ -66,19 +66,30 @@ class SoupBuilder {
   void check_announced(std::int64_t vertices, std::int64_t faces) const;
   void reserve(std::size_t vertices, std::size_t faces);
   void add_vertex(const Eigen::Vector3d& p);
-  /// Cuts polygons into fans from their first corner; skips those with fewer than three corners.
+  /// Skips polygons with fewer than three corners; larger ones are cut into triangles by `finish`, since their vertices
+  /// may follow.
   void add_polygon(std::span<const std::int32_t> corners);
   void add_warning(std::string text) { soup_.warnings.push_back(std::move(text)); }
 
   std::int64_t vertex_count() const { return static_cast<std::int64_t>(soup_.positions.size()); }
-  /// The soup with the warnings about polygons.
+  /// The soup with its polygons cut, see PolygonCutter, and the warnings about them. Throws "mesh.invalid_polygon",
+  /// which names the faces by their numbers in the file.
   TriangleSoup finish() &&;
 
  private:
+  /// A polygon of more than three corners: until it is cut, the fan from its first corner stands for it.
+  struct Polygon {
+    std::int64_t number;  ///< of the face in the file, from 0
+    std::size_t first_triangle;
+    std::size_t corners;
+  };
+  void cut_polygons();
+
   MeshLimits limits_;
   TriangleSoup soup_;
-  std::int64_t cut_polygons_ = 0;
+  std::int64_t polygons_ = 0;
   std::int64_t skipped_polygons_ = 0;
+  std::vector<Polygon> larger_polygons_;
 };
 
 /// A count that files write before data, as a number of elements worth reserving: no more than `bytes` could hold.
