@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import struct
+from typing import Callable
 
 import numpy as np
 import pytest
 
-from harness import Api, pointers, problem_code
+from contract import Contract
+from harness import Api, ServerProcess, pointers, problem_code
 from shapes import Mesh, flat_grid, obj_text, sphere, two_triangles_apart
 
 OCTETS = {"Content-Type": "application/octet-stream"}
@@ -79,6 +81,39 @@ def test_the_first_upload_creates_and_the_second_finds(api: Api) -> None:
     assert (first.status_code, second.status_code) == (201, 200)
     assert first.headers["ETag"] == second.headers["ETag"]
     assert first.headers["Location"] == second.headers["Location"] == f"/v1/meshes/{first.json()['id']}"
+
+
+def test_each_upload_is_answered_with_its_own_warnings(new_server: Callable[..., ServerProcess], contract: Contract) -> None:
+    server = new_server()
+    api = Api(server, contract)
+    vertices, faces = sphere(1)
+    turned = faces.copy()
+    turned[7] = turned[7][[0, 2, 1]]
+    sound = {"vertices": vertices.tolist(), "faces": faces.tolist()}
+    first = api.post("/v1/meshes", {**sound, "faces": turned.tolist()})
+    assert first.status_code == 201
+    stored = first.json()
+    assert len(stored["warnings"]) == 1 and stored["warnings"][0].startswith("1 face was turned")
+    for restarted in (False, True):
+        if restarted:
+            assert server.terminate() == 0
+            server.start()
+            api = Api(server, contract)
+        again = api.post("/v1/meshes", sound)
+        assert (again.status_code, again.json()) == (200, {**stored, "warnings": []})
+        turned[9] = faces[9][[0, 2, 1]]
+        two = api.post("/v1/meshes", {**sound, "faces": turned.tolist()}).json()
+        assert two["id"] == stored["id"] and two["created"] == stored["created"]
+        assert two["warnings"] == ["2 faces were turned to agree with their neighbours: their second and third corner are swapped."]
+        assert api.get(f"/v1/meshes/{stored['id']}").json() == stored
+        assert api.get("/v1/meshes").json() == {"meshes": [stored]}
+
+
+def test_a_file_whose_mesh_exists_is_answered_with_the_warnings_of_reading_it(api: Api) -> None:
+    api.upload([[0, 0, 0], [1, 0, 0], [1, 7, 0], [0, 7, 0]], [[0, 1, 2], [0, 2, 3]])
+    response = api.post("/v1/meshes", body=b"v 0 0 0\nv 1 0 0\nv 1 7 0\nv 0 7 0\nl 1 2\nf 1 2 3 4\n", headers=OCTETS)
+    assert response.status_code == 200
+    assert response.json()["warnings"] == ["1 line or point elements were left out.", "1 polygon was cut into triangles."]
 
 
 def test_the_canonical_file_has_the_id_as_its_sha256_and_reads_back_as_the_same_mesh(api: Api, sphere_mesh: str) -> None:

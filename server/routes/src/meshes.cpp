@@ -43,14 +43,14 @@ http::Response create(Services& services, const http::Request& request) {
   auto soup = read_soup(request, services.limits);
   const auto mesh = std::make_shared<const surface::TriangleMesh>(
       surface::TriangleMesh::build(std::move(soup.positions), std::move(soup.faces)));
-  const auto [record, is_new] =
-      services.store->add_mesh(surface::write_ply(*mesh), [&](const std::string& id, std::int64_t created) {
-        auto report = surface::report(*mesh);
-        report.warnings.insert(report.warnings.begin(), soup.warnings.begin(), soup.warnings.end());
-        return json::write_mesh(id, created, report);
-      });
+  auto report = surface::report(*mesh);
+  report.warnings.insert(report.warnings.begin(), soup.warnings.begin(), soup.warnings.end());
+  const auto [record, is_new] = services.store->add_mesh(
+      surface::write_ply(*mesh),
+      [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); });
   services.meshes->put(record.id, std::make_shared<const store::LoadedMesh>(mesh));
-  auto response = json_response(record.description, is_new ? 201 : 200);
+  // Where the mesh was stored already, the stored warnings are those of another upload.
+  auto response = json_response(json::write_mesh(record.id, record.created, report), is_new ? 201 : 200);
   response.set_header("Location", "/v1/meshes/" + record.id);
   response.set_header("ETag", quoted(record.id));
   return response;
