@@ -21,9 +21,9 @@ bool agree(const std::vector<Triangle>& faces, Index h, Index partner) {
 // Turning (a, b, c) into (a, c, b) reverses the order of the three edges.
 Index turned_halfedge(Index h) { return h - h % 3 + (2 - h % 3); }
 
-}  // namespace
-
-std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle>& faces) {
+/// Pairs the halfedges of edges of two faces, and calls on_excess(v, w, halfedges) for each edge of more, v < w.
+template <typename OnExcess>
+std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& faces, OnExcess&& on_excess) {
   // Counting sort by the smaller vertex of each edge, then a small sort by the larger: faster than sorting all edges.
   struct Entry {
     Index larger;
@@ -40,8 +40,7 @@ std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle
     entries[ends[smaller]++] = {larger, h};
   }
 
-  std::vector<Index> partners(halfedge_count, -1);
-  FaultList faults;
+  std::vector<Index> partners(halfedge_count, -1), excess;
   for (Index v = 0; v < vertex_count; ++v) {
     const auto first = entries.begin() + starts[v], last = entries.begin() + starts[v + 1];
     std::sort(first, last, [](const Entry& a, const Entry& b) {
@@ -53,16 +52,46 @@ std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle
         partners[it[0].halfedge] = it[1].halfedge;
         partners[it[1].halfedge] = it[0].halfedge;
       } else if (group_end - it > 2) {
-        faults.add([&]() -> Error::Detail {
-          return {name_of_edge(v, it->larger), "is shared by " + std::to_string(group_end - it) + " faces"};
-        });
+        excess.clear();
+        for (auto entry = it; entry != group_end; ++entry) excess.push_back(entry->halfedge);
+        on_excess(v, it->larger, excess);
       }
       it = group_end;
     }
   }
-  faults.throw_if_any("mesh.non_manifold_edge", "edge is shared by more than two faces",
-                      "edges are shared by more than two faces");
   return partners;
+}
+
+// Whether two of the faces on an edge have the same third vertex.
+bool has_duplicate_face(const std::vector<Triangle>& faces, const std::vector<Index>& halfedges) {
+  std::vector<Index> opposite;
+  for (const Index h : halfedges) opposite.push_back(tail(faces, TriangleMesh::previous(h)));
+  std::sort(opposite.begin(), opposite.end());
+  return std::adjacent_find(opposite.begin(), opposite.end()) != opposite.end();
+}
+
+}  // namespace
+
+std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle>& faces) {
+  FaultList faults;
+  bool duplicates = false;
+  auto partners = pair_with(vertex_count, faces, [&](Index v, Index w, const std::vector<Index>& halfedges) {
+    duplicates = duplicates || has_duplicate_face(faces, halfedges);
+    faults.add([&]() -> Error::Detail {
+      return {name_of_edge(v, w), "is shared by " + std::to_string(halfedges.size()) + " faces"};
+    });
+  });
+  faults.throw_if_any(
+      "mesh.non_manifold_edge", "edge is shared by more than two faces", "edges are shared by more than two faces",
+      duplicates ? "the repair drop_duplicates drops faces that are given twice, and split_non_manifold "
+                   "cuts the surface apart at other such edges"
+                 : "the repair split_non_manifold cuts the surface apart there");
+  return partners;
+}
+
+std::vector<Index> pair_manifold_halfedges(Index vertex_count, const std::vector<Triangle>& faces,
+                                           std::int64_t& non_manifold_edges) {
+  return pair_with(vertex_count, faces, [&](Index, Index, const std::vector<Index>&) { ++non_manifold_edges; });
 }
 
 Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partners) {
@@ -147,7 +176,8 @@ std::vector<Index> find_fans(Index vertex_count, const std::vector<Triangle>& fa
     });
   }
   faults.throw_if_any("mesh.non_manifold_vertex", "vertex joins fans of faces that share no edge",
-                      "vertices join fans of faces that share no edge");
+                      "vertices join fans of faces that share no edge",
+                      "the repair split_non_manifold duplicates such vertices");
   return outgoing;
 }
 

@@ -10,6 +10,10 @@ namespace supple::surface {
 /// Which halfedges share an edge, whatever the faces' orientations: the partner of each halfedge, -1 on the boundary.
 /// Throws "mesh.non_manifold_edge" where more than two faces meet. O(n) plus sorting the edges of each vertex.
 std::vector<std::int32_t> pair_halfedges(std::int32_t vertex_count, const std::vector<Triangle>& faces);
+/// The same without faults: halfedges where more than two faces meet have no partner, and the number of these edges is
+/// added to `non_manifold_edges`.
+std::vector<std::int32_t> pair_manifold_halfedges(std::int32_t vertex_count, const std::vector<Triangle>& faces,
+                                                  std::int64_t& non_manifold_edges);
 
 struct Orientation {
   std::vector<std::int32_t> components;  ///< of each face, numbered in the order of their first faces

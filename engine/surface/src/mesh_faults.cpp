@@ -67,27 +67,16 @@ bool area_vanishes(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
   return !(doubled_area > rounding * longest) || doubled_area < 2 * smallest_area;
 }
 
-void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
-  FaultList faults;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const auto& [a, b, c] = faces[f];
-    const bool repeated = a == b || b == c || c == a;
-    if (!repeated && !area_vanishes(positions[a], positions[b], positions[c])) continue;
-    faults.add([&]() -> Error::Detail {
-      return {
-          name_of_face(static_cast<std::int64_t>(f)),
-          (repeated ? "repeats a vertex: " : "has no area in double precision; its vertices are ") + triple(faces[f])};
-    });
-  }
-  faults.throw_if_any("mesh.degenerate_face", "face is degenerate", "faces are degenerate");
-}
+bool repeats_vertex(const Triangle& face) { return face[0] == face[1] || face[1] == face[2] || face[2] == face[0]; }
 
 }  // namespace
 
-void FaultList::throw_if_any(const std::string& code, const std::string& what_one, const std::string& what) {
+void FaultList::throw_if_any(const std::string& code, const std::string& what_one, const std::string& what,
+                             const std::string& advice) {
   if (count_ == 0) return;
   std::string sentence = std::to_string(count_) + " " + (count_ == 1 ? what_one : what);
   if (count_ > detailed) sentence += "; the first " + std::to_string(detailed) + " are named";
+  if (!advice.empty()) sentence += "; " + advice;
   throw Error(code, sentence + ".", std::move(details_));
 }
 
@@ -97,11 +86,28 @@ std::string name_of_edge(std::int32_t a, std::int32_t b) {
   return "edge " + std::to_string(std::min(a, b)) + " " + std::to_string(std::max(a, b));
 }
 
-void check_elements(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
   check_sizes(positions.size(), faces.size());
   check_coordinates(positions);
   check_indices(static_cast<std::int64_t>(positions.size()), faces);
-  check_areas(positions, faces);
+}
+
+bool is_degenerate(const std::vector<Eigen::Vector3d>& positions, const Triangle& face) {
+  return repeats_vertex(face) || area_vanishes(positions[face[0]], positions[face[1]], positions[face[2]]);
+}
+
+void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+  FaultList faults;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (!is_degenerate(positions, faces[f])) continue;
+    faults.add([&]() -> Error::Detail {
+      return {name_of_face(static_cast<std::int64_t>(f)),
+              (repeats_vertex(faces[f]) ? "repeats a vertex: " : "has no area in double precision; its vertices are ") +
+                  triple(faces[f])};
+    });
+  }
+  faults.throw_if_any("mesh.degenerate_face", "face is degenerate", "faces are degenerate",
+                      "the repair drop_degenerate drops such faces");
 }
 
 }  // namespace supple::surface

@@ -26,8 +26,9 @@ class FaultList {
     if (count_++ < detailed) details_.push_back(describe());
   }
   /// Throws Error `code` with the sentence "<count> <what>." if there is any fault. `what` follows a count, as in
-  /// "faces are degenerate"; `what_one` is the same for one.
-  void throw_if_any(const std::string& code, const std::string& what_one, const std::string& what);
+  /// "faces are degenerate"; `what_one` is the same for one. `advice`, if any, ends the sentence.
+  void throw_if_any(const std::string& code, const std::string& what_one, const std::string& what,
+                    const std::string& advice = {});
 
  private:
   std::int64_t count_ = 0;
@@ -39,8 +40,11 @@ std::string name_of_face(std::int64_t f);
 /// "edge a b" with the smaller vertex first.
 std::string name_of_edge(std::int32_t a, std::int32_t b);
 
-/// Throws the faults that need no connectivity: "mesh.empty", "mesh.too_large", "mesh.non_finite",
-/// "mesh.index_out_of_range", "mesh.degenerate_face". O(n).
-void check_elements(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
+/// Throws "mesh.empty", "mesh.too_large", "mesh.non_finite", "mesh.index_out_of_range". O(n).
+void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
+/// Whether a face repeats a vertex or has no area in double precision; its vertices exist.
+bool is_degenerate(const std::vector<Eigen::Vector3d>& positions, const Triangle& face);
+/// Throws "mesh.degenerate_face". O(n).
+void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
 
 }  // namespace supple::surface

@@ -122,7 +122,7 @@ bool PolygonCutter::leads_into(Index q, Index apex, Index first, Index second) c
   const Eigen::Vector2d u = points_[first] - points_[apex], v = points_[second] - points_[apex];
   for (const Index end : {previous_[q], next_[q]}) {
     const Eigen::Vector2d d = points_[end] - points_[q];
-    if (cross(u, d) > tolerance_ * u.norm() && cross(d, v) > tolerance_ * v.norm()) return true;
+    if (cross(u, d) > flat_ * u.norm() && cross(d, v) > flat_ * v.norm()) return true;
   }
   return false;
 }

@@ -27,7 +27,8 @@ std::int64_t coincident_vertices(const std::vector<Eigen::Vector3d>& positions) 
 
 TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces,
                                  std::vector<std::string> warnings) {
-  check_elements(positions, faces);
+  check_references(positions, faces);
+  check_areas(positions, faces);
   TriangleMesh mesh;
   mesh.positions_ = std::move(positions);
   mesh.faces_ = std::move(faces);
@@ -41,7 +42,7 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
   mesh.component_count_ = orientation.component_count;
   mesh.outgoing_ = find_fans(vertices, mesh.faces_, mesh.twins_);
 
-  // check_elements bounds coordinates and areas, so that no square below overflows or underflows.
+  // The checks bound coordinates and areas, so that no square below overflows or underflows.
   mesh.lengths_.resize(halfedges);
   mesh.angles_.resize(halfedges);
   double length_sum = 0;
@@ -86,8 +87,9 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
   }
   if (unused > 0) mesh.warnings_.push_back(counted(unused, "vertex belongs", "vertices belong") + " to no face.");
   if (const std::int64_t coincident = coincident_vertices(mesh.positions_); coincident > 0) {
-    mesh.warnings_.push_back(counted(coincident, "vertex has", "vertices have") +
-                             " the coordinates of an earlier one; the surface is not joined there.");
+    mesh.warnings_.push_back(
+        counted(coincident, "vertex has", "vertices have") +
+        " the coordinates of an earlier one; the surface is not joined there.");
   }
   return mesh;
 }

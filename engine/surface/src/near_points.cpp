@@ -1,0 +1,86 @@
+#include "near_points.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace supple::surface {
+namespace {
+
+constexpr std::int32_t leaf_size = 8;
+
+/// Points in a balanced k-d tree: node `k` with the places [begin, end) has the children 2 k + 1 and 2 k + 2, which
+/// share its places in halves.
+class PointTree {
+ public:
+  explicit PointTree(const std::vector<Eigen::Vector3d>& points) : points_(points), order_(points.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    build(0, 0, static_cast<std::int32_t>(order_.size()));
+  }
+
+  /// Calls visit(i) for each point i that is no further than `distance` from `center`.
+  template <typename Visit>
+  void visit_near(const Eigen::Vector3d& center, double distance, Visit&& visit) const {
+    search(0, 0, static_cast<std::int32_t>(order_.size()), center, distance, visit);
+  }
+
+ private:
+  struct Node {
+    std::int32_t axis = 0;
+    double middle = 0;  ///< no point of the first child is above, none of the second below
+  };
+
+  void build(std::size_t k, std::int32_t begin, std::int32_t end) {
+    if (end - begin <= leaf_size) return;
+    Eigen::Vector3d lower = points_[order_[begin]], upper = lower;
+    for (std::int32_t at = begin; at < end; ++at) {
+      lower = lower.cwiseMin(points_[order_[at]]);
+      upper = upper.cwiseMax(points_[order_[at]]);
+    }
+    Node node;
+    (upper - lower).maxCoeff(&node.axis);
+    const std::int32_t half = begin + (end - begin) / 2;
+    std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end,
+                     [&](std::int32_t a, std::int32_t b) { return points_[a][node.axis] < points_[b][node.axis]; });
+    node.middle = points_[order_[half]][node.axis];
+    if (nodes_.size() <= k) nodes_.resize(k + 1);
+    nodes_[k] = node;
+    build(2 * k + 1, begin, half);
+    build(2 * k + 2, half, end);
+  }
+
+  template <typename Visit>
+  void search(std::size_t k, std::int32_t begin, std::int32_t end, const Eigen::Vector3d& center, double distance,
+              Visit& visit) const {
+    if (end - begin <= leaf_size) {
+      for (std::int32_t at = begin; at < end; ++at) {
+        if ((points_[order_[at]] - center).norm() <= distance) visit(order_[at]);
+      }
+      return;
+    }
+    const Node& node = nodes_[k];
+    const std::int32_t half = begin + (end - begin) / 2;
+    if (center[node.axis] - distance <= node.middle) search(2 * k + 1, begin, half, center, distance, visit);
+    if (center[node.axis] + distance >= node.middle) search(2 * k + 2, half, end, center, distance, visit);
+  }
+
+  const std::vector<Eigen::Vector3d>& points_;
+  std::vector<std::int32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace
+
+std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points, double distance) {
+  const PointTree tree(points);
+  std::vector<std::int32_t> first(points.size(), -1);
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
+    if (first[i] >= 0) continue;
+    first[i] = i;
+    tree.visit_near(points[i], distance, [&](std::int32_t near) {
+      if (first[near] < 0) first[near] = i;
+    });
+  }
+  return first;
+}
+
+}  // namespace supple::surface
