@@ -159,7 +159,9 @@ void parse(unsigned which, std::string_view body) {
       return check_deadline(request.deadline);
     }
     case 4: {
-      const auto soup = json::parse_mesh_arrays(body, limits(), mesh_limits);
+      const auto upload = json::parse_mesh_arrays(body, limits(), mesh_limits);
+      const auto& soup = upload.soup;
+      if (upload.repair) require(upload.repair->weld_tolerance >= 0 && upload.repair->weld_tolerance <= 0.01);
       require(soup.positions.size() <= 50 && soup.faces.size() <= 50);
       for (const auto& position : soup.positions) require(position.allFinite());
       for (const auto& face : soup.faces) {

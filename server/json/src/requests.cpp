@@ -29,6 +29,27 @@ void read_pairs(Fields& fields, std::vector<GeodesicsRequest::Pair>& pairs, cons
   }
 }
 
+void read_repair(Fields& fields, std::optional<surface::RepairOptions>& repair) {
+  constexpr auto& names = surface::repair_names;
+  surface::RepairOptions options;
+  const auto* entries = fields.array("repair", false, 1, names.size(), "");
+  for (std::size_t i = 0; entries && i < entries->size(); ++i) {
+    const auto& entry = (*entries)[i];
+    const auto found = std::find_if(names.begin(), names.end(), [&](std::string_view name) { return entry == name; });
+    if (found == names.end()) {
+      fields.faults().add(fields.at("repair") + "/" + std::to_string(i),
+                          R"(must be one of "weld", "drop_degenerate", "drop_duplicates", "split_non_manifold")");
+    } else {
+      options.asked[static_cast<std::size_t>(found - names.begin())] = true;
+    }
+  }
+  if (fields.present("weld_tolerance") && !fields.faults().any() && !options.has(surface::Repair::weld)) {
+    fields.faults().add(fields.at("weld_tolerance"), R"(takes effect with the repair "weld" only)");
+  }
+  fields.number("weld_tolerance", options.weld_tolerance, 0, surface::RepairOptions::largest_weld_tolerance);
+  if (entries) repair = options;
+}
+
 }  // namespace
 
 GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits) {
@@ -109,10 +130,10 @@ ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits&
   return request;
 }
 
-surface::TriangleSoup parse_mesh_arrays(std::string_view body, const Limits& limits,
-                                        const surface::MeshLimits& mesh_limits) {
+MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits) {
   const auto document = parse_document(body, limits);
-  surface::TriangleSoup soup;
+  MeshUpload upload;
+  auto& soup = upload.soup;
   Faults faults;
   Fields fields(document, "", faults);
   const auto check_count = [](const Document* array, std::int64_t limit, const char* what, const char* setting) {
@@ -153,9 +174,10 @@ surface::TriangleSoup parse_mesh_arrays(std::string_view body, const Limits& lim
       }
     }
   }
+  read_repair(fields, upload.repair);
   fields.finish();
   faults.throw_if_any();
-  return soup;
+  return upload;
 }
 
 }  // namespace supple::json

@@ -2,6 +2,7 @@
 
 #include "entity_tag.h"
 #include "handlers.h"
+#include "repair_query.h"
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
 #include "supple/json/requests.h"
@@ -24,7 +25,8 @@ const std::string& mesh_parameter(const http::Request& request) { return request
   throw Error("mesh.not_found", "There is no mesh " + id.substr(0, 80) + ".");
 }
 
-surface::TriangleSoup read_soup(const http::Request& request, const RouteLimits& limits) {
+json::MeshUpload read_upload(const http::Request& request, const RouteLimits& limits) {
+  auto asked = read_repair_query(request);
   const auto type = http::media_type(request.header("Content-Type"));
   if (type == "application/json") {
     if (request.body.size() > limits.max_json) {
@@ -32,15 +34,24 @@ surface::TriangleSoup read_soup(const http::Request& request, const RouteLimits&
                            static_cast<double>(limits.max_json), static_cast<double>(request.body.size()),
                            "--max-json");
     }
-    return json::parse_mesh_arrays(request.body, limits.json, limits.mesh);
+    auto upload = json::parse_mesh_arrays(request.body, limits.json, limits.mesh);
+    if (asked && upload.repair) {
+      throw Error("request.invalid_parameter",
+                  "Repairs are asked for in the query and in the body; ask for all of them in one place.",
+                  {{"query repair", "is in the body too"}});
+    }
+    if (asked) upload.repair = asked;
+    return upload;
   }
-  const auto format = format_of(type);
-  return surface::read_mesh(request.body, format ? *format : surface::detect_format(request.body), limits.mesh);
+  const auto format = format_of(type).value_or(surface::detect_format(request.body));
+  return {surface::read_mesh(request.body, format, limits.mesh), asked};
 }
 
 http::Response create(Services& services, const http::Request& request) {
   require_ready(services);
-  auto soup = read_soup(request, services.limits);
+  auto [soup, asked] = read_upload(request, services.limits);
+  std::optional<surface::RepairOutcome> repair;
+  if (asked) repair = surface::repair_mesh(soup, *asked, services.limits.mesh);
   const auto mesh = std::make_shared<const surface::TriangleMesh>(
       surface::TriangleMesh::build(std::move(soup.positions), std::move(soup.faces)));
   auto report = surface::report(*mesh);
@@ -50,7 +61,8 @@ http::Response create(Services& services, const http::Request& request) {
       [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); });
   services.meshes->put(record.id, std::make_shared<const store::LoadedMesh>(mesh));
   // Where the mesh was stored already, the stored warnings are those of another upload.
-  auto response = json_response(json::write_mesh(record.id, record.created, report), is_new ? 201 : 200);
+  auto response = json_response(json::write_mesh(record.id, record.created, report, repair ? &*repair : nullptr),
+                                is_new ? 201 : 200);
   response.set_header("Location", "/v1/meshes/" + record.id);
   response.set_header("ETag", quoted(record.id));
   return response;

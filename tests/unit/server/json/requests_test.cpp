@@ -159,12 +159,33 @@ TEST(Requests, TakeATangentInSpaceOrInTheFrame) {
 }
 
 TEST(Requests, ReadMeshArraysAndNameTheFaultyRows) {
-  const auto soup = parse_mesh_arrays(R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]})", {}, {});
+  const auto upload = parse_mesh_arrays(R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]})", {}, {});
+  EXPECT_FALSE(upload.repair);
+  const auto& soup = upload.soup;
   EXPECT_EQ(soup.positions.size(), 3U);
   EXPECT_EQ(soup.faces[0], (surface::Triangle{0, 1, 2}));
   const auto error = error_of(
       [] { parse_mesh_arrays(R"({"vertices":[[0,0]],"faces":[[0,1,-2],[0,1.5,2],[0,1,4294967296]]})", {}, {}); });
   EXPECT_EQ(pointers(error), (Pointers{"/vertices/0", "/faces/0", "/faces/1", "/faces/2"}));
+}
+
+TEST(Requests, ReadTheRepairsOfAMeshAndNameTheFaultyOnes) {
+  const auto parsed = [](const std::string& more) {
+    return parse_mesh_arrays(R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]],)" + more + "}", {}, {});
+  };
+  using surface::Repair;
+  const auto plain = parsed(R"("repair":["split_non_manifold","weld"])").repair.value();
+  EXPECT_TRUE(plain.has(Repair::weld) && plain.has(Repair::split_non_manifold));
+  EXPECT_FALSE(plain.has(Repair::drop_degenerate) || plain.has(Repair::drop_duplicates));
+  EXPECT_EQ(plain.weld_tolerance, 1e-6);
+  EXPECT_EQ(parsed(R"("repair":["weld"],"weld_tolerance":0)").repair.value().weld_tolerance, 0);
+  const auto faulty = [&](const std::string& more) { return pointers(error_of([&] { parsed(more); })); };
+  EXPECT_EQ(faulty(R"("repair":[])"), Pointers{"/repair"});
+  EXPECT_EQ(faulty(R"("repair":"weld")"), Pointers{"/repair"});
+  EXPECT_EQ(faulty(R"("repair":["weld","Weld",3])"), (Pointers{"/repair/1", "/repair/2"}));
+  EXPECT_EQ(faulty(R"("repair":["weld"],"weld_tolerance":0.011)"), Pointers{"/weld_tolerance"});
+  EXPECT_EQ(faulty(R"("repair":["drop_degenerate"],"weld_tolerance":0.001)"), Pointers{"/weld_tolerance"});
+  EXPECT_EQ(faulty(R"("weld_tolerance":0.001)"), Pointers{"/weld_tolerance"});
 }
 
 TEST(Requests, RefuseMoreFacesThanTheLimit) {

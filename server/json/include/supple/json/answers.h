@@ -10,6 +10,7 @@
 #include "supple/surface/exponential_map.h"
 #include "supple/surface/geodesic_field.h"
 #include "supple/surface/karcher_mean.h"
+#include "supple/surface/mesh_repair.h"
 #include "supple/surface/mesh_report.h"
 
 /// The answers of api/openapi.yaml as JSON text. Each function throws Error "computation.non_finite" rather than write
@@ -26,7 +27,9 @@ struct Bill {
 std::string time_text(std::int64_t milliseconds);
 
 std::string write_problem(const problem::Problem& problem);
-std::string write_mesh(const std::string& id, std::int64_t created, const surface::MeshReport& report);
+/// `repair` where the upload asked for repairs.
+std::string write_mesh(const std::string& id, std::int64_t created, const surface::MeshReport& report,
+                       const surface::RepairOutcome* repair = nullptr);
 /// `ends` are the pairs' points in the faces that the derivatives refer to.
 std::string write_geodesics(const GeodesicsRequest& request, const surface::TriangleMesh& mesh,
                             const std::vector<std::pair<surface::SurfacePoint, surface::SurfacePoint>>& ends,

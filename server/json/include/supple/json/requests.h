@@ -13,6 +13,7 @@
 #include "supple/surface/geodesic_field.h"
 #include "supple/surface/karcher_mean.h"
 #include "supple/surface/mesh_io.h"
+#include "supple/surface/mesh_repair.h"
 
 /// The requests of api/openapi.yaml as types. Each `parse_*` reads a body completely and collects every fault: they
 /// throw "request.not_utf8", "request.malformed_json", "request.too_deep", "request.too_many_values",
@@ -77,8 +78,11 @@ struct ExponentialMapRequest {
 };
 ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits);
 
-/// {"vertices", "faces"}. Also throws "mesh.too_large".
-surface::TriangleSoup parse_mesh_arrays(std::string_view body, const Limits& limits,
-                                        const surface::MeshLimits& mesh_limits);
+struct MeshUpload {
+  surface::TriangleSoup soup;
+  std::optional<surface::RepairOptions> repair;  ///< where repairs are asked for
+};
+/// {"vertices", "faces", "repair", "weld_tolerance"}. Also throws "mesh.too_large".
+MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits);
 
 }  // namespace supple::json
