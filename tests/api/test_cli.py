@@ -168,6 +168,20 @@ def test_a_faulty_mesh_names_its_elements(supple: Program) -> None:
     assert "mesh.degenerate_face" in finished.stderr and "face 0" in finished.stderr
 
 
+def test_a_faulty_mesh_is_repaired_on_request(supple: Program) -> None:
+    (supple.folder / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1e-4 1 0\nv 1 1 0\nf 1 2 2\nf 1 2 3\nf 4 2 5\n")
+    text = supple.ok("mesh", "add", "--repair", "weld,drop_degenerate", "--weld-tolerance", "1e-4", "bad.obj")
+    assert "1 vertex was welded" in text and "1 degenerate face was dropped" in text
+    assert number_after("faces", text) == 2 and number_after("components", text) == 1
+    document = json.loads(supple.ok("--json", "mesh", "add", "bad.obj", "--repair", "drop_degenerate,split_non_manifold"))
+    assert document["repair"]["faces"] == [None, 0, 1]
+    for arguments, status, message in ((["--repair", "heal"], 2, "split_non_manifold"), (["--repair", "a&b"], 1, "no repairs"),
+                                       (["--weld-tolerance", "1e-4"], 1, "--repair"),
+                                       (["--repair", "weld", "--weld-tolerance", "x"], 1, "weld tolerance")):
+        finished = supple.run("mesh", "add", "bad.obj", *arguments)
+        assert finished.returncode == status and message in finished.stderr, finished.stderr
+
+
 def test_a_file_that_cannot_be_written_is_said(supple: Program) -> None:
     file = supple.file("grid.obj", flat_grid(2))
     finished = supple.run("field", file, "v0", "-o", "no/such/folder.csv")

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "commands.h"
+#include "failure.h"
+#include "numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -25,9 +27,29 @@ void print_mesh(const nlohmann::json& mesh) {
   for (const auto& warning : mesh.at("warnings")) fmt::print("warning         {}\n", warning.get<std::string>());
 }
 
-void add_meshes(Session& session, const std::vector<std::string>& files) {
+struct RepairArguments {
+  std::string repairs;         ///< names separated by commas; empty for none
+  std::string weld_tolerance;  ///< a number; empty for the server's
+};
+
+/// The path of an upload that asks for the repairs.
+std::string upload_path(const RepairArguments& arguments) {
+  constexpr const char* letters = "abcdefghijklmnopqrstuvwxyz_,";
+  if (arguments.repairs.find_first_not_of(letters) != std::string::npos) {
+    throw Failure(ExitCode::usage,
+                  fmt::format("'{}' are no repairs: write for example weld,drop_degenerate", arguments.repairs));
+  }
+  std::string path = "/v1/meshes";
+  if (!arguments.repairs.empty()) path += "?repair=" + arguments.repairs;
+  if (arguments.weld_tolerance.empty()) return path;
+  if (arguments.repairs.empty()) throw Failure(ExitCode::usage, "--weld-tolerance goes with --repair weld");
+  return path + fmt::format("&weld_tolerance={}", parse_number(arguments.weld_tolerance, "a weld tolerance"));
+}
+
+void add_meshes(Session& session, const std::vector<std::string>& files, const RepairArguments& repair) {
+  const std::string path = upload_path(repair);
   for (const auto& file : files) {
-    const nlohmann::json mesh = session.http().post("/v1/meshes", read_file(file), "application/octet-stream").json();
+    const nlohmann::json mesh = session.http().post(path, read_file(file), "application/octet-stream").json();
     session.json() ? print_json(mesh) : print_mesh(mesh);
   }
 }
@@ -59,6 +81,7 @@ void add_mesh_commands(CLI::App& program, const GlobalOptions& options) {
     std::vector<std::string> files;
     std::string mesh;
     std::string output;
+    RepairArguments repair;
   };
   const auto arguments = std::make_shared<MeshArguments>();
   CLI::App* family = program.add_subcommand("mesh", "Upload, list, describe, download and delete meshes");
@@ -66,9 +89,14 @@ void add_mesh_commands(CLI::App& program, const GlobalOptions& options) {
 
   CLI::App* add = family->add_subcommand("add", "Upload mesh files (OBJ, OFF, PLY, STL) and describe them");
   add->add_option("file", arguments->files, "Mesh files")->required();
+  add->add_option("--repair", arguments->repair.repairs,
+                  "Repairs, separated by commas: weld, drop_degenerate, drop_duplicates, split_non_manifold; the "
+                  "warnings say what was done, --json where vertices and faces have gone");
+  add->add_option("--weld-tolerance", arguments->repair.weld_tolerance,
+                  "Weld vertices up to this distance over the bounding box's diagonal (1e-6), at most 0.01");
   add->callback([&options, arguments] {
     Session session(options);
-    add_meshes(session, arguments->files);
+    add_meshes(session, arguments->files, arguments->repair);
   });
 
   CLI::App* list = family->add_subcommand("list", "List the server's meshes, the newest first");
