@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Iterator, List, Tuple
+from typing import Any, Iterator, List, Tuple
 
 import numpy as np
 import pytest
@@ -38,6 +38,25 @@ def test_a_mesh_is_uploaded_from_a_file_from_bytes_and_from_arrays(client: suppl
     positions, corners = meshes[0].arrays()
     np.testing.assert_array_equal(positions, vertices)
     np.testing.assert_array_equal(corners, faces)
+
+
+def test_a_faulty_mesh_is_repaired_and_its_places_are_known(client: supple.Client) -> None:
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [1e-5, 0, 0], [5, 5, 5]]
+    faces = [[0, 1, 2], [5, 3, 4], [0, 1, 1], [1, 6, 6]]
+    content = "".join(f"v {x} {y} {z}\n" for x, y, z in vertices) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
+    options: Any = {"repair": ["weld", "drop_degenerate", "split_non_manifold"], "weld_tolerance": 1e-5}
+    for mesh in (client.upload_arrays(vertices, faces, **options), client.upload(content.encode(), **options)):
+        assert mesh.repair is not None
+        assert (mesh.repair.welded_vertices, mesh.repair.dropped_degenerate_faces, mesh.repair.split_vertices,
+                mesh.repair.removed_vertices) == (1, 2, 1, 1)
+        assert mesh.repair.vertices == ((0,), (1,), (2,), (3,), (4,), (5,), ())
+        assert mesh.repair.faces.tolist() == [0, 1, -1, -1]
+        np.testing.assert_array_equal(mesh.arrays()[0][5], [0, 0, 0])
+    assert client.mesh(mesh.id).repair is None
+    with pytest.raises(supple.InvalidMesh):
+        client.upload_arrays(vertices, faces)
+    with pytest.raises(TypeError):
+        client.upload_arrays(vertices, faces, repair="weld")
 
 
 def test_a_deleted_mesh_is_not_found(client: supple.Client) -> None:

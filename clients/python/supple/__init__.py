@@ -37,6 +37,7 @@ from .answers import (
     KarcherMean,
     KarcherStep,
     MeshInfo,
+    MeshRepair,
     Path,
 )
 from .client import Client
@@ -146,6 +147,7 @@ __all__ = [
     "Load",
     "Mesh",
     "MeshInfo",
+    "MeshRepair",
     "Model",
     "ModelInfo",
     "NotFound",

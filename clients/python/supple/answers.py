@@ -84,6 +84,34 @@ class MeshInfo:
 
 
 @dataclass(frozen=True)
+class MeshRepair:
+    """What the repairs that an upload asked for have changed.
+
+    Attributes:
+        welded_vertices: vertices that were joined to an earlier one.
+        weld_distance: distance up to which they were joined, mesh units; 0 where that was not asked for.
+        dropped_degenerate_faces: degenerate faces that were dropped.
+        dropped_duplicate_faces: faces that were dropped because an earlier one has their vertices.
+        split_edges: edges of more than two faces at which these were taken apart.
+        split_vertices: vertices that became several.
+        removed_vertices: vertices that were removed since all of their faces were dropped, welded ones not counted.
+        vertices: for each uploaded vertex its vertices in the mesh: one, several where it was split, none where it was
+            removed.
+        faces: for each uploaded face its face in the mesh, -1 where it was dropped; shape (uploaded faces,).
+    """
+
+    welded_vertices: int
+    weld_distance: float
+    dropped_degenerate_faces: int
+    dropped_duplicate_faces: int
+    split_edges: int
+    split_vertices: int
+    removed_vertices: int
+    vertices: Tuple[Tuple[int, ...], ...]
+    faces: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
 class Path:
     """A path on the surface, straight between neighbouring points.
 
@@ -263,6 +291,20 @@ def mesh_info_from_wire(document: Mapping[str, Any]) -> MeshInfo:
         angle_min=angle["min"],
         angle_max=angle["max"],
         warnings=tuple(document["warnings"]),
+    )
+
+
+def mesh_repair_from_wire(document: Mapping[str, Any]) -> MeshRepair:
+    def places(entry: Any) -> Tuple[int, ...]:
+        return () if entry is None else tuple(entry) if isinstance(entry, list) else (entry,)
+
+    counts = ("welded_vertices", "dropped_degenerate_faces", "dropped_duplicate_faces", "split_edges", "split_vertices",
+              "removed_vertices")
+    return MeshRepair(
+        **{name: int(document[name]) for name in counts},
+        weld_distance=float(document["weld_distance"]),
+        vertices=tuple(places(entry) for entry in document["vertices"]),
+        faces=np.array([-1 if face is None else face for face in document["faces"]], dtype=np.int64),
     )
 
 

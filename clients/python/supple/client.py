@@ -6,12 +6,13 @@ import os
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
+from urllib.parse import urlencode
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import designs, simulations, tilings
-from .answers import MeshInfo, mesh_info_from_wire
+from .answers import MeshInfo, mesh_info_from_wire, mesh_repair_from_wire
 from .design_answers import DesignResult, ProfileCurve, RegionDesigns
 from .designs import DesignOptions, Region, Target
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
@@ -76,24 +77,55 @@ class Client(WeaveCalls):
         except (ConnectionFailed, RequestTimeout, ServerBusy):
             return False
 
-    def upload(self, mesh: Union[str, Path, bytes]) -> Mesh:
+    def upload(
+        self,
+        mesh: Union[str, Path, bytes],
+        *,
+        repair: Sequence[str] = (),
+        weld_tolerance: Optional[float] = None,
+    ) -> Mesh:
         """Uploads a mesh file (OBJ, OFF, PLY or STL), given by its path or its bytes.
 
-        Uploading the same content twice gives the same mesh. Raises `InvalidMesh`, whose `faults` name the elements.
+        Args:
+            repair: repairs to make: "weld" (joins near vertices), "drop_degenerate" (faces without area),
+                "drop_duplicates" (faces given again) and "split_non_manifold" (cuts the surface apart where more than two
+                faces meet in an edge, or several fans in a vertex). `Mesh.repair` says what they have changed and where each
+                vertex and face has gone.
+            weld_tolerance: distance up to which "weld" joins vertices, over the diagonal of the bounding box, in [0, 0.01].
+                1e-6 on the server's side.
+
+        Uploading the same content twice gives the same mesh. Raises `InvalidMesh`, whose `faults` name the elements, also
+        where faults are left after the repairs.
         """
         content = mesh if isinstance(mesh, bytes) else Path(mesh).read_bytes()
+        path = "/v1/meshes"
+        query: Dict[str, str] = {}
+        if repair:
+            query["repair"] = ",".join(_repair_names(repair))
+        if weld_tolerance is not None:
+            query["weld_tolerance"] = repr(float(weld_tolerance))
+        if query:
+            path += "?" + urlencode(query, safe=",")
         return self._created(
             self._transport.request(
-                "POST", "/v1/meshes", body=content, headers={"Content-Type": "application/octet-stream"}, repeatable=True
+                "POST", path, body=content, headers={"Content-Type": "application/octet-stream"}, repeatable=True
             )
         )
 
-    def upload_arrays(self, vertices: ArrayLike, faces: ArrayLike) -> Mesh:
+    def upload_arrays(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        repair: Sequence[str] = (),
+        weld_tolerance: Optional[float] = None,
+    ) -> Mesh:
         """Uploads a mesh given by arrays.
 
         Args:
             vertices: positions in mesh units, shape (n, 3).
             faces: vertex indices from 0, shape (m, 3), counterclockwise seen from outside.
+            repair, weld_tolerance: as in `upload`.
         """
         positions = np.asarray(vertices, dtype=np.float64)
         triangles = np.asarray(faces)
@@ -102,11 +134,17 @@ class Client(WeaveCalls):
                 raise ValueError(f"{name} have the shape {array.shape}; expected (n, 3)")
         if not np.issubdtype(triangles.dtype, np.integer):
             raise ValueError(f"faces hold {triangles.dtype}; expected integers")
-        document = {"vertices": positions.tolist(), "faces": triangles.tolist()}
+        document: Dict[str, Any] = {"vertices": positions.tolist(), "faces": triangles.tolist()}
+        if repair:
+            document["repair"] = _repair_names(repair)
+        if weld_tolerance is not None:
+            document["weld_tolerance"] = float(weld_tolerance)
         return self._created(self._transport.request("POST", "/v1/meshes", document=document, repeatable=True))
 
     def _created(self, answer: Answer) -> Mesh:
-        return Mesh(self._transport, mesh_info_from_wire(answer.json()))
+        document = answer.json()
+        repair = mesh_repair_from_wire(document["repair"]) if "repair" in document else None
+        return Mesh(self._transport, mesh_info_from_wire(document), repair)
 
     def mesh(self, mesh_id: str) -> Mesh:
         """A mesh that the server has. Raises `NotFound`."""
@@ -405,6 +443,13 @@ class Client(WeaveCalls):
             if "next" not in page:
                 return
             query = {**query, "after": page["next"]}
+
+
+def _repair_names(repair: Sequence[str]) -> List[str]:
+    """The names as a list; a single text would be taken for a list of letters."""
+    if isinstance(repair, str):
+        raise TypeError(f"repair is {repair!r}; expected a sequence of names such as [{repair!r}]")
+    return list(repair)
 
 
 def _accuracy(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import computations
-from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo
+from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo, MeshRepair
 from .jobs import Job, Progress, run, submit
 from .points import PointLike
 from .transport import Transport
@@ -26,11 +26,14 @@ class Mesh:
     the server (seconds; `DeadlineExceeded`).
 
     All forms raise `InvalidPoint` where a point does not lie on the mesh.
+
+    `info` describes the mesh; `repair` says what the repairs of its upload have changed, None where none were asked for.
     """
 
-    def __init__(self, transport: Transport, info: MeshInfo) -> None:
+    def __init__(self, transport: Transport, info: MeshInfo, repair: Optional[MeshRepair] = None) -> None:
         self._transport = transport
         self.info = info
+        self.repair = repair
 
     def __repr__(self) -> str:
         return f"Mesh({self.id[:12]}…, {self.info.vertices} vertices, {self.info.faces} faces)"
