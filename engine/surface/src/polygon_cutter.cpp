@@ -140,8 +140,11 @@ bool PolygonCutter::blocks(Index q, Index p, Index c, Index n) const {
 
 double PolygonCutter::ear_quality(Index c) const {
   const Index p = previous_[c], n = next_[c];
-  // A side without length costs a triangle without area whatever is done: at once, before it confuses the others.
-  if (points_[p] == points_[c] || points_[c] == points_[n]) return std::numeric_limits<double>::infinity();
+  // A side without length, or one that is walked forth and back, costs a triangle without area whatever is done: at
+  // once, before it confuses the others.
+  if (points_[p] == points_[c] || points_[c] == points_[n] || points_[p] == points_[n]) {
+    return std::numeric_limits<double>::infinity();
+  }
   if (!has_area(p, c, n)) return allowed_ == Allowed::no_area && !has_area(n, c, p) ? 0 : -1;
   const Eigen::Vector2d lower = points_[p].cwiseMin(points_[c]).cwiseMin(points_[n]).array() - tolerance_;
   const Eigen::Vector2d upper = points_[p].cwiseMax(points_[c]).cwiseMax(points_[n]).array() + tolerance_;

@@ -22,7 +22,7 @@ namespace supple::surface {
 /// Keeps its memory from one polygon to the next; one thread at a time.
 class PolygonCutter {
  public:
-  /// Most corners of a polygon that a fan does not cut: the work is quadratic in them, here some 30 ms.
+  /// Most corners of a polygon that a fan does not cut: the work is quadratic in them, here some 50 ms.
   static constexpr std::size_t most_corners = 4096;
 
   enum class Outcome {

@@ -228,20 +228,57 @@ TEST(Polygon, SlightlyCurvedOnesAreCutAsSeenAlongTheirNormal) {
   expect_cut_rightly(corners);
 }
 
-TEST(Polygon, AHoleThatABridgeJoinsToTheOutlineStaysAHole) {
-  // A square of side 4 with a square hole of side 2; the bridge is walked forth and back.
-  const std::string text =
-      "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 3 1 0\nv 3 3 0\nv 1 3 0\nf 1 2 3 4 1 5 8 7 6 5\n";
-  const TriangleMesh mesh = load_mesh(text);
-  ASSERT_EQ(mesh.face_count(), 8);
-  double area = 0;
-  std::int32_t boundary = 0;
+/// The area that the mesh's triangles have together, and its boundary edges.
+std::pair<double, int> area_and_boundary(const TriangleMesh& mesh) {
+  std::pair<double, int> result{0, 0};
   for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h) {
-    boundary += mesh.twin(h) < 0;
-    if (h % 3 == 0) area += 0.5 * mesh.edge_length(h) * mesh.edge_length(h + 2) * std::sin(mesh.corner_angle(h));
+    result.second += mesh.twin(h) < 0;
+    if (h % 3 == 0)
+      result.first += 0.5 * mesh.edge_length(h) * mesh.edge_length(h + 2) * std::sin(mesh.corner_angle(h));
   }
-  EXPECT_NEAR(area, 12, 1e-12);
-  EXPECT_EQ(boundary, 8) << "the bridge is no boundary";
+  return result;
+}
+
+TEST(Polygon, HolesThatABridgeJoinsToTheOutlineStayHoles) {
+  // Squares with one square hole, and with two whose bridges start at the same corner; bridges are walked forth and
+  // back.
+  const std::string one = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 3 1 0\nv 3 3 0\nv 1 3 0\n";
+  const std::string two = "v 0 0 0\nv 7 0 0\nv 7 7 0\nv 0 7 0\nv 1 2 0\nv 3 5 0\nv 1 6 0\nv 3 2 0\nv 6 1 0\nv 5 4 0\n";
+  struct Case {
+    std::string points;
+    std::vector<int> corners;
+    double area;
+    int boundary;
+  };
+  for (Case c : {Case{one, {1, 2, 3, 4, 1, 5, 8, 7, 6, 5}, 12, 8},
+                 Case{two, {1, 2, 3, 4, 1, 5, 7, 6, 5, 1, 8, 10, 9, 8}, 41, 10}}) {
+    for (std::size_t first = 0; first < c.corners.size(); ++first) {
+      SCOPED_TRACE(first);
+      std::string face = "f";
+      for (const int v : c.corners) face += " " + std::to_string(v);
+      const TriangleMesh mesh = load_mesh(c.points + face + "\n");
+      EXPECT_EQ(mesh.face_count(), static_cast<int>(c.corners.size()) - 2);
+      const auto [area, boundary] = area_and_boundary(mesh);
+      EXPECT_NEAR(area, c.area, 1e-12);
+      EXPECT_EQ(boundary, c.boundary) << "bridges are no boundary";
+      std::rotate(c.corners.begin(), c.corners.begin() + 1, c.corners.end());
+    }
+  }
+}
+
+TEST(Polygon, ANotchThatReachesTheOppositeCornerStaysOpen) {
+  // Two triangles that meet in a corner only, walked as one outline.
+  Corners corners = flat({{0, 0}, {6, -3}, {7, -1}, {0, 0}, {7, 1}, {6, 3}});
+  for (int first = 0; first < 6; ++first) {
+    SCOPED_TRACE(first);
+    double area = 0;
+    const TriangleSoup soup = read_mesh(obj_of(corners), MeshFormat::obj);
+    for (const auto& [a, b, c] : soup.faces) {
+      area += (soup.positions[b] - soup.positions[a]).cross(soup.positions[c] - soup.positions[a]).norm() / 2;
+    }
+    EXPECT_DOUBLE_EQ(area, 15);
+    std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+  }
 }
 
 TEST(Polygon, EveryFormatAndVerticesThatFollowTheirFacesAreCutAlike) {
