@@ -87,9 +87,8 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
   }
   if (unused > 0) mesh.warnings_.push_back(counted(unused, "vertex belongs", "vertices belong") + " to no face.");
   if (const std::int64_t coincident = coincident_vertices(mesh.positions_); coincident > 0) {
-    mesh.warnings_.push_back(
-        counted(coincident, "vertex has", "vertices have") +
-        " the coordinates of an earlier one; the surface is not joined there.");
+    mesh.warnings_.push_back(counted(coincident, "vertex has", "vertices have") +
+                             " the coordinates of an earlier one; the surface is not joined there.");
   }
   return mesh;
 }

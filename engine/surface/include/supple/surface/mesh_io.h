@@ -25,11 +25,11 @@ struct TriangleSoup {
 MeshFormat detect_format(std::string_view bytes);
 
 /// Reads OBJ (v, f with v/vt/vn and negative indices), OFF (with counts, comments, COFF/NOFF colours skipped), PLY 1.0
-/// (ascii, binary little and big endian; any scalar types; list faces; other elements skipped) or STL (ascii and binary;
-/// vertices with equal coordinates are merged). Polygons are cut into triangles where they stand: convex ones into fans
-/// from their first corner, others by clipping ears as seen along their normal. Never reads past the end whatever the
-/// bytes say, and reserves no more memory than the bytes could fill. O(bytes), and O(n^2) for each polygon of n corners
-/// that no fan covers.
+/// (ascii, binary little and big endian; any scalar types; list faces; other elements skipped) or STL (ascii and
+/// binary; vertices with equal coordinates are merged). Polygons are cut into triangles where they stand: convex ones
+/// into fans from their first corner, others by clipping ears as seen along their normal. Never reads past the end
+/// whatever the bytes say, and reserves no more memory than the bytes could fill. O(bytes), and O(n^2) for each polygon
+/// of n corners that no fan covers.
 ///
 /// Throws "mesh.malformed" with "line 12" or "byte 84" and what was expected, "mesh.too_large" with the limit and the
 /// value, "mesh.invalid_polygon" with the numbers that the faces have in the file ("face 17", counted from 0, skipped
