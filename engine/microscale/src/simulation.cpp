@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cell_model.h"
-#include "equilibrium_path.h"
+#include "cell_path.h"
 #include "homogenization.h"
 #include "load_targets.h"
 #include "patch_stability.h"
@@ -102,8 +102,8 @@ class Run {
   }
 
  private:
-  std::unique_ptr<EquilibriumPath> make_path(Eigen::VectorXd x) {
-    auto path = std::make_unique<EquilibriumPath>(*model_, std::move(x), targets_.free, options_, execution_);
+  std::unique_ptr<CellPath> make_path(Eigen::VectorXd x) {
+    auto path = std::make_unique<CellPath>(*model_, std::move(x), targets_.free, options_, execution_);
     result_.unknowns = std::max(result_.unknowns, static_cast<int>(path->unknowns()));
     return path;
   }
@@ -111,9 +111,9 @@ class Run {
   bool reach(const Eigen::Matrix2d& target) {
     while (true) {
       const auto progress = path_->step_towards(target);
-      if (progress == EquilibriumPath::Progress::failed) return false;
+      if (progress == CellPath::Progress::failed) return false;
       if (!settle_in_patch()) return false;
-      if (progress == EquilibriumPath::Progress::arrived) return true;
+      if (progress == CellPath::Progress::arrived) return true;
     }
   }
 
@@ -148,7 +148,7 @@ class Run {
   void write_state() {
     const Eigen::VectorXd& x = path_->x();
     const double area = model_->mesh()->cell_area();
-    const EquilibriumPath::Equilibrium& at = path_->equilibrium();
+    const CellEquilibrium& at = path_->equilibrium();
     const auto counts = path_->take_counts();
     branch_ += counts.branches_left;
     State state;
@@ -167,7 +167,7 @@ class Run {
       state.contacts = status.pairs;
       state.smallest_gap = status.smallest_gap;
     }
-    state.stable = at.stable && alternating_stable_;
+    state.stable = path_->stable() && alternating_stable_;
     state.branch = branch_;
     state.cells = model_ == &models_.cell ? 1 : 2;
     state.smallest_jacobian = model_->elastic().smallest_jacobian(x);
@@ -215,7 +215,7 @@ class Run {
   LoadTargets targets_;
   const Execution& execution_;
   CellModel* model_ = nullptr;
-  std::unique_ptr<EquilibriumPath> path_;
+  std::unique_ptr<CellPath> path_;
   SimulationResult result_;
   bool alternating_stable_ = true;
   int branch_ = 0;

@@ -48,7 +48,7 @@ void check(const HomogenizationOptions& options) {
 CellState state_of(WeaveRun& run, const Weave& weave, bool arrived, bool lines) {
   WeaveObjective& objective = run.objective();
   const RodModel& model = run.model();
-  const EquilibriumPath& path = run.path();
+  const WeavePath& path = run.path();
   CellState state;
   const Eigen::VectorXd gradient = objective.full_gradient();
   const Eigen::VectorXd& q = objective.q();

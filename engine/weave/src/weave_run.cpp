@@ -100,7 +100,7 @@ void WeaveRun::start(bool spatial) {
             {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
   objective_ = std::make_unique<WeaveObjective>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
                                                 std::move(forces), execution_.cost);
-  path_ = std::make_unique<EquilibriumPath>(*objective_, options_, execution_);
+  path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
 }
 
 bool WeaveRun::advance_to(double share) {
@@ -124,7 +124,7 @@ void WeaveRun::prefer_lower_side() {
     across.change[dof] = 2 * ((*ridge)[dof] - found[dof]);
   }
   WeaveObjective strands(*model_, found, objective_->chart(), held, energy_, {}, execution_.cost);
-  EquilibriumPath pulled(strands, options_, execution_);
+  WeavePath pulled(strands, options_, execution_);
   pulled.advance(across);
   iterations_ += pulled.iterations();
   const bool lower = pulled.reached() > least_way_across && path_->prefer_lower_from(strands.q());

@@ -3,10 +3,10 @@
 #include <memory>
 #include <vector>
 
-#include "equilibrium_path.h"
 #include "out_of_plane.h"
 #include "supple/base/execution.h"
 #include "supple/weave/equilibrium.h"
+#include "weave_path.h"
 
 namespace supple::weave {
 
@@ -41,7 +41,7 @@ class WeaveRun {
 
   const RodModel& model() const { return *model_; }
   WeaveObjective& objective() { return *objective_; }
-  const EquilibriumPath& path() const { return *path_; }
+  const WeavePath& path() const { return *path_; }
   bool spatial() const { return model_->spatial(); }
   int iterations() const { return iterations_ + path_->iterations(); }
   int load_steps() const { return load_steps_ + path_->load_steps(); }
@@ -68,7 +68,7 @@ class WeaveRun {
   ModelOptions model_options_;
   std::unique_ptr<RodModel> model_;
   std::unique_ptr<WeaveObjective> objective_;
-  std::unique_ptr<EquilibriumPath> path_;
+  std::unique_ptr<WeavePath> path_;
   double share_ = 0;
   int iterations_ = 0;
   int load_steps_ = 0;

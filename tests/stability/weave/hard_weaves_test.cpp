@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "equilibrium_path.h"
 #include "supple/base/random.h"
 #include "supple/weave/homogenization.h"
 #include "supple/weave/patterns.h"
 #include "supple/weave/simulation.h"
+#include "weave_path.h"
 
 namespace supple::weave {
 namespace {
@@ -154,7 +154,7 @@ TEST(HardWeaves, AnInvertedStartUnfolds) {
     EquilibriumOptions options;
     options.max_iterations = 1000;
     const double before = objective.evaluate(0).value;
-    EquilibriumPath path(objective, options, {});
+    WeavePath path(objective, options, {});
     EXPECT_TRUE(path.settle()) << "seed " << seed << ' ' << to_string(path.stopped()) << ' ' << path.residual();
     EXPECT_LE(path.residual(), path.tolerance()) << "seed " << seed;
     EXPECT_LT(path.energy(), 0.01 * before) << "seed " << seed;

@@ -4,8 +4,8 @@
 #include <functional>
 #include <numbers>
 
-#include "equilibrium_path.h"
 #include "layouts.h"
+#include "weave_path.h"
 
 namespace supple::weave {
 namespace {
@@ -72,7 +72,7 @@ TEST(Elastica, OfACantileverIsApproachedWithTheSquareOfTheSegmentsLength) {
       WeaveObjective objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
                                {{rod.model.position(rod.tip()) + 1, force}});
       const EquilibriumOptions options{.segments = segments, .tolerance = 1e-8};
-      EquilibriumPath path(objective, options, {});
+      WeavePath path(objective, options, {});
       ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(rod.model.size()), 1}));
       EXPECT_LE(path.residual(), path.tolerance());
       const Eigen::Vector2d tip = objective.q().segment<2>(rod.model.position(rod.tip()));
@@ -93,7 +93,7 @@ TEST(Elastica, IsFoundWithQuadraticConvergenceAtTheEnd) {
     WeaveObjective objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
                              {{rod.model.position(rod.tip()) + 1, force}});
     const EquilibriumOptions options{.segments = 16, .tolerance = 1e-10};
-    EquilibriumPath path(objective, options, {});
+    WeavePath path(objective, options, {});
     ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(rod.model.size()), 1}));
     const auto& history = path.history();
     ASSERT_GE(history.size(), 4U);
@@ -156,7 +156,7 @@ TEST(Euler, BucklingIsFoundDeliberatelyAndCarriesItsLoad) {
   for (const Switch buckling : {Switch::automatic, Switch::off}) {
     WeaveObjective objective(model, model.rest_state(), {}, held, {});
     const EquilibriumOptions options{.segments = 24, .buckling = buckling};
-    EquilibriumPath path(objective, options, {});
+    WeavePath path(objective, options, {});
     LoadStep step{Eigen::VectorXd::Zero(model.size()), 1};
     const int pushed = model.position(model.anchor_node(1));
     step.change[pushed] = -0.6;  // 2 %
@@ -197,7 +197,7 @@ TEST(PureBending, OfACurvedStrandUnrollsItByTheMomentOverItsStiffness) {
     held[static_cast<std::size_t>(model.joint(model.anchor_joint(0)))] = true;
     WeaveObjective objective(model, model.rest_state(), {}, held, {}, {{model.joint(model.anchor_joint(1)), -moment}});
     const EquilibriumOptions options{.segments = segments, .tolerance = 1e-9};
-    EquilibriumPath path(objective, options, {});
+    WeavePath path(objective, options, {});
     ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(model.size()), 1}));
     const Eigen::Vector2d tip = objective.q().segment<2>(model.position(model.anchor_node(1)));
     const double error = (tip - exact).norm() / length;
