@@ -29,6 +29,9 @@ ROOMS = {
     "server/json": {"base", "numerics", "surface", "tiling", "microscale", "weave", "neural", "design", "problem", "json"},
     "server/store": {"base", "numerics", "surface", "neural", "design", "problem", "store"},
     "server/metrics": {"base", "problem", "metrics"},
+    "server/jobs": {"base", "problem", "store", "jobs"},
+    "server/routes": {"base", "surface", "tiling", "microscale", "weave", "neural", "design", "problem", "http", "json",
+                      "store", "metrics", "jobs", "routes"},
     "clients": set(),
 }
 
@@ -63,6 +66,10 @@ def violations() -> "list[str]":
                if path.suffix in (".h", ".cpp", ".hpp", ".cc") and "node_modules" not in path.parts]
     if len(sources) < 10:
         return [f"only {len(sources)} source files were found: the check looks in the wrong place"]
+    for top in ("engine", "server"):
+        for folder in sorted(path for path in (ROOT / top).iterdir() if path.is_dir()):
+            if f"{top}/{folder.name}" not in ROOMS:
+                found.append(f"{top}/{folder.name}: no arrow of this room is known; add it to ROOMS and CONTRIBUTING.md")
     for path in sources:
         name = path.relative_to(ROOT).as_posix()
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):

@@ -3,11 +3,14 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "jet.h"
 #include "rod_model.h"
 #include "scatter.h"
+#include "supple/numerics/jet.h"
 
 namespace supple::weave {
+
+using numerics::Jet;
+using numerics::Vector3;
 
 /// Rest quantities as functions of the sliders that they depend on. They are those of the polygon that the nodes'
 /// material coordinates s_i inscribe in the strand's rest curve X(s): a strand that lies as this polygon does, moved

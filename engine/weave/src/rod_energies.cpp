@@ -7,6 +7,8 @@
 namespace supple::weave {
 namespace {
 
+using numerics::inverse;
+
 constexpr int rest_slots = SliderSlots::most;
 
 bool of_kind(const Turn& turn, TurnKind kind) { return (turn.joint >= 0) == (kind == TurnKind::jointed); }

@@ -2,9 +2,11 @@
 
 #include <string_view>
 
+#include "supple/base/effect_switch.h"
+
 namespace supple::weave {
 
-enum class Switch { automatic, on, off };
+using supple::Switch;
 
 /// Why a search for an equilibrium ended.
 enum class Stop {

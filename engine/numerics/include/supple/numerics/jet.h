@@ -13,7 +13,7 @@
 #define SUPPLE_JET_INLINE SUPPLE_INLINE
 #endif
 
-namespace supple::weave {
+namespace supple::numerics {
 
 /// A number with its first and second derivatives by n variables: forward-mode differentiation, exact to rounding. The
 /// second ones are kept as a lower triangle, row by row. An operation costs about 2 n^2 multiply-adds.
@@ -173,4 +173,4 @@ SUPPLE_JET_INLINE T norm(const Vector3<T>& a) {
   return sqrt(dot(a, a));
 }
 
-}  // namespace supple::weave
+}  // namespace supple::numerics
