@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "supple/base/error.h"
+#include "supple/base/faults.h"
 
 namespace supple::microscale {
 namespace {
@@ -13,20 +13,6 @@ namespace {
 constexpr double smallest_stretch = 0.2;
 constexpr double largest_stretch = 4;
 constexpr int most_states = 100'000;
-
-class Faults {
- public:
-  void add(std::string where, std::string message) {
-    if (details_.size() < 20) details_.push_back({std::move(where), std::move(message)});
-  }
-  void throw_if_any() const {
-    if (details_.empty()) return;
-    throw Error("simulation.invalid_load", details_.front().where + ": " + details_.front().message, details_);
-  }
-
- private:
-  std::vector<Error::Detail> details_;
-};
 
 std::string range() {
   return "must be within [" + std::to_string(smallest_stretch) + ", " + std::to_string(largest_stretch) + "]";
@@ -116,7 +102,7 @@ int size(const Load& load) {
 LoadTargets targets_of(const Load& load) {
   Faults faults;
   LoadTargets result = std::visit([&faults](const auto& kind) { return targets(kind, faults); }, load);
-  faults.throw_if_any();
+  faults.throw_if_any("simulation.invalid_load");
   return result;
 }
 

@@ -11,28 +11,25 @@
 #include "homogenization.h"
 #include "load_targets.h"
 #include "patch_stability.h"
-#include "supple/base/error.h"
+#include "supple/base/faults.h"
 
 namespace supple::microscale {
 namespace {
 
 /// Throws "simulation.invalid_option" for every option out of range.
 void check(const SimulationOptions& options) {
-  std::vector<Error::Detail> details;
-  const auto require = [&details](bool good, const char* where, const std::string& message) {
-    if (!good) details.push_back({where, message});
-  };
+  Faults faults;
   const Material& material = options.material;
-  require(material.youngs_modulus > 0 && std::isfinite(material.youngs_modulus), "material/youngs_modulus",
-          "must be positive and finite, in MPa");
-  require(material.law != Law::neo_hookean || (material.poisson_ratio > -1 && material.poisson_ratio < 0.4999),
-          "material/poisson_ratio", "must lie within (-1, 0.4999); use incompressible_plane_stress for 0.5");
-  require(options.tolerance >= 1e-12 && options.tolerance <= 1e-2, "tolerance", "must lie within [1e-12, 1e-2]");
-  require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
-          "must lie within [1, 10000]");
-  require(options.max_load_step >= 1e-5 && options.max_load_step <= 10, "max_load_step", "must lie within [1e-5, 10]");
-  if (!details.empty())
-    throw Error("simulation.invalid_option", details.front().where + " " + details.front().message, details);
+  faults.require(material.youngs_modulus > 0 && std::isfinite(material.youngs_modulus), "material/youngs_modulus",
+                 "must be positive and finite, in MPa");
+  faults.require(material.law != Law::neo_hookean || (material.poisson_ratio > -1 && material.poisson_ratio < 0.4999),
+                 "material/poisson_ratio", "must lie within (-1, 0.4999); use incompressible_plane_stress for 0.5");
+  faults.require(options.tolerance >= 1e-12 && options.tolerance <= 1e-2, "tolerance", "must lie within [1e-12, 1e-2]");
+  faults.require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
+                 "must lie within [1, 10000]");
+  faults.require(options.max_load_step >= 1e-5 && options.max_load_step <= 10, "max_load_step",
+                 "must lie within [1e-5, 10]");
+  faults.throw_if_any("simulation.invalid_option");
 }
 
 }  // namespace

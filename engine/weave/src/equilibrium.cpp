@@ -1,9 +1,8 @@
 #include "supple/weave/equilibrium.h"
+#include "supple/base/faults.h"
 
 #include <string>
 #include <vector>
-
-#include "faults.h"
 
 namespace supple::weave {
 

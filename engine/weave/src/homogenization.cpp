@@ -8,8 +8,8 @@
 #include <numbers>
 #include <utility>
 
-#include "faults.h"
 #include "supple/base/error.h"
+#include "supple/base/faults.h"
 #include "supple/base/threads.h"
 #include "weave_run.h"
 

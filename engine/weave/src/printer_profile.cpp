@@ -1,10 +1,9 @@
 #include "supple/weave/printer_profile.h"
+#include "supple/base/faults.h"
 
 #include <cmath>
 #include <numbers>
 #include <string>
-
-#include "faults.h"
 
 namespace supple::weave {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "faults.h"
+#include "supple/base/faults.h"
 #include "weave_run.h"
 
 namespace supple::weave {

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "channel_path.h"
-#include "faults.h"
 #include "print_order.h"
 #include "strand_path.h"
+#include "supple/base/faults.h"
 #include "toolpath_statistics.h"
 
 namespace supple::weave {

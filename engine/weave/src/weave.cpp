@@ -1,4 +1,5 @@
 #include "supple/weave/weave.h"
+#include "supple/base/faults.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -8,8 +9,6 @@
 #include <string>
 #include <tuple>
 #include <utility>
-
-#include "faults.h"
 
 namespace supple::weave {
 namespace {

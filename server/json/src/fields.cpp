@@ -55,19 +55,6 @@ bool is_index(const Document& value) {
 
 }  // namespace
 
-void Faults::add(std::string pointer, std::string message) {
-  ++total_;
-  if (details_.size() < most) details_.push_back({std::move(pointer), std::move(message)});
-}
-
-void Faults::throw_if_any() const {
-  if (total_ == 0) return;
-  const auto& first = details_.front();
-  std::string sentence = (first.where.empty() ? "The body" : first.where) + ": " + first.message;
-  if (total_ > 1) sentence += " (and " + std::to_string(total_ - 1) + " more)";
-  throw Error("request.invalid", sentence, details_);
-}
-
 std::string_view kind_of(const Document& value) {
   switch (value.type()) {
     case Document::value_t::null:

@@ -7,23 +7,16 @@
 #include <vector>
 
 #include "document.h"
-#include "supple/base/error.h"
+#include "supple/base/faults.h"
 #include "supple/json/requests.h"
 
 namespace supple::json {
 
-/// Collects what is wrong with a request, so that one answer names every field at fault.
-class Faults {
+/// What is wrong with a request, by JSON pointers.
+class Faults : public supple::Faults {
  public:
-  void add(std::string pointer, std::string message);
-  bool any() const { return !details_.empty(); }
-  /// Throws "request.invalid" if anything was collected. At most 20 details; the sentence gives the total.
-  void throw_if_any() const;
-
- private:
-  static constexpr std::size_t most = 20;
-  std::vector<Error::Detail> details_;
-  std::size_t total_ = 0;
+  /// Throws "request.invalid" if anything was collected.
+  void throw_if_any() const { supple::Faults::throw_if_any("request.invalid", "The body"); }
 };
 
 /// Reads the fields of one JSON object. Each `read` notes the field as known; `finish` reports the others.

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "supple/base/error.h"
+
+namespace supple {
+
+/// Gathers what is wrong with an input, so that one Error names all of it: the first 20 faults, and how many there are.
+class Faults {
+ public:
+  static constexpr std::size_t most_details = 20;
+
+  void add(std::string where, std::string message);
+  void require(bool good, std::string where, std::string message) {
+    if (!good) add(std::move(where), std::move(message));
+  }
+  bool any() const { return total_ > 0; }
+  std::size_t total() const { return total_; }
+
+  /// Throws an Error of this code where there are any: "<where>: <message> (and 2 more)" of the first one, `whole` in
+  /// place of an empty where.
+  void throw_if_any(const std::string& code, const std::string& whole = "The input") const;
+
+ private:
+  std::vector<Error::Detail> details_;
+  std::size_t total_ = 0;
+};
+
+}  // namespace supple

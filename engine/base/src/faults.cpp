@@ -1,0 +1,20 @@
+#include "supple/base/faults.h"
+
+#include <utility>
+
+namespace supple {
+
+void Faults::add(std::string where, std::string message) {
+  ++total_;
+  if (details_.size() < most_details) details_.push_back({std::move(where), std::move(message)});
+}
+
+void Faults::throw_if_any(const std::string& code, const std::string& whole) const {
+  if (total_ == 0) return;
+  const Error::Detail& first = details_.front();
+  std::string sentence = (first.where.empty() ? whole : first.where) + ": " + first.message;
+  if (total_ > 1) sentence += " (and " + std::to_string(total_ - 1) + " more)";
+  throw Error(code, sentence, details_);
+}
+
+}  // namespace supple
