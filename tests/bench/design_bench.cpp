@@ -2,7 +2,7 @@
 // over all families cost, what accuracy costs, the solver against its rivals, verification and polish by simulation,
 // what the width of networks costs and gives, and what searches by simulation alone come to.
 //
-//   design_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--work DIR] [--out DIR] [STUDY ...]
+//   design_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--out DIR] [STUDY ...]
 //   default: all studies into docs/bench
 #include "design_bench.h"
 
@@ -131,7 +131,7 @@ int main(int argc, char** argv) {
   return run_program(argc, argv,
                      {flag("--short", settings.brief), number_option("--designs", settings.designs),
                       list_option("--family", settings.families), folder_option("--models", settings.models),
-                      folder_option("--work", settings.work), folder_option("--out", settings.folder)},
+                      folder_option("--out", settings.folder)},
                      {{"recovery", [&] { study_recovery(settings); }},
                       {"speed", [&] { study_design_speed(settings); }},
                       {"accuracy", [&] { study_design_accuracy(settings); }},

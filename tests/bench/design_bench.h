@@ -18,7 +18,6 @@ struct DesignSettings {
   std::vector<std::string> families;
   std::filesystem::path models = "models";
   std::filesystem::path folder = "docs/bench";
-  std::filesystem::path work = "build/bench/designs";  ///< outcomes of long studies, which later runs go on from
 };
 
 /// A model with what belongs to it.

@@ -1,4 +1,5 @@
 // What a design does when it is simulated, and how far simulation corrects it.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -25,7 +26,8 @@ constexpr auto introduction =
     "design for each; then simulations correct it (`effects.polish`) until it deviates by 0.2 %, at most 30 rounds. "
     "Deviations are relative root mean squares as in answers, 0.01 is one per cent; a design of the search whose "
     "simulation does not reach every sample counts as one that deviates by 100 %. Seconds are elapsed, on two "
-    "threads.";
+    "threads. Each target has a row in [designs-polish-targets.csv](designs-polish-targets.csv), with the checksum of "
+    "the model's file; a run goes on from there.";
 
 /// What became of one random design; nothing where it makes no target.
 struct Outcome {
@@ -35,15 +37,19 @@ struct Outcome {
   double search_seconds = 0, first_seconds = 0, seconds = 0;
 };
 
-/// Outcomes of one model and task that earlier runs have come to, a line each: a run of all families takes hours. A
-/// change of the search, of polish or of the simulation asks for the work folder to be removed.
+/// Outcomes that earlier runs have come to, as CSV beside the page, since a run of all families takes hours: those of
+/// other models are left alone and not used. A change of the search, of polish or of the simulation asks for the file
+/// to be removed.
 class KeptOutcomes {
  public:
-  explicit KeptOutcomes(std::filesystem::path file) : file_(std::move(file)) {
-    std::filesystem::create_directories(file_.parent_path());
+  KeptOutcomes(std::filesystem::path file, const LoadedSpace& space, design::Task task)
+      : file_(std::move(file)),
+        key_(space.model.family + ',' + std::string(to_string(task)) + ',' + space.checksum + ',') {
     std::ifstream in(file_);
     for (std::string line; std::getline(in, line);) {
-      std::istringstream text(line);
+      if (!line.starts_with(key_)) continue;
+      std::ranges::replace(line, ',', ' ');
+      std::istringstream text(line.substr(key_.size()));
       Outcome o;
       if (text >> o.usable >> o.network >> o.unpolished >> o.polished >> o.rounds >> o.search_seconds >>
           o.first_seconds >> o.seconds)
@@ -54,14 +60,17 @@ class KeptOutcomes {
   const Outcome& operator[](std::size_t i) const { return outcomes_[i]; }
   void keep(const Outcome& o) {
     outcomes_.push_back(o);
+    const bool begins = !std::filesystem::exists(file_);
     std::ofstream out(file_, std::ios::app);
-    out.precision(17);
-    out << o.usable << ' ' << o.network << ' ' << o.unpolished << ' ' << o.polished << ' ' << o.rounds << ' '
-        << o.search_seconds << ' ' << o.first_seconds << ' ' << o.seconds << '\n';
+    if (begins) out << "family,task,model,usable,network,unpolished,polished,rounds,search_s,simulation_s,polish_s\n";
+    out.precision(6);
+    out << key_ << o.usable << ',' << o.network << ',' << o.unpolished << ',' << o.polished << ',' << o.rounds << ','
+        << o.search_seconds << ',' << o.first_seconds << ',' << o.seconds << '\n';
   }
 
  private:
   std::filesystem::path file_;
+  std::string key_;
   std::vector<Outcome> outcomes_;
 };
 
@@ -97,9 +106,7 @@ Outcome polish_one(const LoadedSpace& space, const design::Target& target, const
 /// The first `targets` of random designs that make one.
 std::vector<Outcome> outcomes_of(const LoadedSpace& space, design::Task task, int targets,
                                  const DesignSettings& settings) {
-  const std::string name(to_string(task));
-  if (settings.brief) std::filesystem::remove_all(settings.work / "polish");
-  KeptOutcomes kept(settings.work / "polish" / (space.model.family + "-" + name + "-" + space.checksum + ".txt"));
+  KeptOutcomes kept(settings.folder / "designs-polish-targets.csv", space, task);
   RandomStream random("polish " + space.model.family, static_cast<std::uint64_t>(task) + 1);
   const auto simulate = simulation_of(space.model.family, settings);
   design::PolishOptions options;
@@ -151,6 +158,7 @@ void study_polish(const DesignSettings& settings) {
                                  {"search_s", "Search, median s"},
                                  {"simulation_s", "One simulation, median s"},
                                  {"polish_s", "Polish, median s"}});
+  if (settings.brief) std::filesystem::remove(settings.folder / "designs-polish-targets.csv");
   // Simulations take long: what families before came to stays where a run is given up.
   const auto write_page = [&] {
     Report report(settings.folder, "designs-polish", "Inverse design: the last word to the simulation");
