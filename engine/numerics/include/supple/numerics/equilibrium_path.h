@@ -35,6 +35,8 @@ struct PathOptions {
   /// Steps along an unstable mode, in units of the scene's: the first, and how often it is doubled.
   double first_mode_step = 1e-3;
   int mode_doublings = 10;
+  /// A curvature above minus this share of the mean diagonal entry of the Hessian is rounding, and no reason to leave.
+  double zero_curvature = 1e-13;
 };
 
 enum class PathStop {
@@ -188,8 +190,6 @@ class EquilibriumPath {
  private:
   /// How often one minimization is repeated because the scene was not settled.
   static constexpr int max_repeats = 10;
-  /// A curvature above minus this share of the mean diagonal entry of the Hessian is rounding.
-  static constexpr double zero_curvature = 1e-13;
 
   /// `left`: the state is one to which an unstable one was left, and may be far from equilibrium.
   bool minimize(bool left) {
@@ -233,7 +233,7 @@ class EquilibriumPath {
     const Evaluation evaluation = objective.evaluate(2);
     const Mode mode =
         least_stable_mode(evaluation.hessian, objective.dimension(), scene_.cholesky(), execution_.cancellation);
-    stable_ = mode.curvature >= -zero_curvature * diagonal_scale(evaluation.hessian);
+    stable_ = mode.curvature >= -options_.zero_curvature * diagonal_scale(evaluation.hessian);
     return !stable_ && move_along(scene_.expand(mode.direction));
   }
 
