@@ -48,9 +48,9 @@ struct DerivativeCheckOptions {
 using LocalFunction = std::function<Evaluation(const Eigen::VectorXd& step, int order)>;
 
 /// Compares gradient with central differences of the value, and Hessian with central differences of the gradient.
-/// 2 levels n evaluations of order 1. Checks every kind of Hessian, bordered ones too. Throws std::invalid_argument where
-/// the function gives no gradient of n entries, or no n x n Hessian although the options ask for one: what was not
-/// checked does not pass.
+/// 2 levels n evaluations of order 1. Checks every kind of Hessian, bordered ones too. Throws std::invalid_argument
+/// where the function gives no gradient of n entries, or no n x n Hessian although the options ask for one: what was
+/// not checked does not pass.
 DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
                                   const DerivativeCheckOptions& options = {});
 
