@@ -9,6 +9,7 @@
 #include <string>
 
 #include "halfedge_frame.h"
+#include "planar_cross.h"
 #include "supple/base/error.h"
 #include "triangle_area.h"
 
@@ -44,8 +45,6 @@ struct Exit {
   Vector3d weights;
   double travel;
 };
-
-double cross(const Vector2d& a, const Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 /// The k-th halfedge after h in its face.
 Index following(Index h, int k) { return h - h % 3 + (h + k) % 3; }

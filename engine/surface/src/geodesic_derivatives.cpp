@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "halfedge_frame.h"
+#include "planar_cross.h"
 
 namespace supple::surface {
 namespace {
@@ -101,7 +102,7 @@ Node crossing_node(const TriangleMesh& mesh, const PathPoint& point) {
 using Jacobian = Eigen::Matrix<double, 2, 4>;  // of a point of the plane by the ends' tangent coordinates
 using Row = Eigen::RowVector4d;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+using surface::cross;
 /// The derivatives of cross(a, b) by a, and by b.
 Row cross(const Jacobian& a, const Vector2d& b) { return a.row(0) * b.y() - a.row(1) * b.x(); }
 Row cross(const Vector2d& a, const Jacobian& b) { return a.x() * b.row(1) - a.y() * b.row(0); }

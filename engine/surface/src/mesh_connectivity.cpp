@@ -65,6 +65,7 @@ std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& fa
 // Whether two of the faces on an edge have the same third vertex.
 bool has_duplicate_face(const std::vector<Triangle>& faces, const std::vector<Index>& halfedges) {
   std::vector<Index> opposite;
+  opposite.reserve(halfedges.size());
   for (const Index h : halfedges) opposite.push_back(tail(faces, TriangleMesh::previous(h)));
   std::sort(opposite.begin(), opposite.end());
   return std::adjacent_find(opposite.begin(), opposite.end()) != opposite.end();

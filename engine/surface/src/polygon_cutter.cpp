@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "planar_cross.h"
+
 namespace supple::surface {
 namespace {
 
@@ -16,8 +18,6 @@ constexpr double much_better = 2;
 /// Outlines that touch themselves may hide ears from the bookkeeping, which then looks at all corners anew: so often at
 /// most, to keep the cost quadratic.
 constexpr int most_refreshes = 32;
-
-double cross(const Eigen::Vector2d& u, const Eigen::Vector2d& v) { return u[0] * v[1] - u[1] * v[0]; }
 
 void write_fan(std::span<Triangle> triangles) {
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(triangles.size()); ++i) triangles[i] = {0, i + 1, i + 2};
