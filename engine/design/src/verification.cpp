@@ -1,15 +1,13 @@
 #include "supple/design/verification.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <numeric>
 
 #include "sampled_profile.h"
-#include "supple/base/threads.h"
+#include "supple/base/parallel_tasks.h"
 #include "supple/tiling/mesh.h"
 
 namespace supple::design {
@@ -61,22 +59,15 @@ Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const Profi
   const auto cell = tiling::mesh_structure(structure, options.mesh);
   Eigen::VectorXd y =
       Eigen::VectorXd::Constant(static_cast<Eigen::Index>(samples.size()), std::numeric_limits<double>::quiet_NaN());
-  std::mutex mutex;
-  std::size_t done = 0;
-  parallel_for(static_cast<int>(paths.size()), [&](int index) {
+  parallel_tasks(static_cast<int>(paths.size()), execution, "verification", [&](int index, const Execution& inner) {
     const Path& path = paths[static_cast<std::size_t>(index)];
-    CostLedger bill;
-    const Execution inner{execution.cancellation, nullptr, execution.cost ? &bill : nullptr};
     microscale::Simulator simulator(cell, path_options, inner);
     microscale::UniaxialLoad load{path.direction, {}, microscale::LoadFrame::material};
     for (const std::size_t i : path.samples) load.stretches.push_back(std::sqrt(1 + 2 * samples[i].loading.strain));
     const auto result = simulator.run(load, inner);
-    const std::lock_guard lock(mutex);
+    // Each path writes places of its own.
     for (std::size_t k = 0; k < result.states.size(); ++k)
       y[static_cast<Eigen::Index>(path.samples[k])] = value_of(profile, samples[path.samples[k]], result.states[k]);
-    if (execution.cost) execution.cost->merge(bill);
-    if (execution.progress)
-      execution.progress->report(static_cast<double>(++done) / static_cast<double>(paths.size()), "verification");
   });
   if (execution.cost) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
