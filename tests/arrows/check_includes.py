@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Fails where a file includes what its room may not see (the arrows in CONTRIBUTING.md)."""
+"""Fails where a file includes what its room may not see (the arrows in CONTRIBUTING.md), or writes again what numerics has."""
 
 from __future__ import annotations
 
@@ -57,6 +57,14 @@ LIBRARIES = {
     "benchmark/": ("tests",),
 }
 
+# What numerics has once for all rooms of the engine and the server.
+WRITTEN_ONCE = (
+    (re.compile(r"\bpublic\s+(?:supple::)?(?:numerics::)?Objective\b"),
+     "implements Objective by hand: a sum of energies is a numerics::System of a state and its terms"),
+    (re.compile(r"\b(?:class|struct)\s+\w*EquilibriumPath\b"),
+     "is a second load stepper: numerics::EquilibriumPath follows every load path"),
+)
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
@@ -72,7 +80,10 @@ def violations() -> "list[str]":
                 found.append(f"{top}/{folder.name}: no arrow of this room is known; add it to ROOMS and CONTRIBUTING.md")
     for path in sources:
         name = path.relative_to(ROOT).as_posix()
+        shared = name.startswith(("engine/", "server/")) and not name.startswith("engine/numerics/")
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if shared:
+                found += [f"{name}:{number}: {what}" for pattern, what in WRITTEN_ONCE if pattern.search(line)]
             match = INCLUDE.match(line)
             if not match:
                 continue
@@ -91,5 +102,5 @@ def violations() -> "list[str]":
 
 if __name__ == "__main__":
     wrong = violations()
-    print("\n".join(wrong) if wrong else "every include runs along the arrows")
+    print("\n".join(wrong) if wrong else "every include runs along the arrows, and there is one objective and one load stepper")
     sys.exit(1 if wrong else 0)

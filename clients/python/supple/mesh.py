@@ -74,7 +74,7 @@ class Mesh:
         """The exact shortest paths between pairs of points, in their order.
 
         Args:
-            pairs: start and end of each; pairs with a common start cost one search together.
+            pairs: start and end of each; pairs with a common start share a search where that is less work.
             derivatives: 0 for distances, 1 for gradients, 2 for Hessians too.
             paths: whether the paths are returned.
             mollifier: "on", "off" or "automatic": smooths derivatives near vertices.

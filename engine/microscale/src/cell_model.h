@@ -1,14 +1,15 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "cell_coordinates.h"
 #include "contact_barrier.h"
 #include "elastic_energy.h"
 #include "rotation_retraction.h"
-#include "supple/base/cost_ledger.h"
 #include "supple/numerics/cholesky.h"
+#include "supple/numerics/unknowns.h"
 #include "supple/tiling/mesh.h"
 
 namespace supple::microscale {
@@ -17,9 +18,9 @@ namespace supple::microscale {
 class CellModel {
  public:
   /// What is kept from one load path to the next: where the Hessian has entries, and how they are eliminated. For one
-  /// objective at a time.
+  /// system at a time.
   struct Workspace {
-    numerics::EnergySum sum;
+    std::shared_ptr<numerics::EnergySum> sums = std::make_shared<numerics::EnergySum>();
     numerics::ShiftedCholesky cholesky;
   };
 
@@ -27,31 +28,29 @@ class CellModel {
 
   const std::shared_ptr<const tiling::PeriodicMesh>& mesh() const { return mesh_; }
   const CellCoordinates& coordinates() const { return coordinates_; }
-  const ElasticEnergy& elastic() const { return elastic_; }
+  CellState state(Eigen::VectorXd x) const { return {std::move(x), &retraction_}; }
+  /// Which of the displacements are held: node 0's, since a translation costs nothing.
+  std::vector<bool> held() const;
+  std::vector<std::shared_ptr<numerics::Term<CellState>>> terms() const;
+  const ElasticEnergy& elastic() const { return *elastic_; }
   /// Null where contact is off.
   ContactBarrier* contact() { return contact_.get(); }
   const ContactBarrier* contact() const { return contact_.get(); }
   /// Gives the barrier its first stiffness and range again, so that a path does not depend on those before it.
   void reset_contact();
 
-  /// Every term adds to the sum, which must be cleared. Bills elasticity as the stage "assembly", contact as an effect.
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum, CostLedger* cost) const;
+  /// Every term adds its own.
   void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const;
-  /// The largest share of a step for which every term stays valid. Contact looks ahead along it: states on it may be
-  /// evaluated until the next call.
-  double prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost);
-  /// The state after a step on which parts turn instead of growing (see RotationRetraction); not prepared.
-  Eigen::VectorXd retract(const Eigen::VectorXd& x, const Eigen::VectorXd& step, CostLedger* cost) const;
 
   Workspace& workspace() { return workspace_; }
 
  private:
   std::shared_ptr<const tiling::PeriodicMesh> mesh_;
   CellCoordinates coordinates_;
-  ElasticEnergy elastic_;
+  std::shared_ptr<ElasticEnergy> elastic_;
   RotationRetraction retraction_;
   ContactOptions contact_options_;
-  std::unique_ptr<ContactBarrier> contact_;
+  std::shared_ptr<ContactBarrier> contact_;
   Workspace workspace_;
 };
 

@@ -71,22 +71,20 @@ Eigen::MatrixXd product(const numerics::SparseMatrix& lower, const Eigen::Matrix
 
 }  // namespace
 
-CellScene::CellScene(CellModel& model, Eigen::VectorXd x, CellObjective::FreeStrains free,
-                     const SimulationOptions& options, const Execution& execution)
+CellScene::CellScene(CellModel& model, Eigen::VectorXd x, const FreeStrains& free, const SimulationOptions& options,
+                     const Execution& execution)
     : model_(model),
       options_(options),
       execution_(execution),
-      objective_(model, std::move(x), std::move(free), execution.cost) {
+      system_(cell_system(model, std::move(x), free, execution.cost)) {
   cholesky().bill_to(execution.cost);
-  look_ahead();
+  look_around();
 }
 
-void CellScene::look_ahead() { model_.prepare(x(), Eigen::VectorXd::Zero(x().size()), execution_.cost); }
-
 void CellScene::set_state(State state) {
-  objective_.set_x(std::move(state.x));
+  system_.set_state(model_.state(std::move(state.x)));
   at_ = std::move(state.at);
-  look_ahead();
+  look_around();
 }
 
 double CellScene::announce(const Eigen::Matrix2d& target) {
@@ -102,24 +100,30 @@ void CellScene::begin_step() {
 
 Eigen::Vector4d CellScene::prescribed_part(const Eigen::Vector4d& change) const {
   Eigen::Vector4d part = change;
-  for (const Eigen::Vector4d& direction : objective_.free()) part -= direction.dot(change) * direction;
+  const Eigen::MatrixXd& free = system_.unknowns().directions();
+  for (Eigen::Index k = 0; k < free.cols(); ++k) part -= free.col(k).dot(change) * free.col(k);
   return part;
 }
 
 Eigen::VectorXd CellScene::tangent(const Eigen::Vector4d& change) const {
-  const auto m = static_cast<Eigen::Index>(objective_.free().size());
+  const Eigen::MatrixXd& free = system_.unknowns().directions();
   Eigen::Vector4d strain = change;
-  if (m > 0) {
-    Eigen::MatrixXd free(4, m);
-    for (Eigen::Index k = 0; k < m; ++k) free.col(k) = objective_.free()[static_cast<std::size_t>(k)];
+  if (free.cols() > 0) {
     const Eigen::MatrixXd stiffness = free.transpose() * at_.condensed * free;
     const Eigen::VectorXd q = stiffness.ldlt().solve(-free.transpose() * at_.condensed * change);
     if (q.allFinite()) strain += free * q;
   }
   Eigen::VectorXd along(x().size());
-  along.head(x().size() - 4) = at_.response * strain;
+  along.head(x().size() - 4) = system_.unknowns().expand_core(at_.response * strain);
   along.tail<4>() = strain;
   return along;
+}
+
+CellState CellScene::moved(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
+  const StageTimer timer(execution_.cost, CellState::motion);
+  CellState state = model_.state(x);
+  state.move(step);
+  return state;
 }
 
 std::vector<Eigen::VectorXd> CellScene::predictions(double share) const {
@@ -138,7 +142,7 @@ std::vector<Eigen::VectorXd> CellScene::predictions(double share) const {
                           h11 * (before / change_.norm()) * along_);
     }
   }
-  states.emplace_back(model_.retract(x(), share * along_, execution_.cost));
+  states.emplace_back(moved(x(), share * along_).x);
   return states;
 }
 
@@ -150,18 +154,18 @@ bool CellScene::predict(double share) {
     // The prescribed components exactly; the free ones as predicted.
     const Eigen::Vector4d predicted = state.tail<4>();
     state.tail<4>() = predicted + prescribed_part(strain_after - predicted);
-    if (model_.prepare(start_, state - start_, execution_.cost) < 1) continue;
-    objective_.set_x(state);
-    const double norm = objective_.evaluate(1).gradient.norm();
-    objective_.set_x(start_);
+    if (system_.look_ahead(model_.state(start_), model_.state(state)) < 1) continue;
+    system_.set_state(model_.state(state));
+    const double norm = system_.evaluate(1).gradient.norm();
+    system_.set_state(model_.state(start_));
     if (norm < best_norm) {
       best_norm = norm;
       best = std::move(state);
     }
   }
   if (!best) return false;
-  objective_.set_x(std::move(*best));
-  look_ahead();
+  system_.set_state(model_.state(std::move(*best)));
+  look_around();
   return true;
 }
 
@@ -172,7 +176,7 @@ void CellScene::arrived(const numerics::Arrival& arrival) {
 
 double CellScene::gradient_tolerance() const {
   const ElasticEnergy& elastic = model_.elastic();
-  return std::max(options_.tolerance * elastic.force_scale(objective_.x()), elastic.force_rounding());
+  return std::max(options_.tolerance * elastic.force_scale(x()), elastic.force_rounding());
 }
 
 bool CellScene::unsettled(const numerics::MinimizerResult& result) {
@@ -183,11 +187,11 @@ bool CellScene::unsettled(const numerics::MinimizerResult& result) {
 
 bool CellScene::raise_contact_stiffness() {
   ContactBarrier* contact = model_.contact();
-  if (!contact || !contact->near()) return false;
-  const double suggested = contact->suggested_stiffness(objective_.x());
+  if (!contact || !contact->active()) return false;
+  const double suggested = contact->suggested_stiffness(x());
   if (suggested == contact->stiffness()) return false;
   contact->set_stiffness(suggested);
-  objective_.forget();
+  system_.forget();
   previous_.reset();
   return true;
 }
@@ -195,7 +199,7 @@ bool CellScene::raise_contact_stiffness() {
 void CellScene::set_contact(const Contact& contact) {
   model_.contact()->set_stiffness(contact.stiffness);
   model_.contact()->set_range(contact.range);
-  objective_.forget();
+  system_.forget();
 }
 
 int CellScene::contacts() const {
@@ -205,9 +209,9 @@ int CellScene::contacts() const {
 
 bool CellScene::finish(const numerics::MinimizerResult& result) {
   at_.residual = result.gradient_norm / model_.elastic().force_scale(x());
-  const numerics::Evaluation evaluation = objective_.evaluate(2);
-  at_.energy = objective_.energy();
-  at_.strain_gradient = objective_.strain_gradient();
+  const numerics::Evaluation evaluation = system_.evaluate(2);
+  at_.energy = system_.energy();
+  at_.strain_gradient = system_.full_gradient().tail<4>();
   const bool fresh = result.factorized_at >= 0 && result.history.back().regularization == 0;
   const bool stable =
       (fresh && solve_for_strains()) || (cholesky().factorize(evaluation.hessian, 0) && solve_for_strains());
@@ -217,19 +221,19 @@ bool CellScene::finish(const numerics::MinimizerResult& result) {
 
 bool CellScene::finish_unstable() {
   // Also for one at the very point where it loses stability.
-  objective_.evaluate(2);
-  Eigen::SimplicialLDLT<numerics::SparseMatrix, Eigen::Lower> indefinite(objective_.core());
-  at_.response = indefinite.solve(-objective_.strain_columns());
+  system_.evaluate(2);
+  Eigen::SimplicialLDLT<numerics::SparseMatrix, Eigen::Lower> indefinite(system_.core());
+  at_.response = indefinite.solve(-system_.border());
   condense();
   return at_.response.allFinite();
 }
 
 bool CellScene::solve_for_strains() {
-  const Eigen::MatrixXd& right = objective_.strain_columns();
+  const Eigen::MatrixXd& right = system_.border();
   const double wanted = (options_.tangents ? refined : refined_for_prediction) * right.norm();
   at_.response = -cholesky().solve_core(right);
   for (int round = 0;; ++round) {
-    const Eigen::MatrixXd residual = -right - product(objective_.core(), at_.response);
+    const Eigen::MatrixXd residual = -right - product(system_.core(), at_.response);
     if (!(residual.norm() > wanted)) return true;
     if (round == refinement_rounds) return residual.norm() < 1e3 * wanted;
     at_.response += cholesky().solve_core(residual);
@@ -237,8 +241,8 @@ bool CellScene::solve_for_strains() {
 }
 
 void CellScene::condense() {
-  const Eigen::Matrix4d product = objective_.strain_columns().transpose() * at_.response;
-  at_.condensed = objective_.strain_corner() + 0.5 * (product + product.transpose());
+  const Eigen::Matrix4d product = system_.border().transpose() * at_.response;
+  at_.condensed = system_.corner() + 0.5 * (product + product.transpose());
 }
 
 Eigen::VectorXd CellScene::unit_mode(const Eigen::VectorXd& mode) const {
@@ -247,21 +251,20 @@ Eigen::VectorXd CellScene::unit_mode(const Eigen::VectorXd& mode) const {
 }
 
 bool CellScene::move_along(const State& from, const Eigen::VectorXd& mode, double amount) {
-  Eigen::VectorXd state = model_.retract(from.x, amount * mode, execution_.cost);
-  if (model_.prepare(from.x, state - from.x, execution_.cost) < 1) return false;
-  objective_.set_x(std::move(state));
+  CellState state = moved(from.x, amount * mode);
+  if (system_.look_ahead(model_.state(from.x), state) < 1) return false;
+  system_.set_state(std::move(state));
   return true;
 }
 
 void CellScene::left_branch() {
   previous_.reset();
-  look_ahead();
+  look_around();
 }
 
-CellPath::CellPath(CellModel& model, Eigen::VectorXd x, CellObjective::FreeStrains free,
-                   const SimulationOptions& options, const Execution& execution)
-    : scene_(model, std::move(x), std::move(free), options, execution),
-      path_(scene_, path_options(options), execution) {}
+CellPath::CellPath(CellModel& model, Eigen::VectorXd x, const FreeStrains& free, const SimulationOptions& options,
+                   const Execution& execution)
+    : scene_(model, std::move(x), free, options, execution), path_(scene_, path_options(options), execution) {}
 
 Stop CellPath::stopped() const {
   switch (path_.stopped()) {
@@ -282,7 +285,7 @@ void CellPath::restore(const Loose& loose) {
 
 bool CellPath::settle_with_range(double range) {
   scene_.set_contact({scene_.contact().stiffness, range});
-  scene_.look_ahead();
+  scene_.look_around();
   const int branches = path_.counts().branches_left;
   const bool settled = path_.settle() && path_.stable() && path_.counts().branches_left == branches;
   path_.set_branches_left(branches);

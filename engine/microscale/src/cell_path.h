@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "cell_objective.h"
+#include "cell_system.h"
 #include "supple/base/execution.h"
 #include "supple/microscale/simulation.h"
 #include "supple/numerics/cholesky.h"
@@ -16,7 +16,7 @@ struct CellEquilibrium {
   Eigen::Vector4d strain_gradient = Eigen::Vector4d::Zero();  ///< dE / dF
   /// d2 E / dF2 of the minimized energy (a Schur complement), components as in CellCoordinates.
   Eigen::Matrix4d condensed = Eigen::Matrix4d::Zero();
-  Eigen::MatrixXd response;  ///< dw / dF, one column for each component of F
+  Eigen::MatrixXd response;  ///< dw / dF of the unknowns, one column for each component of F
   double energy = 0;
   double residual = 0;
 };
@@ -26,7 +26,7 @@ struct CellEquilibrium {
 /// condensed out.
 class CellScene {
  public:
-  CellScene(CellModel& model, Eigen::VectorXd x, CellObjective::FreeStrains free, const SimulationOptions& options,
+  CellScene(CellModel& model, Eigen::VectorXd x, const FreeStrains& free, const SimulationOptions& options,
             const Execution& execution);
   ~CellScene() { cholesky().bill_to(nullptr); }
   CellScene(const CellScene&) = delete;
@@ -36,9 +36,9 @@ class CellScene {
     Eigen::VectorXd x;
     CellEquilibrium at;
   };
-  CellObjective& objective() { return objective_; }
+  CellSystem& objective() { return system_; }
   numerics::ShiftedCholesky& cholesky() { return model_.workspace().cholesky; }
-  State state() const { return {objective_.x(), at_}; }
+  State state() const { return {x(), at_}; }
   void set_state(State state);
   double gradient_tolerance() const;
   bool unsettled(const numerics::MinimizerResult& result);
@@ -47,7 +47,7 @@ class CellScene {
   void begin_step();
   bool predict(double share);
   void arrived(const numerics::Arrival& arrival);
-  Eigen::VectorXd expand(const Eigen::VectorXd& y) const { return objective_.expand(y); }
+  Eigen::VectorXd expand(const Eigen::VectorXd& y) const { return system_.expand(y); }
   Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const;  ///< whose largest displacement is a beam width
   bool move_along(const State& from, const Eigen::VectorXd& mode, double amount);
   void left_branch();
@@ -55,12 +55,12 @@ class CellScene {
   /// Says what the next load steps change: the prescribed components of F, to those of `target`. The change's size.
   double announce(const Eigen::Matrix2d& target);
 
-  const Eigen::VectorXd& x() const { return objective_.x(); }
+  const Eigen::VectorXd& x() const { return system_.state().x; }
   const CellEquilibrium& at() const { return at_; }
 
-  /// Contacts look for what may come near the current state: after the state was replaced or the barrier has changed.
-  void look_ahead();
-  /// The contact barrier's parameters. Setting them asks for look_ahead or another state.
+  /// Contacts look for what may come near the current state: after the barrier has changed.
+  void look_around() { system_.look_around(); }
+  /// The contact barrier's parameters. Setting them asks for look_around or another state.
   struct Contact {
     double stiffness = 0;
     double range = 0;
@@ -88,13 +88,15 @@ class CellScene {
   /// The change of x for a change of the prescribed components of F, to first order.
   Eigen::VectorXd tangent(const Eigen::Vector4d& change) const;
   Eigen::Vector4d prescribed_part(const Eigen::Vector4d& change) const;
+  /// The state after a step from x on which parts turn; nothing has looked ahead to it.
+  CellState moved(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const;
   /// States that may lie near the equilibrium after `share` of the change.
   std::vector<Eigen::VectorXd> predictions(double share) const;
 
   CellModel& model_;
   const SimulationOptions& options_;
   const Execution& execution_;
-  CellObjective objective_;
+  CellSystem system_;
   CellEquilibrium at_;
   std::optional<Previous> previous_;
 
@@ -107,7 +109,7 @@ class CellScene {
 class CellPath {
  public:
   /// Starts from `x`, which must be valid for the model. All references outlive the path.
-  CellPath(CellModel& model, Eigen::VectorXd x, CellObjective::FreeStrains free, const SimulationOptions& options,
+  CellPath(CellModel& model, Eigen::VectorXd x, const FreeStrains& free, const SimulationOptions& options,
            const Execution& execution);
 
   using Path = numerics::EquilibriumPath<CellScene>;

@@ -2,7 +2,8 @@
 
 #include <array>
 
-#include "supple/numerics/energy.h"
+#include "cell_state.h"
+#include "supple/numerics/term.h"
 
 namespace supple::microscale {
 
@@ -22,7 +23,7 @@ inline constexpr std::array<Alternation, 3> alternations{{{true, false}, {false,
 using AlternatingEntries = std::array<numerics::HessianEntries, alternations.size()>;
 
 /// A term of a periodic cell's energy, in the coordinates of cell_coordinates.h.
-class CellTerm : public numerics::Energy {
+class CellTerm : public numerics::Term<CellState> {
  public:
   /// Adds the Hessians at x (of the cell's period) with respect to nodal displacements that alternate: the stability of
   /// the 2x2 patch falls apart into one such problem of one cell for each alternation (Bloch waves). No entries for F.

@@ -120,7 +120,17 @@ void ContactBarrier::visit(const Eigen::VectorXd& x, int order, bool convex, Sin
   }
 }
 
-void ContactBarrier::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+double ContactBarrier::look_ahead(const CellState& from, const CellState& to, CostLedger* cost) {
+  const StageTimer timer(cost, "contact search");
+  return prepare_step(from.x, to.x - from.x);
+}
+
+void ContactBarrier::bill(CostLedger& cost, double seconds) const {
+  cost.add_effect("contact", true, "pairs of boundary points came near", 1, seconds);
+}
+
+void ContactBarrier::add(const CellState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.x;
   const Eigen::Index strain = coordinates_.strain();
   visit(x, order, convex_, [&](const ContactPair& pair, const LocalBarrier& local) {
     sum.value += local.value;

@@ -46,7 +46,7 @@ struct ContactStatus {
 /// and all its derivatives are exactly zero. Pairs that touch at rest are left out. Second derivatives are continuous
 /// except where a point crosses the normal of a segment's end at which the outline bends.
 ///
-/// Which pairs matter is known only along the step last given to `prepare`: a barrier belongs to one path and one
+/// Which pairs matter is known only along the step last given to `prepare_step`: a barrier belongs to one path and one
 /// thread.
 ///
 /// Li et al. 2020, Incremental Potential Contact; Li et al. 2023, Convergent Incremental Potential Contact.
@@ -65,12 +65,15 @@ class ContactBarrier : public CellTerm {
   ///
   /// From then on the barrier may be evaluated for states between x and x + t step, and for those whose points lie
   /// within a hundredth of the range of them.
-  double prepare(const Eigen::VectorXd& x, const Eigen::VectorXd& step) { return pairs_.prepare(x, step); }
+  double prepare_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) { return pairs_.prepare(x, step); }
+  /// The same for the way between two states; bills the stage "contact search".
+  double look_ahead(const CellState& from, const CellState& to, CostLedger* cost) override;
   /// Whether any pair may come within its range on the way that was prepared: if not, `add` has nothing to add.
-  bool near() const { return !pairs_.pairs().empty(); }
+  bool active() const override { return !pairs_.pairs().empty(); }
 
   std::string_view name() const override { return "contact_barrier"; }
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const CellState& state, int order, numerics::EnergySum& sum) const override;
+  void bill(CostLedger& cost, double seconds) const override;
   void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const override;
 
   ContactStatus status(const Eigen::VectorXd& x) const;

@@ -2,8 +2,10 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "elastic_kernel.h"
 #include "jacobian_bounds.h"
@@ -31,7 +33,8 @@ struct ElasticEnergy::Kernel {
   }
 
   using Entries = numerics::HessianEntries;
-  using Block = Entries::Block;
+  using Block = std::array<std::int32_t, 12>;
+  static constexpr std::size_t block_entries = Entries::entries_of(std::tuple_size_v<Block>);
 
   static Block rows(const Batch& batch, int lane) {
     Block rows;
@@ -56,8 +59,8 @@ struct ElasticEnergy::Kernel {
     // On a patch of very few triangles two of a triangle's nodes can be one: both orders of the pair then fall on one
     // place of the diagonal.
     const Block all = rows(batch, lane);
-    lower -= Entries::block_entries;
-    for (std::size_t k = 0; k < Entries::block_size; ++k)
+    lower -= Entries::entries_of(all.size());
+    for (std::size_t k = 0; k < all.size(); ++k)
       for (std::size_t l = 0; l <= k; ++l, ++lower)
         if (l != k && all[k] == all[l]) *lower *= 2;
   }
@@ -65,7 +68,7 @@ struct ElasticEnergy::Kernel {
   static void add_stiffness(const Batch& batch, const CellCoordinates& coordinates, const ElasticBatch& local, int lane,
                             Entries& entries) {
     constexpr double plus[6] = {1, 1, 1, 1, 1, 1};
-    double block[Entries::block_entries];
+    double block[block_entries];
     nodal_stiffness(batch, local, lane, plus, block);
     entries.add_block(rows(batch, lane), block);
     // F's components in the order of the coordinates: (row i, column k - 6) at 2 i + k - 6.
@@ -132,7 +135,8 @@ ElasticEnergy::ElasticEnergy(const tiling::PeriodicMesh& mesh, const Material& m
 
 std::string_view ElasticEnergy::name() const { return to_string(law_.law); }
 
-void ElasticEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void ElasticEnergy::add(const CellState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.x;
   ElasticBatch local;
   for (const Batch& batch : batches_) {
     Kernel::gather(batch, x, local);
@@ -158,7 +162,7 @@ void ElasticEnergy::add_alternating_hessians(const Eigen::VectorXd& x, Alternati
     integrate(law_, 2, local);
     for (int lane = 0; lane < lanes; ++lane) {
       const Kernel::Block rows = Kernel::rows(batch, lane);
-      double block[Kernel::Entries::block_entries];
+      double block[Kernel::block_entries];
       for (std::size_t a = 0; a < alternations.size(); ++a) {
         double sign[6];
         for (int k = 0; k < 6; ++k)
@@ -170,7 +174,11 @@ void ElasticEnergy::add_alternating_hessians(const Eigen::VectorXd& x, Alternati
   }
 }
 
-double ElasticEnergy::largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
+double ElasticEnergy::look_ahead(const CellState& from, const CellState& to, CostLedger* /*cost*/) {
+  return largest_inversion_free_step(from.x, to.x - from.x);
+}
+
+double ElasticEnergy::largest_inversion_free_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
   ElasticBatch at;
   ElasticBatch along;
   double largest = std::numeric_limits<double>::infinity();

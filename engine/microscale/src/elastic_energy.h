@@ -20,11 +20,14 @@ class ElasticEnergy : public CellTerm {
   ElasticEnergy(const tiling::PeriodicMesh& mesh, const Material& material);
 
   std::string_view name() const override;
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const CellState& state, int order, numerics::EnergySum& sum) const override;
   void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const override;
   /// A named share of the way to the first integration point where det F = 0; infinite if that lies well
   /// beyond the step.
-  double largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const override;
+  double largest_inversion_free_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const;
+  double look_ahead(const CellState& from, const CellState& to, CostLedger* cost) override;
+  /// As the stage "assembly": every scene has it.
+  void bill(CostLedger& cost, double seconds) const override { cost.add_stage("assembly", seconds); }
 
   /// (sum over triangles of |nodal forces of the triangle|^2)^(1/2) at x, MPa mm: what the forces that balance in an
   /// equilibrium amount to; plus those of a strain of 1e-6, so that a patch without stress has a scale too.

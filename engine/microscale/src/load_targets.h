@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "cell_objective.h"
+#include "cell_system.h"
 #include "supple/microscale/simulation.h"
 
 namespace supple::microscale {
@@ -10,7 +10,7 @@ namespace supple::microscale {
 /// A load as deformation gradients to reach and the directions of F that stay free on the way.
 struct LoadTargets {
   std::vector<Eigen::Matrix2d> gradients;  ///< free components as they would be without lateral strain
-  CellObjective::FreeStrains free;         ///< orthonormal, as (xx, xy, yx, yy)
+  FreeStrains free;                        ///< orthonormal, as (xx, xy, yx, yy)
 };
 
 /// Throws "simulation.invalid_load": no states, too many, numbers that are not finite, stretches or strains for which F

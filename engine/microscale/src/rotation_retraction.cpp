@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "supple/numerics/energy.h"
+#include "supple/numerics/hessian_entries.h"
 
 namespace supple::microscale {
 namespace {

@@ -159,17 +159,4 @@ DerivativeCheck check_derivatives(Objective& objective, const DerivativeCheckOpt
   return check_derivatives(function, n, options);
 }
 
-DerivativeCheck check_derivatives(const Energy& energy, const Eigen::VectorXd& x,
-                                  const DerivativeCheckOptions& options) {
-  const LocalFunction function = [&](const Eigen::VectorXd& step, int order) {
-    EnergySum sum;
-    sum.gradient = Eigen::VectorXd::Zero(x.size());
-    energy.add(x + step, order, sum);
-    Evaluation evaluation{sum.value, sum.gradient, {}};
-    if (order >= 2) evaluation.hessian = sum.hessian.matrix(x.size());
-    return evaluation;
-  };
-  return check_derivatives(function, x.size(), options);
-}
-
 }  // namespace supple::numerics

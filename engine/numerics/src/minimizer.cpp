@@ -13,9 +13,9 @@ namespace {
 constexpr double regularization_fell = 0.5;
 
 struct LineSearch {
-  bool accepted = false;  ///< the objective's trial state is the one accepted
-  double share = 0;       ///< of the direction that was travelled
-  bool whole = false;     ///< accepted at the first trial
+  bool accepted = false;   ///< the objective's trial state is the one accepted
+  Eigen::VectorXd step{};  ///< that was travelled
+  bool whole = false;      ///< accepted at the first trial
 };
 
 class Minimization {
@@ -67,7 +67,7 @@ class Minimization {
         }
       }
       if (search.accepted) {
-        take_step(search, search.share * d);
+        take_step(search);
         return true;
       }
       if (direction_->order() >= 2 && !has_hessian()) {
@@ -105,16 +105,16 @@ class Minimization {
     double t = std::min(1.0, objective_.largest_step(d));
     for (int trial = 0; trial <= options_.max_backtracks; ++trial) {
       if (!(t * length > options_.step_tolerance)) return {};
-      const double share = t * objective_.move(t * d);
-      if (!(share * length > options_.step_tolerance)) {
+      Eigen::VectorXd travelled = objective_.move(t * d);
+      if (!(travelled.norm() > options_.step_tolerance)) {
         // Stopped at once: shorter steps the same way would be too.
         objective_.reject();
         return {};
       }
       const double value = evaluate(0).value;
-      if (acceptable(value, share * slope)) {
-        if (trial == 0 && t == 1 && direction_->regularization() > 0) return expand(d, value);
-        return {.accepted = true, .share = share, .whole = trial == 0};
+      if (acceptable(value, at_.gradient.dot(travelled))) {
+        if (trial == 0 && t == 1 && direction_->regularization() > 0) return expand(d, value, std::move(travelled));
+        return {.accepted = true, .step = std::move(travelled), .whole = trial == 0};
       }
       objective_.reject();
       t *= backtrack(value, t * slope);
@@ -123,21 +123,22 @@ class Minimization {
   }
 
   /// From the trial state of the whole step, of that value, to longer ones; the trial state is the longest good one.
-  LineSearch expand(const Eigen::VectorXd& d, double value) {
+  LineSearch expand(const Eigen::VectorXd& d, double value, Eigen::VectorXd travelled) {
     double reached = 1;
     while (2 * reached <= options_.longest_expansion && 2 * reached <= objective_.largest_step(d)) {
       objective_.reject();
-      objective_.move(2 * reached * d);
+      Eigen::VectorXd farther = objective_.move(2 * reached * d);
       const double longer = evaluate(0).value;
       if (!(longer < value)) {
         objective_.reject();
-        objective_.move(reached * d);
+        travelled = objective_.move(reached * d);
         break;
       }
       reached *= 2;
       value = longer;
+      travelled = std::move(farther);
     }
-    return {.accepted = true, .share = reached, .whole = true};
+    return {.accepted = true, .step = std::move(travelled), .whole = true};
   }
 
   bool acceptable(double value, double predicted) {
@@ -157,7 +158,8 @@ class Minimization {
     return std::clamp(factor, options_.shortest_backtrack, options_.longest_backtrack);
   }
 
-  void take_step(const LineSearch& search, Eigen::VectorXd step) {
+  void take_step(LineSearch& search) {
+    Eigen::VectorXd& step = search.step;
     const double length = step.norm();
     Eigen::VectorXd old_gradient = at_.gradient;
     at_ = evaluate_accepted();

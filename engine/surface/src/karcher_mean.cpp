@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <utility>
 
 #include "anchor_distances.h"
-#include "karcher_objective.h"
+#include "squared_distances.h"
 #include "supple/base/error.h"
 #include "supple/numerics/minimizer.h"
 #include "supple/surface/exponential_map.h"
-#include "vertex_cone.h"
+#include "supple/surface/vertex_cone.h"
 
 namespace supple::surface {
 namespace {
@@ -224,36 +225,49 @@ std::vector<VertexCone::Direction> spread_directions(const TriangleMesh& mesh, c
 
 class Search {
  public:
-  Search(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution)
-      : mesh_(solver.mesh()),
+  Search(const TriangleMesh& mesh, const KarcherProblem& problem, AnchorDistances& distances,
+         const std::vector<double>& weights, const SurfacePoint& start, const Execution& execution)
+      : mesh_(mesh),
+        term_(std::make_shared<SquaredDistances>(mesh, distances, weights)),
+        // All derivatives come with the distances.
+        system_(KarcherState(mesh, start), {term_}, numerics::Unknowns(2), {.execution = execution, .least_order = 2}),
         options_(minimizer_options(problem, mesh_.diagonal())),
         most_iterations_(problem.max_iterations),
         execution_(execution) {}
 
-  KarcherMean run(KarcherObjective& objective) {
+  KarcherMean run() {
     numerics::MinimizerStop stop{};
     for (int probes = 0;; ++probes) {
       options_.max_iterations = most_iterations_ - mean_.iterations;
-      const numerics::MinimizerResult result = numerics::minimize(objective, options_, execution_);
+      const numerics::MinimizerResult result = numerics::minimize(system_, options_, execution_);
       append(result);
       stop = result.stop;
       // Only at a cut locus, on a tip or without a step can a lower value be next to the stop.
       if (stop == numerics::MinimizerStop::iteration_limit || probes == most_probes ||
           mean_.iterations >= most_iterations_)
         break;
-      if (stop == numerics::MinimizerStop::converged && !objective.on_tip() && objective.away_from_cut_loci()) break;
-      if (!probe(objective)) break;
+      if (stop == numerics::MinimizerStop::converged && !kinked(found()) && away_from_cut_loci(found())) break;
+      if (!probe()) break;
     }
-    mean_.mean = objective.point();
+    mean_.mean = system_.state().point();
     mean_.position = position(mesh_, mean_.mean);
     mean_.objective = mean_.history.back().objective;
     mean_.gradient_norm = mean_.history.back().gradient_norm;
-    const bool kink = stop == numerics::MinimizerStop::converged && objective.on_tip();
+    const bool kink = stop == numerics::MinimizerStop::converged && kinked(found());
     mean_.stopped = kink ? "kink" : std::string(numerics::to_string(stop));
     return std::move(mean_);
   }
 
+  /// Makes sure that the current state is evaluated. Later evaluations of it cost nothing.
+  void evaluate() { system_.evaluate(2); }
+
  private:
+  /// The current state, with its distances.
+  const KarcherState& found() {
+    evaluate();
+    return system_.state();
+  }
+
   void append(const numerics::MinimizerResult& result) {
     // After a probe the first state is the one that the probe moved to: one iteration of the length of the probe.
     const bool probed = !mean_.history.empty();
@@ -265,23 +279,25 @@ class Search {
 
   double probe_length() const { return probe_radius * mesh_.mean_edge_length(); }
 
-  /// Moves the objective to a lower point nearby if there is one.
-  bool probe(KarcherObjective& objective) const {
+  /// Moves the state to a lower point nearby if there is one.
+  bool probe() {
     double best = mean_.history.back().objective * (1 - probe_gain);
     std::optional<SurfacePoint> lower;
-    for (const auto& direction : spread_directions(mesh_, objective.point())) {
+    for (const auto& direction : spread_directions(mesh_, system_.state().point())) {
       const ExponentialMap walked = exponential_map(mesh_, direction.vertex, probe_length() * direction.vector, false);
-      const double value = objective.value_at(walked.end);
+      const double value = term_->value_at(walked.end, execution_);
       if (value < best) {
         best = value;
         lower = walked.end;
       }
     }
-    if (lower) objective.place(*lower);
+    if (lower) system_.set_state(KarcherState(mesh_, *lower));
     return lower.has_value();
   }
 
   const TriangleMesh& mesh_;
+  std::shared_ptr<SquaredDistances> term_;
+  numerics::System<KarcherState> system_;
   numerics::MinimizerOptions options_;
   int most_iterations_;
   const Execution& execution_;
@@ -296,11 +312,11 @@ KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& pro
   execution.checkpoint(0, "search");
   AnchorDistances distances(solver, own.anchors);
   const SurfacePoint start = own.start ? *own.start : best_start(distances, mesh, own, execution);
-  KarcherObjective objective(mesh, distances, own.weights, start, execution);
+  Search search(mesh, problem, distances, own.weights, start, execution);
   // Without a count of what a pair search costs here, the start's own searches give one.
-  if (distances.facts(0).windows_per_pair == 0) objective.prepare();
+  if (distances.facts(0).windows_per_pair == 0) search.evaluate();
   choose_search(distances, problem, execution);
-  KarcherMean mean = Search(solver, problem, execution).run(objective);
+  KarcherMean mean = search.run();
   execution.checkpoint(1, "step");
   return mean;
 }

@@ -1,4 +1,4 @@
-#include "vertex_cone.h"
+#include "supple/surface/vertex_cone.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -2,15 +2,13 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <mutex>
 #include <numbers>
 #include <utility>
 
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
-#include "supple/base/threads.h"
+#include "supple/base/parallel_tasks.h"
 #include "weave_run.h"
 
 namespace supple::weave {
@@ -46,7 +44,7 @@ void check(const HomogenizationOptions& options) {
 }
 
 CellState state_of(WeaveRun& run, const Weave& weave, bool arrived, bool lines) {
-  WeaveObjective& objective = run.objective();
+  WeaveSystem& objective = run.objective();
   const RodModel& model = run.model();
   const WeavePath& path = run.path();
   CellState state;
@@ -132,16 +130,8 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
   check(options);
   const auto n = static_cast<int>(options.directions.size());
   std::vector<DirectionalResponse> responses(options.directions.size());
-  std::vector<CostLedger> bills(execution.cost ? options.directions.size() : 0);
-  std::mutex reporting;
-  int done = 0;
-  parallel_for(n, [&](int i) {
-    execution.cancellation.throw_if_requested();
-    const auto k = static_cast<std::size_t>(i);
-    responses[k] = respond(weave, options, i, {execution.cancellation, nullptr, bills.empty() ? nullptr : &bills[k]});
-    const std::lock_guard lock(reporting);
-    ++done;
-    if (execution.progress) execution.progress->report(static_cast<double>(done) / n, "directions");
+  const auto bills = parallel_bills(n, execution, "directions", [&](int i, const Execution& own) {
+    responses[static_cast<std::size_t>(i)] = respond(weave, options, i, own);
   });
   if (execution.cost) add_bills(bills, *execution.cost);
   return responses;

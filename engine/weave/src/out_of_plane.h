@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "supple/base/execution.h"
-#include "weave_objective.h"
+#include "weave_system.h"
 
 namespace supple::weave {
 

@@ -63,7 +63,7 @@ SUPPLE_INLINE double quadratic_energy(double weight, const std::array<Jet<n>, co
 
 }  // namespace
 
-StretchEnergy::StretchEnergy(const RodModel& model, const Numbering& numbering) : model_(model), numbering_(numbering) {
+StretchEnergy::StretchEnergy(const RodModel& model) : model_(model) {
   elements_.reserve(model.edges().size());
   for (const Edge& edge : model.edges()) {
     Element element{&edge, RestLength(model, edge), {}};
@@ -73,7 +73,8 @@ StretchEnergy::StretchEnergy(const RodModel& model, const Numbering& numbering) 
   }
 }
 
-void StretchEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void StretchEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.q();
   const int n = model_.dimension();
   for (const Element& element : elements_) {
     const Eigen::Vector3d e = model_.edge_vector(*element.edge, x);
@@ -98,12 +99,11 @@ void StretchEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum
       if (j < n) return mixed * t[j] * rest.first[i - n];
       return by_rest_twice * rest.first[i - n] * rest.first[j - n] + by_rest * rest.hessian(i - n, j - n);
     };
-    scatter(element.links, numbering_, order, gradient, hessian, sum);
+    scatter(element.links, order, gradient, hessian, sum);
   }
 }
 
-PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, const Numbering& numbering, TurnKind kind)
-    : model_(model), numbering_(numbering), kind_(kind) {
+PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, TurnKind kind) : model_(model), kind_(kind) {
   elements_.reserve(model.turns().size());
   for (const Turn& turn : model.turns()) {
     if (!of_kind(turn, kind)) continue;
@@ -165,7 +165,8 @@ double planar_bend(const RodModel& model, const Turn& turn, const Eigen::Vector2
 
 }  // namespace
 
-void PlanarBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void PlanarBendEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.q();
   for (const Element& element : elements_) {
     const Turn& turn = *element.turn;
     const RestTurnValue rest = element.rest.at(model_, x, order);
@@ -180,12 +181,11 @@ void PlanarBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::Energy
     Local<4> local;
     const int sliders = element.rest.slots().count();
     sum.value += planar_bend(model_, turn, element.tangent, rest, sliders, x, local);
-    scatter(element.links, numbering_, order, local.gradient, local, sum);
+    scatter(element.links, order, local.gradient, local, sum);
   }
 }
 
-SpatialTurns::SpatialTurns(const RodModel& model, const Numbering& numbering, const Chart& chart, TurnKind kind)
-    : model_(model), numbering_(numbering), chart_(chart), kind_(kind) {
+SpatialTurns::SpatialTurns(const RodModel& model, TurnKind kind) : model_(model), kind_(kind) {
   elements_.reserve(model.turns().size());
   for (std::size_t i = 0; i < model.turns().size(); ++i) {
     const Turn& turn = model.turns()[i];
@@ -369,43 +369,47 @@ SUPPLE_AVX2 double spatial_twist_avx2(const RodModel& model, const Chart& chart,
 
 }  // namespace
 
-void SpatialBendEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void SpatialBendEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.q();
+  const Chart& chart = state.chart();
   for (const Element& element : elements_) {
     const Turn& turn = *element.turn;
     const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).bend;
     if (order < 1) {
-      const auto [k1, k2] = curvatures(side<double>(model_, chart_, turn.in, turn, element.frame, 0, x),
-                                       side<double>(model_, chart_, turn.out, turn, element.frame, 4, x));
+      const auto [k1, k2] = curvatures(side<double>(model_, chart, turn.in, turn, element.frame, 0, x),
+                                       side<double>(model_, chart, turn.out, turn, element.frame, 4, x));
       const double offset = k1 - rest.curvature.value;
       sum.value += 0.5 * stiffness / rest.length.value * (offset * offset + k2 * k2);
       continue;
     }
     Local<8> local;
     const int sliders = element.rest.slots().count();
-    sum.value += has_avx2 ? spatial_bend_avx2(model_, chart_, turn, element.frame, rest, sliders, x, local)
-                          : spatial_bend(model_, chart_, turn, element.frame, rest, sliders, x, local);
-    scatter(element.links, numbering_, order, local.gradient, local, sum);
+    sum.value += has_avx2 ? spatial_bend_avx2(model_, chart, turn, element.frame, rest, sliders, x, local)
+                          : spatial_bend(model_, chart, turn, element.frame, rest, sliders, x, local);
+    scatter(element.links, order, local.gradient, local, sum);
   }
 }
 
-void TwistEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void TwistEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.q();
+  const Chart& chart = state.chart();
   for (const Element& element : elements_) {
     const Turn& turn = *element.turn;
     const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).twist;
-    const double near = chart_.twist[element.index];
+    const double near = chart.twist[element.index];
     if (order < 1) {
-      const double m = twist(side<double>(model_, chart_, turn.in, turn, element.frame, 0, x),
-                             side<double>(model_, chart_, turn.out, turn, element.frame, 4, x), near);
+      const double m = twist(side<double>(model_, chart, turn.in, turn, element.frame, 0, x),
+                             side<double>(model_, chart, turn.out, turn, element.frame, 4, x), near);
       sum.value += 0.5 * stiffness / rest.length.value * (m - turn.rest_twist) * (m - turn.rest_twist);
       continue;
     }
     Local<8> local;
     const int sliders = element.rest.slots().count();
-    sum.value += has_avx2 ? spatial_twist_avx2(model_, chart_, turn, element.frame, rest, sliders, near, x, local)
-                          : spatial_twist(model_, chart_, turn, element.frame, rest, sliders, near, x, local);
-    scatter(element.links, numbering_, order, local.gradient, local, sum);
+    sum.value += has_avx2 ? spatial_twist_avx2(model_, chart, turn, element.frame, rest, sliders, near, x, local)
+                          : spatial_twist(model_, chart, turn, element.frame, rest, sliders, near, x, local);
+    scatter(element.links, order, local.gradient, local, sum);
   }
 }
 

@@ -6,17 +6,16 @@
 #include "chart.h"
 #include "rest_shape.h"
 #include "scatter.h"
-#include "supple/numerics/energy.h"
 
 namespace supple::weave {
 
 /// E = EA / 2 sum_e (l_e - L_e)^2 / L_e over the edges: deformed length l, rest length L (mm); N mm. The same however
 /// finely a uniformly stretched strand is cut.
-class StretchEnergy : public numerics::Energy {
+class StretchEnergy : public Energy {
  public:
-  StretchEnergy(const RodModel& model, const Numbering& numbering);
+  explicit StretchEnergy(const RodModel& model);
   std::string_view name() const override { return "stretch"; }
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
 
  private:
   struct Element {
@@ -25,7 +24,6 @@ class StretchEnergy : public numerics::Energy {
     Links links;
   };
   const RodModel& model_;
-  const Numbering& numbering_;
   std::vector<Element> elements_;
 };
 
@@ -35,11 +33,11 @@ enum class TurnKind { free, jointed };
 /// 2) about the two material directors, rest turn K about the one that is normal to the rest plane, L half the rest
 /// lengths of the turn's edges (mm); N mm. Discrete elastic rods' bending energy (Bergou et al. 2008, section 4.2) of
 /// the nominal stiffness. A joint's half of a turn is spread over half of its one edge.
-class PlanarBendEnergy : public numerics::Energy {
+class PlanarBendEnergy : public Energy {
  public:
-  PlanarBendEnergy(const RodModel& model, const Numbering& numbering, TurnKind kind);
+  PlanarBendEnergy(const RodModel& model, TurnKind kind);
   std::string_view name() const override { return kind_ == TurnKind::free ? "bend" : "joint_bend"; }
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
 
  private:
   struct Element {
@@ -49,15 +47,14 @@ class PlanarBendEnergy : public numerics::Energy {
     Links links;
   };
   const RodModel& model_;
-  const Numbering& numbering_;
   TurnKind kind_;
   std::vector<Element> elements_;
 };
 
-/// What bending and twisting in space share: turns seen from a chart that outlives the term.
+/// What bending and twisting in space share: turns seen from the state's chart.
 class SpatialTurns {
  public:
-  SpatialTurns(const RodModel& model, const Numbering& numbering, const Chart& chart, TurnKind kind);
+  SpatialTurns(const RodModel& model, TurnKind kind);
 
  protected:
   struct Element {
@@ -68,27 +65,25 @@ class SpatialTurns {
     Links links;
   };
   const RodModel& model_;
-  const Numbering& numbering_;
-  const Chart& chart_;
   TurnKind kind_;
   std::vector<Element> elements_;
 };
 
 /// See PlanarBendEnergy; the material directors are the chart's reference directors turned by the edges' angles.
-class SpatialBendEnergy : public numerics::Energy, private SpatialTurns {
+class SpatialBendEnergy : public Energy, private SpatialTurns {
  public:
   using SpatialTurns::SpatialTurns;
   std::string_view name() const override { return kind_ == TurnKind::free ? "bend" : "joint_bend"; }
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
 };
 
 /// E = GJ / 2 sum_i (m_i - M_i)^2 / L_i: twist m = difference of the edges' angles plus the reference directors' twist
 /// (Bergou et al. 2010), rest twist M, lengths L as in bending; N mm.
-class TwistEnergy : public numerics::Energy, private SpatialTurns {
+class TwistEnergy : public Energy, private SpatialTurns {
  public:
   using SpatialTurns::SpatialTurns;
   std::string_view name() const override { return kind_ == TurnKind::free ? "twist" : "joint_twist"; }
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
 };
 
 }  // namespace supple::weave

@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "rod_model.h"
-#include "supple/numerics/energy.h"
+#include "rod_state.h"
+#include "supple/numerics/term.h"
 
 namespace supple::weave {
 
-/// Which unknown a degree of freedom is: -1 where it is held. Gradients have an entry for every degree of freedom (held
-/// ones receive the reactions), Hessians for unknowns only.
-using Numbering = std::vector<int>;
+/// A term of a weave's energy.
+using Energy = numerics::Term<RodState>;
 
 /// A local variable ("slot") of an element is a sum of coefficients times degrees of freedom.
 struct Link {
@@ -42,23 +42,21 @@ class SliderSlots {
 
 /// Adds an element's gradient (order 1) and Hessian (2) to the sum. gradient[slot]; hessian(i, j) for slots i >= j.
 template <typename Gradient, typename HessianOf>
-void scatter(const Links& links, const Numbering& numbering, int order, const Gradient& gradient,
-             const HessianOf& hessian, numerics::EnergySum& sum) {
+void scatter(const Links& links, int order, const Gradient& gradient, const HessianOf& hessian,
+             numerics::EnergySum& sum) {
   if (order < 1) return;
   for (const Link& a : links) sum.gradient[a.dof] += a.coefficient * gradient[static_cast<std::size_t>(a.slot)];
   if (order < 2) return;
   for (std::size_t i = 0; i < links.size(); ++i) {
     const Link& a = links[i];
-    const int row = numbering[static_cast<std::size_t>(a.dof)];
-    if (row < 0) continue;
+    if (sum.hessian.drops(a.dof)) continue;
     for (std::size_t j = 0; j <= i; ++j) {
       const Link& b = links[j];
-      const int column = numbering[static_cast<std::size_t>(b.dof)];
-      if (column < 0) continue;
+      if (sum.hessian.drops(b.dof)) continue;
       const double entry =
           a.coefficient * b.coefficient * (a.slot >= b.slot ? hessian(a.slot, b.slot) : hessian(b.slot, a.slot));
-      // Of two links to one unknown both orders count.
-      sum.hessian.add(row, column, row == column && i != j ? 2 * entry : entry);
+      // Of two links to one degree of freedom both orders count.
+      sum.hessian.add(a.dof, b.dof, a.dof == b.dof && i != j ? 2 * entry : entry);
     }
   }
 }

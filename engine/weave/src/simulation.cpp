@@ -97,7 +97,7 @@ double strain_of(const SheetLoad& load, const Weave& weave) {
 }
 
 SheetState state_of(WeaveRun& run, const SheetLoad& load) {
-  WeaveObjective& objective = run.objective();
+  WeaveSystem& objective = run.objective();
   const RodModel& model = run.model();
   const int dimension = model.dimension();
   SheetState state;

@@ -30,17 +30,19 @@ double BarrierEnergy::distance(const Element& element, const Eigen::VectorXd& x)
   return d;
 }
 
-void BarrierEnergy::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void BarrierEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.q();
   for (const Element& element : elements_) {
     const Barrier b = barrier(distance(element, x), element.range, stiffness_);
     if (b.value == 0) continue;
     sum.value += b.value;
     scatter(
-        element.links, numbering_, order, std::array{b.first}, [&](int, int) { return b.second; }, sum);
+        element.links, order, std::array{b.first}, [&](int, int) { return b.second; }, sum);
   }
 }
 
-double BarrierEnergy::largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
+double BarrierEnergy::largest_step(const RodState& state, const Eigen::VectorXd& step) const {
+  const Eigen::VectorXd& x = state.q();
   double largest = std::numeric_limits<double>::infinity();
   for (const Element& element : elements_) {
     double speed = 0;
@@ -61,8 +63,7 @@ double BarrierEnergy::smallest(const Eigen::VectorXd& x) const {
   return least;
 }
 
-SlidingLimits::SlidingLimits(const RodModel& model, const Numbering& numbering, double range, double stiffness)
-    : BarrierEnergy(numbering, stiffness) {
+SlidingLimits::SlidingLimits(const RodModel& model, double range, double stiffness) : BarrierEnergy(stiffness) {
   for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) {
     const Slider& slider = model.sliders()[static_cast<std::size_t>(i)];
     const int dof = model.slider(i);
@@ -73,9 +74,8 @@ SlidingLimits::SlidingLimits(const RodModel& model, const Numbering& numbering, 
   }
 }
 
-CrossingContact::CrossingContact(const RodModel& model, const Numbering& numbering, double least, double range,
-                                 double stiffness)
-    : BarrierEnergy(numbering, stiffness) {
+CrossingContact::CrossingContact(const RodModel& model, double least, double range, double stiffness)
+    : BarrierEnergy(stiffness) {
   elements_.reserve(model.gaps().size());
   for (const Gap& gap : model.gaps()) {
     const double at_rest = gap.to.start - gap.from.start;
@@ -87,20 +87,21 @@ CrossingContact::CrossingContact(const RodModel& model, const Numbering& numberi
   }
 }
 
-SlidingRegularizer::SlidingRegularizer(const RodModel& model, const Numbering& numbering, double stiffness)
-    : model_(model), numbering_(numbering), stiffness_(stiffness) {}
+SlidingRegularizer::SlidingRegularizer(const RodModel& model, double stiffness)
+    : model_(model), stiffness_(stiffness) {}
 
-void SlidingRegularizer::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void SlidingRegularizer::add(const RodState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.q();
   for (int i = 0; i < static_cast<int>(model_.sliders().size()); ++i) {
     const int dof = model_.slider(i);
     sum.value += 0.5 * stiffness_ * x[dof] * x[dof];
     if (order >= 1) sum.gradient[dof] += stiffness_ * x[dof];
-    const int unknown = numbering_[static_cast<std::size_t>(dof)];
-    if (order >= 2 && unknown >= 0) sum.hessian.add(unknown, unknown, stiffness_);
+    if (order >= 2) sum.hessian.add(dof, dof, stiffness_);
   }
 }
 
-void PointForces::add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const {
+void PointForces::add(const RodState& state, int order, numerics::EnergySum& sum) const {
+  const Eigen::VectorXd& x = state.q();
   for (const Load& load : loads_) {
     sum.value -= share_ * load.force * x[load.dof];
     if (order >= 1) sum.gradient[load.dof] -= share_ * load.force;

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "scatter.h"
-#include "supple/numerics/energy.h"
 
 namespace supple::weave {
 
@@ -17,10 +16,10 @@ struct Barrier {
 Barrier barrier(double distance, double range, double stiffness);
 
 /// Distances that affine functions of the degrees of freedom keep above 0: d = offset + sum of coefficients times x.
-class BarrierEnergy : public numerics::Energy {
+class BarrierEnergy : public Energy {
  public:
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
-  double largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const override;
+  void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
+  double largest_step(const RodState& state, const Eigen::VectorXd& step) const override;
   bool empty() const { return elements_.empty(); }
   /// How many distances are within their barrier's range at x.
   int near(const Eigen::VectorXd& x) const;
@@ -33,12 +32,11 @@ class BarrierEnergy : public numerics::Energy {
     double range = 0;
     Links links;  ///< of the one slot 0
   };
-  BarrierEnergy(const Numbering& numbering, double stiffness) : numbering_(numbering), stiffness_(stiffness) {}
+  explicit BarrierEnergy(double stiffness) : stiffness_(stiffness) {}
   std::vector<Element> elements_;
 
  private:
   static double distance(const Element& element, const Eigen::VectorXd& x);
-  const Numbering& numbering_;
   double stiffness_;
 };
 
@@ -46,7 +44,7 @@ class BarrierEnergy : public numerics::Energy {
 class SlidingLimits : public BarrierEnergy {
  public:
   /// `range`, mm: how far from a limit its barrier begins; a half of the slider's way to it at most.
-  SlidingLimits(const RodModel& model, const Numbering& numbering, double range, double stiffness);
+  SlidingLimits(const RodModel& model, double range, double stiffness);
   std::string_view name() const override { return "sliding_limits"; }
 };
 
@@ -54,25 +52,24 @@ class SlidingLimits : public BarrierEnergy {
 /// where that is less; from its ends they stay on it.
 class CrossingContact : public BarrierEnergy {
  public:
-  CrossingContact(const RodModel& model, const Numbering& numbering, double least, double range, double stiffness);
+  CrossingContact(const RodModel& model, double least, double range, double stiffness);
   std::string_view name() const override { return "crossing_contact"; }
 };
 
 /// E = k / 2 sum_j u_j^2 over the sliders' displacements u (mm), k in N/mm: a unique equilibrium where sliding is free.
-class SlidingRegularizer : public numerics::Energy {
+class SlidingRegularizer : public Energy {
  public:
-  SlidingRegularizer(const RodModel& model, const Numbering& numbering, double stiffness);
+  SlidingRegularizer(const RodModel& model, double stiffness);
   std::string_view name() const override { return "sliding_regularizer"; }
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
 
  private:
   const RodModel& model_;
-  const Numbering& numbering_;
   double stiffness_;
 };
 
 /// E = -sum f . x: dead loads f (N, or N mm on angles) on degrees of freedom.
-class PointForces : public numerics::Energy {
+class PointForces : public Energy {
  public:
   struct Load {
     int dof = 0;
@@ -80,7 +77,7 @@ class PointForces : public numerics::Energy {
   };
   explicit PointForces(std::vector<Load> loads) : loads_(std::move(loads)) {}
   std::string_view name() const override { return "point_forces"; }
-  void add(const Eigen::VectorXd& x, int order, numerics::EnergySum& sum) const override;
+  void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
   /// The forces act at this share of their size.
   void set_share(double share) { share_ = share; }
 

@@ -68,7 +68,7 @@ double absolute_tolerance(const RodModel& model, double relative) {
   return std::max(relative * weakest / (length * length), floor);
 }
 
-WeaveScene::WeaveScene(WeaveObjective& objective, const EquilibriumOptions& options, CostLedger* cost)
+WeaveScene::WeaveScene(WeaveSystem& objective, const EquilibriumOptions& options, CostLedger* cost)
     : objective_(objective),
       leaves_unstable_(options.buckling != Switch::off),
       tolerance_(absolute_tolerance(objective.model(), options.tolerance)) {
@@ -194,7 +194,7 @@ bool WeaveScene::move_along(const State& from, const Eigen::VectorXd& mode, doub
   return true;
 }
 
-WeavePath::WeavePath(WeaveObjective& objective, const EquilibriumOptions& options, Execution execution)
+WeavePath::WeavePath(WeaveSystem& objective, const EquilibriumOptions& options, Execution execution)
     : scene_(objective, options, execution.cost),
       execution_(std::move(execution)),
       path_(scene_, path_options(options), execution_) {}

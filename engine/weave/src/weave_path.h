@@ -9,7 +9,7 @@
 #include "supple/numerics/cholesky.h"
 #include "supple/numerics/equilibrium_path.h"
 #include "supple/weave/equilibrium.h"
-#include "weave_objective.h"
+#include "weave_system.h"
 
 namespace supple::weave {
 
@@ -25,14 +25,14 @@ struct LoadStep {
 /// followed. The objective carries the whole state: positions, sliding, frames and joints.
 class WeaveScene {
  public:
-  WeaveScene(WeaveObjective& objective, const EquilibriumOptions& options, CostLedger* cost);
+  WeaveScene(WeaveSystem& objective, const EquilibriumOptions& options, CostLedger* cost);
 
   struct State {
     Eigen::VectorXd q;
     Chart chart;
     double force_share = 0;
   };
-  WeaveObjective& objective() { return objective_; }
+  WeaveSystem& objective() { return objective_; }
   numerics::ShiftedCholesky& cholesky() { return cholesky_; }
   State state() const { return {objective_.q(), objective_.chart(), force_share_}; }
   void set_state(const State& state);
@@ -62,7 +62,7 @@ class WeaveScene {
   double share_after(double share) const;
   void note_ridge();
 
-  WeaveObjective& objective_;
+  WeaveSystem& objective_;
   numerics::ShiftedCholesky cholesky_;
   bool leaves_unstable_;
   double tolerance_;
@@ -82,7 +82,7 @@ class WeaveScene {
 /// Equilibria of a weave along a load path, each found from the one before.
 class WeavePath {
  public:
-  WeavePath(WeaveObjective& objective, const EquilibriumOptions& options, Execution execution);
+  WeavePath(WeaveSystem& objective, const EquilibriumOptions& options, Execution execution);
 
   /// The state is one at this share of the forces.
   void resume_at(double force_share) { scene_.set_force_share(force_share); }

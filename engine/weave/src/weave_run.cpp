@@ -98,8 +98,8 @@ void WeaveRun::start(bool spatial) {
       if (force.force[c] != 0)
         forces.push_back(
             {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
-  objective_ = std::make_unique<WeaveObjective>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
-                                                std::move(forces), execution_.cost);
+  objective_ = std::make_unique<WeaveSystem>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
+                                             std::move(forces), execution_.cost);
   path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
 }
 
@@ -123,7 +123,7 @@ void WeaveRun::prefer_lower_side() {
     held[static_cast<std::size_t>(dof)] = true;
     across.change[dof] = 2 * ((*ridge)[dof] - found[dof]);
   }
-  WeaveObjective strands(*model_, found, objective_->chart(), held, energy_, {}, execution_.cost);
+  WeaveSystem strands(*model_, found, objective_->chart(), held, energy_, {}, execution_.cost);
   WeavePath pulled(strands, options_, execution_);
   pulled.advance(across);
   iterations_ += pulled.iterations();

@@ -40,7 +40,7 @@ class WeaveRun {
   bool advance_to(double share);
 
   const RodModel& model() const { return *model_; }
-  WeaveObjective& objective() { return *objective_; }
+  WeaveSystem& objective() { return *objective_; }
   const WeavePath& path() const { return *path_; }
   bool spatial() const { return model_->spatial(); }
   int iterations() const { return iterations_ + path_->iterations(); }
@@ -67,7 +67,7 @@ class WeaveRun {
   EnergyOptions energy_;
   ModelOptions model_options_;
   std::unique_ptr<RodModel> model_;
-  std::unique_ptr<WeaveObjective> objective_;
+  std::unique_ptr<WeaveSystem> objective_;
   std::unique_ptr<WeavePath> path_;
   double share_ = 0;
   int iterations_ = 0;

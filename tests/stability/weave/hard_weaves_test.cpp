@@ -150,7 +150,7 @@ TEST(HardWeaves, AnInvertedStartUnfolds) {
     Eigen::VectorXd q = model.rest_state();
     for (Eigen::Index i = 0; i < q.size(); ++i)
       if (!held[static_cast<std::size_t>(i)]) q[i] += random.uniform(-5, 5);
-    WeaveObjective objective(model, q, {}, held, {});
+    WeaveSystem objective(model, q, {}, held, {});
     EquilibriumOptions options;
     options.max_iterations = 1000;
     const double before = objective.evaluate(0).value;

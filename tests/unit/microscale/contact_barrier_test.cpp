@@ -9,7 +9,7 @@
 
 #include "contact_geometry.h"
 #include "supple/base/error.h"
-#include "supple/numerics/derivative_check.h"
+#include "supple/numerics/system.h"
 #include "support/drawn_meshes.h"
 
 namespace supple::microscale {
@@ -41,7 +41,9 @@ Eigen::MatrixXd hessian(const ContactBarrier& barrier, const Eigen::VectorXd& x)
 
 Eigen::VectorXd rest(const tiling::PeriodicMesh& mesh) { return Eigen::VectorXd::Zero(2 * mesh.nodes.cols() + 4); }
 
-void hold(ContactBarrier& barrier, const Eigen::VectorXd& x) { barrier.prepare(x, Eigen::VectorXd::Zero(x.size())); }
+void hold(ContactBarrier& barrier, const Eigen::VectorXd& x) {
+  barrier.prepare_step(x, Eigen::VectorXd::Zero(x.size()));
+}
 
 /// The cell deforms by f while the pieces keep their shape and place.
 Eigen::VectorXd move_images(const tiling::PeriodicMesh& mesh, const Eigen::Matrix2d& f) {
@@ -63,7 +65,7 @@ Eigen::VectorXd tangle(const tiling::PeriodicMesh& mesh, ContactBarrier& barrier
   Eigen::VectorXd x = rest(mesh);
   for (int attempt = 0; attempt < 100; ++attempt) {
     const Eigen::VectorXd step = testing::random_motion(mesh, 0.1, 0.04, random);
-    for (int k = 0; k < 3; ++k) x += 0.8 * barrier.prepare(x, step) * step;
+    for (int k = 0; k < 3; ++k) x += 0.8 * barrier.prepare_step(x, step) * step;
     hold(barrier, x);
     const ContactStatus status = barrier.status(x);
     if (status.pairs > 8 && status.smallest_ratio > 0.05) return x;
@@ -82,7 +84,7 @@ TEST(ContactBarrier, OfAnotherRangeIsAsIfItHadBeenMadeWithIt) {
   const Eigen::VectorXd x = tangle(mesh, changed, random);
   const double wide = energy(changed, x);
   changed.set_range(less.range);
-  EXPECT_FALSE(changed.near()) << "pairs of the range before";
+  EXPECT_FALSE(changed.active()) << "pairs of the range before";
   hold(changed, x);
   hold(made, x);
   EXPECT_GT(energy(made, x), 0);
@@ -108,7 +110,7 @@ TEST(ContactBarrier, HasTheDerivativesOfItsEnergyAtTangledStates) {
       numerics::DerivativeCheckOptions check_options;
       check_options.step = 0.005 * options.range * barrier.status(x).smallest_ratio;
       check_options.levels = 4;
-      const numerics::DerivativeCheck check = numerics::check_derivatives(barrier, x, check_options);
+      const numerics::DerivativeCheck check = numerics::check_derivatives<CellState>(barrier, x, check_options);
       EXPECT_LT(check.gradient.error, 1e-7) << check.summary();
       EXPECT_LT(check.hessian.error, 1e-7) << check.summary();
     }
@@ -205,7 +207,7 @@ TEST(ContactBarrier, IsNeverNegative) {
   Eigen::VectorXd x = rest(mesh);
   for (int k = 0; k < 60; ++k) {
     const Eigen::VectorXd step = testing::random_motion(mesh, 0.05, 0.02, random);
-    x += 0.9 * barrier.prepare(x, step) * step;
+    x += 0.9 * barrier.prepare_step(x, step) * step;
     EXPECT_GE(energy(barrier, x), 0);
   }
   EXPECT_GT(energy(barrier, x), 0);
@@ -351,11 +353,11 @@ TEST(ContactBarrier, SaysHowNearTheOutlineComes) {
   const tiling::PeriodicMesh mesh = wall(0.2, 4);
   ContactBarrier barrier(mesh, options);
   hold(barrier, rest(mesh));
-  EXPECT_FALSE(barrier.near());
+  EXPECT_FALSE(barrier.active());
   EXPECT_EQ(barrier.status(rest(mesh)).smallest_gap, std::numeric_limits<double>::infinity());
   const Eigen::VectorXd x = press(mesh, 0.015);
   hold(barrier, x);
-  EXPECT_TRUE(barrier.near());
+  EXPECT_TRUE(barrier.active());
   const ContactStatus status = barrier.status(x);
   EXPECT_NEAR(status.smallest_gap, 0.015, 1e-12);
   EXPECT_NEAR(status.smallest_ratio, 0.25, 1e-10);

@@ -4,15 +4,17 @@
 
 #include <Eigen/LU>
 
-#include "supple/numerics/scene.h"
+#include "supple/numerics/system.h"
 #include "test_functions.h"
 
 namespace supple::numerics {
 namespace {
 
 SparseMatrix chain_hessian(int n) {
-  Scene scene(Eigen::VectorXd::Zero(n), {std::make_shared<SpringChain>()});
-  return std::get<SparseMatrix>(scene.evaluate(2).hessian);
+  EnergySum sum;
+  sum.clear(n, 2);
+  SpringChain().add(VectorState{Eigen::VectorXd::Zero(n)}, 2, sum);
+  return sum.hessian.matrix(n);
 }
 
 class ShiftedCholeskyOfSize : public testing::TestWithParam<int> {};

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "supple/base/random.h"
-#include "supple/numerics/scene.h"
+#include "supple/numerics/system.h"
 #include "test_functions.h"
 
 namespace supple::numerics {
@@ -19,7 +19,7 @@ TEST(DerivativeCheck, ConfirmsTheDerivativesOfTermsAtRandomStates) {
   RandomStream random("derivative_check", 1);
   for (int trial = 0; trial < 20; ++trial) {
     const Eigen::Vector2d x(random.uniform(-2, 2), random.uniform(-2, 2));
-    for (const DerivativeCheck& check : {check_derivatives(Rosenbrock(), x), check_derivatives(DoubleWell(), x)}) {
+    for (const DerivativeCheck& check : {check_function(Rosenbrock(), x), check_function(DoubleWell(), x)}) {
       EXPECT_LT(check.gradient.error, 1e-9) << check.summary();
       EXPECT_LT(check.hessian.error, 1e-9) << check.summary();
     }
@@ -28,10 +28,11 @@ TEST(DerivativeCheck, ConfirmsTheDerivativesOfTermsAtRandomStates) {
 
 TEST(DerivativeCheck, ChoosesAStepThatSuitsAFunctionOfSmallScale) {
   // sin(1000 x): the longest step covers more than a period.
-  class Wave : public Energy {
+  class Wave : public Term<VectorState> {
    public:
     std::string_view name() const override { return "wave"; }
-    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      const Eigen::VectorXd& x = state.x;
       sum.value += std::sin(1000 * x[0]);
       if (order >= 1) sum.gradient[0] += 1000 * std::cos(1000 * x[0]);
       if (order >= 2) sum.hessian.add(0, 0, -1e6 * std::sin(1000 * x[0]));
@@ -39,7 +40,7 @@ TEST(DerivativeCheck, ChoosesAStepThatSuitsAFunctionOfSmallScale) {
   };
   DerivativeCheckOptions options;
   options.levels = 14;
-  const DerivativeCheck check = check_derivatives(Wave(), Eigen::VectorXd::Constant(1, 0.3), options);
+  const DerivativeCheck check = check_function(Wave(), Eigen::VectorXd::Constant(1, 0.3), options);
   EXPECT_LT(check.gradient.error, 1e-8) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-8) << check.summary();
 }
@@ -47,12 +48,12 @@ TEST(DerivativeCheck, ChoosesAStepThatSuitsAFunctionOfSmallScale) {
 TEST(DerivativeCheck, FindsTheOneWrongEntryOfAGradient) {
   class Wrong : public SpringChain {
    public:
-    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
-      SpringChain::add(x, order, sum);
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      SpringChain::add(state, order, sum);
       if (order >= 1) sum.gradient[3] += 1e-6;
     }
   };
-  const DerivativeCheck check = check_derivatives(Wrong(), Eigen::VectorXd::LinSpaced(6, -1, 1));
+  const DerivativeCheck check = check_function(Wrong(), Eigen::VectorXd::LinSpaced(6, -1, 1));
   EXPECT_EQ(check.gradient.row, 3);
   EXPECT_GT(check.gradient.error, 1e-7);
   EXPECT_GT(check.gradient.error, check.gradient.uncertainty);
@@ -62,12 +63,12 @@ TEST(DerivativeCheck, FindsTheOneWrongEntryOfAGradient) {
 TEST(DerivativeCheck, FindsTheOneWrongEntryOfAHessian) {
   class Wrong : public SpringChain {
    public:
-    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
-      SpringChain::add(x, order, sum);
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      SpringChain::add(state, order, sum);
       if (order >= 2) sum.hessian.add(1, 4, 1e-5);
     }
   };
-  const DerivativeCheck check = check_derivatives(Wrong(), Eigen::VectorXd::LinSpaced(6, -1, 1));
+  const DerivativeCheck check = check_function(Wrong(), Eigen::VectorXd::LinSpaced(6, -1, 1));
   EXPECT_EQ(std::min(check.hessian.row, check.hessian.column), 1);
   EXPECT_EQ(std::max(check.hessian.row, check.hessian.column), 4);
   EXPECT_GT(check.hessian.error, 1e-7);
@@ -77,12 +78,12 @@ TEST(DerivativeCheck, FindsTheOneWrongEntryOfAHessian) {
 TEST(DerivativeCheck, CountsANumberThatIsNotFiniteAsWrong) {
   class Broken : public SpringChain {
    public:
-    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
-      SpringChain::add(x, order, sum);
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      SpringChain::add(state, order, sum);
       if (order >= 1) sum.gradient[2] = std::numeric_limits<double>::quiet_NaN();
     }
   };
-  const DerivativeCheck check = check_derivatives(Broken(), Eigen::VectorXd::LinSpaced(4, -1, 1));
+  const DerivativeCheck check = check_function(Broken(), Eigen::VectorXd::LinSpaced(4, -1, 1));
   EXPECT_EQ(check.gradient.row, 2);
   EXPECT_GT(check.gradient.error, 1);
 }
@@ -101,8 +102,9 @@ TEST(DerivativeCheck, WorksAlongTheRetractionOfAManifold) {
 }
 
 TEST(DerivativeCheck, ChecksASceneOfSeveralTermsAsAWhole) {
-  Scene scene(Eigen::Vector2d(0.4, 0.9), {std::make_shared<Rosenbrock>(), std::make_shared<DoubleWell>()});
-  const DerivativeCheck check = check_derivatives(scene);
+  VectorSystem system =
+      system_of(Eigen::Vector2d(0.4, 0.9), {std::make_shared<Rosenbrock>(), std::make_shared<DoubleWell>()});
+  const DerivativeCheck check = check_derivatives(system);
   EXPECT_LT(check.gradient.error, 1e-9) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-9) << check.summary();
 }
@@ -131,10 +133,10 @@ class Bordered : public Objective {
     evaluation.hessian = std::move(bordered);
     return evaluation;
   }
-  double move(const Eigen::VectorXd& step) override {
+  Eigen::VectorXd move(const Eigen::VectorXd& step) override {
     before_ = x_;
     x_ += step;
-    return 1;
+    return step;
   }
   void accept() override {}
   void reject() override { x_ = before_; }

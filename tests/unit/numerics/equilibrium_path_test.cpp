@@ -29,10 +29,10 @@ class Pitchfork : public Objective {
     }
     return e;
   }
-  double move(const Eigen::VectorXd& step) override {
+  Eigen::VectorXd move(const Eigen::VectorXd& step) override {
     moved_ = x + step;
     trial_ = true;
-    return 1;
+    return step;
   }
   void accept() override {
     x = moved_;

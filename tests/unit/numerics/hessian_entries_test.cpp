@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "supple/base/random.h"
-#include "supple/numerics/energy.h"
+#include "supple/numerics/hessian_entries.h"
 
 namespace supple::numerics {
 namespace {
@@ -103,7 +103,8 @@ TEST(HessianEntries, BlocksAddWhatTheirEntriesWould) {
     single.assemble(n + 2, expected);
     EXPECT_LT((dense(matrix) - dense(expected)).cwiseAbs().maxCoeff(), 1e-13);
   };
-  std::vector<HessianEntries::Block> elements(8);
+  using Rows = std::array<std::int32_t, 12>;
+  std::vector<Rows> elements(8);
   for (auto& rows : elements)
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = static_cast<std::int32_t>(3 * k) + random.below(3);
   // Twice the same; an element less; entries between; another element in the middle; the first again.
@@ -112,8 +113,8 @@ TEST(HessianEntries, BlocksAddWhatTheirEntriesWould) {
     single.clear();
     for (std::size_t e = 0; e < elements.size(); ++e) {
       if (round == 1 && e == 5) continue;
-      const HessianEntries::Block& rows = elements[round == 3 && e == 4 ? 6 : e];
-      double lower[HessianEntries::block_entries];
+      const Rows& rows = elements[round == 3 && e == 4 ? 6 : e];
+      double lower[HessianEntries::entries_of(12)];
       for (double& value : lower) value = random.uniform(-1, 1);
       blocks.add_block(rows, lower);
       for (std::size_t k = 0, i = 0; k < rows.size(); ++k)
@@ -128,6 +129,49 @@ TEST(HessianEntries, BlocksAddWhatTheirEntriesWould) {
     }
     SCOPED_TRACE(round);
     same();
+  }
+}
+
+TEST(HessianEntries, ForgetBlocksThatDidNotComeAgain) {
+  // A block whose place in the sequence was taken by others must not be recognized there later.
+  HessianEntries sum(6);
+  BorderedMatrix matrix;
+  const std::array<std::int32_t, 2> rows{4, 5};
+  const double lower[3] = {1, 2, 3};
+  const auto singles = [&](const std::vector<Entry>& entries) {
+    for (const Entry& e : entries) sum.add(e.i, e.j, e.value);
+  };
+  const std::vector<Entry> others{{0, 1, 1}, {1, 1, 1}, {2, 1, 1}, {3, 1, 1}};
+  singles({{0, 0, 1}});
+  sum.add_block(rows, lower);
+  sum.clear();
+  singles(others);
+  sum.clear();
+  singles({others.front()});
+  sum.add_block(rows, lower);
+  sum.assemble(6, matrix);
+  EXPECT_EQ(dense(matrix), dense({others.front(), {4, 4, 1}, {5, 4, 2}, {5, 5, 3}}, 6));
+}
+
+TEST(HessianEntries, DropWhatIsHeldAndNumberTheOthers) {
+  RandomStream random("hessian_entries", 4);
+  const Numbering numbering{0, -1, 1, 2, -1, 3, 4};
+  const std::vector<int> free{0, 2, 3, 5, 6, 7, 8};  // two of the border at the end
+  HessianEntries sum(numbering);
+  BorderedMatrix matrix;
+  for (int round = 0; round < 4; ++round) {
+    sum.clear();
+    std::vector<Entry> entries = random_entries(random, 9, 60);
+    if (round == 1) entries.resize(20);
+    for (const Entry& e : entries) sum.add(e.i, e.j, e.value);
+    const std::array<std::int32_t, 3> rows{1, 2, 6};
+    const double lower[6] = {1, 2, 3, 4, 5, 6};
+    sum.add_block(rows, lower);
+    for (int k = 0, i = 0; k < 3; ++k)
+      for (int l = 0; l <= k; ++l, ++i)
+        entries.push_back({rows[static_cast<std::size_t>(k)], rows[static_cast<std::size_t>(l)], lower[i]});
+    sum.assemble(9, matrix);
+    EXPECT_LT((dense(matrix) - dense(entries, 9)(free, free)).cwiseAbs().maxCoeff(), 1e-13) << "round " << round;
   }
 }
 

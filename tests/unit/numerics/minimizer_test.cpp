@@ -7,16 +7,11 @@
 
 #include "supple/base/error.h"
 #include "supple/base/random.h"
-#include "supple/numerics/scene.h"
+#include "supple/numerics/system.h"
 #include "test_functions.h"
 
 namespace supple::numerics {
 namespace {
-
-template <class Term>
-Scene scene_of(Eigen::VectorXd x, CostLedger* cost = nullptr) {
-  return Scene(std::move(x), {std::make_shared<Term>()}, cost);
-}
 
 MinimizerOptions with_method(MinimizerMethod method, int max_iterations = 200) {
   MinimizerOptions options;
@@ -39,9 +34,9 @@ class Crease : public Objective {
     if (order >= 2) e.hessian = Eigen::MatrixXd(Eigen::Matrix2d::Identity());
     return e;
   }
-  double move(const Eigen::VectorXd& step) override {
+  Eigen::VectorXd move(const Eigen::VectorXd& step) override {
     trial_ = x_ + step;
-    return 1;
+    return step;
   }
   void accept() override { x_ = trial_; }
   void reject() override { trial_ = x_; }
@@ -60,27 +55,27 @@ class Crease : public Objective {
 };
 
 TEST(Minimizer, NewtonFindsTheMinimumOfRosenbrocksValley) {
-  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
-  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton));
+  VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
   EXPECT_EQ(result.stop, MinimizerStop::converged);
   EXPECT_LE(result.gradient_norm, 1e-9);
-  EXPECT_LT((scene.x() - Eigen::Vector2d(1, 1)).norm(), 1e-9);
+  EXPECT_LT((system.state().x - Eigen::Vector2d(1, 1)).norm(), 1e-9);
   EXPECT_LE(result.iterations, 30);
 }
 
 TEST(Minimizer, EveryMethodReachesTheSameMinimum) {
   for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs, MinimizerMethod::gradient_descent}) {
-    Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
-    const MinimizerResult result = minimize(scene, with_method(method, 20000));
+    VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+    const MinimizerResult result = minimize(system, with_method(method, 20000));
     EXPECT_EQ(result.stop, MinimizerStop::converged) << static_cast<int>(method);
-    EXPECT_LT((scene.x() - Eigen::Vector2d(1, 1)).norm(), 1e-8) << static_cast<int>(method);
+    EXPECT_LT((system.state().x - Eigen::Vector2d(1, 1)).norm(), 1e-8) << static_cast<int>(method);
   }
 }
 
 TEST(Minimizer, LbfgsNeedsFewerIterationsThanGradientDescentAndMoreThanNewton) {
   const auto iterations = [](MinimizerMethod method) {
-    Scene scene = scene_of<SpringChain>(Eigen::VectorXd::Zero(50));
-    return minimize(scene, with_method(method, 5000)).iterations;
+    VectorSystem system = system_of<SpringChain>(Eigen::VectorXd::Zero(50));
+    return minimize(system, with_method(method, 5000)).iterations;
   };
   const int newton = iterations(MinimizerMethod::newton);
   const int lbfgs = iterations(MinimizerMethod::lbfgs);
@@ -92,8 +87,8 @@ TEST(Minimizer, LbfgsNeedsFewerIterationsThanGradientDescentAndMoreThanNewton) {
 
 TEST(Minimizer, ValuesNeverRise) {
   for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs, MinimizerMethod::gradient_descent}) {
-    Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
-    const MinimizerResult result = minimize(scene, with_method(method, 300));
+    VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+    const MinimizerResult result = minimize(system, with_method(method, 300));
     ASSERT_EQ(result.history.size(), static_cast<std::size_t>(result.iterations) + 1);
     for (std::size_t i = 1; i < result.history.size(); ++i)
       EXPECT_LE(result.history[i].value, result.history[i - 1].value) << "iteration " << i;
@@ -101,10 +96,10 @@ TEST(Minimizer, ValuesNeverRise) {
 }
 
 TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {
-  Scene scene = scene_of<DoubleWell>(Eigen::Vector2d(0.01, 1));
-  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton));
+  VectorSystem system = system_of<DoubleWell>(Eigen::Vector2d(0.01, 1));
+  const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
   EXPECT_EQ(result.stop, MinimizerStop::converged);
-  EXPECT_NEAR(scene.x()[0], 1, 1e-9);
+  EXPECT_NEAR(system.state().x[0], 1, 1e-9);
   EXPECT_GT(result.history[1].regularization, 0);
   EXPECT_LT(result.history.back().regularization, 1e-4 * result.history[1].regularization)
       << "regularization should fade where it is not needed";
@@ -113,25 +108,25 @@ TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {
 TEST(Minimizer, StopsOnItsWayToASaddleIfAskedTo) {
   // From (0, y) symmetry keeps the search on the ridge between the wells: its end is the saddle.
   MinimizerOptions options = with_method(MinimizerMethod::newton, 2000);
-  Scene to_the_saddle = scene_of<DoubleWell>(Eigen::Vector2d(0, 1));
+  VectorSystem to_the_saddle = system_of<DoubleWell>(Eigen::Vector2d(0, 1));
   const MinimizerResult all = minimize(to_the_saddle, options);
   EXPECT_EQ(all.stop, MinimizerStop::converged);
   EXPECT_TRUE(all.indefinite);
-  EXPECT_EQ(to_the_saddle.x()[0], 0);
+  EXPECT_EQ(to_the_saddle.state().x[0], 0);
   options.saddle_contraction = 0.1;
-  Scene scene = scene_of<DoubleWell>(Eigen::Vector2d(0, 1));
-  const MinimizerResult result = minimize(scene, options);
+  VectorSystem system = system_of<DoubleWell>(Eigen::Vector2d(0, 1));
+  const MinimizerResult result = minimize(system, options);
   EXPECT_EQ(result.stop, MinimizerStop::saddle);
   EXPECT_LE(result.gradient_norm, 0.1 * result.history.front().gradient_norm);
   EXPECT_GT(result.gradient_norm, options.gradient_tolerance);
   // Where the search finds its own way down, nothing changes.
-  Scene down = scene_of<DoubleWell>(Eigen::Vector2d(0.5, 1));
+  VectorSystem down = system_of<DoubleWell>(Eigen::Vector2d(0.5, 1));
   EXPECT_EQ(minimize(down, options).stop, MinimizerStop::converged);
 }
 
 TEST(Minimizer, NewtonsLastStepsSquareTheGradient) {
-  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(0.9, 0.7));
-  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton));
+  VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(0.9, 0.7));
+  const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
   ASSERT_EQ(result.stop, MinimizerStop::converged);
   const std::size_t n = result.history.size();
   ASSERT_GE(n, 3u);
@@ -144,14 +139,14 @@ TEST(Minimizer, ReachesTheRoundingLevelWhereTheValueShowsNoDecreaseAnyMore) {
   // On top of 1e8, decreases below about 1e-8 cannot be seen in the value; the gradient still shows the way.
   class OnAPlateau : public SpringChain {
    public:
-    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
-      SpringChain::add(x, order, sum);
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      SpringChain::add(state, order, sum);
       sum.value += 1e8;
     }
   };
   for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs}) {
-    Scene scene = scene_of<OnAPlateau>(Eigen::VectorXd::Constant(20, 1e-3));
-    const MinimizerResult result = minimize(scene, with_method(method));
+    VectorSystem system = system_of<OnAPlateau>(Eigen::VectorXd::Constant(20, 1e-3));
+    const MinimizerResult result = minimize(system, with_method(method));
     EXPECT_EQ(result.stop, MinimizerStop::converged);
     EXPECT_LE(result.gradient_norm, 1e-9);
   }
@@ -181,9 +176,10 @@ TEST(Minimizer, NeverTriesAStepBeyondTheLargestValidOne) {
   class Watched : public LogBarrier {
    public:
     explicit Watched(double* least) : least_(least) {}
-    void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      const Eigen::VectorXd& x = state.x;
       *least_ = std::min(*least_, x[0]);
-      LogBarrier::add(x, order, sum);
+      LogBarrier::add(state, order, sum);
     }
 
    private:
@@ -191,10 +187,10 @@ TEST(Minimizer, NeverTriesAStepBeyondTheLargestValidOne) {
   };
   double least = 1;
   // From 30 the Newton step would lead to x = 30 - 870.
-  Scene scene(Eigen::VectorXd::Constant(1, 30.0), {std::make_shared<Watched>(&least)});
-  const MinimizerResult result = minimize(scene);
+  VectorSystem system = system_of(Eigen::VectorXd::Constant(1, 30.0), {std::make_shared<Watched>(&least)});
+  const MinimizerResult result = minimize(system);
   EXPECT_EQ(result.stop, MinimizerStop::converged);
-  EXPECT_NEAR(scene.x()[0], 1, 1e-9);
+  EXPECT_NEAR(system.state().x[0], 1, 1e-9);
   EXPECT_GT(least, 0) << "a state outside the domain was evaluated";
 }
 
@@ -207,24 +203,24 @@ TEST(Minimizer, SnapsToAKinkThatItsLineSearchCannotReach) {
 }
 
 TEST(Minimizer, SaysThatItCameToTheIterationLimit) {
-  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
-  const MinimizerResult result = minimize(scene, with_method(MinimizerMethod::newton, 3));
+  VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton, 3));
   EXPECT_EQ(result.stop, MinimizerStop::iteration_limit);
   EXPECT_EQ(result.iterations, 3);
   EXPECT_EQ(result.history.size(), 4u);
 }
 
 TEST(Minimizer, SaysThatNoStepIsLeftWhereTheToleranceCannotBeReached) {
-  Scene scene = scene_of<SpringChain>(Eigen::VectorXd::Zero(30));
+  VectorSystem system = system_of<SpringChain>(Eigen::VectorXd::Zero(30));
   MinimizerOptions options;
   options.gradient_tolerance = 0;
-  EXPECT_EQ(minimize(scene, options).stop, MinimizerStop::step_too_small);
+  EXPECT_EQ(minimize(system, options).stop, MinimizerStop::step_too_small);
 }
 
 TEST(Minimizer, RefusesAStartWithoutAFiniteValue) {
-  Scene scene = scene_of<LogBarrier>(Eigen::VectorXd::Constant(1, -1.0));
+  VectorSystem system = system_of<LogBarrier>(Eigen::VectorXd::Constant(1, -1.0));
   try {
-    minimize(scene);
+    minimize(system);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), "minimizer.not_finite");
@@ -249,9 +245,9 @@ TEST(Minimizer, StopsWhenItIsCancelledInMidSearch) {
   Execution execution;
   CancelAtThird sink(execution.cancellation);
   execution.progress = &sink;
-  Scene scene = scene_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
   try {
-    minimize(scene, {}, execution);
+    minimize(system, {}, execution);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), "job.cancelled");
@@ -261,10 +257,11 @@ TEST(Minimizer, StopsWhenItIsCancelledInMidSearch) {
 
 TEST(Minimizer, BillsEveryTermOfAScene) {
   CostLedger cost;
-  Scene scene(Eigen::VectorXd::Zero(5), {std::make_shared<SpringChain>(), std::make_shared<LogBarrier>()}, &cost);
-  scene.move(Eigen::VectorXd::Ones(5));
-  scene.accept();
-  minimize(scene);
+  VectorSystem system =
+      system_of(Eigen::VectorXd::Zero(5), {std::make_shared<SpringChain>(), std::make_shared<LogBarrier>()}, &cost);
+  system.move(Eigen::VectorXd::Ones(5));
+  system.accept();
+  minimize(system);
   ASSERT_EQ(cost.effects().size(), 2u);
   EXPECT_EQ(cost.effects()[0].name, "spring_chain");
   EXPECT_EQ(cost.effects()[1].name, "log_barrier");
@@ -277,15 +274,15 @@ TEST(Newton, ReusesAFactorizationThatContractsAndComesToTheSameMinimum) {
   MinimizerOptions options;
   options.gradient_tolerance = 1e-12;
   const Eigen::Vector2d start(1.2, 1.1);
-  Scene fresh = scene_of<Rosenbrock>(start);
+  VectorSystem fresh = system_of<Rosenbrock>(start);
   const MinimizerResult with_all = minimize(fresh, options);
   options.reuse_contraction = 0.5;
   CostLedger cost;
-  Scene reused = scene_of<Rosenbrock>(start, &cost);
+  VectorSystem reused = system_of<Rosenbrock>(start, &cost);
   ShiftedCholesky cholesky;
   const MinimizerResult with_few = minimize(reused, options, {}, &cholesky);
   EXPECT_EQ(with_few.stop, MinimizerStop::converged);
-  EXPECT_LT((fresh.x() - reused.x()).norm(), 1e-12);
+  EXPECT_LT((fresh.state().x - reused.state().x).norm(), 1e-12);
   EXPECT_GT(with_few.iterations, with_all.iterations) << "no step was made with an old factorization";
   // The factorization that is left is of the state that the result names.
   ASSERT_GE(with_few.factorized_at, 0);

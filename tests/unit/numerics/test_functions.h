@@ -5,16 +5,34 @@
 #include <cmath>
 #include <vector>
 
-#include "supple/numerics/energy.h"
 #include "supple/numerics/objective.h"
+#include "supple/numerics/system.h"
 
 namespace supple::numerics {
 
+/// Functions of a vector, summed up.
+using VectorSystem = System<VectorState>;
+inline VectorSystem system_of(Eigen::VectorXd x, VectorSystem::Terms terms, CostLedger* cost = nullptr) {
+  Unknowns all(x.size());
+  return {VectorState{std::move(x)}, std::move(terms), std::move(all), {.execution = {.cost = cost}}};
+}
+template <class T>
+VectorSystem system_of(Eigen::VectorXd x, CostLedger* cost = nullptr) {
+  return system_of(std::move(x), {std::make_shared<T>()}, cost);
+}
+
+/// The check of one function at x.
+template <class T>
+DerivativeCheck check_function(T function, const Eigen::VectorXd& x, const DerivativeCheckOptions& options = {}) {
+  return check_derivatives<VectorState>(function, VectorState{x}, options);
+}
+
 /// (1 - x0)^2 + 100 (x1 - x0^2)^2, minimum 0 at (1, 1).
-class Rosenbrock : public Energy {
+class Rosenbrock : public Term<VectorState> {
  public:
   std::string_view name() const override { return "rosenbrock"; }
-  void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+  void add(const VectorState& state, int order, EnergySum& sum) const override {
+    const Eigen::VectorXd& x = state.x;
     const double a = 1 - x[0];
     const double b = x[1] - x[0] * x[0];
     sum.value += a * a + 100 * b * b;
@@ -27,10 +45,11 @@ class Rosenbrock : public Energy {
 };
 
 /// (x0^2 - 1)^2 + x1^2: two minima, and a negative curvature along x0 between them.
-class DoubleWell : public Energy {
+class DoubleWell : public Term<VectorState> {
  public:
   std::string_view name() const override { return "double_well"; }
-  void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+  void add(const VectorState& state, int order, EnergySum& sum) const override {
+    const Eigen::VectorXd& x = state.x;
     const double a = x[0] * x[0] - 1;
     sum.value += a * a + x[1] * x[1];
     if (order >= 1) sum.gradient += Eigen::Vector2d(4 * x[0] * a, 2 * x[1]);
@@ -41,25 +60,27 @@ class DoubleWell : public Energy {
 };
 
 /// -log x0 + x0, defined for x0 > 0 only, which it reports as its largest step.
-class LogBarrier : public Energy {
+class LogBarrier : public Term<VectorState> {
  public:
   std::string_view name() const override { return "log_barrier"; }
-  void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+  void add(const VectorState& state, int order, EnergySum& sum) const override {
+    const Eigen::VectorXd& x = state.x;
     sum.value += x[0] > 0 ? x[0] - std::log(x[0]) : std::numeric_limits<double>::infinity();
     if (order >= 1) sum.gradient[0] += 1 - 1 / x[0];
     if (order >= 2) sum.hessian.add(0, 0, 1 / (x[0] * x[0]));
   }
-  double largest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const override {
-    return step[0] < 0 ? -0.9 * x[0] / step[0] : std::numeric_limits<double>::infinity();
+  double largest_step(const VectorState& state, const Eigen::VectorXd& step) const override {
+    return step[0] < 0 ? -0.9 * state.x[0] / step[0] : std::numeric_limits<double>::infinity();
   }
 };
 
 /// A chain of springs of rest length 0 and unequal stiffness between neighbours, each node also tied to its own target:
 /// a quadratic with a tridiagonal Hessian.
-class SpringChain : public Energy {
+class SpringChain : public Term<VectorState> {
  public:
   std::string_view name() const override { return "spring_chain"; }
-  void add(const Eigen::VectorXd& x, int order, EnergySum& sum) const override {
+  void add(const VectorState& state, int order, EnergySum& sum) const override {
+    const Eigen::VectorXd& x = state.x;
     const int n = static_cast<int>(x.size());
     for (int i = 0; i < n; ++i) {
       const double d = x[i] - std::sin(i);
@@ -108,13 +129,13 @@ class RayleighQuotient : public Objective {
     return e;
   }
 
-  double move(const Eigen::VectorXd& step) override {
+  Eigen::VectorXd move(const Eigen::VectorXd& step) override {
     const Eigen::Vector3d tangent = x_.rightCols<2>() * step;
     const double length = tangent.norm();
     trial_ = length > 0
                  ? Eigen::Matrix3d(Eigen::AngleAxisd(length, Eigen::Vector3d(x_.col(0)).cross(tangent) / length) * x_)
                  : x_;
-    return 1;
+    return step;
   }
   void accept() override { x_ = trial_; }
   void reject() override { trial_ = x_; }

@@ -69,8 +69,8 @@ TEST(Elastica, OfACantileverIsApproachedWithTheSquareOfTheSegmentsLength) {
     for (const int segments : {16, 32, 64}) {
       Cantilever rod(length, segments, spatial);
       const double force = load * rod.model.stiffness(0).bend / (length * length);
-      WeaveObjective objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
-                               {{rod.model.position(rod.tip()) + 1, force}});
+      WeaveSystem objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
+                            {{rod.model.position(rod.tip()) + 1, force}});
       const EquilibriumOptions options{.segments = segments, .tolerance = 1e-8};
       WeavePath path(objective, options, {});
       ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(rod.model.size()), 1}));
@@ -90,8 +90,8 @@ TEST(Elastica, IsFoundWithQuadraticConvergenceAtTheEnd) {
   for (const bool spatial : {false, true}) {
     Cantilever rod(20, 16, spatial);
     const double force = 3 * rod.model.stiffness(0).bend / 400;
-    WeaveObjective objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
-                             {{rod.model.position(rod.tip()) + 1, force}});
+    WeaveSystem objective(rod.model, rod.model.rest_state(), rod.chart(), rod.held, {},
+                          {{rod.model.position(rod.tip()) + 1, force}});
     const EquilibriumOptions options{.segments = 16, .tolerance = 1e-10};
     WeavePath path(objective, options, {});
     ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(rod.model.size()), 1}));
@@ -116,7 +116,7 @@ double hinged_curvature(int segments, double compression, double length) {
   for (std::size_t a = 0; a < 2; ++a)
     for (int c = 0; c < 2; ++c) held[static_cast<std::size_t>(model.position(model.anchor_node(a)) + c)] = true;
   for (int i = 0; i < static_cast<int>(model.nodes().size()); ++i) q[model.position(i)] *= 1 - compression / length;
-  WeaveObjective objective(model, q, {}, held, {});
+  WeaveSystem objective(model, q, {}, held, {});
   numerics::ShiftedCholesky cholesky;
   return cholesky.factorize(objective.evaluate(2).hessian, 0) ? 1 : -1;
 }
@@ -154,7 +154,7 @@ TEST(Euler, BucklingIsFoundDeliberatelyAndCarriesItsLoad) {
   for (std::size_t a = 0; a < 2; ++a)
     for (int c = 0; c < 2; ++c) held[static_cast<std::size_t>(model.position(model.anchor_node(a)) + c)] = true;
   for (const Switch buckling : {Switch::automatic, Switch::off}) {
-    WeaveObjective objective(model, model.rest_state(), {}, held, {});
+    WeaveSystem objective(model, model.rest_state(), {}, held, {});
     const EquilibriumOptions options{.segments = 24, .buckling = buckling};
     WeavePath path(objective, options, {});
     LoadStep step{Eigen::VectorXd::Zero(model.size()), 1};
@@ -195,7 +195,7 @@ TEST(PureBending, OfACurvedStrandUnrollsItByTheMomentOverItsStiffness) {
     std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
     for (int c = 0; c < 2; ++c) held[static_cast<std::size_t>(model.position(model.anchor_node(0)) + c)] = true;
     held[static_cast<std::size_t>(model.joint(model.anchor_joint(0)))] = true;
-    WeaveObjective objective(model, model.rest_state(), {}, held, {}, {{model.joint(model.anchor_joint(1)), -moment}});
+    WeaveSystem objective(model, model.rest_state(), {}, held, {}, {{model.joint(model.anchor_joint(1)), -moment}});
     const EquilibriumOptions options{.segments = segments, .tolerance = 1e-9};
     WeavePath path(objective, options, {});
     ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(model.size()), 1}));
@@ -222,7 +222,7 @@ bool ring_is_stable(int segments, double twist) {
     turn.naturally_straight = true;
   }
   std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
-  WeaveObjective objective(model, q, chart, held, {});
+  WeaveSystem objective(model, q, chart, held, {});
   // Six rigid motions and the spin of the whole section cost nothing: what is below them is unstable.
   const auto evaluation = objective.evaluate(2);
   numerics::ShiftedCholesky cholesky;

@@ -8,7 +8,7 @@
 #include "layouts.h"
 #include "supple/base/random.h"
 #include "supple/numerics/derivative_check.h"
-#include "weave_objective.h"
+#include "weave_system.h"
 
 namespace supple::weave {
 namespace {
@@ -19,12 +19,12 @@ std::vector<bool> nothing_held(const RodModel& model) {
   return std::vector<bool>(static_cast<std::size_t>(model.size()), false);
 }
 
-WeaveObjective objective_of(const RodModel& model, const Eigen::VectorXd& q) {
+WeaveSystem objective_of(const RodModel& model, const Eigen::VectorXd& q) {
   return {model, q, model.spatial() ? flat_chart(model, model.rest_state()) : Chart{}, nothing_held(model), {}};
 }
 
 double energy(const RodModel& model, const Eigen::VectorXd& q, const Chart& chart) {
-  WeaveObjective objective(model, q, chart, nothing_held(model), {.sliding_regularization = 0});
+  WeaveSystem objective(model, q, chart, nothing_held(model), {.sliding_regularization = 0});
   return objective.evaluate(0).value;
 }
 
@@ -44,7 +44,7 @@ TEST(RodEnergies, HaveExactDerivativesInThePlaneAtRandomAndExtremeStates) {
   const RodModel model(weave, {}, {.spatial = false, .segments = 2});
   for (const double amount : {0.01, 0.3, 1.0}) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      WeaveObjective objective = objective_of(model, disturbed(model, amount, seed));
+      WeaveSystem objective = objective_of(model, disturbed(model, amount, seed));
       const auto check = numerics::check_derivatives(objective, {.step = 1e-3});
       EXPECT_LT(check.gradient.error, 1e-7) << amount << ' ' << seed << ' ' << check.summary();
       EXPECT_LT(check.hessian.error, 1e-6) << amount << ' ' << seed << ' ' << check.summary();
@@ -56,7 +56,7 @@ TEST(RodEnergies, HaveExactDerivativesInSpaceAtRandomAndExtremeStates) {
   const Weave weave = wavy();
   const RodModel model(weave, {{.strand = 2, .coordinate = 0, .clamped = true}}, {.spatial = true, .segments = 1});
   for (const double amount : {0.01, 1.0}) {
-    WeaveObjective objective = objective_of(model, disturbed(model, amount, 1));
+    WeaveSystem objective = objective_of(model, disturbed(model, amount, 1));
     const auto check = numerics::check_derivatives(objective, {.step = 1e-3, .frames_turn = true});
     EXPECT_LT(check.gradient.error, 1e-7) << amount << ' ' << check.summary();
     EXPECT_LT(check.hessian.error, 1e-6) << amount << ' ' << check.summary();
@@ -74,7 +74,7 @@ TEST(RodEnergies, HaveExactDerivativesByTheDeformationGradientOfACell) {
     weave.crossings[0].members[1].slides = slides;
     for (const bool spatial : {false, true}) {
       const RodModel model(weave, {}, {.spatial = spatial, .segments = 3, .direction = 0.4});
-      WeaveObjective objective = objective_of(model, disturbed(model, 0.1, 5));
+      WeaveSystem objective = objective_of(model, disturbed(model, 0.1, 5));
       const auto check = numerics::check_derivatives(objective, {.step = 1e-3, .frames_turn = spatial});
       EXPECT_LT(check.gradient.error, 1e-7) << slides << spatial << check.summary();
       EXPECT_LT(check.hessian.error, 1e-6) << slides << spatial << check.summary();
@@ -106,7 +106,7 @@ TEST(RodEnergies, CostNothingUnderARigidMotionThatIsFollowedInSteps) {
   const RodModel model(weave, {}, {.spatial = true, .segments = 2});
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 0.5).normalized();
   constexpr int steps = 60;
-  WeaveObjective objective = objective_of(model, model.rest_state());
+  WeaveSystem objective = objective_of(model, model.rest_state());
   const Eigen::Matrix3d step = Eigen::AngleAxisd(pi / steps, axis).toRotationMatrix();
   for (int k = 0; k < steps; ++k) {
     Eigen::VectorXd q = objective.q();

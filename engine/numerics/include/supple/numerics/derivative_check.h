@@ -4,7 +4,6 @@
 #include <functional>
 #include <string>
 
-#include "supple/numerics/energy.h"
 #include "supple/numerics/objective.h"
 
 namespace supple::numerics {
@@ -56,9 +55,5 @@ DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index di
 
 /// The same for an objective on a manifold at its current state, along its retraction and with its transport.
 DerivativeCheck check_derivatives(Objective& objective, const DerivativeCheckOptions& options = {});
-
-/// The same for one term of a scene at x.
-DerivativeCheck check_derivatives(const Energy& energy, const Eigen::VectorXd& x,
-                                  const DerivativeCheckOptions& options = {});
 
 }  // namespace supple::numerics

@@ -46,9 +46,9 @@ class Objective {
   /// and, once it accepts, for the derivatives: an objective whose value costs most of them keeps what it has.
   virtual Evaluation evaluate(int order) = 0;
 
-  /// Makes the trial state: the current one moved along `step` by the retraction of the manifold. Returns the share of
-  /// `step` that was travelled, 1 unless something (a boundary) stopped the motion.
-  virtual double move(const Eigen::VectorXd& step) = 0;
+  /// Makes the trial state: the current one moved along `step` by the retraction of the manifold. Returns the part of
+  /// `step` that was travelled: all of it unless something (a boundary) stopped parts of the motion.
+  virtual Eigen::VectorXd move(const Eigen::VectorXd& step) = 0;
 
   virtual void accept() = 0;  ///< the trial state becomes the current one
   virtual void reject() = 0;  ///< the trial state is forgotten

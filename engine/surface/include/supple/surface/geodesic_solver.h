@@ -21,6 +21,13 @@ struct PairHints {
   double landmark_distance = 0;
 };
 
+/// Two points whose geodesic is asked for.
+struct PointPair {
+  SurfacePoint from;
+  SurfacePoint to;
+  const std::vector<PathPoint>* known_path = nullptr;  ///< see PairHints
+};
+
 /// Exact geodesics of one mesh. Keeps what depends on the mesh alone and a pool of search states, so that a local query
 /// costs nothing that grows with the mesh. All members may be called from several threads at once.
 ///
@@ -46,6 +53,11 @@ class GeodesicSolver {
   /// One search for many targets, stopped once all are certain.
   std::vector<Geodesic> geodesics(const SurfacePoint& from, std::span<const SurfacePoint> to,
                                   const GeodesicOptions& options = {}, const Execution& execution = {}) const;
+
+  /// Many pairs, in parallel, into memory that the caller owns: results[i] is that of pairs[i]. Pairs with the same
+  /// first point share a search where that is less work than one for each. Throws what `geodesic` throws.
+  void pairs(std::span<const PointPair> pairs, std::span<Geodesic> results, const GeodesicOptions& options = {},
+             const Execution& execution = {}) const;
 
   /// Distances from one or several sources to every vertex, and, if `options.keep_windows`, to every point.
   GeodesicField field(std::span<const SurfacePoint> sources, const FieldOptions& options = {},

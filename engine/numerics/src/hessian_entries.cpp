@@ -1,32 +1,41 @@
-#include "supple/numerics/energy.h"
-
-#include <algorithm>
+#include "supple/numerics/hessian_entries.h"
 
 namespace supple::numerics {
 
 HessianEntries::HessianEntries(Eigen::Index border) : border_(border) {}
 
+HessianEntries::HessianEntries(Numbering numbering)
+    : numbering_(std::move(numbering)), border_(static_cast<Eigen::Index>(numbering_.size())) {
+  unknowns_ = std::ranges::count_if(numbering_, [](std::int32_t number) { return number >= 0; });
+  if (unknowns_ == border_) numbering_.clear();
+}
+
+Eigen::Index HessianEntries::core_size() const { return numbering_.empty() ? border_ : unknowns_; }
+
+std::uint32_t HessianEntries::slot_of(Place place) const {
+  if (place == held) return 0;
+  return static_cast<std::uint32_t>(std::ranges::lower_bound(pattern_, place) - pattern_.begin()) + 1;
+}
+
 void HessianEntries::clear() {
   if (diverged_ || cursor_ < sequence_.size()) learn();
-  std::fill(values_.begin(), values_.end(), 0.0);
+  std::ranges::fill(values_, 0.0);
   border_columns_.setZero();
   cursor_ = 0;
   next_block_ = 0;
 }
 
-void HessianEntries::add_block(const Block& rows, const double* lower) {
-  if (next_block_ < blocks_.size() && blocks_[next_block_].first == cursor_ && blocks_[next_block_].second == rows &&
-      cursor_ + block_entries <= sequence_.size()) {
-    const std::uint32_t* slots = slots_.data() + cursor_;
-    for (std::size_t i = 0; i < block_entries; ++i) values_[slots[i]] += lower[i];
-    cursor_ += block_entries;
-    ++next_block_;
-    return;
-  }
-  blocks_.resize(next_block_++);
-  blocks_.emplace_back(cursor_ + unexpected_.size(), rows);
-  for (std::size_t k = 0; k < block_size; ++k)
-    for (std::size_t l = 0; l <= k; ++l) add(rows[k], rows[l], *lower++);
+void HessianEntries::note_block(const std::int32_t* rows, std::size_t size) {
+  drop_blocks();
+  blocks_.push_back({cursor_ + unexpected_.size(), block_rows_.size(), size});
+  block_rows_.insert(block_rows_.end(), rows, rows + size);
+  ++next_block_;
+}
+
+void HessianEntries::drop_blocks() {
+  if (next_block_ >= blocks_.size()) return;
+  block_rows_.resize(blocks_[next_block_].first);
+  blocks_.resize(next_block_);
 }
 
 void HessianEntries::add_unexpected(Place place, double value) {
@@ -45,17 +54,17 @@ void HessianEntries::grow_border(Eigen::Index high) {
 }
 
 void HessianEntries::learn() {
+  // Those that did not come this time stand for places that the sequence no longer has.
+  drop_blocks();
   if (!diverged_) {
     // The sequence ended early: what it lost may come back, its places stay.
     sequence_.resize(cursor_);
     slots_.resize(cursor_);
-    blocks_.resize(next_block_);
     return;
   }
   add_to_pattern();
   for (const auto& [place, value] : unexpected_) {
-    const auto slot =
-        static_cast<std::uint32_t>(std::lower_bound(pattern_.begin(), pattern_.end(), place) - pattern_.begin());
+    const std::uint32_t slot = slot_of(place);
     values_[slot] += value;
     sequence_.push_back(place);
     slots_.push_back(slot);
@@ -69,27 +78,27 @@ void HessianEntries::add_to_pattern() {
   slots_.resize(sequence_.size());
   std::vector<Place> fresh;
   for (const auto& [place, value] : unexpected_)
-    if (!std::binary_search(pattern_.begin(), pattern_.end(), place)) fresh.push_back(place);
+    if (place != held && !std::ranges::binary_search(pattern_, place)) fresh.push_back(place);
   if (fresh.empty()) return;
-  std::sort(fresh.begin(), fresh.end());
+  std::ranges::sort(fresh);
   fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   std::vector<Place> merged;
-  std::vector<double> values;
-  std::vector<std::uint32_t> moved(pattern_.size());
+  std::vector<double> values{values_.front()};
+  std::vector<std::uint32_t> moved(values_.size());
   merged.reserve(pattern_.size() + fresh.size());
-  values.reserve(merged.capacity());
+  values.reserve(merged.capacity() + 1);
   auto next = fresh.begin();
   for (std::size_t i = 0; i < pattern_.size(); ++i) {
     for (; next != fresh.end() && *next < pattern_[i]; ++next) {
       merged.push_back(*next);
       values.push_back(0);
     }
-    moved[i] = static_cast<std::uint32_t>(merged.size());
+    moved[i + 1] = static_cast<std::uint32_t>(values.size());
     merged.push_back(pattern_[i]);
-    values.push_back(values_[i]);
+    values.push_back(values_[i + 1]);
   }
   merged.insert(merged.end(), next, fresh.end());
-  values.resize(merged.size(), 0.0);
+  values.resize(merged.size() + 1, 0.0);
   for (std::uint32_t& slot : slots_) slot = moved[slot];
   pattern_ = std::move(merged);
   values_ = std::move(values);
@@ -103,7 +112,7 @@ SparseMatrix HessianEntries::lower(Eigen::Index n) const {
   for (std::size_t i = 0; i < pattern_.size(); ++i) {
     ++outer[(pattern_[i] >> 32) + 1];
     matrix.innerIndexPtr()[i] = static_cast<int>(pattern_[i] & 0xffffffffU);
-    matrix.valuePtr()[i] = values_[i];
+    matrix.valuePtr()[i] = values_[i + 1];
   }
   for (Eigen::Index column = 0; column < n; ++column) outer[column + 1] += outer[column];
   return matrix;
@@ -115,11 +124,12 @@ SparseMatrix HessianEntries::matrix(Eigen::Index n) {
 }
 
 void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
-  if (diverged_ || into.core.rows() != border_ || into.core.nonZeros() != static_cast<Eigen::Index>(pattern_.size())) {
+  const Eigen::Index core = core_size();
+  if (diverged_ || into.core.rows() != core || into.core.nonZeros() != static_cast<Eigen::Index>(pattern_.size())) {
     learn();
-    into.core = lower(border_);
+    into.core = lower(core);
   } else {
-    std::copy(values_.begin(), values_.end(), into.core.valuePtr());
+    std::copy(values_.begin() + 1, values_.end(), into.core.valuePtr());
   }
   const Eigen::Index border = n - border_;
   if (border_columns_.rows() != n || border_columns_.cols() != border) {
@@ -127,7 +137,14 @@ void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
     border_columns_.setZero(n, border);
     border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
   }
-  into.border = border_columns_.topRows(border_);
+  if (numbering_.empty()) {
+    into.border = border_columns_.topRows(border_);
+  } else {
+    into.border.resize(core, border);
+    for (Eigen::Index i = 0; i < border_; ++i)
+      if (const std::int32_t row = numbering_[static_cast<std::size_t>(i)]; row >= 0)
+        into.border.row(row) = border_columns_.row(i);
+  }
   into.corner = Eigen::MatrixXd(border_columns_.bottomRows(border)).selfadjointView<Eigen::Upper>();
 }
 

@@ -1,4 +1,4 @@
-#include "karcher_objective.h"
+#include "squared_distances.h"
 
 #include <gtest/gtest.h>
 
@@ -24,11 +24,14 @@ void expect_derivatives(TriangleMesh built, AnchorSearch search, bool on_edges) 
     const SurfacePoint p = on_edges ? testing::random_edge_point(*mesh, random) : testing::random_point(*mesh, random);
     AnchorDistances distances(solver, anchors);
     distances.use(search, execution);
-    KarcherObjective objective(*mesh, distances, {0.1, 0.2, 0.3, 0.4}, p, execution);
+    numerics::System<KarcherState> system(
+        KarcherState(*mesh, p),
+        {std::make_shared<SquaredDistances>(*mesh, distances, std::vector<double>{0.1, 0.2, 0.3, 0.4})},
+        numerics::Unknowns(2), {.least_order = 2});
     numerics::DerivativeCheckOptions options;
     options.step = 2e-3 * mesh->mean_edge_length();
     options.levels = 3;
-    const numerics::DerivativeCheck check = check_derivatives(objective, options);
+    const numerics::DerivativeCheck check = check_derivatives(system, options);
     // Where a path sweeps over a vertex within the step the Hessian jumps: such states are no test of it.
     if (check.hessian.uncertainty > 1e-6 || check.gradient.uncertainty > 1e-7) continue;
     ++checked;
@@ -38,22 +41,22 @@ void expect_derivatives(TriangleMesh built, AnchorSearch search, bool on_edges) 
   EXPECT_GE(checked, 12);
 }
 
-TEST(KarcherObjective, DerivativesMatchFiniteDifferencesOnASphere) {
+TEST(SquaredDistances, DerivativesMatchFiniteDifferencesOnASphere) {
   expect_derivatives(testing::icosphere(2), AnchorSearch::pairs, false);
 }
-TEST(KarcherObjective, DerivativesMatchFiniteDifferencesWherePathsPassSaddleVertices) {
+TEST(SquaredDistances, DerivativesMatchFiniteDifferencesWherePathsPassSaddleVertices) {
   expect_derivatives(testing::saddle(8), AnchorSearch::pairs, false);
 }
-TEST(KarcherObjective, DerivativesMatchFiniteDifferencesAtPointsOnEdges) {
+TEST(SquaredDistances, DerivativesMatchFiniteDifferencesAtPointsOnEdges) {
   expect_derivatives(testing::torus(16, 8), AnchorSearch::pairs, true);
 }
-TEST(KarcherObjective, DerivativesMatchFiniteDifferencesWithOneSearchForAllAnchors) {
+TEST(SquaredDistances, DerivativesMatchFiniteDifferencesWithOneSearchForAllAnchors) {
   expect_derivatives(testing::torus(16, 8), AnchorSearch::one_to_many, false);
 }
-TEST(KarcherObjective, DerivativesMatchFiniteDifferencesWithKeptFields) {
+TEST(SquaredDistances, DerivativesMatchFiniteDifferencesWithKeptFields) {
   expect_derivatives(testing::torus(16, 8), AnchorSearch::fields, false);
 }
-TEST(KarcherObjective, DerivativesMatchFiniteDifferencesOnGuidedSearches) {
+TEST(SquaredDistances, DerivativesMatchFiniteDifferencesOnGuidedSearches) {
   expect_derivatives(testing::trefoil_knot(60, 8), AnchorSearch::guided, false);
 }
 

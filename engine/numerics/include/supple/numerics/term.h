@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "supple/base/cost_ledger.h"
+#include "supple/base/execution.h"
+#include "supple/numerics/hessian_entries.h"
+#include "supple/numerics/state.h"
+
+namespace supple::numerics {
+
+/// The running sum that terms add themselves to: derivatives by all degrees of freedom, also held ones.
+struct EnergySum {
+  double value = 0;
+  Eigen::VectorXd gradient{};  ///< one entry per degree of freedom; empty for order 0
+  HessianEntries hessian{};    ///< unused below order 2
+
+  /// Makes the sum zero, for n degrees of freedom and derivatives up to `order`.
+  void clear(Eigen::Index n, int order) {
+    value = 0;
+    if (order >= 1) gradient.setZero(n);
+    if (order >= 2) hessian.clear();
+  }
+
+  /// Adds the share of an element of the degrees of freedom `rows`: its gradient (order 1) and the lower triangle of
+  /// its Hessian, row by row (order 2; see HessianEntries::add_block).
+  template <std::size_t size>
+  void add_element(const std::array<std::int32_t, size>& rows, int order, double share, const double* slope,
+                   const double* lower) {
+    value += share;
+    if (order < 1) return;
+    for (std::size_t k = 0; k < size; ++k) gradient[rows[k]] += slope[k];
+    if (order >= 2) hessian.add_block(rows, lower);
+  }
+};
+
+/// One term of a scene's energy: an elastic element group, a contact, a spring, a pressure.
+///
+/// A term reads the state (it knows which degrees of freedom are its own) and adds its share to the sum. Adding physics
+/// means adding one class like this; no solver changes. What a term has to work out before is asked for by name:
+/// `prepare` at a state, `look_ahead` before a step. All else is const and depends on the state alone.
+template <class S>
+class Term {
+ public:
+  virtual ~Term() = default;
+
+  /// A stable name for the bill and for error messages, e.g. "neo_hookean".
+  virtual std::string_view name() const = 0;
+
+  /// Adds the value (order 0), the gradient (1) and the Hessian (2) at the state. An infinite value marks the state as
+  /// invalid.
+  virtual void add(const S& state, int order, EnergySum& sum) const = 0;
+
+  /// Whether there is anything to add at present: a term that is not active is neither called nor billed.
+  virtual bool active() const { return true; }
+
+  /// Works out what `add` needs at this state up to this order and keeps it, in the state or in the term. Called once
+  /// before `add` is, at every state and where the order rises.
+  virtual void prepare(S& /*state*/, int /*order*/, const Execution& /*execution*/) {}
+
+  /// The largest t > 0 for which the state stays valid along t * step; infinity where every step is. What can be said
+  /// of a step before it is taken.
+  virtual double largest_step(const S& /*state*/, const Eigen::VectorXd& /*step*/) const {
+    return std::numeric_limits<double>::infinity();
+  }
+
+  /// Looks at the way from one state to another before it is taken and gets ready for all states on it. Returns the
+  /// share of it, in [0, 1], that may be taken.
+  virtual double look_ahead(const S& /*from*/, const S& /*to*/, CostLedger* /*cost*/) { return 1; }
+
+  /// A state where the term has a kink that may hold a minimum, as a line search cannot find it.
+  struct Kink {
+    S state;
+    std::int64_t id = 0;      ///< the same for the same kink
+    double distance = 0;      ///< from the current state
+    bool same_place = false;  ///< rounding alone keeps the current state from it
+  };
+  /// Kinks near the current state and the trial states since it became that, no farther than `reach` from it.
+  virtual std::vector<Kink> kinks(const S& /*current*/, const std::vector<S>& /*tried*/, double /*reach*/) const {
+    return {};
+  }
+  virtual bool has_kinks() const { return false; }
+
+  /// Writes one evaluation to the bill.
+  virtual void bill(CostLedger& cost, double seconds) const {
+    cost.add_effect(name(), true, "a term of the energy", 1, seconds);
+  }
+};
+
+}  // namespace supple::numerics

@@ -1,0 +1,69 @@
+#include "supple/surface/retraction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace supple::surface {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// A vertex whose angle is within this of 2 pi (radians) is treated as a point of a flat face.
+constexpr double flat_angle = 1e-12;
+
+double stretch(const VertexCone& cone) { return (cone.open() ? pi : 2 * pi) / cone.total_angle(); }
+
+/// The share of a length that was walked: all of it unless the boundary ended the path.
+double walked_share(const ExponentialMap& walked, double length) {
+  return walked.reached_boundary && length > 0 ? std::min(1.0, walked.length / length) : 1.0;
+}
+
+Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen::Vector2d step) {
+  const VertexCone cone(mesh, vertex);
+  if (cone.open()) step[1] = std::max(step[1], 0.0);
+  double angle = std::atan2(step[1], step[0]);
+  if (angle < 0) angle += 2 * pi;
+  const double length = step.norm();
+  const VertexCone::Direction direction = cone.direction(std::min(angle / stretch(cone), cone.total_angle()));
+  const ExponentialMap walked = exponential_map(mesh, direction.vertex, length * direction.vector, false);
+  return {walked.end, walked_share(walked, length) * step, 0, false};
+}
+
+}  // namespace
+
+Eigen::Vector2d cone_coordinates(const VertexCone& cone, double angle) {
+  return {std::cos(angle * stretch(cone)), std::sin(angle * stretch(cone))};
+}
+
+bool on_cone_tip(const TriangleMesh& mesh, const SurfacePoint& point) {
+  const int corner = corner_of(point);
+  if (corner < 0) return false;
+  const std::int32_t vertex = mesh.faces()[index(point.face)][corner];
+  return mesh.is_boundary(vertex) || std::abs(mesh.vertex_angle(vertex) - 2 * pi) > flat_angle;
+}
+
+Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Eigen::Vector2d& step) {
+  if (on_cone_tip(mesh, point)) return retract_from_tip(mesh, mesh.faces()[index(point.face)][corner_of(point)], step);
+  const auto frame = tangent_frame(mesh, point.face);
+  Eigen::Vector3d tangent = frame * step;
+  bool slid = false;
+  const int side = side_of(point);
+  if (side >= 0 && mesh.twin(3 * index(point.face) + side) < 0) {
+    const Triangle& face = mesh.faces()[index(point.face)];
+    const auto& positions = mesh.positions();
+    const Eigen::Vector3d along = (positions[face[(side + 1) % 3]] - positions[face[side]]).normalized();
+    const Eigen::Vector3d to_apex = positions[face[(side + 2) % 3]] - positions[face[side]];
+    const Eigen::Vector3d inward = (to_apex - along.dot(to_apex) * along).normalized();
+    if (tangent.dot(inward) < 0) {
+      tangent = along.dot(tangent) * along;
+      slid = true;
+    }
+  }
+  const ExponentialMap walked = exponential_map(mesh, point, tangent, false);
+  const double share = walked_share(walked, tangent.norm());
+  const Eigen::Vector2d travelled = slid ? Eigen::Vector2d(share * (frame.transpose() * tangent)) : share * step;
+  return {walked.end, travelled, walked.transport_angle, !slid && !on_cone_tip(mesh, walked.end)};
+}
+
+}  // namespace supple::surface

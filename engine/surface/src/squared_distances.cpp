@@ -1,0 +1,123 @@
+#include "squared_distances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace supple::surface {
+namespace {
+
+/// Points closer than this, relative to the mean edge, differ by rounding alone.
+constexpr double same_point = 1e-13;
+
+std::int32_t vertex_of(const TriangleMesh& mesh, const SurfacePoint& point) {
+  const int corner = corner_of(point);
+  return corner < 0 ? -1 : mesh.faces()[index(point.face)][corner];
+}
+
+}  // namespace
+
+Eigen::VectorXd KarcherState::move(const Eigen::VectorXd& step) {
+  const bool from_tip = on_tip_;
+  const Retraction moved = retract(*mesh_, point_, step);
+  *this = KarcherState(*mesh_, moved.end);
+  turn_ = moved.turn;
+  isometric_ = moved.isometric && !from_tip;
+  return moved.travelled;
+}
+
+bool KarcherState::transport(Eigen::VectorXd& tangent) const {
+  if (!isometric_) return false;
+  const double c = std::cos(turn_);
+  const double s = std::sin(turn_);
+  tangent = Eigen::Vector2d(c * tangent[0] - s * tangent[1], s * tangent[0] + c * tangent[1]);
+  return true;
+}
+
+bool kinked(const KarcherState& state) {
+  return state.on_tip() && std::ranges::any_of(*state.found(), [](const AnchorGeodesic& g) {
+           return g.neighbour.has_value() && !g.coincident;
+         });
+}
+
+bool away_from_cut_loci(const KarcherState& state) {
+  return std::ranges::all_of(*state.found(), &AnchorGeodesic::certain);
+}
+
+SquaredDistances::SquaredDistances(const TriangleMesh& mesh, AnchorDistances& distances, std::vector<double> weights)
+    : mesh_(mesh), distances_(distances), weights_(std::move(weights)) {}
+
+void SquaredDistances::prepare(KarcherState& state, int /*order*/, const Execution& execution) {
+  if (state.found()) return;
+  const auto need = state.on_tip() ? AnchorDistances::Need::directions : AnchorDistances::Need::derivatives;
+  state.set_found(distances_.at(state.point(), need, execution));
+}
+
+double SquaredDistances::value_of(const std::vector<AnchorGeodesic>& found) const {
+  double value = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) value += 0.5 * weights_[i] * found[i].distance * found[i].distance;
+  return value;
+}
+
+double SquaredDistances::value_at(const SurfacePoint& point, const Execution& execution) const {
+  return value_of(distances_.at(point, AnchorDistances::Need::values, execution));
+}
+
+void SquaredDistances::add(const KarcherState& state, int order, numerics::EnergySum& sum) const {
+  const std::vector<AnchorGeodesic>& found = *state.found();
+  sum.value += value_of(found);
+  if (order < 1) return;
+  if (state.on_tip()) return add_on_tip(state, sum);
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const AnchorGeodesic& g = found[i];
+    if (g.coincident) {
+      hessian += weights_[i] * Eigen::Matrix2d::Identity();
+      continue;
+    }
+    gradient += weights_[i] * g.distance * g.gradient;
+    hessian += weights_[i] * (g.gradient * g.gradient.transpose() + g.distance * g.hessian);
+  }
+  sum.gradient += gradient;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j <= i; ++j) sum.hessian.add(i, j, hessian(i, j));
+}
+
+void SquaredDistances::add_on_tip(const KarcherState& state, numerics::EnergySum& sum) const {
+  const VertexCone cone(mesh_, vertex_of(mesh_, state.point()));
+  std::vector<ArrivingPath> arrivals;
+  for (std::size_t i = 0; i < state.found()->size(); ++i) {
+    const AnchorGeodesic& g = (*state.found())[i];
+    if (!g.neighbour || g.coincident) continue;
+    const double angle = cone.angle_to(*g.neighbour);
+    if (std::isfinite(angle)) arrivals.push_back({angle, weights_[i] * g.distance});
+  }
+  if (!arrivals.empty()) {
+    const SteepestDescent descent = steepest_descent(cone, arrivals);
+    if (descent.slope < 0) sum.gradient += descent.slope * cone_coordinates(cone, descent.angle);
+  }
+  for (int i = 0; i < 2; ++i) sum.hessian.add(i, i, 1);
+}
+
+std::vector<SquaredDistances::Kink> SquaredDistances::kinks(const KarcherState& current,
+                                                            const std::vector<KarcherState>& tried,
+                                                            double reach) const {
+  const Eigen::Vector3d here = position(mesh_, current.point());
+  std::vector<Kink> kinks;
+  const auto look_at_face = [&](FaceId face) {
+    for (const std::int32_t vertex : mesh_.faces()[index(face)]) {
+      const double away = (mesh_.positions()[vertex] - here).norm();
+      if (away > reach || vertex == vertex_of(mesh_, current.point())) continue;
+      if (std::ranges::find(kinks, vertex, &Kink::id) != kinks.end()) continue;
+      if (!VertexCone(mesh_, vertex).bends_paths()) continue;
+      kinks.push_back({KarcherState(mesh_, vertex_point(mesh_, VertexId{vertex})), vertex, away,
+                       away <= same_point * mesh_.mean_edge_length()});
+    }
+  };
+  for (const KarcherState& state : tried) look_at_face(state.point().face);
+  look_at_face(current.point().face);
+  return kinks;
+}
+
+}  // namespace supple::surface

@@ -1,0 +1,73 @@
+#include "weave_system.h"
+
+#include <utility>
+
+namespace supple::weave {
+
+WeaveSystem::Parts WeaveSystem::parts(const RodModel& model, const EnergyOptions& options,
+                                      std::vector<PointForces::Load> forces) {
+  Parts parts;
+  parts.all.push_back(std::make_shared<StretchEnergy>(model));
+  const bool jointed = model.joints() > 0;
+  for (const TurnKind kind : {TurnKind::free, TurnKind::jointed}) {
+    if (kind == TurnKind::jointed && !jointed) continue;
+    if (model.spatial()) {
+      parts.all.push_back(std::make_shared<SpatialBendEnergy>(model, kind));
+      parts.all.push_back(std::make_shared<TwistEnergy>(model, kind));
+    } else {
+      parts.all.push_back(std::make_shared<PlanarBendEnergy>(model, kind));
+    }
+  }
+  if (!model.sliders().empty()) {
+    parts.limits = std::make_shared<SlidingLimits>(model, options.barrier_range, options.barrier_stiffness);
+    parts.contact = std::make_shared<CrossingContact>(model, options.least_distance, options.barrier_range,
+                                                      options.barrier_stiffness);
+    if (!parts.limits->empty()) parts.all.push_back(parts.limits);
+    if (!parts.contact->empty()) parts.all.push_back(parts.contact);
+    parts.all.push_back(std::make_shared<SlidingRegularizer>(model, options.sliding_regularization));
+  }
+  if (!forces.empty()) {
+    parts.forces = std::make_shared<PointForces>(std::move(forces));
+    parts.all.push_back(parts.forces);
+  }
+  return parts;
+}
+
+WeaveSystem::WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& held, Parts parts,
+                         CostLedger* cost)
+    : System(std::move(state), parts.all, numerics::Unknowns(held), {.execution = {.cost = cost}}),
+      model_(&model),
+      parts_(std::move(parts)) {}
+
+WeaveSystem::WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
+                         const EnergyOptions& options, std::vector<PointForces::Load> forces, CostLedger* cost)
+    : WeaveSystem(model, RodState(model, std::move(q), std::move(chart)), held,
+                  parts(model, options, std::move(forces)), cost) {}
+
+void WeaveSystem::set_state(Eigen::VectorXd q, Chart chart) {
+  RodState state(*model_, std::move(q), std::move(chart));
+  state.take_frame();
+  System::set_state(std::move(state));
+}
+
+void WeaveSystem::set_force_share(double share) {
+  if (!parts_.forces) return;
+  parts_.forces->set_share(share);
+  forget();
+}
+
+std::vector<bool> free_but_for_gauges(const RodModel& model) {
+  std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
+  const auto hold = [&held](int dof) { held[static_cast<std::size_t>(dof)] = true; };
+  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) {
+    const Slider& slider = model.sliders()[static_cast<std::size_t>(i)];
+    if (!(slider.low < 0) && !(slider.high > 0)) hold(model.slider(i));
+  }
+  if (model.spatial())
+    for (const int edge : model.spinning_edges()) hold(model.angle(edge));
+  if (model.weave().lattice)
+    for (int c = 0; c < model.dimension(); ++c) hold(model.position(0) + c);
+  return held;
+}
+
+}  // namespace supple::weave

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rod_energies.h"
+#include "rod_state.h"
+#include "sliding_energies.h"
+#include "supple/base/cost_ledger.h"
+#include "supple/numerics/system.h"
+
+namespace supple::weave {
+
+struct EnergyOptions {
+  double barrier_range = 0.1;            ///< mm from a limit or a neighbour where its barrier begins
+  double barrier_stiffness = 10;         ///< N/mm
+  double least_distance = 0.5;           ///< mm of strand between neighbouring crossings that slide
+  double sliding_regularization = 1e-6;  ///< N/mm
+};
+
+/// A weave's energy: the terms that its model calls for.
+class WeaveSystem : public numerics::System<RodState> {
+ public:
+  /// `held` says of each degree of freedom whether it is prescribed. `model` outlives the system; `cost`, if given,
+  /// too: it is billed for every term. The chart is empty in the plane.
+  WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
+              const EnergyOptions& options, std::vector<PointForces::Load> forces = {}, CostLedger* cost = nullptr);
+
+  const RodModel& model() const { return *model_; }
+  const Eigen::VectorXd& q() const { return state().q(); }
+  const Chart& chart() const { return state().chart(); }
+  /// Sets held degrees of freedom (or any). Not while there is a trial state. The chart is rebased at once.
+  void set_state(Eigen::VectorXd q, Chart chart);
+  /// The same where the chart stays; q is seen from it.
+  void set_q(Eigen::VectorXd q) { set_state(std::move(q), chart()); }
+  void set_force_share(double share);
+
+  /// Null where nothing slides.
+  const SlidingLimits* limits() const { return parts_.limits.get(); }
+  const CrossingContact* contact() const { return parts_.contact.get(); }
+
+ private:
+  /// The terms, and those of them that others ask for.
+  struct Parts {
+    Terms all;
+    std::shared_ptr<SlidingLimits> limits;
+    std::shared_ptr<CrossingContact> contact;
+    std::shared_ptr<PointForces> forces;
+  };
+  static Parts parts(const RodModel& model, const EnergyOptions& options, std::vector<PointForces::Load> forces);
+  WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& held, Parts parts, CostLedger* cost);
+
+  const RodModel* model_;
+  Parts parts_;
+};
+
+/// Unknowns of a model: none held. Pinned sliders (no way to go), the spin of straight strands that nothing holds and,
+/// for a lattice, the first node's position are held.
+std::vector<bool> free_but_for_gauges(const RodModel& model);
+
+}  // namespace supple::weave
