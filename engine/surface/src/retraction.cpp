@@ -7,7 +7,7 @@
 namespace supple::surface {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A vertex whose angle is within this of 2 pi (radians) is treated as a point of a flat face.
 constexpr double flat_angle = 1e-12;

@@ -8,7 +8,7 @@ namespace supple::surface {
 namespace {
 
 /// Points closer than this, relative to the mean edge, differ by rounding alone.
-constexpr double same_point = 1e-13;
+constexpr double point_rounding = 1e-13;
 
 std::int32_t vertex_of(const TriangleMesh& mesh, const SurfacePoint& point) {
   const int corner = corner_of(point);
@@ -112,7 +112,7 @@ std::vector<SquaredDistances::Kink> SquaredDistances::kinks(const KarcherState& 
       if (std::ranges::find(kinks, vertex, &Kink::id) != kinks.end()) continue;
       if (!VertexCone(mesh_, vertex).bends_paths()) continue;
       kinks.push_back({KarcherState(mesh_, vertex_point(mesh_, VertexId{vertex})), vertex, away,
-                       away <= same_point * mesh_.mean_edge_length()});
+                       away <= point_rounding * mesh_.mean_edge_length()});
     }
   };
   for (const KarcherState& state : tried) look_at_face(state.point().face);
