@@ -141,7 +141,7 @@ void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
     into.border = border_columns_.topRows(border_);
   } else {
     into.border.resize(core, border);
-    for (Eigen::Index i = 0; i < border_; ++i)
+    for (Eigen::Index i = 0; i < border_ && border > 0; ++i)
       if (const std::int32_t row = numbering_[static_cast<std::size_t>(i)]; row >= 0)
         into.border.row(row) = border_columns_.row(i);
   }
