@@ -12,8 +12,8 @@ namespace supple::surface {
 /// is in one group.
 ///
 /// A directed search for one pair looks at a strip towards its target; a search for several looks at the whole disk
-/// that reaches the farthest. Sharing pays where the strips together are more than the disk: on compact meshes from
-/// about 8 near targets and 16 far ones on. Straight distances stand for geodesic ones, squares of them for areas; the
+/// that reaches the farthest. Sharing pays where the strips together are more than the disk, which is taken
+/// to cost twelve strips to its border. Straight distances stand for geodesic ones, squares of them for areas; the
 /// nearest targets share a search if that is the least work. Pairs with a known path, and such whose ends lie on
 /// different components, are searched alone. O(n log n).
 std::vector<std::vector<std::size_t>> shared_searches(const TriangleMesh& mesh, std::span<const PointPair> pairs);

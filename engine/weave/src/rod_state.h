@@ -26,7 +26,7 @@ class RodState {
   }
   /// Rebases the chart: the joints' unknowns become 0.
   void take_frame();
-  /// Coordinates of two charts differ by the frames' turning between neighbouring states, which curvature pairs ignore.
+  /// Charts of neighbouring states differ little: coordinates are carried along as they are.
   bool transport(Eigen::VectorXd& /*tangent*/) const { return true; }
 
  private:

@@ -4,6 +4,7 @@
 
 #include "supple/base/random.h"
 #include "supple/numerics/hessian_entries.h"
+#include "test_functions.h"
 
 namespace supple::numerics {
 namespace {
@@ -21,15 +22,6 @@ Eigen::MatrixXd dense(const std::vector<Entry>& entries, int n) {
     if (e.i != e.j) matrix(e.j, e.i) += e.value;
   }
   return matrix;
-}
-
-Eigen::MatrixXd dense(const BorderedMatrix& matrix) {
-  const Eigen::Index n = matrix.core.rows();
-  const Eigen::Index m = matrix.corner.rows();
-  Eigen::MatrixXd result(n + m, n + m);
-  result << Eigen::MatrixXd(matrix.core).selfadjointView<Eigen::Lower>().toDenseMatrix(), matrix.border,
-      matrix.border.transpose(), matrix.corner;
-  return result;
 }
 
 std::vector<Entry> random_entries(RandomStream& random, int n, int count) {

@@ -14,13 +14,7 @@ namespace supple::numerics {
 namespace {
 
 Eigen::MatrixXd dense(const Hessian& hessian) {
-  const auto& parts = *std::get<std::shared_ptr<const BorderedMatrix>>(hessian);
-  const Eigen::Index n = parts.core.rows();
-  const Eigen::Index m = parts.corner.rows();
-  Eigen::MatrixXd all(n + m, n + m);
-  all << Eigen::MatrixXd(parts.core).selfadjointView<Eigen::Lower>().toDenseMatrix(), parts.border,
-      parts.border.transpose(), parts.corner;
-  return all;
+  return dense(*std::get<std::shared_ptr<const BorderedMatrix>>(hessian));
 }
 
 /// x^T A x / 2 with every entry of A, and what was asked of it.
@@ -218,6 +212,17 @@ TEST(System, TakesTheFrameOfAStateBeforeItsDerivatives) {
   EXPECT_EQ(cost.stages()[0].name, "walk");
   System<CircleState> kinked({0.25, 0, false}, {std::make_shared<Bend>()}, Unknowns(1));
   EXPECT_FALSE(kinked.transport(tangent));
+}
+
+TEST(System, MovesAStateThatCannotGoBackAgainByLess) {
+  class Half : public Bend {
+   public:
+    double look_ahead(const CircleState&, const CircleState&, CostLedger*) override { return 0.5; }
+  };
+  System<CircleState> system({0.25, 0, true}, {std::make_shared<Half>()}, Unknowns(1));
+  EXPECT_EQ(system.move(Eigen::VectorXd::Constant(1, 0.5))[0], 0.25);
+  system.accept();
+  EXPECT_EQ(system.state().angle, 0.5);
 }
 
 TEST(System, SnapsToTheLowestKinkThatATermKnowsOfAndTriesEachOnce) {

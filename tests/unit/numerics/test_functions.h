@@ -10,6 +10,16 @@
 
 namespace supple::numerics {
 
+/// Both triangles of all parts.
+inline Eigen::MatrixXd dense(const BorderedMatrix& matrix) {
+  const Eigen::Index n = matrix.core.rows();
+  const Eigen::Index m = matrix.corner.rows();
+  Eigen::MatrixXd all(n + m, n + m);
+  all << Eigen::MatrixXd(matrix.core).selfadjointView<Eigen::Lower>().toDenseMatrix(), matrix.border,
+      matrix.border.transpose(), matrix.corner;
+  return all;
+}
+
 /// Functions of a vector, summed up.
 using VectorSystem = System<VectorState>;
 inline VectorSystem system_of(Eigen::VectorXd x, VectorSystem::Terms terms, CostLedger* cost = nullptr) {

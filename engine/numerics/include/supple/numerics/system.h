@@ -102,8 +102,13 @@ class System : public Objective {
       travelled = unknowns_.restrict(trial_->move(unknowns_.expand(step)));
     }
     if (const double share = look_ahead(state_, *trial_); share < 1) {
-      if constexpr (Retractable<S>) trial_->go_back(state_, share);
       travelled *= share;
+      if constexpr (Retractable<S>) {
+        trial_->go_back(state_, share);
+      } else {
+        trial_ = state_;
+        travelled = unknowns_.restrict(trial_->move(unknowns_.expand(travelled)));
+      }
     }
     if (keeps_tried_) {
       tried_.push_back(*trial_);
