@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "supple/base/execution.h"
+#include "supple/base/effect_switch.h"
+#include "supple/embedded/network.h"
+#include "supple/surface/geodesic_solver.h"
+
+namespace supple::embedded {
+
+enum class RelaxationMethod { newton, lbfgs, gradient_descent };
+
+/// What a spring's length is: of the shortest path on the surface, or of the straight segment through space, which is
+/// cheaper and lets networks stick at edges (thesis fig. 3.12).
+enum class SpringLength { geodesic, euclidean };
+
+/// One state on the way: the start or the one after an iteration.
+struct RelaxationStep {
+  double energy = 0;          ///< unit of the weights times squared mesh units
+  double gradient_norm = 0;   ///< |grad E| by tangent coordinates of the free points
+  double step_length = 0;     ///< root of the sum of the points' squared ways to reach this state; 0 for the start
+  double regularization = 0;  ///< added to the Hessian's diagonal for that step
+};
+
+struct RelaxationOptions {
+  RelaxationMethod method = RelaxationMethod::newton;
+  SpringLength spring_length = SpringLength::geodesic;
+  /// Converged once |grad E| <= tolerance * (largest weight) * (mesh diagonal).
+  double tolerance = 1e-9;
+  int max_iterations = 200;
+  /// Smoothing of paths next to vertices (thesis eq. 3.12): on; off; or automatic: only where the search without it
+  /// does not converge and a path passes through a vertex, from where that search ended.
+  Switch mollifier = Switch::automatic;
+  /// The mollifier's length as a fraction of an edge, in (0, 0.5].
+  double mollifier_length = 1e-6;
+  /// Whether the faces that a spring crossed in the state before are unfolded first, and searched for a shorter path
+  /// only where that cannot be excluded. Never changes the answer. automatic: on.
+  Switch kept_strips = Switch::automatic;
+  /// Called with the start and the state after every iteration, on the thread of the caller.
+  std::function<void(const RelaxationStep& step, std::span<const surface::SurfacePoint> points)> observer{};
+  /// Whether the paths of the springs are wanted in the answer.
+  bool paths = false;
+};
+
+/// What is known of a spring at the end.
+struct SpringState {
+  double length = 0;        ///< mesh units
+  double energy = 0;
+  bool compressed = false;  ///< shorter than its rest length: its energy pushes towards longer paths
+  /// Another path is as short (within 1e-9, relative): the length has a kink there, a ridge for a spring under tension
+  /// and a valley for one under compression, which no equilibrium of a single path describes.
+  bool at_cut_locus = false;
+  std::vector<surface::PathPoint> path{};  ///< from `from` to `to`; empty unless asked for
+};
+
+struct Relaxation {
+  std::vector<surface::SurfacePoint> points;
+  std::vector<SpringState> springs;
+  double energy = 0;
+  double gradient_norm = 0;
+  int iterations = 0;
+  std::vector<RelaxationStep> history;  ///< the start and every iteration
+  /// "converged"; "cut_locus" (no step lowers the energy and a spring under compression is at its cut locus, where its
+  /// length is not differentiable); "step_too_small"; or "iteration_limit".
+  std::string stopped;
+  bool mollified = false;        ///< whether the energy at the end is the mollified one
+  /// Points that came to rest exactly at a vertex where the energy has a kink and no direction descends, ascending.
+  std::vector<std::int32_t> at_vertices;
+  /// Free points that no spring of positive weight holds: they stay where they are. Ascending.
+  std::vector<std::int32_t> loose_points;
+  /// What deserves attention, one sentence each: springs under compression, loose points, springs at cut loci.
+  std::vector<std::string> warnings;
+};
+
+/// Moves the free points of a network to a local minimum of its energy E = sum weight (length - rest_length)^2 (thesis
+/// eq. 3.13) on a rigid surface. E never rises on the way.
+///
+/// Newton's method with exact Hessians (thesis eq. 3.7 to 3.11): one distance with derivatives for each spring and
+/// state, in parallel, and one sparse factorization. lbfgs and gradient_descent use the same evaluations. Bills the
+/// effects "geodesic_springs" or "euclidean_springs", "mollifier" and "kept_strips", the stages "search", "assembly",
+/// "step", and the quantities "same_face", "unfolded" and "searched" (springs by how their path was found).
+///
+/// Throws what checked_network throws and "network.invalid_option" (tolerance, max_iterations, mollifier_length).
+Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options = {},
+                 const Execution& execution = {});
+
+}  // namespace supple::embedded
