@@ -14,6 +14,7 @@ ROOMS = {
     "engine/base": {"base"},
     "engine/numerics": {"base", "numerics"},
     "engine/surface": {"base", "numerics", "surface"},
+    "engine/embedded": {"base", "numerics", "surface", "embedded"},
     "engine/tiling": {"base", "tiling"},
     "engine/microscale": {"base", "numerics", "tiling", "microscale"},
     "engine/weave": {"base", "numerics", "weave"},
