@@ -19,6 +19,7 @@ constexpr double point_rounding = 1e-13;
 /// are more than so many worth the time.
 constexpr double share_of_surprise = 0.02;
 constexpr std::size_t most_surprised = 64;
+constexpr std::size_t most_trials = 8;
 /// A point by itself is brought near its minimum, no farther: the others move on.
 constexpr int most_local_iterations = 12;
 constexpr double local_tolerance = 1e-8;
@@ -54,6 +55,8 @@ GeodesicSprings::GeodesicSprings(const surface::GeodesicSolver& solver, const Ne
     springs_at_[static_cast<std::size_t>(springs_[i].from)].push_back(static_cast<std::int32_t>(i));
     springs_at_[static_cast<std::size_t>(springs_[i].to)].push_back(static_cast<std::int32_t>(i));
   }
+  for (std::size_t i = 0; i < held_.size(); ++i)
+    if (!held_[i] && !springs_at_[i].empty()) free_.push_back(i);
 }
 
 void GeodesicSprings::prepare(NetworkState& state, int /*order*/, const Execution& execution) {
@@ -212,10 +215,8 @@ void GeodesicSprings::settle(NetworkState& state, const std::vector<std::size_t>
     held.front() = false;
     std::vector<bool> held_coordinates(2 * held.size(), true);
     held_coordinates[0] = held_coordinates[1] = false;
-    GeodesicSpringsOptions options = options_;
-    options.local = true;
     numerics::System<NetworkState> system(NetworkState(state.mesh(), own.points),
-                                          {std::make_shared<GeodesicSprings>(solver_, own, held, options)},
+                                          {std::make_shared<GeodesicSprings>(solver_, own, held, options_)},
                                           numerics::Unknowns(held_coordinates));
     numerics::MinimizerOptions few;
     few.max_iterations = most_local_iterations;
@@ -253,7 +254,9 @@ std::vector<GeodesicSprings::Kink> GeodesicSprings::kinks(const NetworkState& cu
                                                           const std::vector<NetworkState>& tried,
                                                           double /*reach*/) const {
   if (tried.empty()) return {};
-  if (options_.local) return kinks_of(0, current, tried);
+  if (free_.size() == 1) return kinks_of(free_.front(), current, tried);
+  // After so many trials the way down is no longer blocked by a few points.
+  if (tried.size() > most_trials) return {};
   const NetworkState& whole = tried.front();
   const std::vector<std::size_t> points = surprised(current, whole);
   if (points.empty()) return {};

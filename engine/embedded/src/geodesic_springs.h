@@ -16,8 +16,6 @@ namespace supple::embedded {
 
 struct GeodesicSpringsOptions {
   bool kept_strips = true;
-  /// One point is free, and the others belong to a larger network.
-  bool local = false;
   /// Of thesis eq. 3.12, as a fraction of an edge; 0 leaves the mollifier out.
   double mollifier_length = 0;
 };
@@ -78,6 +76,7 @@ class GeodesicSprings : public numerics::Term<NetworkState> {
   std::vector<Spring> springs_;
   std::vector<std::vector<std::int32_t>> springs_at_;  ///< of each point
   std::vector<bool> held_;
+  std::vector<std::size_t> free_;  ///< points that are not held and have springs
   GeodesicSpringsOptions options_;
   std::shared_ptr<const FoundPaths> last_;  ///< where strips are taken from
 };
