@@ -23,6 +23,8 @@ constexpr std::size_t most_trials = 8;
 /// A point by itself is brought near its minimum, no farther: the others move on.
 constexpr int most_local_iterations = 12;
 constexpr double local_tolerance = 1e-8;
+/// What was found for so many states is kept for others to come.
+constexpr std::size_t most_kept_paths = 8;
 /// A slope above this share of the pulls that make it counts as none.
 constexpr double slope_rounding = 1e-12;
 
@@ -62,22 +64,21 @@ GeodesicSprings::GeodesicSprings(const surface::GeodesicSolver& solver, const Ne
 void GeodesicSprings::prepare(NetworkState& state, int /*order*/, const Execution& execution) {
   if (state.found()) return;
   const auto& points = state.points();
-  std::vector<surface::PointPair> pairs(springs_.size());
+  pairs_.resize(springs_.size());
   for (std::size_t i = 0; i < springs_.size(); ++i) {
-    pairs[i].from = points[static_cast<std::size_t>(springs_[i].from)];
-    pairs[i].to = points[static_cast<std::size_t>(springs_[i].to)];
+    pairs_[i].from = points[static_cast<std::size_t>(springs_[i].from)];
+    pairs_[i].to = points[static_cast<std::size_t>(springs_[i].to)];
   }
   const StageTimer timer(execution.cost, "search");
   // Windows are counted; the time that passes is billed once, and progress is the minimization's.
   CostLedger counted;
   const Execution own{execution.cancellation, nullptr, execution.cost ? &counted : nullptr};
-  auto found = std::make_shared<FoundPaths>();
-  found->geodesics.resize(springs_.size());
+  const std::shared_ptr<FoundPaths> found = unused_paths();
   const bool known = options_.kept_strips && last_;
   if (known)
     for (std::size_t i = 0; i < springs_.size(); ++i) found->geodesics[i].strip = last_->geodesics[i].strip;
-  const surface::PathsFound counts = solver_.tangent_geodesics(pairs, found->geodesics, known, own);
-  if (options_.mollifier_length > 0) find_mollified(pairs, *found, own);
+  const surface::PathsFound counts = solver_.tangent_geodesics(pairs_, found->geodesics, known, own);
+  if (options_.mollifier_length > 0) find_mollified(*found, own);
   if (CostLedger* cost = execution.cost) {
     for (const auto& quantity : counted.quantities()) cost->add_quantity(quantity.name, quantity.value);
     cost->add_quantity("same_face", static_cast<double>(counts.same_face));
@@ -85,18 +86,27 @@ void GeodesicSprings::prepare(NetworkState& state, int /*order*/, const Executio
     cost->add_quantity("searched", static_cast<double>(counts.searched));
   }
   last_ = found;
-  state.set_found(std::move(found));
+  state.set_found(found);
 }
 
-void GeodesicSprings::find_mollified(const std::vector<surface::PointPair>& pairs, FoundPaths& found,
-                                     const Execution& execution) const {
+std::shared_ptr<FoundPaths> GeodesicSprings::unused_paths() {
+  // States come and go; what the ones that went have left is used again, since new memory costs as much as a search.
+  for (const auto& paths : kept_paths_)
+    if (paths.use_count() == 1) return paths;
+  auto paths = std::make_shared<FoundPaths>();
+  paths->geodesics.resize(springs_.size());
+  if (kept_paths_.size() < most_kept_paths) kept_paths_.push_back(paths);
+  return paths;
+}
+
+void GeodesicSprings::find_mollified(FoundPaths& found, const Execution& execution) const {
   surface::GeodesicOptions options;
   options.derivatives = 2;
   options.mollifier = options_.mollifier_length;
-  std::vector<surface::Geodesic> geodesics(pairs.size());
-  solver_.pairs(pairs, geodesics, options, execution);
-  found.mollified.resize(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  std::vector<surface::Geodesic> geodesics(pairs_.size());
+  solver_.pairs(pairs_, geodesics, options, execution);
+  found.mollified.assign(pairs_.size(), {});
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
     if (!geodesics[i].derivatives || !geodesics[i].mollified_distance) continue;
     found.mollified[i] = {*geodesics[i].mollified_distance, geodesics[i].derivatives->tangent_gradient,
                           geodesics[i].derivatives->tangent_hessian};

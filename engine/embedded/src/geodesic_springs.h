@@ -52,8 +52,8 @@ class GeodesicSprings : public numerics::Term<NetworkState> {
   /// Paths that end at a point on a tip, with what they pull.
   using Arrivals = std::vector<surface::ArrivingPath>;
 
-  void find_mollified(const std::vector<surface::PointPair>& pairs, FoundPaths& found,
-                      const Execution& execution) const;
+  std::shared_ptr<FoundPaths> unused_paths();
+  void find_mollified(FoundPaths& found, const Execution& execution) const;
   double pull_of(const Spring& spring, double length) const {
     return 2 * spring.weight * (length - spring.rest_length);
   }
@@ -78,7 +78,9 @@ class GeodesicSprings : public numerics::Term<NetworkState> {
   std::vector<bool> held_;
   std::vector<std::size_t> free_;  ///< points that are not held and have springs
   GeodesicSpringsOptions options_;
+  std::vector<surface::PointPair> pairs_;   ///< the springs' ends at the state that was prepared last
   std::shared_ptr<const FoundPaths> last_;  ///< where strips are taken from
+  std::vector<std::shared_ptr<FoundPaths>> kept_paths_;
 };
 
 }  // namespace supple::embedded
