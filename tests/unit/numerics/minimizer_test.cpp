@@ -102,7 +102,7 @@ TEST(Minimizer, TellsOfEveryStateWhenItIsTheCurrentOne) {
   options.after_step = [&](const MinimizerStep& step) {
     told.push_back(step.value);
     const Eigen::VectorXd& x = system.state().x;
-    EXPECT_EQ(step.value, 100 * std::pow(x[1] - x[0] * x[0], 2) + std::pow(1 - x[0], 2));
+    EXPECT_NEAR(step.value, 100 * std::pow(x[1] - x[0] * x[0], 2) + std::pow(1 - x[0], 2), 1e-12 * step.value);
   };
   const MinimizerResult result = minimize(system, options);
   ASSERT_EQ(told.size(), result.history.size());
