@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Fails where a file includes what its room may not see (the arrows in CONTRIBUTING.md), or writes again what numerics has, and where a room's
-threads are not watched by the thread sanitizer."""
+"""Fails where a file includes what its room may not see (the arrows in CONTRIBUTING.md), where one writes again what numerics
+has, and where a room's threads are not watched by the thread sanitizer."""
 
 from __future__ import annotations
 
