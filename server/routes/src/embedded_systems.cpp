@@ -41,17 +41,17 @@ void check_built(std::size_t count, const char* field, std::size_t limit, const 
                        static_cast<double>(limit), static_cast<double>(count), setting, field);
 }
 
-/// Calls build() and says what is wrong of the builder's field.
-template <class Build>
-auto with_builder_pointer(const char* pointer, Build build) {
-  try {
-    return build();
-  } catch (const problem::ProblemError&) {
-    throw;
-  } catch (const Error& error) {
-    if (!error.code().starts_with("point.") && !error.code().starts_with("network.")) throw;
-    throw Error(error.code(), error.what(), {{pointer, error.what()}});
+/// How many pairs of points lie in faces that share an edge, each pair once for each edge. O(points + faces).
+std::size_t count_adjacent_pairs(const surface::TriangleMesh& mesh, const std::vector<surface::SurfacePoint>& points) {
+  std::vector<std::size_t> in_face(static_cast<std::size_t>(mesh.face_count()));
+  for (const auto& point : points) ++in_face[static_cast<std::size_t>(index(point.face))];
+  std::size_t pairs = 0;
+  for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h) {
+    if (mesh.twin(h) < h) continue;
+    pairs += in_face[static_cast<std::size_t>(surface::TriangleMesh::face_of(h))] *
+             in_face[static_cast<std::size_t>(surface::TriangleMesh::face_of(mesh.twin(h)))];
   }
+  return pairs;
 }
 
 struct BuiltNetwork {
@@ -59,7 +59,7 @@ struct BuiltNetwork {
   std::optional<std::vector<std::array<std::int32_t, 3>>> triangles;
 };
 
-/// Builds what the request does not give one by one. `given` are the points that it does.
+/// Builds what the request does not give one by one.
 class NetworkBuilder {
  public:
   NetworkBuilder(const EmbeddedSystemRequest& request, const store::LoadedMesh& mesh, const json::Limits& limits)
@@ -80,15 +80,12 @@ class NetworkBuilder {
       execution.checkpoint(0, "points");
       const StageTimer timer(execution.cost, "points");
       check_built(static_cast<std::size_t>(mesh_.mesh().face_count()), "/points", limits_.max_points, "--max-points");
-      return with_builder_pointer("/points/barycentric",
-                                  [&] { return embedded::points_in_faces(mesh_.mesh(), in_faces->barycentric); });
+      return embedded::points_in_faces(mesh_.mesh(), in_faces->barycentric);
     }
     if (const auto* disks = std::get_if<json::PoissonDiskPoints>(&request_.points)) {
       execution.checkpoint(0, "points");
       const StageTimer timer(execution.cost, "points");
-      return with_builder_pointer("/points/radius", [&] {
-        return embedded::poisson_disk_points(mesh_.solver, disks->radius, disks->seed, limits_.max_points, execution);
-      });
+      return embedded::poisson_disk_points(mesh_.solver, disks->radius, disks->seed, limits_.max_points, execution);
     }
     return given;
   }
@@ -103,6 +100,8 @@ class NetworkBuilder {
     const StageTimer timer(execution.cost, "springs");
     std::vector<embedded::Pair> pairs;
     if (builder->kind == json::SpringBuilder::Kind::adjacent_faces) {
+      check_built(count_adjacent_pairs(mesh_.mesh(), built.network.points), "/springs", limits_.max_springs,
+                  "--max-springs");
       pairs = embedded::pairs_of_adjacent_faces(mesh_.mesh(), built.network.points);
     } else {
       auto dual = embedded::triangulate(mesh_.solver, built.network.points, execution);
