@@ -132,7 +132,7 @@ std::vector<SurfacePoint> points_in_faces(const TriangleMesh& mesh, const Eigen:
   std::vector<SurfacePoint> points;
   points.reserve(static_cast<std::size_t>(mesh.face_count()));
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-    points.push_back(surface::checked_point(mesh, {FaceId{f}, barycentric}, "points/barycentric"));
+    points.push_back(surface::checked_point(mesh, {FaceId{f}, barycentric}, "points"));
   return points;
 }
 
