@@ -1,9 +1,10 @@
 // Everything beside the surface: which mesh, which tool, the points, what was found.
-import { button, Segments, Select } from "../base/controls";
+import { button, Checkbox, Segments, Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import type { Mesh } from "../contract/types";
 import { pointWords, readPoint } from "./link";
+import { ordered, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { RAMP } from "./surface_material";
 import type { MeshSession, Tool } from "./session";
 
@@ -21,7 +22,7 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
   } });
   const list = new Select<string>("Meshes on the server", [], (id) => id && void session.open(id));
   const facts = h("dl", { class: "facts compact" });
-  const warnings = h("div");
+  const warnings = h("div", { class: "notes" });
   session.known.watch((meshes) => {
     list.setChoices([{ value: "", words: "Choose …" }, ...meshes.map((mesh) => ({ value: mesh.id, words: meshWords(mesh) }))]);
     list.value = session.mesh.get()?.info.id ?? "";
@@ -35,12 +36,32 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
       ["Components", String(info.components)], ["Boundaries", String(info.boundary_loops)], ["Handles", String(info.genus)], ["Area", digits(info.area, 4)],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    replace(warnings, ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)));
+    const sentences = info.repair ? [repairSentence(info, info.repair), ...info.warnings] : info.warnings;
+    replace(warnings, ...sentences.map((sentence) => h("p", { class: "note" }, sentence)));
   });
   return h("section", { class: "card controls", "aria-label": "Surface" },
     h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a mesh"), file, button("Sample", sample)),
     h("p", { class: "muted" }, "OBJ, OFF, PLY or STL; or drop a file onto the view."),
-    list.element, facts, warnings);
+    repairControls(session), list.element, facts, warnings);
+}
+
+function repairControls(session: MeshSession): HTMLElement {
+  const boxes = REPAIRS.map((repair) => new Checkbox(REPAIR_WORDS[repair], (asked) => {
+    const others = session.repairs.get().filter((one) => one !== repair);
+    session.repairs.set(ordered(asked ? [...others, repair] : others));
+  }));
+  const help = h("p", { class: "muted" });
+  const again = button("Repair and upload", () => void session.repairRefused(), { kind: "primary" });
+  const element = h("details", { class: "more repairs" }, h("summary", {}, "Repairs at upload"), help, h("div", {}, ...boxes.map((box) => box.element)), again);
+  session.repairs.watch((repairs) => REPAIRS.forEach((repair, k) => (boxes[k].value = repairs.includes(repair))));
+  session.refused.watch((refused) => {
+    again.hidden = !refused;
+    if (refused) element.open = true;
+    help.textContent = refused
+      ? `${refused.words} was refused for faults that the marked repairs mend.`
+      : "Faulty meshes are refused, unless you ask for repairs. What they change is told here.";
+  });
+  return element;
 }
 
 function meshWords(mesh: Mesh): string {
