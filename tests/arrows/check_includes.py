@@ -14,6 +14,7 @@ ROOMS = {
     "engine/base": {"base"},
     "engine/numerics": {"base", "numerics"},
     "engine/surface": {"base", "numerics", "surface"},
+    "engine/embedded": {"base", "numerics", "surface", "embedded"},
     "engine/tiling": {"base", "tiling"},
     "engine/microscale": {"base", "numerics", "tiling", "microscale"},
     "engine/weave": {"base", "numerics", "weave"},
@@ -26,12 +27,12 @@ ROOMS = {
     "engine/lab": {"base", "files", "numerics", "tiling", "microscale", "dataset", "neural", "training", "lab"},
     "server/problem": {"base", "problem"},
     "server/http": {"base", "problem", "http"},
-    "server/json": {"base", "numerics", "surface", "tiling", "microscale", "weave", "neural", "design", "problem", "json"},
+    "server/json": {"base", "numerics", "surface", "embedded", "tiling", "microscale", "weave", "neural", "design", "problem", "json"},
     "server/store": {"base", "numerics", "surface", "neural", "design", "problem", "store"},
     "server/metrics": {"base", "problem", "metrics"},
     "server/jobs": {"base", "problem", "store", "jobs"},
-    "server/routes": {"base", "surface", "tiling", "microscale", "weave", "neural", "design", "problem", "http", "json",
-                      "store", "metrics", "jobs", "routes"},
+    "server/routes": {"base", "surface", "embedded", "tiling", "microscale", "weave", "neural", "design", "problem", "http",
+                      "json", "store", "metrics", "jobs", "routes"},
     "clients": set(),
 }
 

@@ -186,6 +186,7 @@ class Minimization {
     result_.value = at_.value;
     result_.gradient_norm = at_.gradient.norm();
     result_.history.push_back({result_.value, result_.gradient_norm, step_length, direction_->regularization()});
+    if (options_.after_step) options_.after_step(result_.history.back());
   }
 
   void report_progress() {

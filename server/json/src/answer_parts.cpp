@@ -29,6 +29,22 @@ void write_bill(JsonWriter& out, const Bill& bill) {
   out.end_object().end_object();
 }
 
+void write_point(JsonWriter& out, const surface::SurfacePoint& point) {
+  out.begin_object().field("face", index(point.face)).key("barycentric").numbers(point.barycentric).end_object();
+}
+
+void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path) {
+  out.begin_array();
+  for (const auto& point : path) {
+    out.begin_object().field("face", index(point.point.face));
+    out.key("barycentric").numbers(point.point.barycentric);
+    out.key("position").numbers(point.position);
+    if (point.vertex != VertexId::none) out.field("vertex", index(point.vertex));
+    out.end_object();
+  }
+  out.end_array();
+}
+
 void write_number_or_null(JsonWriter& out, std::string_view name, double value) {
   out.key(name);
   std::isfinite(value) ? out.number(value) : out.null();

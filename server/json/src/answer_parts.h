@@ -11,6 +11,11 @@ namespace supple::json {
 /// "effects" and "cost", which end every answer.
 void write_bill(JsonWriter& out, const Bill& bill);
 
+/// A point of a surface.
+void write_point(JsonWriter& out, const surface::SurfacePoint& point);
+/// A path on a surface.
+void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path);
+
 /// A number that may be missing: null where it is not finite.
 void write_number_or_null(JsonWriter& out, std::string_view name, double value);
 

@@ -14,22 +14,6 @@ using surface::TriangleMesh;
 /// A competing path that is longer by less than this, relative, puts a point near the cut locus.
 constexpr double near_cut_locus = 1e-6;
 
-void write_point(JsonWriter& out, const SurfacePoint& point) {
-  out.begin_object().field("face", index(point.face)).key("barycentric").numbers(point.barycentric).end_object();
-}
-
-void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path) {
-  out.begin_array();
-  for (const auto& point : path) {
-    out.begin_object().field("face", index(point.point.face));
-    out.key("barycentric").numbers(point.point.barycentric);
-    out.key("position").numbers(point.position);
-    if (point.vertex != VertexId::none) out.field("vertex", index(point.vertex));
-    out.end_object();
-  }
-  out.end_array();
-}
-
 void write_frame(JsonWriter& out, const TriangleMesh& mesh, FaceId face) {
   const auto frame = surface::tangent_frame(mesh, face);
   out.begin_object().field("face", index(face)).key("axes").begin_array();

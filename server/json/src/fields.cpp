@@ -227,6 +227,12 @@ void Fields::finish() {
   }
 }
 
+std::int32_t read_array_index(const Document& value, const std::string& pointer, Faults& faults) {
+  if (is_index(value)) return value.get<std::int32_t>();
+  faults.add(pointer, "must be an integer from 0 to 2147483647");
+  return 0;
+}
+
 PointSpec read_point(const Document& value, const std::string& pointer, Faults& faults) {
   PointSpec point;
   Fields fields(value, pointer, faults);
@@ -234,10 +240,7 @@ PointSpec read_point(const Document& value, const std::string& pointer, Faults& 
   const bool by_vertex = fields.present("vertex");
   const auto index = [&](std::string_view name) -> std::int32_t {
     const auto* entry = fields.required(name);
-    if (!entry) return 0;
-    if (is_index(*entry)) return entry->get<std::int32_t>();
-    faults.add(fields.at(name), "must be an integer from 0 to 2147483647");
-    return 0;
+    return entry ? read_array_index(*entry, fields.at(name), faults) : 0;
   };
   if (by_vertex) {
     point.by_vertex = true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -69,6 +70,9 @@ class Fields {
 /// Reads a number in [least, most]; a fault is reported at `pointer`, leaves `out` as it is and returns false.
 bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double least,
                  double most, bool least_excluded = false);
+
+/// Reads an index, an integer from 0 to 2147483647; a fault is reported at `pointer` and gives 0.
+std::int32_t read_array_index(const Document& value, const std::string& pointer, Faults& faults);
 
 /// Reads a point; faults are reported at `pointer`.
 PointSpec read_point(const Document& value, const std::string& pointer, Faults& faults);

@@ -5,6 +5,7 @@
 
 #include "computation_route.h"
 #include "handlers.h"
+#include "part_of_execution.h"
 #include "structure_spec.h"
 #include "supple/design/verification.h"
 #include "supple/json/design_answers.h"
@@ -94,19 +95,6 @@ void check_targets(const Region& region) {
   }
 }
 
-/// Moves a stretch of progress to its place among the regions.
-class RegionProgress : public ProgressSink {
- public:
-  RegionProgress(ProgressSink& outer, double first, double share) : outer_(outer), first_(first), share_(share) {}
-  void report(double fraction, std::string_view stage) override { outer_.report(first_ + share_ * fraction, stage); }
-  void publish(std::string_view partial) override { outer_.publish(partial); }
-
- private:
-  ProgressSink& outer_;
-  double first_;
-  double share_;
-};
-
 /// Bounds are a box, and tiles in its corners can be too small or closed: then the design's message says so.
 void say_if_without_structure(const store::LoadedModel& model, design::Design& best) {
   const std::vector<double> parameters(best.parameters.begin(), best.parameters.end());
@@ -183,11 +171,8 @@ store::Result compute_design(const std::vector<Region>& regions, const json::Des
   const auto bill = billed(outer, [&](const Execution& execution) {
     for (std::size_t i = 0; i < regions.size(); ++i) {
       const double share = 1 / static_cast<double>(regions.size());
-      std::optional<RegionProgress> progress;
-      if (execution.progress) progress.emplace(*execution.progress, share * static_cast<double>(i), share);
-      Execution inner = execution;
-      inner.progress = progress ? &*progress : nullptr;
-      found.push_back(search(regions[i], request, inner));
+      const PartOfExecution part(execution, share * static_cast<double>(i), share);
+      found.push_back(search(regions[i], request, part.execution()));
     }
     if (!request.simulates()) {
       execution.cost->add_effect("verification", false, "the request does not ask for it");

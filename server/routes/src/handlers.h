@@ -11,6 +11,7 @@ void add_mesh_routes(http::Router& router, Services& services);
 void add_geodesics_route(http::Router& router, Services& services);
 void add_geodesic_field_route(http::Router& router, Services& services);
 void add_karcher_mean_route(http::Router& router, Services& services);
+void add_embedded_system_route(http::Router& router, Services& services);
 void add_exponential_map_route(http::Router& router, Services& services);
 void add_structure_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);

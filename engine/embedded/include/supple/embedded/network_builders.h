@@ -16,9 +16,9 @@ namespace supple::embedded {
 std::vector<surface::SurfacePoint> points_in_faces(const surface::TriangleMesh& mesh,
                                                    const Eigen::Vector3d& barycentric);
 
-/// Random points of which no two are nearer than `radius` (geodesic distance, mesh units), until no free place was found
-/// in 30 tries round each point (Bridson 2007, on the surface) or in tries spread over the area. The same seed gives the
-/// same points. Throws "network.radius" (not positive, or so small that more than `most_points` may fit).
+/// Random points of which no two are nearer than `radius` (geodesic distance, mesh units), until no free place was
+/// found in 30 tries round each point (Bridson 2007, on the surface) or in tries spread over the area. The same seed
+/// gives the same points. Throws "network.radius" (not positive, or so small that more than `most_points` may fit).
 std::vector<surface::SurfacePoint> poisson_disk_points(const surface::GeodesicSolver& solver, double radius,
                                                        std::uint64_t seed = 1, std::size_t most_points = 100'000,
                                                        const Execution& execution = {});
@@ -36,8 +36,8 @@ struct Triangulation {
 };
 
 /// Connects points whose geodesic Voronoi cells meet: edges where two cells share a border, triangles where three meet.
-/// The cells are found at the mesh's vertices and along its edges, so that a cell smaller than a face may be missed.
-/// The cost is about that of one distance field over the mesh.
+/// The cells are looked for at some 64 places for each point, spread evenly over each face: cells and borders much
+/// smaller than the average may be missed. One distance field over the mesh, then a microsecond for each place.
 Triangulation triangulate(const surface::GeodesicSolver& solver, const std::vector<surface::SurfacePoint>& points,
                           const Execution& execution = {});
 

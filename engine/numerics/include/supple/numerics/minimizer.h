@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -10,6 +11,13 @@
 namespace supple::numerics {
 
 enum class MinimizerMethod { newton, lbfgs, gradient_descent };
+
+struct MinimizerStep {
+  double value = 0;
+  double gradient_norm = 0;
+  double step_length = 0;     ///< length of the step that led to this state; 0 for the start
+  double regularization = 0;  ///< lambda of that step, in the unit of the Hessian
+};
 
 /// Every tolerance is the inequality that is tested. f is the value, g the gradient, d the direction, s the step.
 struct MinimizerOptions {
@@ -54,6 +62,9 @@ struct MinimizerOptions {
   /// L-BFGS, gradient descent: the first direction is -first_step * g; later ones take their length from measured
   /// curvature.
   double first_step = 1;
+  /// Called with the start and after every iteration, when the objective's current state is the one that the step led
+  /// to.
+  std::function<void(const MinimizerStep&)> after_step{};
 };
 
 enum class MinimizerStop {
@@ -63,13 +74,6 @@ enum class MinimizerStop {
   iteration_limit
 };
 std::string_view to_string(MinimizerStop stop);
-
-struct MinimizerStep {
-  double value = 0;
-  double gradient_norm = 0;
-  double step_length = 0;     ///< length of the step that led to this state; 0 for the start
-  double regularization = 0;  ///< lambda of that step, in the unit of the Hessian
-};
 
 struct MinimizerResult {
   MinimizerStop stop = MinimizerStop::iteration_limit;

@@ -7,6 +7,7 @@
 #include "supple/base/execution.h"
 #include "supple/surface/geodesic.h"
 #include "supple/surface/geodesic_field.h"
+#include "supple/surface/tangent_geodesic.h"
 
 namespace supple::surface {
 
@@ -58,6 +59,14 @@ class GeodesicSolver {
   /// first point share a search where that is less work than one for each. Throws what `geodesic` throws.
   void pairs(std::span<const PointPair> pairs, std::span<Geodesic> results, const GeodesicOptions& options = {},
              const Execution& execution = {}) const;
+
+  /// Many pairs again and again while their points move a little, in parallel, into memory that the caller owns: what
+  /// springs between them need. found[i].strip, where `strips_known`, is the strip of pairs[i] before its ends moved:
+  /// it is unfolded and kept where no other path can be as short, which takes a fraction of a search. Never changes
+  /// the answer. A few numbers for each pair that was not searched: about 0.3 microseconds. Throws what `geodesic`
+  /// throws.
+  PathsFound tangent_geodesics(std::span<const PointPair> pairs, std::span<TangentGeodesic> found, bool strips_known,
+                               const Execution& execution = {}) const;
 
   /// Distances from one or several sources to every vertex, and, if `options.keep_windows`, to every point.
   GeodesicField field(std::span<const SurfacePoint> sources, const FieldOptions& options = {},

@@ -9,7 +9,8 @@ struct Limits {
   std::size_t depth = 32;              ///< nesting of arrays and objects; fixed
   std::size_t max_values = 8'000'000;  ///< JSON values of one body; about 50 bytes of memory each
   std::size_t max_pairs = 100'000;
-  std::size_t max_points = 100'000;      ///< points of a mean, sources of a field
+  std::size_t max_points = 100'000;      ///< points of a mean or a network, sources of a field
+  std::size_t max_springs = 300'000;     ///< of a network: about the edges of a triangulation of max_points
   std::size_t max_parameters = 32;       ///< of a tiling; fixed
   std::size_t max_states = 1000;         ///< of a load path
   std::size_t max_strains = 100'000;     ///< of an evaluation of a model

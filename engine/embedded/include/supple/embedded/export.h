@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "supple/embedded/network.h"
+#include "supple/embedded/relaxation.h"
+
+// A relaxed network as files, in mesh units. Numbers read back as the same doubles.
+namespace supple::embedded {
+
+/// A Wavefront OBJ file with a line element for each spring, in their order: along its path where `relaxation` has the
+/// paths, otherwise the segment between its ends. `network` is the one that was relaxed.
+std::string write_obj(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation);
+
+/// The same as a VTK unstructured grid (VTU, ASCII) of polylines (cell type 4) with the cell data "length" and
+/// "rest_length" (mesh units), "weight", "energy", "compressed" and "at_cut_locus" (0 or 1).
+std::string write_vtu(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation);
+
+/// An SVG diagram of a relaxation: energy and gradient norm over the iterations, one above the other, each on a
+/// logarithmic axis. States where a value is zero have no point in its curve.
+std::string write_convergence_svg(const std::vector<RelaxationStep>& history);
+
+}  // namespace supple::embedded

@@ -1,0 +1,225 @@
+#include "supple/embedded/network_builders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <unordered_map>
+
+#include "supple/base/error.h"
+#include "supple/base/random.h"
+#include "supple/surface/exponential_map.h"
+
+namespace supple::embedded {
+namespace {
+
+using surface::SurfacePoint;
+using surface::TriangleMesh;
+
+/// Tries round a point before it counts as surrounded (Bridson 2007).
+constexpr int tries_round_a_point = 30;
+/// The densest points at least r apart in the plane have this much area each, in r^2.
+constexpr double least_area_of_a_point = std::numbers::sqrt3 / 2;
+/// Places for each point at which its cell is looked for.
+constexpr double samples_of_a_point = 64;
+
+double face_area(const TriangleMesh& mesh, std::int32_t face) {
+  const auto& corners = mesh.faces()[face];
+  const auto& x = mesh.positions();
+  return 0.5 * (x[corners[1]] - x[corners[0]]).cross(x[corners[2]] - x[corners[0]]).norm();
+}
+
+/// Points in cubes of one edge length, so that those near a place are found in a few lookups.
+class Cubes {
+ public:
+  explicit Cubes(double edge) : edge_(edge) {}
+
+  void add(const Eigen::Vector3d& at, std::size_t point) { cubes_[key(cube_of(at))].push_back(point); }
+
+  /// Whether `good` holds for all points in the cube of a place and its neighbours.
+  template <class Good>
+  bool all_near(const Eigen::Vector3d& at, const Good& good) const {
+    const auto centre = cube_of(at);
+    for (int i = -1; i <= 1; ++i)
+      for (int j = -1; j <= 1; ++j)
+        for (int k = -1; k <= 1; ++k) {
+          const auto cube = cubes_.find(key({centre[0] + i, centre[1] + j, centre[2] + k}));
+          if (cube != cubes_.end() && !std::ranges::all_of(cube->second, good)) return false;
+        }
+    return true;
+  }
+
+ private:
+  using Cube = std::array<std::int64_t, 3>;
+  Cube cube_of(const Eigen::Vector3d& at) const {
+    return {static_cast<std::int64_t>(std::floor(at[0] / edge_)), static_cast<std::int64_t>(std::floor(at[1] / edge_)),
+            static_cast<std::int64_t>(std::floor(at[2] / edge_))};
+  }
+  /// Different cubes may share a key: then more points are looked at than need be.
+  static std::int64_t key(const Cube& cube) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(cube[0]) * 73856093U ^
+                                     static_cast<std::uint64_t>(cube[1]) * 19349663U ^
+                                     static_cast<std::uint64_t>(cube[2]) * 83492791U);
+  }
+
+  double edge_;
+  std::unordered_map<std::int64_t, std::vector<std::size_t>> cubes_;
+};
+
+class PoissonDisk {
+ public:
+  PoissonDisk(const surface::GeodesicSolver& solver, double radius, std::uint64_t seed, const Execution& execution)
+      : solver_(solver), radius_(radius), random_("poisson_disk_points", seed), execution_(execution), cubes_(radius) {}
+
+  std::vector<SurfacePoint> run() {
+    const TriangleMesh& mesh = solver_.mesh();
+    std::vector<std::vector<std::int32_t>> components(static_cast<std::size_t>(mesh.component_count()));
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      components[static_cast<std::size_t>(mesh.component(f))].push_back(f);
+    for (const auto& faces : components) {
+      const std::size_t first = points_.size();
+      const int any = random_.below(static_cast<int>(faces.size()));
+      add({FaceId{faces[static_cast<std::size_t>(any)]}, Eigen::Vector3d::Constant(1.0 / 3)});
+      // Points are surrounded one after the other, the oldest first: the front spreads over the component.
+      for (std::size_t at = first; at < points_.size(); ++at) {
+        execution_.cancellation.throw_if_requested();
+        surround(points_[at]);
+      }
+    }
+    return std::move(points_);
+  }
+
+ private:
+  void add(const SurfacePoint& point) {
+    cubes_.add(surface::position(solver_.mesh(), point), points_.size());
+    points_.push_back(point);
+  }
+
+  void surround(const SurfacePoint centre) {
+    const auto frame = surface::tangent_frame(solver_.mesh(), centre.face);
+    for (int i = 0; i < tries_round_a_point; ++i) {
+      const double angle = 2 * std::numbers::pi * random_.uniform();
+      // Evenly over the area of the ring from one radius to two.
+      const double length = radius_ * std::sqrt(1 + 3 * random_.uniform());
+      const Eigen::Vector3d way = frame * (length * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      const surface::ExponentialMap walked = surface::exponential_map(solver_.mesh(), centre, way, false);
+      if (free(walked.end)) add(walked.end);
+    }
+  }
+
+  bool free(const SurfacePoint& place) const {
+    const Eigen::Vector3d at = surface::position(solver_.mesh(), place);
+    // No path is shorter than the straight way: points beyond the radius in space need no search.
+    return cubes_.all_near(at, [&](std::size_t other) {
+      return (surface::position(solver_.mesh(), points_[other]) - at).norm() >= radius_ ||
+             solver_.distance(points_[other], place) >= radius_;
+    });
+  }
+
+  const surface::GeodesicSolver& solver_;
+  double radius_;
+  RandomStream random_;
+  const Execution& execution_;
+  Cubes cubes_;
+  std::vector<SurfacePoint> points_;
+};
+
+}  // namespace
+
+std::vector<SurfacePoint> points_in_faces(const TriangleMesh& mesh, const Eigen::Vector3d& barycentric) {
+  std::vector<SurfacePoint> points;
+  points.reserve(static_cast<std::size_t>(mesh.face_count()));
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    points.push_back(surface::checked_point(mesh, {FaceId{f}, barycentric}, "points"));
+  return points;
+}
+
+std::vector<SurfacePoint> poisson_disk_points(const surface::GeodesicSolver& solver, double radius, std::uint64_t seed,
+                                              std::size_t most_points, const Execution& execution) {
+  if (!std::isfinite(radius) || radius <= 0)
+    throw Error("network.radius", "The radius must be positive.", {{"points/radius", "is " + std::to_string(radius)}});
+  const TriangleMesh& mesh = solver.mesh();
+  double area = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) area += face_area(mesh, f);
+  const double most = area / (least_area_of_a_point * radius * radius);
+  if (most > static_cast<double>(most_points))
+    throw Error("network.radius", "The radius is so small that too many points fit.",
+                {{"points/radius", "leaves room for about " + std::to_string(std::llround(std::min(most, 1e15))) +
+                                       " points; the limit is " + std::to_string(most_points)}});
+  return PoissonDisk(solver, radius, seed, execution).run();
+}
+
+std::vector<Pair> pairs_of_adjacent_faces(const TriangleMesh& mesh, const std::vector<SurfacePoint>& points) {
+  std::vector<std::vector<std::int32_t>> in_face(static_cast<std::size_t>(mesh.face_count()));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    in_face[static_cast<std::size_t>(index(points[i].face))].push_back(static_cast<std::int32_t>(i));
+  std::vector<Pair> pairs;
+  for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h) {
+    const std::int32_t across = mesh.twin(h);
+    if (across < h) continue;
+    for (const std::int32_t a : in_face[static_cast<std::size_t>(TriangleMesh::face_of(h))])
+      for (const std::int32_t b : in_face[static_cast<std::size_t>(TriangleMesh::face_of(across))])
+        pairs.emplace_back(std::min(a, b), std::max(a, b));
+  }
+  // Two faces may have two edges in common.
+  std::ranges::sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+Triangulation triangulate(const surface::GeodesicSolver& solver, const std::vector<SurfacePoint>& points,
+                          const Execution& execution) {
+  const TriangleMesh& mesh = solver.mesh();
+  if (points.empty()) return {};
+  const surface::GeodesicField field = solver.field(points, {.keep_windows = true}, execution);
+  const double per_face = samples_of_a_point * static_cast<double>(points.size()) / mesh.face_count();
+  const int parts = std::max(2, static_cast<int>(std::ceil(std::sqrt(2 * per_face))));
+
+  std::map<std::array<std::int32_t, 3>, std::array<std::int32_t, 3>> triangles;  // sorted corners -> as they turn
+  std::vector<Pair> edges;
+  const auto meet = [&](std::int32_t a, std::int32_t b) {
+    if (a >= 0 && b >= 0 && a != b) edges.emplace_back(std::min(a, b), std::max(a, b));
+  };
+  const auto look_at = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+    meet(a, b);
+    meet(b, c);
+    meet(c, a);
+    if (a < 0 || b < 0 || c < 0 || a == b || b == c || c == a) return;
+    std::array<std::int32_t, 3> key{a, b, c};
+    std::ranges::sort(key);
+    triangles.try_emplace(key, std::array<std::int32_t, 3>{a, b, c});
+  };
+  const auto row = static_cast<std::size_t>(parts) + 1;
+  std::vector<std::int32_t> nearest(row * row);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    execution.cancellation.throw_if_requested();
+    const auto at = [&](int i, int j) -> std::int32_t& {
+      return nearest[static_cast<std::size_t>(i) * row + static_cast<std::size_t>(j)];
+    };
+    for (int i = 0; i <= parts; ++i)
+      for (int j = 0; i + j <= parts; ++j) {
+        const Eigen::Vector3d w = Eigen::Vector3d(parts - i - j, i, j) / parts;
+        at(i, j) = field.nearest_source({FaceId{f}, w});
+      }
+    for (int i = 0; i < parts; ++i)
+      for (int j = 0; i + j < parts; ++j) {
+        look_at(at(i, j), at(i + 1, j), at(i, j + 1));
+        if (i + j + 1 < parts) look_at(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+      }
+    // Each face finds the same neighbours again and again.
+    if (edges.size() > 4 * row * row) {
+      std::ranges::sort(edges);
+      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    }
+  }
+  std::ranges::sort(edges);
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  Triangulation result;
+  result.edges = std::move(edges);
+  result.triangles.reserve(triangles.size());
+  for (const auto& [key, corners] : triangles) result.triangles.push_back(corners);
+  return result;
+}
+
+}  // namespace supple::embedded

@@ -1,0 +1,253 @@
+#include "supple/embedded/relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "euclidean_springs.h"
+#include "geodesic_springs.h"
+#include "supple/base/error.h"
+#include "supple/base/parallel_tasks.h"
+#include "supple/numerics/minimizer.h"
+#include "supple/numerics/system.h"
+
+namespace supple::embedded {
+namespace {
+
+/// Steps shorter than this share of the mesh diagonal do not move a point in double precision.
+constexpr double shortest_step = 1e-16;
+constexpr int most_backtracks = 40;
+/// Directions of negative curvature are left by steps that are doubled up to this often, in length.
+constexpr double longest_expansion = 64;
+/// Springs whose final paths one task describes.
+constexpr std::size_t springs_of_a_task = 64;
+
+void check_options(const RelaxationOptions& options) {
+  const auto refuse = [](const std::string& field, const std::string& what) {
+    throw Error("network.invalid_option", "An option of the relaxation is out of range.", {{field, what}});
+  };
+  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
+    refuse("accuracy/tolerance", "is " + std::to_string(options.tolerance) + ", but must be finite and not negative");
+  if (options.max_iterations < 0)
+    refuse("max_iterations", "is " + std::to_string(options.max_iterations) + ", but must not be negative");
+  if (!(options.mollifier_length > 0 && options.mollifier_length <= 0.5))
+    refuse("accuracy/mollifier_length",
+           "is " + std::to_string(options.mollifier_length) + ", but must be above 0 and at most 0.5");
+}
+
+numerics::MinimizerMethod minimizer_method(RelaxationMethod method) {
+  switch (method) {
+    case RelaxationMethod::newton:
+      return numerics::MinimizerMethod::newton;
+    case RelaxationMethod::lbfgs:
+      return numerics::MinimizerMethod::lbfgs;
+    case RelaxationMethod::gradient_descent:
+      break;
+  }
+  return numerics::MinimizerMethod::gradient_descent;
+}
+
+/// What the network's springs say about its points before anything moves.
+struct Holds {
+  std::vector<bool> held;  ///< fixed or loose
+  std::vector<std::int32_t> loose;
+  double largest_weight = 0;
+  double largest_stiffness = 0;  ///< of one point: twice the sum of its springs' weights
+};
+
+Holds holds_of(const Network& network) {
+  Holds holds;
+  std::vector<double> stiffness(network.points.size(), 0);
+  for (const Spring& spring : network.springs) {
+    holds.largest_weight = std::max(holds.largest_weight, spring.weight);
+    stiffness[static_cast<std::size_t>(spring.from)] += 2 * spring.weight;
+    stiffness[static_cast<std::size_t>(spring.to)] += 2 * spring.weight;
+  }
+  holds.held.resize(network.points.size(), false);
+  for (const std::int32_t point : network.fixed_points) holds.held[static_cast<std::size_t>(point)] = true;
+  for (std::size_t i = 0; i < stiffness.size(); ++i) {
+    holds.largest_stiffness = std::max(holds.largest_stiffness, stiffness[i]);
+    if (stiffness[i] > 0 || holds.held[i]) continue;
+    holds.held[i] = true;
+    holds.loose.push_back(static_cast<std::int32_t>(i));
+  }
+  return holds;
+}
+
+std::vector<bool> held_coordinates(const std::vector<bool>& held) {
+  std::vector<bool> coordinates(2 * held.size());
+  for (std::size_t i = 0; i < held.size(); ++i) coordinates[2 * i] = coordinates[2 * i + 1] = held[i];
+  return coordinates;
+}
+
+std::string counted(std::size_t count, const std::string& one, const std::string& many) {
+  return count == 1 ? "One " + one : std::to_string(count) + " " + many;
+}
+
+class RelaxationRun {
+ public:
+  RelaxationRun(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options,
+                const Execution& execution)
+      : solver_(solver),
+        network_(network),
+        options_(options),
+        execution_(execution),
+        holds_(holds_of(network)),
+        state_(solver.mesh(), network.points) {}
+
+  Relaxation run() {
+    const bool geodesic = options_.spring_length == SpringLength::geodesic;
+    const bool mollified = geodesic && options_.mollifier == Switch::on;
+    numerics::MinimizerStop stop = minimize(mollified);
+    if (geodesic && options_.mollifier == Switch::automatic && stop != numerics::MinimizerStop::converged &&
+        result_.iterations < options_.max_iterations && some_path_is_pinned()) {
+      result_.mollified = true;
+      stop = minimize(true);
+    }
+    result_.mollified = result_.mollified || mollified;
+    if (execution_.cost && geodesic)
+      execution_.cost->add_effect("mollifier", result_.mollified, why_mollified(), result_.mollified ? 1 : 0);
+    if (execution_.cost && geodesic)
+      execution_.cost->add_effect(
+          "kept_strips", keeps_strips(),
+          keeps_strips() ? "a strip is unfolded again wherever no other path can be as short" : "asked not to",
+          keeps_strips() ? 1 : 0);
+    describe(stop);
+    return std::move(result_);
+  }
+
+ private:
+  bool keeps_strips() const { return options_.kept_strips != Switch::off; }
+
+  std::string why_mollified() const {
+    if (options_.mollifier == Switch::on) return "asked for";
+    if (options_.mollifier == Switch::off) return "asked not to";
+    return result_.mollified ? "the search without it did not converge, and a path passes through a vertex"
+                             : "the search without it did not call for it";
+  }
+
+  bool some_path_is_pinned() const {
+    return state_.found() && std::ranges::any_of(state_.found()->geodesics, &surface::TangentGeodesic::pinned);
+  }
+
+  std::shared_ptr<numerics::Term<NetworkState>> make_term(bool mollified) const {
+    if (options_.spring_length == SpringLength::euclidean) return std::make_shared<EuclideanSprings>(network_);
+    return std::make_shared<GeodesicSprings>(
+        solver_, network_, holds_.held,
+        GeodesicSpringsOptions{keeps_strips(), mollified ? options_.mollifier_length : 0});
+  }
+
+  numerics::MinimizerStop minimize(bool mollified) {
+    NetworkState start(solver_.mesh(), state_.points());
+    numerics::System<NetworkState> system(std::move(start), {make_term(mollified)},
+                                          numerics::Unknowns(held_coordinates(holds_.held)), {.execution = execution_});
+    const double diagonal = solver_.mesh().diagonal();
+    numerics::MinimizerOptions options;
+    options.method = minimizer_method(options_.method);
+    options.gradient_tolerance = options_.tolerance * holds_.largest_weight * diagonal;
+    options.step_tolerance = shortest_step * diagonal;
+    options.max_backtracks = most_backtracks;
+    options.max_iterations = options_.max_iterations - result_.iterations;
+    options.longest_expansion = longest_expansion;
+    // The length of a first step without curvature: that of a point which all others leave alone.
+    if (holds_.largest_stiffness > 0) options.first_step = 1 / holds_.largest_stiffness;
+    const bool again = !result_.history.empty();
+    options.after_step = [&](const numerics::MinimizerStep& step) {
+      result_.history.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
+      if (options_.observer) options_.observer(result_.history.back(), system.state().points());
+    };
+    const numerics::MinimizerResult found = numerics::minimize(system, options, execution_);
+    result_.iterations += found.iterations + (again ? 1 : 0);
+    result_.energy = found.value;
+    result_.gradient_norm = found.gradient_norm;
+    system.evaluate(0);
+    state_ = system.state();
+    return found.stop;
+  }
+
+  void describe(numerics::MinimizerStop stop) {
+    result_.points = state_.points();
+    result_.loose_points = holds_.loose;
+    for (std::size_t i = 0; i < network_.points.size(); ++i)
+      if (!holds_.held[i] && state_.on_tip(i)) result_.at_vertices.push_back(static_cast<std::int32_t>(i));
+    describe_springs();
+    const auto compressed = static_cast<std::size_t>(std::ranges::count_if(result_.springs, &SpringState::compressed));
+    const auto torn = static_cast<std::size_t>(
+        std::ranges::count_if(result_.springs, [](const SpringState& s) { return s.compressed && s.at_cut_locus; }));
+    result_.stopped = std::string(numerics::to_string(stop));
+    if (stop == numerics::MinimizerStop::step_too_small && torn > 0) result_.stopped = "cut_locus";
+    if (compressed > 0)
+      result_.warnings.push_back(
+          counted(compressed, "spring is", "springs are") +
+          " shorter than at rest: compression pushes a shortest path towards places where another becomes as short, "
+          "and the energy has a kink there");
+    if (torn > 0)
+      result_.warnings.push_back(counted(torn, "spring", "springs") +
+                                 " under compression reached such a place: two shortest paths are equally long, and no "
+                                 "small motion of the ends lowers the energy along both");
+    if (!holds_.loose.empty())
+      result_.warnings.push_back(counted(holds_.loose.size(), "point is", "points are") +
+                                 " held by no spring of positive weight and stayed in place");
+  }
+
+  void describe_springs() {
+    result_.springs.resize(network_.springs.size());
+    const bool geodesic = options_.spring_length == SpringLength::geodesic;
+    const auto describe = [&](std::size_t i, const Execution& own) {
+      const Spring& spring = network_.springs[i];
+      SpringState& told = result_.springs[i];
+      const surface::SurfacePoint& from = state_.points()[static_cast<std::size_t>(spring.from)];
+      const surface::SurfacePoint& to = state_.points()[static_cast<std::size_t>(spring.to)];
+      if (geodesic) {
+        surface::Geodesic path;
+        const bool ask = options_.paths || !state_.found();
+        if (ask) path = solver_.geodesic(from, to, {.path = options_.paths}, own);
+        told.length = ask ? path.distance : state_.found()->geodesics[i].distance;
+        told.at_cut_locus = !(ask ? path.unique : state_.found()->geodesics[i].unique);
+        told.path = std::move(path.path);
+      } else {
+        const Eigen::Vector3d start = surface::position(solver_.mesh(), from);
+        const Eigen::Vector3d end = surface::position(solver_.mesh(), to);
+        told.length = (end - start).norm();
+        if (options_.paths) told.path = {{from, start}, {to, end}};
+      }
+      const double excess = told.length - spring.rest_length;
+      told.energy = spring.weight * excess * excess;
+      told.compressed = spring.weight > 0 && excess < -compression_rounding * spring.rest_length;
+    };
+    const StageTimer timer(execution_.cost, "paths");
+    const std::size_t tasks = (network_.springs.size() + springs_of_a_task - 1) / springs_of_a_task;
+    const Execution quiet{execution_.cancellation, nullptr, nullptr};
+    parallel_tasks(static_cast<int>(tasks), quiet, "paths", [&](int t, const Execution& own) {
+      const std::size_t begin = static_cast<std::size_t>(t) * springs_of_a_task;
+      for (std::size_t i = begin; i < std::min(network_.springs.size(), begin + springs_of_a_task); ++i)
+        describe(i, own);
+    });
+  }
+
+  /// A spring at its rest length is compressed by rounding only.
+  static constexpr double compression_rounding = 1e-9;
+
+  const surface::GeodesicSolver& solver_;
+  const Network& network_;
+  const RelaxationOptions& options_;
+  const Execution& execution_;
+  Holds holds_;
+  NetworkState state_;
+  Relaxation result_;
+};
+
+}  // namespace
+
+Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options,
+                 const Execution& execution) {
+  check_options(options);
+  const Network own = checked_network(solver.mesh(), network);
+  execution.checkpoint(0, "search");
+  Relaxation result = RelaxationRun(solver, own, options, execution).run();
+  execution.checkpoint(1, "step");
+  return result;
+}
+
+}  // namespace supple::embedded

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "supple/json/answers.h"
+#include "supple/json/embedded_system_requests.h"
+
+/// The answer of elastic networks on surfaces as JSON text; it throws what those of answers.h throw.
+namespace supple::json {
+
+/// `network` is the one that was relaxed, with the points where they started; `triangles` are written where there are
+/// some to write, null elsewhere.
+std::string write_embedded_system(const EmbeddedSystemRequest& request, const surface::TriangleMesh& mesh,
+                                  const embedded::Network& network, const embedded::Relaxation& relaxation,
+                                  const std::vector<std::array<std::int32_t, 3>>* triangles, const Bill& bill);
+
+/// Points of a network whose positions are part of an intermediate result; those of larger ones are left out.
+inline constexpr std::size_t most_partial_positions = 5000;
+
+/// The network after an iteration.
+std::string write_partial_relaxation(int iteration, const embedded::RelaxationStep& step,
+                                     const surface::TriangleMesh& mesh, std::span<const surface::SurfacePoint> points);
+
+}  // namespace supple::json

@@ -1,0 +1,116 @@
+#include "supple/json/embedded_system_answers.h"
+
+#include <algorithm>
+
+#include "answer_parts.h"
+
+namespace supple::json {
+namespace {
+
+double largest_weight(const embedded::Network& network) {
+  double largest = 0;
+  for (const auto& spring : network.springs) largest = std::max(largest, spring.weight);
+  return largest;
+}
+
+void write_positions(JsonWriter& out, const surface::TriangleMesh& mesh,
+                     std::span<const surface::SurfacePoint> points) {
+  out.key("positions").begin_array();
+  for (const auto& point : points) out.numbers(surface::position(mesh, point));
+  out.end_array();
+}
+
+void write_spring_state(JsonWriter& out, const embedded::Spring& spring, const embedded::SpringState& state,
+                        bool with_path) {
+  out.begin_object().key("between").begin_array().integer(spring.from).integer(spring.to).end_array();
+  out.field("length", state.length)
+      .field("energy", state.energy)
+      .field("compressed", state.compressed)
+      .field("at_cut_locus", state.at_cut_locus);
+  if (with_path) {
+    out.key("path");
+    write_path(out, state.path);
+  }
+  out.end_object();
+}
+
+void write_relaxation_history(JsonWriter& out, const std::vector<embedded::RelaxationStep>& history) {
+  out.key("history").begin_array();
+  for (const auto& step : history) {
+    out.begin_object()
+        .field("energy", step.energy)
+        .field("gradient_norm", step.gradient_norm)
+        .field("step_length", step.step_length)
+        .field("regularization", step.regularization)
+        .end_object();
+  }
+  out.end_array();
+}
+
+void write_point_indices(JsonWriter& out, std::string_view name, std::span<const std::int32_t> indices) {
+  out.key(name).begin_array();
+  for (const auto i : indices) out.integer(i);
+  out.end_array();
+}
+
+}  // namespace
+
+std::string write_embedded_system(const EmbeddedSystemRequest& request, const surface::TriangleMesh& mesh,
+                                  const embedded::Network& network, const embedded::Relaxation& relaxation,
+                                  const std::vector<std::array<std::int32_t, 3>>* triangles, const Bill& bill) {
+  const auto& options = request.options;
+  JsonWriter out;
+  out.begin_object().field("mesh", request.mesh).key("points").begin_array();
+  for (const auto& point : relaxation.points) write_point(out, point);
+  out.end_array();
+  write_positions(out, mesh, relaxation.points);
+  out.key("springs").begin_array();
+  for (std::size_t i = 0; i < relaxation.springs.size(); ++i)
+    write_spring_state(out, network.springs[i], relaxation.springs[i], options.paths);
+  out.end_array();
+  if (triangles) {
+    out.key("triangles").begin_array();
+    for (const auto& corners : *triangles) {
+      out.begin_array();
+      for (const auto corner : corners) out.integer(corner);
+      out.end_array();
+    }
+    out.end_array();
+  }
+  const bool geodesic = options.spring_length == embedded::SpringLength::geodesic;
+  out.field("energy", relaxation.energy).key("terms").begin_array().begin_object();
+  out.field("name", geodesic ? "geodesic_springs" : "euclidean_springs").field("energy", relaxation.energy);
+  out.end_object().end_array();
+  out.field("gradient_norm", relaxation.gradient_norm).field("iterations", relaxation.iterations);
+  write_relaxation_history(out, relaxation.history);
+  out.field("stopped", relaxation.stopped).field("mollified", relaxation.mollified);
+  write_point_indices(out, "at_vertices", relaxation.at_vertices);
+  write_point_indices(out, "loose_points", relaxation.loose_points);
+  out.key("warnings").begin_array();
+  for (const auto& warning : relaxation.warnings) out.string(warning);
+  out.end_array();
+  out.key("accuracy")
+      .begin_object()
+      .field("tolerance", options.tolerance)
+      .field("gradient_tolerance", options.tolerance * largest_weight(network) * mesh.diagonal())
+      .field("gradient_norm", relaxation.gradient_norm)
+      .field("mollifier_length", options.mollifier_length)
+      .end_object();
+  write_bill(out, bill);
+  out.end_object();
+  return out.take();
+}
+
+std::string write_partial_relaxation(int iteration, const embedded::RelaxationStep& step,
+                                     const surface::TriangleMesh& mesh, std::span<const surface::SurfacePoint> points) {
+  JsonWriter out;
+  out.begin_object()
+      .field("iteration", iteration)
+      .field("energy", step.energy)
+      .field("gradient_norm", step.gradient_norm);
+  if (points.size() <= most_partial_positions) write_positions(out, mesh, points);
+  out.end_object();
+  return out.take();
+}
+
+}  // namespace supple::json

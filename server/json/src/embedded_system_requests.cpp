@@ -1,0 +1,143 @@
+#include "supple/json/embedded_system_requests.h"
+
+#include "document.h"
+#include "request_parts.h"
+
+namespace supple::json {
+namespace {
+
+constexpr int most_relaxation_iterations = 100'000;
+
+/// Calls read(fields) for the object that stands in place of an array.
+template <class Read>
+void read_builder(Fields& fields, std::string_view name, Read read) {
+  Fields builder(*fields.required(name), fields.at(name), fields.faults());
+  builder.required("kind");
+  read(builder);
+  builder.finish();
+}
+
+bool is_builder(Fields& fields, std::string_view name) {
+  const auto* value = fields.optional(name);
+  return value && value->is_object();
+}
+
+void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemRequest& request) {
+  if (!is_builder(fields, "points")) {
+    return fields.points("points", request.points.emplace<0>(), 1, limits.max_points, "--max-points");
+  }
+  read_builder(fields, "points", [&](Fields& builder) {
+    enum class Kind { per_face, poisson_disk, none } kind = Kind::none;
+    builder.choice("kind", kind, {"per_face", "poisson_disk"});
+    if (kind != Kind::poisson_disk) {
+      // Known also where the kind is faulty, so that only the kind is reported.
+      const auto* value = kind == Kind::none ? builder.optional("barycentric") : builder.required("barycentric");
+      if (value) {
+        read_components(*value, builder.at("barycentric"), builder.faults(),
+                        request.points.emplace<PointsInFaces>().barycentric, -any, any);
+      }
+    }
+    if (kind != Kind::per_face) {
+      PoissonDiskPoints points;
+      if (kind == Kind::poisson_disk) builder.required("radius");
+      builder.number("radius", points.radius, 0, any, true);
+      int seed = 1;
+      builder.integer("seed", seed, 0, largest_index);
+      points.seed = static_cast<std::uint64_t>(seed);
+      request.points = points;
+    }
+  });
+}
+
+void read_spring_constants(Fields& fields, double& rest_length, double& weight) {
+  fields.number("rest_length", rest_length, 0, any);
+  fields.number("weight", weight, 0, any);
+}
+
+embedded::Spring read_spring(const Document& value, const std::string& pointer, Faults& faults) {
+  embedded::Spring spring;
+  Fields fields(value, pointer, faults);
+  if (const auto* ends = fields.required("between")) {
+    const auto at = fields.at("between");
+    if (!ends->is_array() || ends->size() != 2) {
+      faults.add(at, "must be an array of the indices of 2 points");
+    } else {
+      spring.from = read_array_index((*ends)[0], at + "/0", faults);
+      spring.to = read_array_index((*ends)[1], at + "/1", faults);
+    }
+  }
+  read_spring_constants(fields, spring.rest_length, spring.weight);
+  fields.finish();
+  return spring;
+}
+
+void read_springs(Fields& fields, const Limits& limits, EmbeddedSystemRequest& request) {
+  if (is_builder(fields, "springs")) {
+    return read_builder(fields, "springs", [&](Fields& fields_of_builder) {
+      auto& builder = request.springs.emplace<SpringBuilder>();
+      fields_of_builder.choice("kind", builder.kind, {"adjacent_faces", "voronoi_dual"});
+      read_spring_constants(fields_of_builder, builder.rest_length, builder.weight);
+    });
+  }
+  const auto* entries = fields.array("springs", true, 0, limits.max_springs, "--max-springs");
+  if (!entries) return;
+  auto& springs = request.springs.emplace<0>();
+  springs.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    springs.push_back(read_spring((*entries)[i], fields.at("springs") + "/" + std::to_string(i), fields.faults()));
+  }
+}
+
+void read_fixed_points(Fields& fields, const Limits& limits, std::vector<std::int32_t>& fixed) {
+  const auto* entries = fields.array("fixed_points", false, 0, limits.max_points, "--max-points");
+  if (!entries) return;
+  fixed.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const auto at = fields.at("fixed_points") + "/" + std::to_string(i);
+    fixed.push_back(read_array_index((*entries)[i], at, fields.faults()));
+  }
+}
+
+void read_host(Fields& fields) {
+  nested(fields, "host", [](Fields& host) {
+    host.required("kind");
+    enum class Kind { rigid } kind = Kind::rigid;
+    host.choice("kind", kind, {"rigid"});
+  });
+}
+
+void read_relaxation_options(Fields& fields, embedded::RelaxationOptions& options) {
+  fields.choice("method", options.method, {"newton", "lbfgs", "gradient_descent"});
+  fields.choice("spring_length", options.spring_length, {"geodesic", "euclidean"});
+  nested(fields, "accuracy", [&](Fields& accuracy) {
+    accuracy.number("tolerance", options.tolerance, 0, 1, true);
+    accuracy.number("mollifier_length", options.mollifier_length, 0, 0.5, true);
+  });
+  fields.integer("max_iterations", options.max_iterations, 1, most_relaxation_iterations);
+  fields.boolean("paths", options.paths);
+  nested(fields, "effects", [&](Fields& effects) {
+    effects.choice("mollifier", options.mollifier, switch_names);
+    effects.choice("kept_strips", options.kept_strips, switch_names);
+  });
+}
+
+}  // namespace
+
+EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  EmbeddedSystemRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  fields.mesh_id(request.mesh);
+  read_network_points(fields, limits, request);
+  read_springs(fields, limits, request);
+  read_fixed_points(fields, limits, request.fixed_points);
+  read_host(fields);
+  read_relaxation_options(fields, request.options);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+}  // namespace supple::json
