@@ -98,6 +98,15 @@ export class NetworkSession {
     return this.network.get() !== null && this.key === this.keyNow();
   }
 
+  /** Whether the network would be relaxed otherwise now than what is seen was. */
+  get isStale(): boolean {
+    const relaxing = this.relaxing.get();
+    if (!relaxing?.answer) return false;
+    const { request, network } = relaxing;
+    const { points } = request;
+    return JSON.stringify({ ...relaxationRequest(this.mesh, this.state.get(), network), points }) !== JSON.stringify({ ...request, points });
+  }
+
   make(): Promise<void> {
     return this.attempt("Making the network", async (signal) => {
       await this.made(signal);

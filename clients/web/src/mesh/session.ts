@@ -7,8 +7,11 @@ import type { Geodesics, KarcherMean, Mesh, Repair, SurfacePoint } from "../cont
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
 import { helpAgainst, ordered, uploadPath } from "./repair";
 
-export type Tool = "path" | "distance" | "mean";
-export const TOOLS: readonly Tool[] = ["path", "distance", "mean"];
+export type Tool = "path" | "distance" | "mean" | "network";
+export const TOOLS: readonly Tool[] = ["path", "distance", "mean", "network"];
+
+/** Tools whose answer follows the points by itself; a network is relaxed when a person says so. */
+type Following = Exclude<Tool, "network">;
 
 export interface Loaded {
   readonly info: Mesh;
@@ -170,8 +173,9 @@ export class MeshSession {
     const mesh = this.mesh.get();
     const points = this.points.get();
     const tool = this.tool.get();
-    if (!mesh || points.length < (tool === "distance" ? 1 : 2)) {
+    if (!mesh || tool === "network" || points.length < (tool === "distance" ? 1 : 2)) {
       this.requests.cancel();
+      if (tool === "network") this.activity.set({ kind: "idle" });
       return this.finding.set(NOTHING);
     }
     this.requests.submit(async (signal) => {
@@ -190,7 +194,7 @@ export class MeshSession {
     }, true);
   }
 
-  private async ask(tool: Tool, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
+  private async ask(tool: Following, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
     const run = <Answer>(path: string, document: unknown) =>
       runJob<Answer>(this.client, path, document, {
         signal,
