@@ -1,5 +1,6 @@
 #include "supple/embedded/network_builders.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>

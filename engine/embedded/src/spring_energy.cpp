@@ -1,7 +1,6 @@
 #include "spring_energy.h"
 
 #include <Eigen/Geometry>
-
 #include <cmath>
 #include <numbers>
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -48,6 +49,12 @@ struct SearchMesh {
 
   /// A vertex that can bend a shortest path: a saddle vertex or one of the boundary.
   bool pins(std::int32_t vertex) const { return pins_paths[vertex] != 0; }
+
+  /// Radians that the angle around a vertex is stretched to where points around it are images in the plane: half a turn
+  /// at a boundary, whose two sides stay apart that way.
+  double turn_of_images(std::int32_t vertex) const {
+    return mesh->is_boundary(vertex) ? std::numbers::pi : 2 * std::numbers::pi;
+  }
 
   std::shared_ptr<const TriangleMesh> mesh;
   std::vector<EdgeFrame> frames;

@@ -302,9 +302,11 @@ class Backtrace {
 Vector2d arrival_direction(const SearchState& state, const SearchTarget& target) {
   const SearchMesh& mesh = *state.mesh;
   if (target.vertex < 0) return -target.best.image.normalized();
-  const double turn = mesh.mesh->vertex_angle(target.vertex) / (2 * std::numbers::pi);
+  const double whole = mesh.turn_of_images(target.vertex);
+  const double turn = mesh.mesh->vertex_angle(target.vertex) / whole;
   double angle = std::atan2(target.best.image.y(), target.best.image.x());
-  if (angle < 0) angle += 2 * std::numbers::pi;
+  // Half of the turn is free at a boundary: an angle just below 0 is 0 but for rounding, not the boundary's other side.
+  if (angle < -0.5 * (2 * std::numbers::pi - whole)) angle += 2 * std::numbers::pi;
   return -direction_at_vertex(mesh, corner_halfedge(target.point, corner_of(target.point)), angle * turn);
 }
 

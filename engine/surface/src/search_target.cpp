@@ -92,7 +92,7 @@ int rank_of(const Window& window, double x, double y) {
 }
 
 Eigen::Vector2d polar_image(const SearchMesh& mesh, std::int32_t vertex, double angle, double length) {
-  const double turn = 2 * std::numbers::pi / mesh.mesh->vertex_angle(vertex);
+  const double turn = mesh.turn_of_images(vertex) / mesh.mesh->vertex_angle(vertex);
   return {length * std::cos(angle * turn), length * std::sin(angle * turn)};
 }
 

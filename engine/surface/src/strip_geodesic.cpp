@@ -1,5 +1,6 @@
 #include "strip_geodesic.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

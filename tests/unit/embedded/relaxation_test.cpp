@@ -1,0 +1,290 @@
+#include "supple/embedded/relaxation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "supple/base/error.h"
+#include "supple/embedded/network_builders.h"
+#include "supple/surface/exponential_map.h"
+#include "supple/surface/karcher_mean.h"
+#include "supple/surface/vertex_cone.h"
+#include "support/sampling.h"
+#include "support/shapes.h"
+
+namespace supple::embedded {
+namespace {
+
+using surface::GeodesicSolver;
+using surface::SurfacePoint;
+using surface::TriangleMesh;
+
+Network dual_network(const TriangleMesh& mesh, const Eigen::Vector3d& barycentric) {
+  Network network;
+  network.points = points_in_faces(mesh, barycentric);
+  for (const auto& [a, b] : pairs_of_adjacent_faces(mesh, network.points)) network.springs.push_back({a, b, 0, 1});
+  return network;
+}
+
+void expect_never_rising(const Relaxation& relaxation) {
+  for (std::size_t i = 1; i < relaxation.history.size(); ++i)
+    EXPECT_LE(relaxation.history[i].energy, relaxation.history[i - 1].energy * (1 + 1e-12)) << "iteration " << i;
+}
+
+TEST(Relax, AStarOfSpringsComesToRestAtTheKarcherMean) {
+  const TriangleMesh mesh = testing::torus(24, 12);
+  const GeodesicSolver solver(testing::share(mesh));
+  const testing::SurfaceSampler sampler(mesh);
+  RandomStream random("star", 1);
+  for (int trial = 0; trial < 5; ++trial) {
+    Network network;
+    surface::KarcherProblem problem;
+    for (int i = 0; i < 4; ++i) {
+      network.points.push_back(sampler.point(random));
+      problem.points.push_back(network.points.back());
+      network.springs.push_back({i, 4, 0, 1.0 + i});
+      problem.weights.push_back(1.0 + i);
+      network.fixed_points.push_back(i);
+    }
+    problem.start = network.points.front();
+    problem.tolerance = 1e-12;
+    network.points.push_back(network.points.front());
+    RelaxationOptions options;
+    options.tolerance = 1e-12;
+    const Relaxation relaxed = relax(solver, network, options);
+    const surface::KarcherMean mean = surface::karcher_mean(solver, problem);
+    EXPECT_EQ(relaxed.stopped, "converged");
+    expect_never_rising(relaxed);
+    // E = 2 (sum of weights) times the mean's objective; either may be in another local minimum.
+    EXPECT_NEAR(relaxed.energy, 20 * mean.objective, 1e-9 * relaxed.energy);
+    EXPECT_LT((surface::position(mesh, relaxed.points[4]) - mean.position).norm(), 1e-8);
+  }
+}
+
+TEST(Relax, NetworksConvergeQuadraticallyFromPointsNearVerticesAndOnEdges) {
+  for (const Eigen::Vector3d& start :
+       {Eigen::Vector3d(0.99, 1e-6, 1 - 0.99 - 1e-6), Eigen::Vector3d(0.5, 0.5 - 1e-6, 1e-6)}) {
+    const TriangleMesh mesh = testing::torus(24, 12);
+    const GeodesicSolver solver(testing::share(mesh));
+    const Relaxation relaxed = relax(solver, dual_network(mesh, start));
+    EXPECT_EQ(relaxed.stopped, "converged");
+    EXPECT_LT(relaxed.gradient_norm, 1e-9 * mesh.diagonal());
+    expect_never_rising(relaxed);
+    // The last step at least squares the gradient's distance from zero, up to rounding.
+    const auto& history = relaxed.history;
+    ASSERT_GE(history.size(), 3U);
+    EXPECT_LT(history.back().gradient_norm, 1e-3 * history[history.size() - 2].gradient_norm);
+  }
+}
+
+TEST(Relax, AllMethodsFindTheSameEquilibrium) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  const testing::SurfaceSampler sampler(mesh);
+  RandomStream random("methods", 1);
+  for (int i = 0; i < 12; ++i) network.points.push_back(sampler.point(random));
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < i; ++j)
+      if ((i + j) % 3 == 0) network.springs.push_back({j, i, 0, 1});
+  network.fixed_points = {0, 1, 2, 3, 4};
+  RelaxationOptions options;
+  options.max_iterations = 5000;
+  options.tolerance = 1e-8;
+  const Relaxation newton = relax(solver, network, options);
+  options.method = RelaxationMethod::lbfgs;
+  const Relaxation lbfgs = relax(solver, network, options);
+  options.method = RelaxationMethod::gradient_descent;
+  const Relaxation descent = relax(solver, network, options);
+  for (const Relaxation* relaxed : {&newton, &lbfgs, &descent}) {
+    EXPECT_EQ(relaxed->stopped, "converged");
+    expect_never_rising(*relaxed);
+  }
+  EXPECT_LT(newton.iterations, lbfgs.iterations);
+  EXPECT_NEAR(lbfgs.energy, newton.energy, 1e-9 * newton.energy);
+  EXPECT_NEAR(descent.energy, newton.energy, 1e-9 * newton.energy);
+}
+
+TEST(Relax, APointRestsAtASaddleVertexThatHoldsIt) {
+  // Three springs of equal pull, 2.2 pi / 3 apart round a saddle: no direction descends from its tip.
+  const TriangleMesh mesh = testing::cone(12, 2.2 * std::numbers::pi, 3);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  const surface::VertexCone cone(mesh, 0);
+  for (int k = 0; k < 3; ++k) {
+    const auto direction = cone.direction((k + 0.1) / 3 * cone.total_angle());
+    network.points.push_back(surface::exponential_map(mesh, direction.vertex, 0.7 * direction.vector).end);
+    network.springs.push_back({k, 3, 0, 1});
+  }
+  network.fixed_points = {0, 1, 2};
+  const auto aside = cone.direction(0.5);
+  network.points.push_back(surface::exponential_map(mesh, aside.vertex, 0.2 * aside.vector).end);
+  const Relaxation relaxed = relax(solver, network);
+  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.at_vertices, std::vector<std::int32_t>{3});
+  EXPECT_LT(surface::position(mesh, relaxed.points[3]).norm(), 1e-12);
+  EXPECT_NEAR(relaxed.energy, 3 * 0.49, 1e-9);
+  // From the tip itself, pulled by one spring only, it leaves.
+  network.points[3] = surface::vertex_point(mesh, VertexId{0});
+  network.springs = {{0, 3, 0, 1}};
+  const Relaxation left = relax(solver, network);
+  EXPECT_EQ(left.stopped, "converged");
+  EXPECT_LT(left.energy, 1e-16);
+}
+
+TEST(Relax, PointsInOnePlaceAreJoinedOrParted) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  network.points.assign(3, {FaceId{11}, {0.2, 0.3, 0.5}});
+  network.springs = {{0, 1, 0, 1}, {1, 2, 0.25, 1}, {0, 2, 0.25, 1}};
+  network.fixed_points = {0};
+  const Relaxation relaxed = relax(solver, network);
+  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_LT(relaxed.energy, 1e-15);
+  EXPECT_LT(relaxed.springs[0].length, 1e-7);
+  EXPECT_NEAR(relaxed.springs[1].length, 0.25, 1e-7);
+}
+
+TEST(Relax, PointsCrossManyFacesInOneStep) {
+  const TriangleMesh mesh = testing::flat_grid(40, 40);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  network.points = {
+      {FaceId{0}, {0.2, 0.3, 0.5}}, {FaceId{mesh.face_count() - 1}, {0.2, 0.3, 0.5}}, {FaceId{5}, {0.2, 0.3, 0.5}}};
+  network.springs = {{0, 2, 0, 1}, {1, 2, 0, 3}};
+  network.fixed_points = {0, 1};
+  const Relaxation relaxed = relax(solver, network);
+  EXPECT_EQ(relaxed.iterations, 1) << "the energy of a flat sheet is quadratic";
+  const Eigen::Vector3d expected =
+      0.25 * surface::position(mesh, network.points[0]) + 0.75 * surface::position(mesh, network.points[1]);
+  EXPECT_LT((surface::position(mesh, relaxed.points[2]) - expected).norm(), 1e-10);
+}
+
+TEST(Relax, ABoundaryHoldsWhatIsPulledAgainstIt) {
+  // The straight way between the anchors of an L leads through the corner: the middle point rests there.
+  const TriangleMesh mesh = testing::l_shape(4);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  const auto nearest = [&](const Eigen::Vector3d& at) {
+    std::int32_t best = 0;
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+      if ((mesh.positions()[static_cast<std::size_t>(v)] - at).norm() <
+          (mesh.positions()[static_cast<std::size_t>(best)] - at).norm())
+        best = v;
+    return surface::vertex_point(mesh, VertexId{best});
+  };
+  network.points = {nearest({2, 0.5, 0}), nearest({0.5, 2, 0}), {FaceId{0}, {0.2, 0.3, 0.5}}};
+  network.springs = {{0, 2, 0, 1}, {1, 2, 0, 1}};
+  network.fixed_points = {0, 1};
+  const Relaxation relaxed = relax(solver, network);
+  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_LT((surface::position(mesh, relaxed.points[2]) - Eigen::Vector3d(1, 1, 0)).norm(), 1e-6);
+}
+
+TEST(Relax, SpringsUnderCompressionAreToldAndStopAtTheCutLocus) {
+  // Longer at rest than any distance on the sphere: the free point runs away from the fixed one to its antipode.
+  const TriangleMesh mesh = testing::icosphere(3);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  network.points = {{FaceId{0}, {0.2, 0.3, 0.5}}, {FaceId{0}, {0.4, 0.3, 0.3}}};
+  network.springs = {{0, 1, 4, 1}};
+  network.fixed_points = {0};
+  const Relaxation relaxed = relax(solver, network);
+  EXPECT_TRUE(relaxed.springs[0].compressed);
+  EXPECT_FALSE(relaxed.warnings.empty());
+  EXPECT_GT(relaxed.springs[0].length, 3.0);
+  EXPECT_TRUE(relaxed.stopped == "cut_locus" || relaxed.stopped == "converged") << relaxed.stopped;
+  expect_never_rising(relaxed);
+  // With room to grow it reaches its length.
+  network.springs[0].rest_length = 1.5;
+  const Relaxation grown = relax(solver, network);
+  EXPECT_EQ(grown.stopped, "converged");
+  EXPECT_NEAR(grown.springs[0].length, 1.5, 1e-8);
+  EXPECT_FALSE(grown.springs[0].compressed);
+}
+
+TEST(Relax, PointsThatNothingHoldsStayAndPartsAreIndependent) {
+  const TriangleMesh mesh = testing::two_components();
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  const testing::SurfaceSampler sampler(mesh);
+  RandomStream random("parts", 1);
+  for (int i = 0; i < 2; ++i) network.points.push_back({FaceId{i}, {0.2, 0.3, 0.5}});
+  for (int i = 0; i < 2; ++i) network.points.push_back({FaceId{mesh.face_count() - 1 - 9 * i}, {0.2, 0.3, 0.5}});
+  network.points.push_back(sampler.point(random));
+  network.springs = {{0, 1, 0, 1}, {2, 3, 0, 1}, {0, 4, 1, 0}};
+  const Relaxation relaxed = relax(solver, network);
+  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.loose_points, std::vector<std::int32_t>{4});
+  EXPECT_EQ(relaxed.points[4].barycentric, network.points[4].barycentric);
+  EXPECT_LT(relaxed.springs[0].length + relaxed.springs[1].length, 1e-8);
+  ASSERT_EQ(relaxed.warnings.size(), 1U);
+}
+
+TEST(Relax, SliversAndNeedlesDoNotStopIt) {
+  for (const TriangleMesh& mesh : {testing::needle_cylinder(), testing::sliver_sphere()}) {
+    const GeodesicSolver solver(testing::share(mesh));
+    const Relaxation relaxed = relax(solver, dual_network(mesh, {0.3, 0.3, 0.4}), {.max_iterations = 500});
+    expect_never_rising(relaxed);
+    EXPECT_EQ(relaxed.stopped, "converged");
+  }
+}
+
+TEST(Relax, TellsEveryStateOnTheWay) {
+  const TriangleMesh mesh = testing::torus(16, 8);
+  const GeodesicSolver solver(testing::share(mesh));
+  std::vector<double> energies;
+  std::size_t points = 0;
+  RelaxationOptions options;
+  options.paths = true;
+  options.observer = [&](const RelaxationStep& step, std::span<const SurfacePoint> at) {
+    energies.push_back(step.energy);
+    points = at.size();
+  };
+  CostLedger cost;
+  const Relaxation relaxed = relax(solver, dual_network(mesh, {0.6, 0.2, 0.2}), options, {.cost = &cost});
+  ASSERT_EQ(energies.size(), relaxed.history.size());
+  EXPECT_EQ(points, relaxed.points.size());
+  EXPECT_EQ(static_cast<std::size_t>(relaxed.iterations) + 1, relaxed.history.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < relaxed.springs.size(); ++i) {
+    sum += relaxed.springs[i].energy;
+    ASSERT_GE(relaxed.springs[i].path.size(), 2U);
+  }
+  EXPECT_NEAR(sum, relaxed.energy, 1e-12 * sum);
+  std::vector<std::string> effects;
+  for (const auto& effect : cost.effects()) effects.push_back(effect.name);
+  for (const char* name : {"geodesic_springs", "mollifier", "kept_strips"})
+    EXPECT_NE(std::ranges::find(effects, name), effects.end()) << name;
+}
+
+TEST(Relax, KeptStripsAndTheirAbsenceGiveTheSameAnswer) {
+  const TriangleMesh mesh = testing::genus3(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  const Network network = dual_network(mesh, {0.2, 0.2, 0.6});
+  RelaxationOptions options;
+  const Relaxation kept = relax(solver, network, options);
+  options.kept_strips = Switch::off;
+  const Relaxation searched = relax(solver, network, options);
+  EXPECT_EQ(kept.stopped, searched.stopped);
+  EXPECT_NEAR(kept.energy, searched.energy, 1e-9 * searched.energy);
+}
+
+TEST(Relax, RefusesOptionsOutOfRangeAndStopsWhenAsked) {
+  const TriangleMesh mesh = testing::icosphere(1);
+  const GeodesicSolver solver(testing::share(mesh));
+  const Network network = dual_network(mesh, {0.3, 0.3, 0.4});
+  EXPECT_THROW(relax(solver, network, {.tolerance = -1}), Error);
+  EXPECT_THROW(relax(solver, network, {.max_iterations = -1}), Error);
+  EXPECT_THROW(relax(solver, network, {.mollifier_length = 0.6}), Error);
+  EXPECT_EQ(relax(solver, network, {.max_iterations = 0}).iterations, 0);
+  Execution execution;
+  execution.cancellation.request(StopReason::cancelled);
+  EXPECT_ANY_THROW(relax(solver, network, {}, execution));
+}
+
+}  // namespace
+}  // namespace supple::embedded
