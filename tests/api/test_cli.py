@@ -54,7 +54,7 @@ def test_help_lists_the_commands_examples_and_exit_codes(supple: Program) -> Non
     text = supple.ok("--help")
     for word in ("geodesic", "karcher", "exponential-map", "Examples", "Exit status", "SUPPLE_SERVER"):
         assert word in text
-    for command in ("mesh", "geodesic", "field", "karcher", "exponential-map", "job"):
+    for command in ("mesh", "geodesic", "field", "karcher", "relax", "exponential-map", "job"):
         assert "Usage: supple " + command in supple.ok(command, "--help")
 
 
@@ -130,6 +130,50 @@ def test_a_weighted_mean_is_found_and_its_history_shown(supple: Program) -> None
     text = supple.ok("karcher", file, "v0", "v80", "--weights", "1,3", "--history")
     assert number_after("position", text) == pytest.approx(0.75, abs=1e-7)
     assert "converged" in text and "step" in text
+
+
+def test_a_network_is_relaxed_and_written_in_three_forms(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(8))
+    network = ("relax", file, "v0", "v80", "v40", "--spring", "0,2,0,3", "-s", "1,2", "--fixed", "0,1")
+    text = supple.ok(*network, "--history", "--obj", "network.obj", "--vtu", "network.vtu", "--plot", "convergence.svg")
+    assert number_after("energy", text) == pytest.approx(2 * 0.75)
+    assert "3 points, 2 springs" in text and "converged" in text and "step" in text
+    lines = (supple.folder / "network.obj").read_text().splitlines()
+    points = np.array([[float(x) for x in line.split()[1:]] for line in lines if line.startswith("v ")])
+    ends = [int(line.split()[-1]) - 1 for line in lines if line.startswith("l ")]
+    np.testing.assert_allclose(points[ends], [[0.25, 0.25, 0]] * 2, atol=1e-7)
+    assert "NumberOfCells=\"2\"" in (supple.folder / "network.vtu").read_text()
+    assert (supple.folder / "convergence.svg").read_text().startswith("<svg")
+    answer = json.loads(supple.ok("--json", *network, "--method", "lbfgs", "--euclidean"))
+    assert answer["terms"][0]["name"] == "euclidean_springs"
+    np.testing.assert_allclose(answer["positions"][2], [0.25, 0.25, 0], atol=1e-7)
+
+
+def test_networks_are_built_or_read_from_a_file(supple: Program) -> None:
+    file = supple.file("sphere.obj", sphere(2))
+    built = json.loads(supple.ok("--json", "relax", file, "--poisson-disk", "0.7", "--seed", "4", "--voronoi-dual",
+                                 "--rest-length", "0.5", "--weight", "2", "--max-iterations", "1"))
+    assert built["triangles"] and len(built["history"]) <= 2
+    dual = json.loads(supple.ok("--json", "relax", file, "--per-face", "0.3,0.3,0.4", "--adjacent-faces",
+                                "--max-iterations", "1"))
+    assert (len(dual["points"]), len(dual["springs"])) == (320, 480)
+    (supple.folder / "network.json").write_text(json.dumps(
+        {"points": [{"vertex": 0}, {"vertex": 9}], "springs": [{"between": [0, 1], "rest_length": 0.1}], "fixed_points": [1]}))
+    read = json.loads(supple.ok("--json", "relax", file, "--network", "network.json"))
+    assert read["springs"][0]["length"] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("arguments, message", [
+    ([], "give points"),
+    (["v0", "--per-face", "1,0,0", "--adjacent-faces"], "give points"),
+    (["v0", "v1"], "give springs"),
+    (["v0", "v1", "--spring", "0"], "is no spring"),
+    (["v0", "v1", "--spring", "0,1.5"], "names no point"),
+    (["v0", "v1", "--spring", "0,1", "--fixed", "-1"], "names no point"),
+])
+def test_a_network_that_is_not_told_in_full_is_a_usage_error(supple: Program, arguments: "list[str]", message: str) -> None:
+    refused = supple.run("relax", supple.file("grid.obj", flat_grid(2)), *arguments)
+    assert refused.returncode == 1 and message in refused.stderr
 
 
 def test_a_straightest_path_is_traced(supple: Program) -> None:

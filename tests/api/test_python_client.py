@@ -106,6 +106,38 @@ def test_a_mean_has_its_position_history_and_bill(client: supple.Client) -> None
     assert mean.cost.seconds > 0 and {effect.name for effect in mean.effects} >= {"kept_fields"}
 
 
+def test_a_network_is_relaxed_with_its_paths_history_and_bill(client: supple.Client) -> None:
+    vertices, faces = flat_grid(8)
+    mesh = client.upload_arrays(vertices, faces)
+    springs = [supple.Spring(0, 3, weight=1), supple.Spring(1, 3, weight=2), (2, 3)]
+    network = mesh.relax_network([0, 80, 30, (5, (0.2, 0.3, 0.5))], springs, [0, 1, 2], paths=True)
+    expected = np.average(vertices[[0, 80, 30]], axis=0, weights=[1, 2, 1])
+    np.testing.assert_allclose(network.positions[3], expected, atol=1e-8)
+    assert network.converged and network.gradient_norm <= network.gradient_tolerance
+    assert network.paths is not None
+    np.testing.assert_allclose([path.length() for path in network.paths], network.lengths, rtol=1e-9)
+    assert len(network.history) == network.iterations + 1 and network.cost.seconds > 0
+    assert network.terms == {"geodesic_springs": network.energy}
+    assert {effect.name for effect in network.effects} >= {"geodesic_springs", "mollifier", "kept_strips"}
+
+
+def test_networks_are_built_followed_and_written_as_files(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*bumpy_sphere(3))
+    dual = mesh.relax_network(supple.PoissonDisk(0.6), supple.VoronoiDual(0.3), options=supple.RelaxationOptions(max_iterations=2))
+    assert dual.triangles is not None and dual.paths is None and dual.springs.shape == (len(dual.lengths), 2)
+    options = supple.RelaxationOptions(method="gradient_descent", tolerance=1e-14, max_iterations=100_000)
+    job = mesh.start_relax_network(supple.PointsInFaces(), supple.AdjacentFaces(0.01), options=options)
+    end = time.monotonic() + 20
+    while (partial := job.status().partial) is None:
+        assert time.monotonic() < end, "no intermediate state came"
+        time.sleep(0.02)
+    job.cancel()
+    assert isinstance(partial, supple.PartialRelaxation) and partial.positions is not None
+    assert partial.positions.shape == (mesh.info.faces, 3)
+    vtu = mesh.relaxed_network_file([0, 30], [(0, 1)], [0, 1], kind="vtu")
+    assert vtu.startswith(b"<?xml") and b'NumberOfCells="1"' in vtu
+
+
 def test_an_exponential_map_ends_where_it_should(client: supple.Client) -> None:
     vertices, faces = flat_grid(8)
     answer = client.upload_arrays(vertices, faces).exponential_map(40, [0.1, 0.2, 0.0])
@@ -121,6 +153,9 @@ def test_each_failure_is_an_exception_of_its_own(client: supple.Client) -> None:
     with pytest.raises(supple.InvalidMesh) as faulty:
         client.upload_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 1]])
     assert faulty.value.faults[0].where == "face 0"
+    with pytest.raises(supple.InvalidNetwork) as network:
+        mesh.relax_network([0, 1], [(0, 1), (0, 2)])
+    assert network.value.faults[0].where == "/springs/1/between/1"
     with pytest.raises(supple.InvalidRequest):
         mesh.karcher_mean([0, 1], weights=[0, 0])
     with pytest.raises(ValueError):

@@ -1,4 +1,4 @@
-// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to = in the seeds, chooses the parser, the rest
+// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to > in the seeds, chooses the parser, the rest
 // is the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client
 // would get is valid JSON in UTF-8.
 
@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "supple/json/answers.h"
+#include "supple/json/embedded_system_requests.h"
 #include "supple/json/model_requests.h"
 #include "supple/json/requests.h"
 #include "supple/json/structure_requests.h"
@@ -26,6 +27,7 @@ json::Limits limits() {
   result.max_values = 2000;
   result.max_pairs = 20;
   result.max_points = 20;
+  result.max_springs = 20;
   result.max_path_points = 40;
   result.max_states = 20;
   result.max_strains = 20;
@@ -107,6 +109,34 @@ void check_weave(const json::WeaveSpec& weave) {
   if (const auto* layout = std::get_if<json::LayoutSpec>(&weave.source)) check_layout(*layout);
 }
 
+void check_network(const json::EmbeddedSystemRequest& request) {
+  if (const auto* points = std::get_if<std::vector<json::PointSpec>>(&request.points)) {
+    require(!points->empty() && points->size() <= limits().max_points);
+    for (const auto& point : *points) check_point(point);
+  } else if (const auto* disks = std::get_if<json::PoissonDiskPoints>(&request.points)) {
+    require(disks->radius > 0 && std::isfinite(disks->radius));
+  } else {
+    require(std::get<json::PointsInFaces>(request.points).barycentric.allFinite());
+  }
+  const auto check_spring = [](double rest_length, double weight) {
+    require(rest_length >= 0 && std::isfinite(rest_length) && weight >= 0 && std::isfinite(weight));
+  };
+  if (const auto* springs = std::get_if<std::vector<embedded::Spring>>(&request.springs)) {
+    require(springs->size() <= limits().max_springs);
+    for (const auto& spring : *springs) {
+      require(spring.from >= 0 && spring.to >= 0);
+      check_spring(spring.rest_length, spring.weight);
+    }
+  } else {
+    const auto& builder = std::get<json::SpringBuilder>(request.springs);
+    check_spring(builder.rest_length, builder.weight);
+  }
+  for (const auto point : request.fixed_points) require(point >= 0);
+  const auto& options = request.options;
+  require(options.tolerance > 0 && options.tolerance <= 1 && options.max_iterations >= 1);
+  require(options.mollifier_length > 0 && options.mollifier_length <= 0.5);
+}
+
 /// The ranges of requests are those of the engine.
 void check_options(const weave::EquilibriumOptions& options) {
   try {
@@ -123,7 +153,7 @@ void check_printer(const weave::PrinterProfile& printer) {
 }
 
 void parse(unsigned which, std::string_view body) {
-  switch (which % 14) {
+  switch (which % 15) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -234,6 +264,11 @@ void parse(unsigned which, std::string_view body) {
     case 13: {
       const auto request = json::parse_gcode_report(body, limits());
       require(request.limits.bed.allFinite() && request.limits.filament_diameter > 0);
+      return check_deadline(request.deadline);
+    }
+    case 14: {
+      const auto request = json::parse_embedded_system(body, limits());
+      check_network(request);
       return check_deadline(request.deadline);
     }
     default: {

@@ -15,7 +15,8 @@
 namespace {
 
 constexpr auto description =
-    "Geodesics on triangle meshes; simulations of periodic structures, neural models and designs of them; "
+    "Geodesics and elastic networks on triangle meshes; simulations of periodic structures, neural models and designs "
+    "of them; "
     "weaves of elastic strands; answered by a supple-server";
 
 constexpr auto footer =
@@ -27,6 +28,7 @@ Examples:
   supple geodesic bunny.obj v0 v1200 --path path.obj
   supple field bunny.obj v0 --output distances.ply
   supple karcher bunny.obj v0 v300 12:0.2,0.3,0.5 --weights 1,1,2
+  supple relax bunny.obj --poisson-disk 0.2 --voronoi-dual --rest-length 0.15 --obj network.obj
   supple exponential-map bunny.obj v0 --tangent 0.1,0,0.2
   supple structure IH21 --svg tiling.svg
   supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv
@@ -60,6 +62,7 @@ int run(int argument_count, char** arguments) {
   supple::cli::add_geodesic_command(program, options);
   supple::cli::add_field_command(program, options);
   supple::cli::add_karcher_command(program, options);
+  supple::cli::add_relax_command(program, options);
   supple::cli::add_exponential_map_command(program, options);
   supple::cli::add_family_command(program, options);
   supple::cli::add_structure_command(program, options);

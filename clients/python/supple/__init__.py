@@ -1,5 +1,5 @@
-"""Geodesics on triangle meshes; simulations, neural models and designs of periodic structures; weaves of elastic strands;
-answered by a supple-server.
+"""Geodesics and elastic networks on triangle meshes; simulations, neural models and designs of periodic structures; weaves of
+elastic strands; answered by a supple-server.
 
 ::
 
@@ -10,6 +10,7 @@ answered by a supple-server.
         geodesic = mesh.geodesic(0, 1200, derivatives=2, path=True)
         field = mesh.field([0])
         mean = mesh.karcher_mean([0, 300, (12, (0.2, 0.3, 0.5))])
+        network = mesh.relax_network(supple.PoissonDisk(0.1), supple.VoronoiDual(rest_length=0.08))
 
         curve = client.simulate("IH01", None, supple.Uniaxial(0.0, [1.05, 1.1, 1.15]))
         curve.green_strain, curve.stress
@@ -62,6 +63,7 @@ from .errors import (
     Fault,
     InvalidDesign,
     InvalidMesh,
+    InvalidNetwork,
     InvalidPoint,
     InvalidRequest,
     InvalidStructure,
@@ -79,6 +81,8 @@ from .jobs import Job, JobStatus
 from .loads import Biaxial, GreenStrain, Load, Uniaxial
 from .mesh import Mesh
 from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, UniaxialCurve
+from .network_answers import PartialRelaxation, RelaxationStep, RelaxedNetwork
+from .networks import AdjacentFaces, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
 from .points import PointLike, SurfacePoint, Vertex
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
 from .tilings import CellMesh, Family, Structure, Tile
@@ -100,6 +104,7 @@ from .weaves import Force, Place, Strand, Support, Weave, WeaveOptions
 __version__ = "0.1.0"
 
 __all__ = [
+    "AdjacentFaces",
     "Biaxial",
     "CellMesh",
     "Client",
@@ -134,6 +139,7 @@ __all__ = [
     "Hessian",
     "InvalidDesign",
     "InvalidMesh",
+    "InvalidNetwork",
     "InvalidPoint",
     "InvalidRequest",
     "InvalidStructure",
@@ -152,11 +158,14 @@ __all__ = [
     "ModelInfo",
     "NotFound",
     "PartialDesign",
+    "PartialRelaxation",
     "PartialRound",
     "PatchMesh",
     "Path",
     "Place",
     "PointLike",
+    "PointsInFaces",
+    "PoissonDisk",
     "Polish",
     "PolishRound",
     "PrintMove",
@@ -166,12 +175,16 @@ __all__ = [
     "ProfileCurve",
     "Region",
     "RegionDesigns",
+    "RelaxationOptions",
+    "RelaxationStep",
+    "RelaxedNetwork",
     "RequestTimeout",
     "ServerBusy",
     "ServerError",
     "SheetState",
     "Simulation",
     "SplitErrors",
+    "Spring",
     "State",
     "Strand",
     "Structure",
@@ -186,6 +199,7 @@ __all__ = [
     "Verification",
     "Vertex",
     "Violation",
+    "VoronoiDual",
     "Weave",
     "WeaveHomogenization",
     "WeaveLayout",

@@ -9,6 +9,7 @@
         InvalidRequest         what was asked cannot be done (4xx)                     (also a ValueError)
           InvalidMesh          the mesh is faulty; `faults` names the elements
           InvalidPoint         a surface point does not lie on the mesh
+          InvalidNetwork       points and springs that make no network on the mesh
           InvalidStructure     a tiling's parameters give no structure
           InvalidDesign        no design problem, or one that no design has equilibria for
           InvalidWeave         strands, crossings or loads that do not fit together
@@ -82,6 +83,10 @@ class InvalidPoint(InvalidRequest):
     """A surface point does not lie on the mesh."""
 
 
+class InvalidNetwork(InvalidRequest):
+    """Points and springs that make no network on the mesh; `faults` names the entries."""
+
+
 class InvalidStructure(InvalidRequest):
     """A tiling's parameters give no structure, or none that can be meshed."""
 
@@ -139,6 +144,8 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
         return InvalidMesh
     if code.startswith("point."):
         return InvalidPoint
+    if code.startswith("network."):
+        return InvalidNetwork
     if code.startswith("tiling."):
         return InvalidStructure
     if code.startswith("design."):

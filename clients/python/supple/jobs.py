@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar, Uni
 
 from .design_answers import PartialDesign, PartialRound, partial_from_wire
 from .errors import RequestTimeout, SuppleError
+from .network_answers import PartialRelaxation, partial_relaxation_from_wire
 from .transport import Answer, Transport
 
 Result = TypeVar("Result")
@@ -34,8 +35,8 @@ class JobStatus:
         progress: share of the work that is done, in [0, 1].
         stage: what runs now; empty where nothing does.
         created: when the job was accepted, RFC 3339 in UTC.
-        partial: the best design so far while designs are being searched for, then the structure that was simulated last;
-            None elsewhere.
+        partial: the best design so far while designs are being searched for, then the structure that was simulated last; of
+            a network that is relaxed, its state after the latest iteration; None elsewhere.
     """
 
     id: str
@@ -45,15 +46,21 @@ class JobStatus:
     progress: float
     stage: str
     created: str
-    partial: Union[PartialDesign, PartialRound, None] = None
+    partial: Union[PartialDesign, PartialRound, PartialRelaxation, None] = None
 
     @property
     def finished(self) -> bool:
         return self.state not in UNFINISHED
 
 
-def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
+def _partial(document: Mapping[str, Any]) -> Union[PartialDesign, PartialRound, PartialRelaxation, None]:
     partial = document.get("partial")
+    if partial is None:
+        return None
+    return partial_relaxation_from_wire(partial) if document["kind"] == "embedded-systems" else partial_from_wire(partial)
+
+
+def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
     return JobStatus(
         id=str(document["id"]),
         state=str(document["state"]),
@@ -62,7 +69,7 @@ def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
         progress=float(document["progress"]),
         stage=str(document["stage"]),
         created=str(document["created"]),
-        partial=None if partial is None else partial_from_wire(partial),
+        partial=_partial(document),
     )
 
 

@@ -1,0 +1,154 @@
+"""Relaxed networks on surfaces, as dataclasses and numpy arrays.
+
+Lengths are in mesh units, energies in the unit of the springs' weights times squared mesh units.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, Mapping, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .answers import Array, Cost, Effect, Path, cost_from_wire, effects_from_wire, path_from_wire
+from .points import SurfacePoint, point_from_wire
+
+Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class RelaxationStep:
+    """One state of the iteration.
+
+    Attributes:
+        energy: of the network.
+        gradient_norm: of the energy by tangent coordinates of the free points; unit of the weights times mesh units.
+        step_length: root of the sum of the points' squared ways to get there, mesh units; 0 for the start.
+        regularization: what was added to the Hessian's diagonal, unit of the weights.
+    """
+
+    energy: float
+    gradient_norm: float
+    step_length: float
+    regularization: float
+
+
+@dataclass(frozen=True)
+class PartialRelaxation:
+    """A network on its way, while it is relaxed.
+
+    Attributes:
+        iteration: iterations so far.
+        energy, gradient_norm: as in `RelaxationStep`.
+        positions: where the points are, shape (points, 3), mesh units; None for more than 5000 points.
+    """
+
+    iteration: int
+    energy: float
+    gradient_norm: float
+    positions: Optional[Array]
+
+
+@dataclass(frozen=True)
+class RelaxedNetwork:
+    """A network of springs at rest on a surface: E = sum weight (length - rest_length)^2 has a local minimum.
+
+    Attributes:
+        points: where the points came to rest, in their order.
+        positions: the same in space, shape (points, 3), mesh units.
+        springs: the points that each spring joins, shape (springs, 2).
+        lengths: of the springs, shape (springs,), mesh units.
+        energies: of the springs, shape (springs,).
+        compressed: springs shorter than their rest length, shape (springs,).
+        at_cut_locus: springs for which another path is as short, within 1e-9, relative; shape (springs,).
+        paths: of the springs; None where they were not asked for.
+        triangles: triples of points whose Voronoi cells meet, counterclockwise, shape (triangles, 3); None where the springs
+            are not `VoronoiDual`.
+        energy: E.
+        terms: what it consists of, by name.
+        gradient_norm: |grad E|, unit of the weights times mesh units; the bound that was asked for is `gradient_tolerance`.
+        iterations: steps taken.
+        history: the start and every step.
+        stopped: "converged", "cut_locus", "step_too_small" or "iteration_limit".
+        mollified: whether the energy at the end is the mollified one.
+        at_vertices: points that came to rest at a vertex where the energy has a kink, ascending.
+        loose_points: free points that no spring of positive weight holds, ascending; they stayed where they were.
+        warnings: what deserves attention, one sentence each.
+    """
+
+    points: Tuple[SurfacePoint, ...]
+    positions: Array
+    springs: Indices
+    lengths: Array
+    energies: Array
+    compressed: Flags
+    at_cut_locus: Flags
+    paths: Optional[Tuple[Path, ...]]
+    triangles: Optional[Indices]
+    energy: float
+    terms: Dict[str, float]
+    gradient_norm: float
+    gradient_tolerance: float
+    iterations: int
+    history: Tuple[RelaxationStep, ...]
+    stopped: str
+    mollified: bool
+    at_vertices: Tuple[int, ...]
+    loose_points: Tuple[int, ...]
+    warnings: Tuple[str, ...]
+    effects: Tuple[Effect, ...]
+    cost: Cost
+
+    @property
+    def converged(self) -> bool:
+        """Whether the network is in equilibrium within the tolerance."""
+        return self.stopped == "converged"
+
+
+def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:
+    paths = tuple(path for path in (path_from_wire(spring.get("path")) for spring in springs) if path is not None)
+    return paths if len(paths) == len(springs) and springs else None
+
+
+def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
+    springs = document["springs"]
+    triangles = document.get("triangles")
+    return RelaxedNetwork(
+        points=tuple(point_from_wire(point) for point in document["points"]),
+        positions=np.asarray(document["positions"], dtype=np.float64).reshape(-1, 3),
+        springs=np.array([spring["between"] for spring in springs], dtype=np.int64).reshape(-1, 2),
+        lengths=np.array([spring["length"] for spring in springs], dtype=np.float64),
+        energies=np.array([spring["energy"] for spring in springs], dtype=np.float64),
+        compressed=np.array([spring["compressed"] for spring in springs], dtype=np.bool_),
+        at_cut_locus=np.array([spring["at_cut_locus"] for spring in springs], dtype=np.bool_),
+        paths=_paths(springs),
+        triangles=None if triangles is None else np.array(triangles, dtype=np.int64).reshape(-1, 3),
+        energy=document["energy"],
+        terms={term["name"]: float(term["energy"]) for term in document["terms"]},
+        gradient_norm=document["gradient_norm"],
+        gradient_tolerance=document["accuracy"]["gradient_tolerance"],
+        iterations=document["iterations"],
+        history=tuple(
+            RelaxationStep(s["energy"], s["gradient_norm"], s["step_length"], s["regularization"])
+            for s in document["history"]
+        ),
+        stopped=document["stopped"],
+        mollified=document["mollified"],
+        at_vertices=tuple(document["at_vertices"]),
+        loose_points=tuple(document["loose_points"]),
+        warnings=tuple(document["warnings"]),
+        effects=effects_from_wire(document["effects"]),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
+def partial_relaxation_from_wire(document: Mapping[str, Any]) -> PartialRelaxation:
+    positions = document.get("positions")
+    return PartialRelaxation(
+        iteration=int(document["iteration"]),
+        energy=float(document["energy"]),
+        gradient_norm=float(document["gradient_norm"]),
+        positions=None if positions is None else np.asarray(positions, dtype=np.float64).reshape(-1, 3),
+    )

@@ -1,0 +1,91 @@
+"""Requests about networks on surfaces and their answers, as they cross the wire."""
+
+from __future__ import annotations
+
+from typing import Any, Dict
+
+import numpy as np
+import pytest
+
+import supple
+from supple.jobs import status_from_wire
+from supple.network_answers import relaxed_network_from_wire
+from supple.networks import network_file, relaxation, relaxation_document
+
+MESH = "a" * 64
+ANSWER: Dict[str, Any] = {
+    "mesh": MESH,
+    "points": [{"face": 0, "barycentric": [1, 0, 0]}, {"face": 2, "barycentric": [0.2, 0.3, 0.5]}],
+    "positions": [[0, 0, 0], [1, 2, 3]],
+    "springs": [{"between": [0, 1], "length": 4, "energy": 16, "compressed": False, "at_cut_locus": True}],
+    "energy": 16, "terms": [{"name": "geodesic_springs", "energy": 16}], "gradient_norm": 0.5, "iterations": 1,
+    "history": [{"energy": 20, "gradient_norm": 2, "step_length": 0, "regularization": 0},
+                {"energy": 16, "gradient_norm": 0.5, "step_length": 1, "regularization": 0.1}],
+    "stopped": "iteration_limit", "mollified": False, "at_vertices": [0], "loose_points": [], "warnings": ["One."],
+    "accuracy": {"tolerance": 0.1, "gradient_tolerance": 0.4, "gradient_norm": 0.5, "mollifier_length": 1e-6},
+    "effects": [], "cost": {"seconds": 0.1, "stages": [], "quantities": {}},
+}
+
+
+def test_points_and_springs_one_by_one_become_what_the_contract_says() -> None:
+    springs = [(0, 1), supple.Spring(1, 2, rest_length=0.5, weight=3)]
+    assert relaxation_document(MESH, [0, supple.Vertex(7), (3, (0.2, 0.3, 0.5))], springs, [np.int64(2)], None, False, None) == {
+        "mesh": MESH, "points": [{"vertex": 0}, {"vertex": 7}, {"face": 3, "barycentric": [0.2, 0.3, 0.5]}],
+        "springs": [{"between": [0, 1], "rest_length": 0.0, "weight": 1.0}, {"between": [1, 2], "rest_length": 0.5, "weight": 3.0}],
+        "fixed_points": [2]}
+    with pytest.raises(ValueError, match="start, end"):
+        relaxation_document(MESH, [0, 1], [(0, 1, 2)], [], None, False, None)  # type: ignore[list-item]
+
+
+def test_builders_and_options_become_what_the_contract_says() -> None:
+    options = supple.RelaxationOptions(method="lbfgs", spring_length="euclidean", tolerance=1e-6, max_iterations=5,
+                                       mollifier="on", mollifier_length=0.1, kept_strips="off")
+    assert relaxation_document(MESH, supple.PoissonDisk(0.5, seed=3), supple.VoronoiDual(0.2), [], options, True, 9) == {
+        "mesh": MESH, "points": {"kind": "poisson_disk", "radius": 0.5, "seed": 3},
+        "springs": {"kind": "voronoi_dual", "rest_length": 0.2, "weight": 1.0}, "fixed_points": [], "method": "lbfgs",
+        "spring_length": "euclidean", "max_iterations": 5, "accuracy": {"tolerance": 1e-6, "mollifier_length": 0.1},
+        "effects": {"mollifier": "on", "kept_strips": "off"}, "paths": True, "deadline": 9}
+    document = relaxation_document(MESH, supple.PointsInFaces(), supple.AdjacentFaces(weight=2), [], None, False, None)
+    assert document["points"] == {"kind": "per_face", "barycentric": [0.25, 0.25, 0.5]}
+    assert document["springs"] == {"kind": "adjacent_faces", "rest_length": 0.0, "weight": 2.0}
+    assert supple.PoissonDisk(1).to_wire() == {"kind": "poisson_disk", "radius": 1.0}
+
+
+def test_an_answer_becomes_arrays_of_its_points_and_springs() -> None:
+    network = relaxed_network_from_wire(ANSWER)
+    assert network.positions.shape == (2, 3) and network.springs.tolist() == [[0, 1]]
+    assert (network.lengths.tolist(), network.energies.tolist()) == ([4], [16])
+    assert (network.compressed.tolist(), network.at_cut_locus.tolist()) == ([False], [True])
+    assert network.points[1] == supple.SurfacePoint(2, (0.2, 0.3, 0.5))
+    assert network.paths is None and network.triangles is None and not network.converged
+    assert network.terms == {"geodesic_springs": 16} and network.gradient_tolerance == 0.4
+    assert [step.energy for step in network.history] == [20, 16] and network.at_vertices == (0,)
+    path = [{"face": 0, "barycentric": [1, 0, 0], "position": [0, 0, 0], "vertex": 4},
+            {"face": 2, "barycentric": [0.2, 0.3, 0.5], "position": [1, 2, 3]}]
+    more = relaxed_network_from_wire({**ANSWER, "springs": [{**ANSWER["springs"][0], "path": path}], "triangles": []})
+    assert more.paths is not None and more.paths[0].length() == pytest.approx(14**0.5)
+    assert more.triangles is not None and more.triangles.shape == (0, 3)
+
+
+def test_a_network_without_springs_has_empty_arrays() -> None:
+    network = relaxed_network_from_wire({**ANSWER, "springs": []})
+    assert network.springs.shape == (0, 2) and network.lengths.shape == (0,) and network.paths is None
+
+
+def test_files_ask_for_their_media_type() -> None:
+    document = relaxation_document(MESH, [0], [], [], None, False, None)
+    assert relaxation(document).accept == "application/json"
+    assert network_file(document, "vtu").accept == "application/x-vtu+xml"
+    with pytest.raises(ValueError, match="obj, svg, vtu"):
+        network_file(document, "stl")
+
+
+def test_a_job_tells_of_the_network_on_its_way() -> None:
+    job = {"id": "0" * 32, "kind": "embedded-systems", "state": "running", "progress": 0.5, "stage": "search", "created": "",
+           "partial": {"iteration": 3, "energy": 2.5, "gradient_norm": 0.1, "positions": [[0, 0, 1]]}}
+    partial = status_from_wire(job).partial
+    assert isinstance(partial, supple.PartialRelaxation) and partial.iteration == 3 and partial.energy == 2.5
+    assert partial.positions is not None and partial.positions.shape == (1, 3)
+    del job["partial"]["positions"]  # type: ignore[attr-defined]
+    without = status_from_wire(job).partial
+    assert isinstance(without, supple.PartialRelaxation) and without.positions is None

@@ -1,0 +1,383 @@
+"""Elastic networks on surfaces over the wire."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Callable, Dict, List
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from contract import Contract
+from harness import Api, ServerProcess, pointers, problem_code
+from shapes import bumpy_sphere, flat_grid, sphere, two_triangles_apart
+from test_jobs import events, start_job
+
+NETWORKS = "/v1/embedded-systems"
+CENTRES = {"kind": "per_face", "barycentric": [0.3, 0.3, 0.4]}
+CORNERS = [0, 8, 72, 80]
+"""Vertices of the grid of 8 x 8 cells."""
+
+
+def at_vertices(*vertices: int) -> List[Dict[str, int]]:
+    return [{"vertex": v} for v in vertices]
+
+
+def springs(*pairs: Any, **constants: float) -> List[Dict[str, Any]]:
+    return [{"between": list(pair), **constants} for pair in pairs]
+
+
+def two_free_points(mesh: str, **more: Any) -> Dict[str, Any]:
+    """The corners of a square, and two points that are tied to them and to each other."""
+    return {"mesh": mesh, "points": at_vertices(*CORNERS, 31, 50),
+            "springs": [{"between": [0, 4], "weight": 2}, *springs((1, 4), (2, 5), (3, 5)),
+                        {"between": [4, 5], "weight": 0.5}],
+            "fixed_points": [3, 0, 1, 2], **more}
+
+
+def effect(answer: Any, name: str) -> Any:
+    (found,) = [e for e in answer["effects"] if e["name"] == name]
+    return found
+
+
+# --- equilibria ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["newton", "lbfgs", "gradient_descent"])
+@pytest.mark.parametrize("length", ["geodesic", "euclidean"])
+def test_on_a_flat_square_springs_without_rest_length_solve_a_linear_system(
+        api: Api, grid_mesh: str, method: str, length: str) -> None:
+    answer = api.ok(NETWORKS, two_free_points(grid_mesh, method=method, spring_length=length, max_iterations=2000))
+    corners = flat_grid(8)[0][CORNERS]
+    expected = np.linalg.solve([[3.5, -0.5], [-0.5, 2.5]], [2 * corners[0] + corners[1], corners[2] + corners[3]])
+    assert answer["stopped"] == "converged"
+    np.testing.assert_allclose(answer["positions"][:4], corners, atol=1e-15)
+    np.testing.assert_allclose(answer["positions"][4:], expected, atol=1e-8)
+    assert answer["terms"] == [{"name": f"{length}_springs", "energy": answer["energy"]}]
+    assert effect(answer, f"{length}_springs")["ran"] is True
+
+
+def test_a_spring_of_zero_energy_has_its_rest_length(api: Api, grid_mesh: str) -> None:
+    request = {"mesh": grid_mesh, "points": at_vertices(0, 40), "springs": springs((0, 1), rest_length=0.3, weight=5),
+               "fixed_points": [0]}
+    answer = api.ok(NETWORKS, request)
+    assert answer["stopped"] == "converged"
+    assert answer["springs"][0]["length"] == pytest.approx(0.3, abs=1e-9)
+    assert answer["energy"] == pytest.approx(0, abs=1e-15)
+
+
+def test_lengths_energies_and_paths_are_those_of_the_geodesics_between_the_points(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": {"kind": "poisson_disk", "radius": 0.5},
+               "springs": {"kind": "voronoi_dual", "rest_length": 0.2, "weight": 3}, "fixed_points": [0, 1, 2], "paths": True,
+               "max_iterations": 3}
+    answer = api.ok(NETWORKS, request)
+    pairs = [{"from": answer["points"][i], "to": answer["points"][j]}
+             for i, j in (spring["between"] for spring in answer["springs"])]
+    distances = [result["distance"] for result in api.ok("/v1/geodesics", {"mesh": sphere_mesh, "pairs": pairs})["results"]]
+    lengths = [spring["length"] for spring in answer["springs"]]
+    np.testing.assert_allclose(lengths, distances, rtol=1e-9)
+    energies = [spring["energy"] for spring in answer["springs"]]
+    np.testing.assert_allclose(energies, 3 * (np.array(distances) - 0.2) ** 2, rtol=1e-7, atol=1e-15)
+    assert answer["energy"] == pytest.approx(sum(energies), rel=1e-9)
+    for spring in answer["springs"]:
+        path = np.array([point["position"] for point in spring["path"]])
+        assert np.linalg.norm(np.diff(path, axis=0), axis=1).sum() == pytest.approx(spring["length"], rel=1e-9)
+        for end, place in zip(spring["between"], (path[0], path[-1])):
+            np.testing.assert_allclose(answer["positions"][end], place, atol=1e-9)
+
+
+def test_newton_converges_to_the_tolerance_and_its_energy_never_rises(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": CENTRES, "springs": {"kind": "adjacent_faces", "weight": 2},
+               "fixed_points": list(range(0, 1280, 40)), "accuracy": {"tolerance": 1e-8}}
+    answer = api.ok(NETWORKS, request)
+    assert answer["stopped"] == "converged", answer["history"]
+    accuracy = answer["accuracy"]
+    assert accuracy["gradient_tolerance"] == pytest.approx(1e-8 * 2 * 12**0.5, rel=0.01), "the diagonal is that of a sphere"
+    assert answer["gradient_norm"] == accuracy["gradient_norm"] <= accuracy["gradient_tolerance"]
+    energies = [step["energy"] for step in answer["history"]]
+    assert all(later <= earlier * (1 + 1e-12) for earlier, later in zip(energies, energies[1:]))
+    assert len(energies) == answer["iterations"] + 1 and energies[-1] == pytest.approx(answer["energy"])
+
+
+def test_kept_strips_never_change_the_answer(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": {"kind": "poisson_disk", "radius": 0.6}, "springs": {"kind": "voronoi_dual"},
+               "fixed_points": [0, 5, 9]}
+    answers = []
+    for switch in ("on", "off"):
+        answer = api.ok(NETWORKS, {**request, "effects": {"kept_strips": switch, "mollifier": "off"}})
+        assert effect(answer, "kept_strips")["ran"] is (switch == "on") and effect(answer, "kept_strips")["why"]
+        assert answer["mollified"] is False and effect(answer, "mollifier")["ran"] is False
+        answers.append(answer)
+    np.testing.assert_allclose(answers[0]["positions"], answers[1]["positions"], atol=1e-6)
+
+
+def test_a_mollified_energy_says_so(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": at_vertices(0, 5, 77), "springs": springs((0, 1), (1, 2)), "fixed_points": [0, 2],
+               "effects": {"mollifier": "on"}, "accuracy": {"mollifier_length": 1e-3}}
+    answer = api.ok(NETWORKS, request)
+    assert answer["mollified"] is True and effect(answer, "mollifier")["ran"] is True
+    assert answer["accuracy"]["mollifier_length"] == 1e-3
+
+
+def test_points_that_nothing_holds_stay_and_are_named(api: Api, grid_mesh: str) -> None:
+    request = {"mesh": grid_mesh, "points": at_vertices(0, 80, 40, 22), "springs": springs((0, 1)), "fixed_points": [0, 1]}
+    answer = api.ok(NETWORKS, request)
+    assert answer["loose_points"] == [2, 3] and len(answer["warnings"]) == 1
+    np.testing.assert_allclose(answer["positions"], flat_grid(8)[0][[0, 80, 40, 22]], atol=1e-15)
+
+
+def test_a_spring_under_compression_is_marked(api: Api, grid_mesh: str) -> None:
+    request = {"mesh": grid_mesh, "points": at_vertices(0, 8), "springs": springs((0, 1), rest_length=2),
+               "fixed_points": [0, 1]}
+    (spring,) = api.ok(NETWORKS, request)["springs"]
+    assert spring["compressed"] is True and spring["energy"] == pytest.approx(1)
+
+
+def test_the_iteration_limit_is_kept_and_reported(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": at_vertices(5, 77, 130), "springs": springs((0, 1), (1, 2)),
+               "fixed_points": [0, 2], "method": "gradient_descent", "max_iterations": 1, "accuracy": {"tolerance": 1e-12}}
+    answer = api.ok(NETWORKS, request)
+    assert (answer["stopped"], answer["iterations"], len(answer["history"])) == ("iteration_limit", 1, 2)
+
+
+# --- builders ------------------------------------------------------------------------------------------------------------
+
+
+def test_one_point_in_each_face_and_springs_across_edges_are_the_dual_graph(api: Api, grid_mesh: str) -> None:
+    request = {"mesh": grid_mesh, "points": CENTRES, "springs": {"kind": "adjacent_faces"}, "max_iterations": 1}
+    answer = api.ok(NETWORKS, request)
+    vertices, faces = flat_grid(8)
+    edges: Dict[Any, List[int]] = {}
+    for number, face in enumerate(faces):
+        for k in range(3):
+            edges.setdefault(frozenset((int(face[k]), int(face[(k + 1) % 3]))), []).append(number)
+    expected = sorted(sorted(pair) for pair in edges.values() if len(pair) == 2)
+    assert sorted(spring["between"] for spring in answer["springs"]) == expected
+    assert "triangles" not in answer
+    stages = {stage["name"] for stage in answer["cost"]["stages"]}
+    assert {"points", "springs"} <= stages, "builders are on the bill"
+
+
+def test_random_points_keep_their_distance_and_are_those_of_their_seed(api: Api, sphere_mesh: str) -> None:
+    def made(seed: int) -> Any:
+        disks = {"kind": "poisson_disk", "radius": 0.7, "seed": seed}
+        return api.ok(NETWORKS, {"mesh": sphere_mesh, "points": disks, "springs": []})["points"]
+
+    points = made(3)
+    pairs = [{"from": a, "to": b} for i, a in enumerate(points) for b in points[:i]]
+    distances = [result["distance"] for result in api.ok("/v1/geodesics", {"mesh": sphere_mesh, "pairs": pairs})["results"]]
+    assert min(distances) >= 0.7 * (1 - 1e-12)
+    assert points == made(3) and points != made(4)
+
+
+def test_the_dual_of_voronoi_cells_triangulates_a_sphere(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": {"kind": "poisson_disk", "radius": 0.4}, "springs": {"kind": "voronoi_dual"},
+               "max_iterations": 1}
+    answer = api.ok(NETWORKS, request)
+    corners = {corner for triangle in answer["triangles"] for corner in triangle}
+    assert corners == set(range(len(answer["points"])))
+    assert len(answer["points"]) - len(answer["springs"]) + len(answer["triangles"]) == 2
+
+
+# --- faults --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("change, status, code, where", [
+    ({"points": at_vertices(0, 9999)}, 422, "point.vertex_out_of_range", ["/points/1"]),
+    ({"points": [{"face": 0, "barycentric": [0.5, 0.5, 0.5]}]}, 422, "point.outside_face", ["/points/0"]),
+    ({"points": []}, 400, "request.invalid", ["/points"]),
+    ({"points": {"kind": "everywhere"}}, 400, "request.invalid", ["/points/kind"]),
+    ({"points": {"kind": "per_face", "barycentric": [1, 1, 1]}}, 422, "point.outside_face", ["/points/barycentric"]),
+    ({"points": {"kind": "poisson_disk", "radius": 0}}, 400, "request.invalid", ["/points/radius"]),
+    ({"points": {"kind": "poisson_disk", "radius": 1e-9}}, 422, "network.radius", ["/points/radius"]),
+    ({"springs": springs((0, 1), (1, 2))}, 422, "network.spring", ["/springs/1/between/1"]),
+    ({"springs": springs((1, 1))}, 422, "network.spring", ["/springs/0/between"]),
+    ({"springs": springs((0, -1))}, 400, "request.invalid", ["/springs/0/between/1"]),
+    ({"springs": springs((0, 1), weight=-1)}, 400, "request.invalid", ["/springs/0/weight"]),
+    ({"springs": springs((0, 1), rest_length=-0.1)}, 400, "request.invalid", ["/springs/0/rest_length"]),
+    ({"springs": {"kind": "adjacent_faces", "weight": -1}}, 400, "request.invalid", ["/springs/weight"]),
+    ({"springs": {"kind": "all_pairs"}}, 400, "request.invalid", ["/springs/kind"]),
+    ({"fixed_points": [0, 2]}, 422, "network.fixed_point", ["/fixed_points/1"]),
+    ({"fixed_points": [0.5]}, 400, "request.invalid", ["/fixed_points/0"]),
+    ({"host": {"kind": "elastic"}}, 400, "request.invalid", ["/host/kind"]),
+    ({"method": "magic"}, 400, "request.invalid", ["/method"]),
+    ({"spring_length": "longest"}, 400, "request.invalid", ["/spring_length"]),
+    ({"accuracy": {"tolerance": 0}}, 400, "request.invalid", ["/accuracy/tolerance"]),
+    ({"accuracy": {"mollifier_length": 0.6}}, 400, "request.invalid", ["/accuracy/mollifier_length"]),
+    ({"max_iterations": 0}, 400, "request.invalid", ["/max_iterations"]),
+    ({"effects": {"kept_fields": "on"}}, 400, "request.invalid", ["/effects/kept_fields"]),
+    ({"mesh": "0" * 64}, 404, "mesh.not_found", ["/mesh"]),
+])
+def test_what_is_wrong_is_named_with_its_place(api: Api, grid_mesh: str, change: Any, status: int, code: str,
+                                               where: List[str]) -> None:
+    request = {"mesh": grid_mesh, "points": at_vertices(0, 80), "springs": springs((0, 1)), **change}
+    response = api.post(NETWORKS, request, faulty=True)
+    assert (response.status_code, problem_code(response)) == (status, code), response.text
+    assert pointers(response) == where
+
+
+@pytest.mark.parametrize("number", ["1e999", "NaN", "-Infinity"])
+def test_numbers_that_are_not_finite_are_no_json(api: Api, grid_mesh: str, number: str) -> None:
+    body = (f'{{"mesh": "{grid_mesh}", "points": [{{"vertex": 0}}, {{"vertex": 1}}], '
+            f'"springs": [{{"between": [0, 1], "weight": {number}}}]}}')
+    response = api.call("POST", NETWORKS, body=body.encode(), headers={"Content-Type": "application/json"}, faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.malformed_json")
+
+
+def test_finite_numbers_whose_energy_overflows_give_a_problem(api: Api, grid_mesh: str) -> None:
+    request = {"mesh": grid_mesh, "points": at_vertices(0, 80), "springs": springs((0, 1), rest_length=1e300, weight=1e300)}
+    response = api.post(NETWORKS, request)
+    assert 400 <= response.status_code <= 500, response.text
+
+
+def test_a_spring_between_components_is_named(api: Api) -> None:
+    mesh = api.upload(*two_triangles_apart())
+    response = api.post(NETWORKS, {"mesh": mesh, "points": at_vertices(0, 1, 4), "springs": springs((0, 1), (1, 2))})
+    assert (response.status_code, problem_code(response)) == (422, "network.unreachable")
+    assert pointers(response) == ["/springs/1/between"]
+
+
+def test_limits_of_points_and_springs_are_named_with_their_settings(
+        new_server: Callable[..., ServerProcess], contract: Contract) -> None:
+    api = Api(new_server("--max-points", "100", "--max-springs", "3"), contract)
+    mesh = api.upload(*flat_grid(8))
+    pair = {"mesh": mesh, "points": at_vertices(0, 80), "springs": springs((0, 1))}
+    assert api.post(NETWORKS, {**pair, "springs": springs(*[(0, 1)] * 3)}).status_code == 200
+    for change, field, setting, limit, value in [
+        ({"points": at_vertices(*[0] * 101)}, "/points", "--max-points", 100, 101),
+        ({"points": CENTRES}, "/points", "--max-points", 100, 128),
+        ({"fixed_points": [0] * 101}, "/fixed_points", "--max-points", 100, 101),
+        ({"springs": springs(*[(0, 1)] * 4)}, "/springs", "--max-springs", 3, 4),
+        ({"points": [{"face": f, "barycentric": [0.3, 0.3, 0.4]} for f in (0, 64)] * 5, "springs": {"kind": "adjacent_faces"}},
+         "/springs", "--max-springs", 3, 25),
+    ]:
+        response = api.post(NETWORKS, {**pair, **change})
+        assert (response.status_code, problem_code(response)) == (400, "request.limit_exceeded"), response.text
+        problem = response.json()
+        assert pointers(response) == [field]
+        assert (problem["setting"], problem["limit"], problem["value"]) == (setting, limit, value)
+
+
+def test_more_springs_than_anyone_draws_are_refused_before_they_are_read_as_springs(api: Api, grid_mesh: str) -> None:
+    spring = b'{"between":[0,1]}'
+    body = (f'{{"mesh":"{grid_mesh}","points":[{{"vertex":0}},{{"vertex":1}}],"springs":['.encode()
+            + b",".join([spring] * 300_001) + b"]}")
+    response = api.call("POST", NETWORKS, body=body, headers={"Content-Type": "application/json"}, faulty=True)
+    assert problem_code(response) == "request.limit_exceeded" and pointers(response) == ["/springs"]
+    assert (response.json()["limit"], response.json()["setting"]) == (300_000, "--max-springs")
+
+
+# --- files ---------------------------------------------------------------------------------------------------------------
+
+
+def test_an_obj_has_a_polyline_along_each_path(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": at_vertices(0, 5, 77), "springs": springs((0, 1), (1, 2)), "fixed_points": [0, 2]}
+    response = api.post(NETWORKS, request, headers={"Accept": "model/obj"})
+    assert response.status_code == 200 and response.headers["Content-Type"] == "model/obj"
+    assert response.headers["Supple-Stopped"] == "converged" and float(response.headers["Supple-Seconds"]) > 0
+    lines = response.text.splitlines()
+    points = np.array([[float(x) for x in line.split()[1:]] for line in lines if line.startswith("v ")])
+    polylines = [[int(i) - 1 for i in line.split()[1:]] for line in lines if line.startswith("l ")]
+    paths = [[p["position"] for p in s["path"]] for s in api.ok(NETWORKS, {**request, "paths": True})["springs"]]
+    assert len(polylines) == 2
+    for polyline, path in zip(polylines, paths):
+        np.testing.assert_allclose(points[polyline], path, atol=1e-12)
+
+
+def test_a_vtu_is_xml_whose_arrays_have_an_entry_for_each_spring(api: Api, grid_mesh: str) -> None:
+    response = api.post(NETWORKS, two_free_points(grid_mesh), headers={"Accept": "application/x-vtu+xml"})
+    assert response.headers["Content-Type"] == "application/x-vtu+xml"
+    piece = ElementTree.fromstring(response.content).find(".//Piece")
+    assert piece is not None and piece.attrib["NumberOfCells"] == "5"
+    arrays = {a.attrib["Name"]: np.array((a.text or "").split(), float) for a in piece.iter("DataArray")}
+    assert arrays["offsets"][-1] == len(arrays["connectivity"]) == int(piece.attrib["NumberOfPoints"])
+    assert arrays["Points"].size == 3 * len(arrays["connectivity"]) and set(arrays["types"]) == {4}
+    answer = api.ok(NETWORKS, two_free_points(grid_mesh))
+    np.testing.assert_allclose(arrays["length"], [spring["length"] for spring in answer["springs"]], atol=1e-9)
+    np.testing.assert_allclose(arrays["weight"], [2, 1, 1, 1, 0.5])
+
+
+def test_an_svg_shows_how_energy_and_gradient_fell(api: Api, grid_mesh: str) -> None:
+    request = two_free_points(grid_mesh, method="gradient_descent", max_iterations=20)
+    response = api.post(NETWORKS, request, headers={"Accept": "image/svg+xml"})
+    assert response.headers["Content-Type"] == "image/svg+xml"
+    marks = list(ElementTree.fromstring(response.content).iter("{http://www.w3.org/2000/svg}circle"))
+    assert len(marks) == 2 * len(api.ok(NETWORKS, request)["history"])
+
+
+def test_a_form_that_there_is_not_is_refused(api: Api, grid_mesh: str) -> None:
+    response = api.post(NETWORKS, two_free_points(grid_mesh), headers={"Accept": "model/stl"})
+    assert (response.status_code, problem_code(response)) == (406, "http.not_acceptable")
+
+
+def test_a_job_keeps_the_form_that_was_asked_for(api: Api, grid_mesh: str) -> None:
+    headers = {"Prefer": "respond-async", "Accept": "model/obj"}
+    job = api.post(NETWORKS, two_free_points(grid_mesh), headers=headers).json()["id"]
+    assert api.wait_for_job(job)["kind"] == "embedded-systems"
+    result = api.get(f"/v1/jobs/{job}/result")
+    assert result.headers["Content-Type"] == "model/obj" and result.text.count("\nl ") == 5
+
+
+# --- jobs ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def slow_network(server: ServerProcess, contract: Contract) -> Dict[str, Any]:
+    """Gradient descent for 1280 points, which takes minutes."""
+    mesh = Api(server, contract).upload(*bumpy_sphere(3))
+    return {"mesh": mesh, "points": CENTRES, "springs": {"kind": "adjacent_faces", "rest_length": 0.01},
+            "fixed_points": [0, 400, 900], "method": "gradient_descent", "max_iterations": 100_000,
+            "accuracy": {"tolerance": 1e-14}}
+
+
+def test_events_carry_the_network_on_its_way(api: Api, slow_network: Dict[str, Any]) -> None:
+    job = start_job(api, NETWORKS, slow_network)
+    partial: List[Dict[str, Any]] = []
+    for _, document in events(api, job):
+        if "partial" in document:
+            partial.append(document["partial"])
+        if len(partial) == 5:
+            assert api.delete(f"/v1/jobs/{job}").json()["state"] == "dismissed"
+    assert len(partial) >= 5
+    assert {len(state["positions"]) for state in partial} == {1280}
+    iterations = [state["iteration"] for state in partial]
+    assert iterations == sorted(iterations) and iterations[-1] > iterations[0]
+    energies = [state["energy"] for state in partial]
+    assert all(later <= earlier for earlier, later in zip(energies, energies[1:])) and energies[-1] < energies[0]
+    assert partial[0]["positions"] != partial[-1]["positions"]
+
+
+def test_a_large_network_sends_no_positions_on_its_way(api: Api) -> None:
+    mesh = api.upload(*sphere(4))
+    job = start_job(api, NETWORKS, {"mesh": mesh, "points": CENTRES, "springs": {"kind": "adjacent_faces"},
+                                    "method": "gradient_descent"})
+    for _, document in events(api, job):
+        if "partial" in document:
+            assert set(document["partial"]) == {"iteration", "energy", "gradient_norm"}
+            break
+    else:
+        pytest.fail("no event had an intermediate state")
+    api.delete(f"/v1/jobs/{job}")
+
+
+def test_delete_ends_a_relaxation_within_a_moment(api: Api, slow_network: Dict[str, Any]) -> None:
+    job = start_job(api, NETWORKS, slow_network)
+    api.wait_for_job(job, ("running",))
+    time.sleep(0.3)
+    start = time.monotonic()
+    assert api.delete(f"/v1/jobs/{job}").json()["state"] == "dismissed"
+    while api.busy():
+        assert time.monotonic() - start < 2, "the computation goes on"
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("builders", [
+    {"points": {"kind": "poisson_disk", "radius": 0.012}, "springs": []},
+    {"points": {"kind": "poisson_disk", "radius": 0.05}, "springs": {"kind": "voronoi_dual"}},
+])
+def test_a_deadline_ends_builders_and_relaxations(api: Api, slow_network: Dict[str, Any], builders: Dict[str, Any]) -> None:
+    start = time.monotonic()
+    response = api.post(NETWORKS, {**slow_network, "fixed_points": [], **builders, "deadline": 0.3})
+    assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded"), response.text[:300]
+    assert time.monotonic() - start < 3

@@ -1,0 +1,161 @@
+#include "supple/json/embedded_system_requests.h"
+
+#include <gtest/gtest.h>
+
+#include "support/expect_error.h"
+
+namespace supple::json {
+namespace {
+
+using Where = std::vector<std::string>;
+
+std::string network_body(const std::string& fields) {
+  return R"({"mesh":")" + std::string(64, 'a') + "\"," + fields + "}";
+}
+
+/// Of a network of two points and a spring, with further fields.
+std::string two_points_and(const std::string& fields) {
+  return network_body(R"("points":[{"vertex":0},{"vertex":1}],"springs":[{"between":[0,1]}])" +
+                      (fields.empty() ? "" : "," + fields));
+}
+
+Where faults_of_network(const std::string& body) {
+  return ::supple::testing::places(
+      ::supple::testing::expect_error("request.invalid", [&] { parse_embedded_system(body, {}); }));
+}
+
+TEST(EmbeddedSystemRequests, HaveTheDefaultsOfTheContract) {
+  const auto request = parse_embedded_system(two_points_and(""), {});
+  EXPECT_EQ(std::get<0>(request.points).size(), 2U);
+  const auto& springs = std::get<0>(request.springs);
+  ASSERT_EQ(springs.size(), 1U);
+  EXPECT_EQ(springs[0].from, 0);
+  EXPECT_EQ(springs[0].to, 1);
+  EXPECT_EQ(springs[0].rest_length, 0);
+  EXPECT_EQ(springs[0].weight, 1);
+  EXPECT_TRUE(request.fixed_points.empty());
+  EXPECT_EQ(request.options.method, embedded::RelaxationMethod::newton);
+  EXPECT_EQ(request.options.spring_length, embedded::SpringLength::geodesic);
+  EXPECT_EQ(request.options.tolerance, 1e-9);
+  EXPECT_EQ(request.options.mollifier_length, 1e-6);
+  EXPECT_EQ(request.options.max_iterations, 200);
+  EXPECT_EQ(request.options.mollifier, Switch::automatic);
+  EXPECT_EQ(request.options.kept_strips, Switch::automatic);
+  EXPECT_FALSE(request.options.paths);
+  EXPECT_EQ(request.deadline, 600);
+}
+
+TEST(EmbeddedSystemRequests, ReadEveryField) {
+  const auto request =
+      parse_embedded_system(network_body(R"("points":[{"vertex":3},{"face":1,"barycentric":[0.5,0.25,0.25]}],
+                      "springs":[{"between":[1,0],"rest_length":0.5,"weight":2}],"fixed_points":[1,0],
+                      "host":{"kind":"rigid"},"method":"gradient_descent","spring_length":"euclidean",
+                      "accuracy":{"tolerance":1e-6,"mollifier_length":0.1},"max_iterations":7,"paths":true,
+                      "effects":{"mollifier":"on","kept_strips":"off"},"deadline":5)"),
+                            {});
+  EXPECT_FALSE(std::get<0>(request.points)[1].by_vertex);
+  const auto& spring = std::get<0>(request.springs)[0];
+  EXPECT_EQ(spring.from, 1);
+  EXPECT_EQ(spring.rest_length, 0.5);
+  EXPECT_EQ(spring.weight, 2);
+  EXPECT_EQ(request.fixed_points, (std::vector<std::int32_t>{1, 0}));
+  EXPECT_EQ(request.options.method, embedded::RelaxationMethod::gradient_descent);
+  EXPECT_EQ(request.options.spring_length, embedded::SpringLength::euclidean);
+  EXPECT_EQ(request.options.tolerance, 1e-6);
+  EXPECT_EQ(request.options.mollifier_length, 0.1);
+  EXPECT_EQ(request.options.max_iterations, 7);
+  EXPECT_TRUE(request.options.paths);
+  EXPECT_EQ(request.options.mollifier, Switch::on);
+  EXPECT_EQ(request.options.kept_strips, Switch::off);
+  EXPECT_EQ(request.deadline, 5);
+}
+
+TEST(EmbeddedSystemRequests, ReadBuildersInPlaceOfArrays) {
+  const auto in_faces = parse_embedded_system(network_body(R"("points":{"kind":"per_face","barycentric":[0.2,0.3,0.5]},
+                      "springs":{"kind":"adjacent_faces","rest_length":3,"weight":0.5})"),
+                                              {});
+  EXPECT_EQ(std::get<PointsInFaces>(in_faces.points).barycentric, Eigen::Vector3d(0.2, 0.3, 0.5));
+  EXPECT_EQ(std::get<SpringBuilder>(in_faces.springs).kind, SpringBuilder::Kind::adjacent_faces);
+  EXPECT_EQ(std::get<SpringBuilder>(in_faces.springs).rest_length, 3);
+  EXPECT_EQ(std::get<SpringBuilder>(in_faces.springs).weight, 0.5);
+  const auto random = parse_embedded_system(
+      network_body(R"("points":{"kind":"poisson_disk","radius":0.25,"seed":9},"springs":{"kind":"voronoi_dual"})"), {});
+  EXPECT_EQ(std::get<PoissonDiskPoints>(random.points).radius, 0.25);
+  EXPECT_EQ(std::get<PoissonDiskPoints>(random.points).seed, 9U);
+  EXPECT_EQ(std::get<SpringBuilder>(random.springs).kind, SpringBuilder::Kind::voronoi_dual);
+  EXPECT_EQ(std::get<SpringBuilder>(random.springs).weight, 1);
+}
+
+TEST(EmbeddedSystemRequests, PointToEachFaultyEntry) {
+  const auto springs = [](const std::string& entries) {
+    return network_body(R"("points":[{"vertex":0},{"vertex":1}],"springs":[)" + entries + "]");
+  };
+  EXPECT_EQ(faults_of_network(network_body(R"("springs":[])")), Where{"/points"});
+  EXPECT_EQ(faults_of_network(network_body(R"("points":[{"vertex":0}])")), Where{"/springs"});
+  EXPECT_EQ(faults_of_network(network_body(R"("points":[],"springs":[])")), Where{"/points"});
+  EXPECT_EQ(faults_of_network(network_body(R"("points":"all","springs":7)")), (Where{"/points", "/springs"}));
+  EXPECT_EQ(faults_of_network(springs(R"({"between":[0,1]},{"between":[0,-1]},{})")),
+            (Where{"/springs/1/between/1", "/springs/2/between"}));
+  EXPECT_EQ(faults_of_network(springs(R"({"between":[0,1,2]},{"between":[0,1],"weigth":2})")),
+            (Where{"/springs/0/between", "/springs/1/weigth"}));
+  EXPECT_EQ(faults_of_network(springs(R"({"between":[0,1],"weight":-1},{"between":[0,1],"rest_length":-0.5})")),
+            (Where{"/springs/0/weight", "/springs/1/rest_length"}));
+  EXPECT_EQ(faults_of_network(two_points_and(R"("fixed_points":[0,1.5])")), Where{"/fixed_points/1"});
+  EXPECT_EQ(faults_of_network(two_points_and(R"("host":{"kind":"elastic"})")), Where{"/host/kind"});
+  EXPECT_EQ(faults_of_network(two_points_and(R"("host":{})")), Where{"/host/kind"});
+  EXPECT_EQ(faults_of_network(two_points_and(R"("accuracy":{"tolerance":0,"mollifier_length":1})")),
+            (Where{"/accuracy/tolerance", "/accuracy/mollifier_length"}));
+  EXPECT_EQ(faults_of_network(two_points_and(R"("max_iterations":0,"paths":1,"method":"magic")")),
+            (Where{"/method", "/max_iterations", "/paths"}));
+  EXPECT_EQ(faults_of_network(two_points_and(R"("effects":{"mollifier":true})")), Where{"/effects/mollifier"});
+}
+
+TEST(EmbeddedSystemRequests, PointToTheFaultsOfBuilders) {
+  const auto built = [](const std::string& points, const std::string& springs) {
+    return faults_of_network(network_body("\"points\":" + points + ",\"springs\":" + springs));
+  };
+  const std::string centres = R"({"kind":"per_face","barycentric":[0.2,0.3,0.5]})";
+  const std::string dual = R"({"kind":"voronoi_dual"})";
+  EXPECT_EQ(built("{}", dual), Where{"/points/kind"});
+  EXPECT_EQ(built(R"({"kind":"everywhere","radius":1})", dual), Where{"/points/kind"});
+  EXPECT_EQ(built(R"({"kind":"per_face"})", dual), Where{"/points/barycentric"});
+  EXPECT_EQ(built(R"({"kind":"per_face","barycentric":[1,0]})", dual), Where{"/points/barycentric"});
+  EXPECT_EQ(built(R"({"kind":"per_face","barycentric":[1,0,0],"radius":1})", dual), Where{"/points/radius"});
+  EXPECT_EQ(built(R"({"kind":"poisson_disk"})", dual), Where{"/points/radius"});
+  EXPECT_EQ(built(R"({"kind":"poisson_disk","radius":0})", dual), Where{"/points/radius"});
+  EXPECT_EQ(built(R"({"kind":"poisson_disk","radius":1,"seed":-1})", dual), Where{"/points/seed"});
+  EXPECT_EQ(built(centres, R"({"kind":"all_pairs"})"), Where{"/springs/kind"});
+  EXPECT_EQ(built(centres, R"({"weight":1})"), Where{"/springs/kind"});
+  EXPECT_EQ(built(centres, R"({"kind":"voronoi_dual","weight":-1,"rest_length":-1})"),
+            (Where{"/springs/rest_length", "/springs/weight"}));
+}
+
+TEST(EmbeddedSystemRequests, AreRefusedBeyondTheLimitsWithTheFieldAndTheSetting) {
+  Limits limits;
+  limits.max_points = 2;
+  limits.max_springs = 3;
+  const auto limit_of = [&](const std::string& body) -> problem::Problem {
+    try {
+      parse_embedded_system(body, limits);
+    } catch (const problem::ProblemError& error) {
+      return error.problem();
+    }
+    ADD_FAILURE() << "was not refused";
+    return {};
+  };
+  const auto points = limit_of(network_body(R"("points":[{"vertex":0},{"vertex":1},{"vertex":2}],"springs":[])"));
+  EXPECT_EQ(points.code, "request.limit_exceeded");
+  EXPECT_EQ(points.errors.at(0).where, "/points");
+  EXPECT_EQ(points.limit->setting, "--max-points");
+  const std::string spring = R"({"between":[0,1]})";
+  const auto springs = limit_of(network_body(R"("points":[{"vertex":0},{"vertex":1}],"springs":[)" + spring + "," +
+                                             spring + "," + spring + "," + spring + "]"));
+  EXPECT_EQ(springs.errors.at(0).where, "/springs");
+  EXPECT_EQ(springs.limit->setting, "--max-springs");
+  EXPECT_EQ(springs.limit->limit, 3);
+  EXPECT_EQ(springs.limit->value, 4);
+  EXPECT_EQ(limit_of(two_points_and(R"("fixed_points":[0,1,0])")).errors.at(0).where, "/fixed_points");
+}
+
+}  // namespace
+}  // namespace supple::json
