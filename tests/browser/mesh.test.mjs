@@ -96,6 +96,7 @@ describe("the mesh page", () => {
     await until(async () => /^Repaired: 6 vertices and 6 faces became \d+ vertices and 4 faces\.$/.test((await notes.first().textContent()) ?? ""), "the report");
     await notes.filter({ hasText: "1 degenerate face was dropped." }).waitFor();
     assert.equal(await repair.isVisible(), false);
+    await page.getByText("Repairs at upload").click();
     assert.equal(await page.getByLabel("Drop faces without area").isChecked(), false, "the next file is not repaired unasked");
     await picture(page, "mesh-repaired");
     await closePage(page);

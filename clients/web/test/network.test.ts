@@ -3,7 +3,7 @@ import { decades, powerWords } from "../src/mesh/convergence_plot";
 import { readMeshLink, writeMeshLink } from "../src/mesh/link";
 import type { Vector } from "../src/mesh/mesh_data";
 import { fileRequest, makingRequest, type Network, networkKey, relaxationRequest, springsOf, straightValues } from "../src/mesh/network";
-import { Frames } from "../src/mesh/network_frames";
+import { frameAt, Frames } from "../src/mesh/network_frames";
 import { changed, DEFAULT_NETWORK, type NetworkState, onAnotherMesh, withFixed, within, withoutPoint, withSpring } from "../src/mesh/network_state";
 import { readFixed, readSprings, writeSprings } from "../src/mesh/network_text";
 import { rampColour, rangeOf, shareOf, SPRING_RAMP } from "../src/mesh/spring_colours";
@@ -98,6 +98,14 @@ describe("frames", () => {
     const gaps = kept.slice(1).map((iteration, k) => iteration - kept[k]);
     expect(new Set(gaps).size).toBe(1);
     expect(kept[kept.length - 1] + gaps[0]).toBeGreaterThan(39);
+  });
+});
+
+describe("the frame of an iteration", () => {
+  it("is the nearest that is known, or the end", () => {
+    const frames = [0, 4, 9].map((iteration) => ({ iteration, positions: [] }));
+    expect([0, 1, 3, 6, 7, 9, 10].map((iteration) => frameAt(frames, 10, iteration)?.iteration ?? "end")).toEqual([0, 0, 4, 4, 9, 9, "end"]);
+    expect(frameAt([], 10, 3)).toBeNull();
   });
 });
 

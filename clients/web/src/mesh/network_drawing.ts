@@ -14,23 +14,30 @@ export interface NetworkPicture {
   /** A line of at least two places for each spring, and its colour. */
   readonly lines: readonly (readonly Vector[])[];
   readonly colours: readonly Rgb[];
+  /** Springs are straight through space instead of on the surface. */
+  readonly straight: boolean;
 }
 
-/** Lines and dots come this much nearer in the depths of the picture: straight springs run below a bent surface. */
-const NEARER = -600;
+/** How much nearer lines come in the depths of the picture, in its smallest steps: straight springs run below a bent surface. */
+const NEARER = { straight: 1200, exact: 300 };
+/** Of the depths of the picture, which is 24 bits deep, from -1 to 1. */
+const SMALLEST_STEP = 2 ** -23;
+/** How much nearer dots come than lines. */
+const DOTS_NEARER = 1.3;
 const FEW_POINTS = 400;
 
 const vertexShader = /* glsl */ `
   attribute vec3 colour;
   attribute float size;
   uniform float ratio;
+  uniform float nearer;
   varying vec3 vColour;
   varying float vSize;
   void main() {
     vColour = colour;
     vSize = size * ratio;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-    gl_Position.z -= 6e-5 * gl_Position.w;
+    gl_Position.z -= nearer * gl_Position.w;
     gl_PointSize = vSize;
   }`;
 
@@ -48,8 +55,8 @@ const fragmentShader = /* glsl */ `
 
 export class NetworkDrawing {
   readonly group = new THREE.Group();
-  private readonly lineMaterial = new LineMaterial({ linewidth: 3, vertexColors: true, polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: NEARER });
-  private readonly dotMaterial = new THREE.ShaderMaterial({ vertexShader, fragmentShader, uniforms: { rim: { value: new THREE.Color(1, 1, 1) }, ratio: { value: 1 } } });
+  private readonly lineMaterial = new LineMaterial({ linewidth: 3, vertexColors: true, polygonOffset: true, polygonOffsetFactor: 0 });
+  private readonly dotMaterial = new THREE.ShaderMaterial({ vertexShader, fragmentShader, uniforms: { rim: { value: new THREE.Color(1, 1, 1) }, ratio: { value: 1 }, nearer: { value: 0 } } });
   private readonly dots = new THREE.Points(new THREE.BufferGeometry(), this.dotMaterial);
   private lines: LineSegments2 | null = null;
   private positions: readonly Vector[] = [];
@@ -67,6 +74,9 @@ export class NetworkDrawing {
   /** Null takes the network away. `colourOf` gives the colours that the page has now. */
   show(picture: NetworkPicture | null, colourOf: (kind: DotKind | "rim") => THREE.Color): void {
     this.positions = picture?.positions ?? [];
+    const nearer = picture?.straight ? NEARER.straight : NEARER.exact;
+    this.lineMaterial.polygonOffsetUnits = -nearer;
+    this.dotMaterial.uniforms.nearer.value = DOTS_NEARER * nearer * SMALLEST_STEP;
     this.showLines(picture);
     const dots = this.positions.length;
     const many = dots > FEW_POINTS;

@@ -27,3 +27,14 @@ export class Frames {
     this.every *= 2;
   }
 }
+
+/** The frame that is nearest to an iteration; null where the end of all iterations is nearer. */
+export function frameAt(frames: readonly Frame[], iterations: number, iteration: number): Frame | null {
+  let found: Frame | null = null;
+  let least = Math.abs(iterations - iteration);
+  for (const frame of frames) {
+    const away = Math.abs(frame.iteration - iteration);
+    if (away < least) [found, least] = [frame, away];
+  }
+  return found;
+}

@@ -115,11 +115,11 @@ export class NetworkSession {
 
   /** Relaxes the network from where its points were made, or goes on from where the last relaxation ended. */
   relax(goOn = false): Promise<void> {
-    const start = goOn ? this.relaxing.get()?.answer?.points : undefined;
+    const start = goOn ? this.relaxing.get()?.answer : null;
     return this.attempt("Making the network", async (signal) => {
       const network = this.isMade ? (this.network.get() as Network) : await this.made(signal);
-      const request = relaxationRequest(this.mesh, this.state.get(), network, start);
-      await this.follows(request, network, signal);
+      const request = relaxationRequest(this.mesh, this.state.get(), network, start?.points);
+      await this.follows(request, network, (start?.positions as unknown as Vector[] | undefined) ?? network.positions, signal);
     });
   }
 
@@ -185,17 +185,18 @@ export class NetworkSession {
     return network;
   }
 
-  private async follows(request: EmbeddedSystemRequest, network: Network, signal: AbortSignal): Promise<void> {
+  private async follows(request: EmbeddedSystemRequest, network: Network, start: readonly Vector[], signal: AbortSignal): Promise<void> {
     const frames = new Frames();
+    frames.add({ iteration: 0, positions: start });
     const steps: Step[] = [];
     const weight = (request.springs as { weight?: number }[]).reduce((most, spring) => Math.max(most, spring.weight ?? 1), 0);
     const diagonal = this.session.mesh.get()?.info.bounding_box.diagonal ?? 0;
     const gradientTolerance = (request.accuracy?.tolerance ?? 0) * weight * diagonal;
-    this.relaxing.set({ request, network, steps, frames: [], gradientTolerance, answer: null });
+    this.relaxing.set({ request, network, steps, frames: frames.all, gradientTolerance, answer: null });
     const answer = await this.compute(request, "Relaxing", signal, ({ partial }) => {
       if (!partial || !("gradient_norm" in partial) || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
       steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
-      if (partial.positions) frames.add({ iteration: partial.iteration, positions: partial.positions as unknown as Vector[] });
+      if (partial.positions && partial.iteration > 0) frames.add({ iteration: partial.iteration, positions: partial.positions as unknown as Vector[] });
       this.relaxing.set({ request, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
     });
     if (signal.aborted) return;

@@ -28,7 +28,7 @@ export class NetworkView {
   private draw(): void {
     const network = this.session.network.get();
     if (!network) return this.picture.set(null);
-    const { positions, lines, values } = this.state();
+    const { positions, lines, values, straight } = this.state();
     const coloured = this.colourBy.get() === "energy" ? values.energies : values.lengths;
     const range = rangeOf(coloured);
     this.range.set(range);
@@ -37,10 +37,10 @@ export class NetworkView {
     for (const point of fixed) if (point < kinds.length) kinds[point] = "fixed";
     const chosen = this.session.chosen.get();
     if (chosen !== null && chosen < kinds.length) kinds[chosen] = "chosen";
-    this.picture.set({ positions, kinds, lines, colours: coloured.map((value) => rampColour(shareOf(value, range))) });
+    this.picture.set({ positions, kinds, lines, colours: coloured.map((value) => rampColour(shareOf(value, range))), straight });
   }
 
-  private state(): { positions: readonly Vector[]; lines: readonly (readonly Vector[])[]; values: SpringValues } {
+  private state(): { positions: readonly Vector[]; lines: readonly (readonly Vector[])[]; values: SpringValues; straight: boolean } {
     const network = this.session.network.get();
     const relaxing = this.session.relaxing.get();
     const frame = this.frame.get();
@@ -48,10 +48,10 @@ export class NetworkView {
     if (relaxing?.answer && !frame) {
       const positions = relaxing.answer.positions as unknown as Vector[];
       const lines = relaxing.answer.springs.map(({ between: [a, b], path }) => (path && path.length > 1 ? path.map((point) => point.position as unknown as Vector) : [positions[a], positions[b]]));
-      return { positions, lines, values: exactValues(relaxing.answer) };
+      return { positions, lines, values: exactValues(relaxing.answer), straight: relaxing.request.spring_length === "euclidean" };
     }
     const positions = (frame ?? relaxing?.frames.at(-1))?.positions ?? network?.positions ?? [];
     const springs = relaxing ? (relaxing.request.springs as ReturnType<typeof springsOf>) : springsOf(this.session.state.get(), pairs);
-    return { positions, lines: pairs.map(([a, b]) => [positions[a], positions[b]]), values: straightValues(positions, springs) };
+    return { positions, lines: pairs.map(([a, b]) => [positions[a], positions[b]]), values: straightValues(positions, springs), straight: true };
   }
 }

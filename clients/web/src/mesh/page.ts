@@ -26,7 +26,7 @@ export function meshPage({ client, link }: Surroundings): Page {
   const element = h("div", { class: "mesh-page" },
     h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, () => void openSample()), h("div", { class: "column right" }, stage, card));
   const viewer = makeViewer();
-  const hint = h("p", { class: "hint" }, "Click to pick a point, drag to turn, scroll to come nearer. With the keyboard: arrows and + −.");
+  const hint = h("p", { class: "hint" });
   replace(stage, viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint, status);
 
   function makeViewer(): MeshViewer | null {
@@ -76,20 +76,35 @@ export function meshPage({ client, link }: Surroundings): Page {
   session.finding.watch((finding) => {
     if (finding.facts.length > 0) announce(finding.facts.map(([term, value]) => `${term}: ${value}`).join(". "));
   });
+  for (const part of [session.tool, network.state, network.mode]) {
+    part.watch(() => {
+      const { points } = network.state.get();
+      const click = !ofNetwork() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
+      hint.textContent = `${click}, drag to turn, scroll to come nearer. With the keyboard: arrows and + −.`;
+    });
+  }
   session.tool.watch(() => {
     card.hidden = !ofNetwork();
     element.classList.toggle("with-network", ofNetwork());
   });
 
+  // One element for all of the work: a button that is replaced with each word of progress cannot be pressed.
+  const doing = h("span");
+  const bar = h("progress", { max: 1, "aria-label": "Progress" });
+  let stop = () => {};
+  const working = h("div", { class: "working" }, doing, bar, button("Cancel", () => stop()));
+
   function showActivity(): void {
     const [activity, cancel]: [MeshActivity, () => void] =
       ofNetwork() && session.activity.get().kind === "idle" ? [network.activity.get(), () => network.cancel()] : [session.activity.get(), () => session.cancel()];
+    stop = cancel;
     if (activity.kind === "idle") replace(status);
     else if (activity.kind === "failed") replace(status, h("p", { class: "note", role: "alert" }, activity.sentence));
     else {
-      const bar = h("progress", { max: 1, "aria-label": "Progress" });
-      if (activity.progress !== null) bar.value = activity.progress;
-      replace(status, h("div", { class: "working" }, h("span", {}, activity.words), bar, button("Cancel", cancel)));
+      doing.textContent = activity.words;
+      if (activity.progress === null) bar.removeAttribute("value");
+      else bar.value = activity.progress;
+      if (working.parentElement !== status) replace(status, working);
     }
   }
   for (const part of [session.activity, network.activity, session.tool]) part.watch(showActivity);

@@ -56,10 +56,12 @@ function repairControls(session: MeshSession): HTMLElement {
   const help = h("p", { class: "muted" });
   const again = button("Repair and upload", () => void session.repairRefused(), { kind: "primary" });
   const element = h("details", { class: "more repairs" }, h("summary", {}, "Repairs at upload"), help, h("div", {}, ...boxes.map((box) => box.element)), again);
+  let openedHere = false;
   session.repairs.watch((repairs) => REPAIRS.forEach((repair, k) => (boxes[k].value = repairs.includes(repair))));
   session.refused.watch((refused) => {
     again.hidden = !refused;
-    if (refused) element.open = true;
+    if (refused || openedHere) element.open = refused !== null;
+    openedHere = refused !== null;
     help.textContent = refused
       ? `${refused.words} was refused for faults that the marked repairs mend.`
       : "Faulty meshes are refused, unless you ask for repairs. What they change is told here.";

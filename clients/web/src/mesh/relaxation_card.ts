@@ -7,6 +7,7 @@ import { digits, seconds } from "../base/format";
 import { svgOf } from "../base/svg_file";
 import type { Cost, Effect, EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
+import { frameAt } from "./network_frames";
 import type { FileKind, NetworkSession, Relaxing } from "./network_session";
 import type { ColourBy, NetworkView } from "./network_view";
 import { cssGradient, SPRING_RAMP } from "./spring_colours";
@@ -19,6 +20,8 @@ export const STOP_SENTENCES: Record<EmbeddedSystem["stopped"], string> = {
 };
 
 const MOST_ROWS = 60;
+/** Points of a network whose positions the events of its job carry. */
+const MOST_SEEN = 5000;
 
 export function relaxationCard(network: NetworkSession, view: NetworkView): HTMLElement {
   const plot = new ConvergencePlot();
@@ -41,9 +44,9 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const history = button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" });
   const request = button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" });
   const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
-  const side = h("div", { class: "relaxation-side" }, facts, colours.element, scale, slider, h("div", { class: "row" }, ...files, history, request));
+  const side = h("div", { class: "relaxation-side" }, colours.element, scale, slider, h("div", { class: "row" }, ...files, history, request));
   const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true },
-    h("h2", {}, "Relaxation"), sentence, stale, notes, h("div", { class: "relaxation-body" }, stage, side), goOn, bill);
+    h("h2", {}, "Relaxation"), sentence, stale, notes, goOn, h("div", { class: "relaxation-body" }, stage, facts, side), bill);
 
   function saveRequest(): void {
     const relaxing = network.relaxing.get();
@@ -59,9 +62,16 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   }
 
   function showSlider({ frames, answer }: Relaxing): void {
-    if (!answer || frames.length < 2) return replace(slider);
-    const states = new Slider({ label: "Iteration", lower: 0, upper: frames.length, step: 1, digits: 0, changed: (value) => view.frame.set(frames[Math.round(value)] ?? null) });
-    states.value = frames.length;
+    if (!answer || frames.length === 0 || answer.iterations === 0) return replace(slider);
+    const states = new Slider({
+      label: "Iteration that is seen", lower: 0, upper: answer.iterations, step: 1, digits: 0,
+      changed: (value, done) => {
+        const frame = frameAt(frames, answer.iterations, value);
+        view.frame.set(frame);
+        if (done) states.value = frame?.iteration ?? answer.iterations;
+      },
+    });
+    states.value = answer.iterations;
     replace(slider, states.element);
   }
 
@@ -69,7 +79,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     card.hidden = !relaxing;
     if (!relaxing) return;
     const { answer } = relaxing;
-    sentence.textContent = answer ? STOP_SENTENCES[answer.stopped] : "The network is relaxing.";
+    sentence.textContent = answer ? STOP_SENTENCES[answer.stopped] : relaxing.network.points.length > MOST_SEEN ? "The network is relaxing. It has too many points to be seen on its way." : "The network is relaxing.";
     replace(notes, ...(answer ? notesOf(answer) : []).map((words) => h("p", { class: "note" }, words)));
     for (const part of [...files, history, request, goOn]) part.disabled = !answer;
     goOn.hidden = answer?.stopped !== "iteration_limit";
@@ -111,8 +121,8 @@ function notesOf(answer: EmbeddedSystem): string[] {
   return sentences;
 }
 
-function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[]): HTMLElement {
-  return h("div", { class: "table-box", tabindex: 0, role: "region", "aria-label": caption },
+function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[], kind = ""): HTMLElement {
+  return h("div", { class: `table-box ${kind}`.trim(), tabindex: 0, role: "region", "aria-label": caption },
     h("table", {},
       h("caption", {}, caption),
       h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
@@ -122,7 +132,7 @@ function table(caption: string, head: readonly string[], rows: readonly (readonl
 const plainName = (name: string): string => name.replace(/_/g, " ");
 
 function effectTable(effects: readonly Effect[]): HTMLElement {
-  return table("Effects", ["Effect", "Ran", "Why", "Times", "Took"], effects.map(({ name, ran, why, count, seconds: took }) => [plainName(name), ran ? "yes" : "no", why, count.toLocaleString("en"), ran ? seconds(took) : "–"]));
+  return table("Effects", ["Effect", "Ran", "Times", "Took", "Why"], effects.map(({ name, ran, why, count, seconds: took }) => [plainName(name), ran ? "yes" : "no", count.toLocaleString("en"), ran ? seconds(took) : "–", why]), "wide");
 }
 
 function billTables({ stages, quantities, seconds: total }: Cost): HTMLElement[] {
