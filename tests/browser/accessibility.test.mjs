@@ -51,6 +51,14 @@ describe("the rules of accessibility", () => {
       await page.locator('[aria-label="Result"]').waitFor();
       assert.deepEqual(await violations(page), []);
       await picture(page, `mesh-${colorScheme}`);
+      await page.getByRole("radio", { name: "Network", exact: true }).check();
+      await page.getByText("Accuracy, method and effects").click();
+      await page.getByText("Repairs at upload").click();
+      await page.getByRole("button", { name: "Relax", exact: true }).click();
+      await page.locator(".relaxation .stop", { hasText: "at rest" }).waitFor();
+      await page.getByText("Effects, bill and history").click();
+      assert.deepEqual(await violations(page), []);
+      await picture(page, `network-${colorScheme}`);
       await closePage(page);
     });
   }
@@ -70,6 +78,21 @@ describe("the weave page on a small screen", () => {
     assert.deepEqual(await violations(page), []);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
     await picture(page, "weave-small");
+    await closePage(page);
+  });
+});
+
+describe("the mesh page with a network on a small screen", () => {
+  it("keeps them too", async () => {
+    const page = await openPage(browser, `${server.url}/#/mesh`, { viewport: { width: 360, height: 740 } });
+    await page.getByRole("button", { name: "Sample" }).click();
+    await page.locator('[aria-label="Result"]').waitFor();
+    await page.getByRole("radio", { name: "Network", exact: true }).check();
+    await page.getByRole("button", { name: "Relax", exact: true }).click();
+    await page.locator(".relaxation .stop", { hasText: "at rest" }).waitFor();
+    assert.deepEqual(await violations(page), []);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
+    await picture(page, "network-small");
     await closePage(page);
   });
 });

@@ -80,6 +80,28 @@ describe("the mesh page", () => {
     await closePage(page);
   });
 
+  it("offers the repairs that mend a file, makes them, and tells what they changed", async () => {
+    const page = await open();
+    await upload(page, "doubled.obj", `${TETRAHEDRON}v 0 1.5 0\nv 0 0 3\nf 1 2 3\nf 1 2 1\n`);
+    const repair = page.getByRole("button", { name: "Repair and upload" });
+    await repair.waitFor();
+    await page.locator(".mesh-stage .note", { hasText: "degenerate" }).waitFor();
+    assert.ok(await page.getByLabel("Drop faces without area").isChecked(), "the repair that helps is marked");
+    assert.equal(await page.getByLabel("Drop faces that are given twice").isChecked(), false);
+    await repair.click();
+    await page.locator(".mesh-stage .note", { hasText: "more than two faces" }).waitFor();
+    await repair.click();
+    await page.locator(".facts").getByText("Handles").waitFor();
+    const notes = page.locator('[aria-label="Surface"] .note');
+    await until(async () => /^Repaired: 6 vertices and 6 faces became \d+ vertices and 4 faces\.$/.test((await notes.first().textContent()) ?? ""), "the report");
+    await notes.filter({ hasText: "1 degenerate face was dropped." }).waitFor();
+    assert.equal(await repair.isVisible(), false);
+    await page.getByText("Repairs at upload").click();
+    assert.equal(await page.getByLabel("Drop faces without area").isChecked(), false, "the next file is not repaired unasked");
+    await picture(page, "mesh-repaired");
+    await closePage(page);
+  });
+
   it("turns by keys", async () => {
     const page = await open();
     await upload(page, "tetrahedron.obj", TETRAHEDRON);

@@ -47,6 +47,25 @@ export class Select<Value extends string> {
   }
 }
 
+/** Yes or no. */
+export class Checkbox {
+  readonly element: HTMLElement;
+  private readonly input: HTMLInputElement;
+
+  constructor(label: string, changed: (value: boolean) => void) {
+    this.input = h("input", { type: "checkbox", onchange: () => changed(this.input.checked) });
+    this.element = h("label", { class: "checkbox" }, this.input, h("span", {}, label));
+  }
+
+  set value(value: boolean) {
+    this.input.checked = value;
+  }
+
+  set disabled(disabled: boolean) {
+    this.input.disabled = disabled;
+  }
+}
+
 export interface SliderOptions {
   label: string;
   lower: number;

@@ -23,10 +23,18 @@ export type PatchMesh = Schemas["PatchMesh"];
 export type Job = Schemas["Job"];
 export type ProblemDocument = Schemas["Problem"];
 export type Mesh = Schemas["Mesh"];
+export type MeshRepair = Schemas["MeshRepair"];
+export type Repair = Schemas["Repair"];
 export type SurfacePoint = Schemas["Point"];
 export type Geodesics = Schemas["GeodesicsResponse"];
 export type PathPoint = Schemas["PathPoint"];
 export type KarcherMean = Schemas["KarcherMeanResponse"];
+export type EmbeddedSystemRequest = Schemas["EmbeddedSystemRequest"];
+export type EmbeddedSystem = Schemas["EmbeddedSystemResponse"];
+export type NetworkSpring = Schemas["NetworkSpring"];
+export type EffectSwitch = Schemas["EffectSwitch"];
+export type Effect = Schemas["Effect"];
+export type Cost = Schemas["Cost"];
 
 /** One design's answer; requests of this editor have no regions, so that every field of a design is there. */
 export type DesignAnswer = Design & Pick<Schemas["DesignResponse"], "accuracy" | "effects" | "cost">;

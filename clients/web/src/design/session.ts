@@ -299,7 +299,7 @@ export class DesignSession {
     this.activity.set({ kind: "busy", effort: "search", progress: job.progress, stage: job.stage });
     const { partial } = job;
     const shown = this.shown.get();
-    if (!partial || "round" in partial || !shown || !sameProfile(shown, state)) return;
+    if (!partial || !("achieved" in partial) || !shown || !sameProfile(shown, state)) return;
     const { family, parameters } = partial;
     this.shown.set({ ...shown, found: { family, parameters }, x: partial.x, achieved: partial.achieved, errorBar: null, provisional: true });
   }

@@ -1,5 +1,7 @@
-// Mesh, tool and points in a link.
+// Mesh, tool, points and network in a link.
 import type { SurfacePoint } from "../contract/types";
+import type { NetworkState } from "./network_state";
+import { readNetwork, writeNetwork } from "./network_text";
 import { type Tool, TOOLS } from "./session";
 
 const MOST_POINTS = 200;
@@ -8,11 +10,13 @@ export interface MeshLink {
   mesh: string;
   tool: Tool;
   points: SurfacePoint[];
+  /** Where the tool is the network. */
+  network: NetworkState | null;
 }
 
-export function writeMeshLink({ mesh, tool, points }: MeshLink): string {
+export function writeMeshLink({ mesh, tool, points, network }: MeshLink): string {
   const places = points.map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
-  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}`;
+  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}${network && tool === "network" ? `&${writeNetwork(network)}` : ""}`;
 }
 
 /** Null where the text is no such link; points that are none are left out. */
@@ -21,11 +25,8 @@ export function readMeshLink(text: string): MeshLink | null {
   const mesh = fields.get("mesh") ?? "";
   if (!/^[0-9a-f]{64}$/.test(mesh)) return null;
   const places = (fields.get("points") ?? "").split(";").slice(0, MOST_POINTS);
-  return {
-    mesh,
-    tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path",
-    points: places.map(readPoint).filter((point): point is SurfacePoint => point !== null),
-  };
+  const points = places.map(readPoint).filter((point): point is SurfacePoint => point !== null);
+  return { mesh, tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path", points, network: readNetwork(fields, points.length) };
 }
 
 /** A vertex as "v12", a point of a face as "12:0.2,0.3,0.5". */

@@ -7,19 +7,26 @@ import type { Page, Surroundings } from "../page";
 import { findings } from "./findings";
 import { readMeshLink, writeMeshLink } from "./link";
 import { meshPanel } from "./panel";
-import { MeshSession } from "./session";
-import { MeshViewer } from "./viewer";
+import { NetworkSession } from "./network_session";
+import { NetworkView } from "./network_view";
+import { relaxationCard } from "./relaxation_card";
+import { type MeshActivity, MeshSession } from "./session";
+import { MeshViewer, type Pick } from "./viewer";
 
 /** Vertices of the sample that are seen at first. */
 const SAMPLE_POINTS = [442, 1223, 1785];
 
 export function meshPage({ client, link }: Surroundings): Page {
   const session = new MeshSession(client, findings);
+  const network = new NetworkSession(session, client);
+  const view = new NetworkView(network);
   const status = h("div", { class: "status" });
   const stage = h("section", { class: "card mesh-stage", "aria-label": "View" });
-  const element = h("div", { class: "mesh-page" }, h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, () => void openSample()), stage);
+  const card = h("div", {}, relaxationCard(network, view));
+  const element = h("div", { class: "mesh-page" },
+    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, () => void openSample()), h("div", { class: "column right" }, stage, card));
   const viewer = makeViewer();
-  const hint = h("p", { class: "hint" }, "Click to pick a point, drag to turn, scroll to come nearer. With the keyboard: arrows and + −.");
+  const hint = h("p", { class: "hint" });
   replace(stage, viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint, status);
 
   function makeViewer(): MeshViewer | null {
@@ -36,12 +43,25 @@ export function meshPage({ client, link }: Surroundings): Page {
     if (session.points.get().length === 0) session.setPoints(SAMPLE_POINTS.map((vertex) => ({ vertex })));
   }
 
+  const ofNetwork = () => session.tool.get() === "network";
+
   function showMarks(): void {
-    if (session.mesh.get()) viewer?.setMarks(session.points.get().map((point) => session.position(point)), session.finding.get().mean);
+    if (!session.mesh.get()) return;
+    const marks = ofNetwork() ? [] : session.points.get().map((point) => session.position(point));
+    viewer?.setMarks(marks, session.finding.get().mean);
+  }
+
+  function pick({ place, point }: Pick): void {
+    const mode = network.state.get().points === "picked" ? network.mode.get() : "fix";
+    if (!ofNetwork() || mode === "add") {
+      if (place) session.add({ face: place.face, barycentric: [...place.barycentric] });
+    } else if (point === null) announce("There is no point of the network.");
+    else if (mode === "join") network.join(point);
+    else network.fix(point);
   }
 
   if (viewer) {
-    viewer.onPick = (pick) => session.add({ face: pick.face, barycentric: [...pick.barycentric] });
+    viewer.onPick = pick;
     session.mesh.watch((loaded) => {
       if (loaded) viewer.setMesh(loaded.data, `Surface of ${loaded.info.faces} faces`);
     });
@@ -50,26 +70,50 @@ export function meshPage({ client, link }: Surroundings): Page {
       viewer.setPaths(finding.paths);
       showMarks();
     });
-    session.points.watch(showMarks);
+    for (const part of [session.points, session.tool]) part.watch(showMarks);
+    for (const part of [view.picture, session.tool]) part.watch(() => viewer.setNetwork(ofNetwork() ? view.picture.get() : null));
   }
   session.finding.watch((finding) => {
     if (finding.facts.length > 0) announce(finding.facts.map(([term, value]) => `${term}: ${value}`).join(". "));
   });
-  session.activity.watch((activity) => {
+  for (const part of [session.tool, network.state, network.mode]) {
+    part.watch(() => {
+      const { points } = network.state.get();
+      const click = !ofNetwork() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
+      hint.textContent = `${click}, drag to turn, scroll to come nearer. With the keyboard: arrows and + −.`;
+    });
+  }
+  session.tool.watch(() => {
+    card.hidden = !ofNetwork();
+    element.classList.toggle("with-network", ofNetwork());
+  });
+
+  // One element for all of the work: a button that is replaced with each word of progress cannot be pressed.
+  const doing = h("span");
+  const bar = h("progress", { max: 1, "aria-label": "Progress" });
+  let stop = () => {};
+  const working = h("div", { class: "working" }, doing, bar, button("Cancel", () => stop()));
+
+  function showActivity(): void {
+    const [activity, cancel]: [MeshActivity, () => void] =
+      ofNetwork() && session.activity.get().kind === "idle" ? [network.activity.get(), () => network.cancel()] : [session.activity.get(), () => session.cancel()];
+    stop = cancel;
     if (activity.kind === "idle") replace(status);
     else if (activity.kind === "failed") replace(status, h("p", { class: "note", role: "alert" }, activity.sentence));
     else {
-      const bar = h("progress", { max: 1, "aria-label": "Progress" });
-      if (activity.progress !== null) bar.value = activity.progress;
-      replace(status, h("div", { class: "working" }, h("span", {}, activity.words), bar, button("Cancel", () => session.cancel())));
+      doing.textContent = activity.words;
+      if (activity.progress === null) bar.removeAttribute("value");
+      else bar.value = activity.progress;
+      if (working.parentElement !== status) replace(status, working);
     }
-  });
-  for (const part of [session.mesh, session.points, session.tool]) {
-    part.watch(() => {
-      const loaded = session.mesh.get();
-      if (loaded) link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...session.points.get()] }));
-    });
   }
+  for (const part of [session.activity, network.activity, session.tool]) part.watch(showActivity);
+
+  function writeLink(): void {
+    const loaded = session.mesh.get();
+    if (loaded) link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...session.points.get()], network: network.state.get() }));
+  }
+  for (const part of [session.mesh, session.points, session.tool, network.state]) part.watch(writeLink);
   stage.addEventListener("dragover", (event) => event.preventDefault());
   stage.addEventListener("drop", (event) => {
     event.preventDefault();
@@ -85,10 +129,8 @@ export function meshPage({ client, link }: Surroundings): Page {
       if (linked && linked.mesh !== session.mesh.get()?.info.id) {
         session.setTool(linked.tool);
         await session.open(linked.mesh, linked.points);
-      } else if (session.mesh.get()) {
-        const loaded = session.mesh.get();
-        if (loaded) link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...session.points.get()] }));
-      }
+        if (linked.network && session.mesh.get()?.info.id === linked.mesh) network.restore(linked.network);
+      } else writeLink();
     },
     close() {},
     reconnected() {

@@ -1,16 +1,20 @@
 // Everything beside the surface: which mesh, which tool, the points, what was found.
-import { button, Segments, Select } from "../base/controls";
+import { button, Checkbox, Segments, Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import type { Mesh } from "../contract/types";
 import { pointWords, readPoint } from "./link";
-import { RAMP } from "./surface_material";
+import { networkPanel } from "./network_panel";
+import type { NetworkSession } from "./network_session";
+import { ordered, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import type { MeshSession, Tool } from "./session";
+import { cssGradient } from "./spring_colours";
+import { RAMP } from "./surface_material";
 
 const FILE_TYPES = ".obj,.off,.ply,.stl";
 
-export function meshPanel(session: MeshSession, sample: () => void): HTMLElement {
-  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session), findingCard(session));
+export function meshPanel(session: MeshSession, network: NetworkSession, sample: () => void): HTMLElement {
+  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network), findingCard(session));
 }
 
 function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
@@ -21,7 +25,7 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
   } });
   const list = new Select<string>("Meshes on the server", [], (id) => id && void session.open(id));
   const facts = h("dl", { class: "facts compact" });
-  const warnings = h("div");
+  const warnings = h("div", { class: "notes" });
   session.known.watch((meshes) => {
     list.setChoices([{ value: "", words: "Choose …" }, ...meshes.map((mesh) => ({ value: mesh.id, words: meshWords(mesh) }))]);
     list.value = session.mesh.get()?.info.id ?? "";
@@ -35,25 +39,48 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
       ["Components", String(info.components)], ["Boundaries", String(info.boundary_loops)], ["Handles", String(info.genus)], ["Area", digits(info.area, 4)],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    replace(warnings, ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)));
+    const sentences = info.repair ? [repairSentence(info, info.repair), ...info.warnings] : info.warnings;
+    replace(warnings, ...sentences.map((sentence) => h("p", { class: "note" }, sentence)));
   });
   return h("section", { class: "card controls", "aria-label": "Surface" },
     h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a mesh"), file, button("Sample", sample)),
     h("p", { class: "muted" }, "OBJ, OFF, PLY or STL; or drop a file onto the view."),
-    list.element, facts, warnings);
+    repairControls(session), list.element, facts, warnings);
+}
+
+function repairControls(session: MeshSession): HTMLElement {
+  const boxes = REPAIRS.map((repair) => new Checkbox(REPAIR_WORDS[repair], (asked) => {
+    const others = session.repairs.get().filter((one) => one !== repair);
+    session.repairs.set(ordered(asked ? [...others, repair] : others));
+  }));
+  const help = h("p", { class: "muted" });
+  const again = button("Repair and upload", () => void session.repairRefused(), { kind: "primary" });
+  const element = h("details", { class: "more repairs" }, h("summary", {}, "Repairs at upload"), help, h("div", {}, ...boxes.map((box) => box.element)), again);
+  let openedHere = false;
+  session.repairs.watch((repairs) => REPAIRS.forEach((repair, k) => (boxes[k].value = repairs.includes(repair))));
+  session.refused.watch((refused) => {
+    again.hidden = !refused;
+    if (refused || openedHere) element.open = refused !== null;
+    openedHere = refused !== null;
+    help.textContent = refused
+      ? `${refused.words} was refused for faults that the marked repairs mend.`
+      : "Faulty meshes are refused, unless you ask for repairs. What they change is told here.";
+  });
+  return element;
 }
 
 function meshWords(mesh: Mesh): string {
   return `${mesh.faces.toLocaleString("en")} faces, genus ${mesh.genus} (${mesh.id.slice(0, 6)})`;
 }
 
-function toolCard(session: MeshSession): HTMLElement {
+function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   const words: Record<Tool, string> = {
     path: "Shortest paths from point to point.",
     distance: "Distance to the nearest point, with isolines.",
     mean: "The point of least mean squared distance, and the paths to it.",
+    network: "An elastic network whose points slide on the surface until its springs are at rest.",
   };
-  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }], (value) => session.setTool(value));
+  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, { value: "network", words: "Network" }], (value) => session.setTool(value));
   const help = h("p", { class: "muted" });
   const list = h("ol", { class: "points" });
   const id = uniqueId("point");
@@ -70,25 +97,37 @@ function toolCard(session: MeshSession): HTMLElement {
   } }, h("label", { for: id }, "Add a point"), entry, h("button", { class: "button" }, "Add"));
   entry.addEventListener("input", () => entry.setCustomValidity(""));
   const clear = button("Remove all", () => session.setPoints([]), { kind: "quiet" });
+  const ofNetwork = () => session.tool.get() === "network";
+  const remove = (index: number) => (ofNetwork() ? network.removePicked(index) : session.setPoints(session.points.get().filter((_, k) => k !== index)));
+  const showPoints = () => {
+    const points = session.points.get();
+    const picked = !ofNetwork() || network.state.get().points === "picked";
+    list.hidden = form.hidden = !picked;
+    clear.hidden = !picked || points.length === 0;
+    replace(list, ...points.map((point, k) =>
+      h("li", {}, h("span", {}, `${ofNetwork() ? `${k}: ` : ""}${pointWords(point)}`), button("", () => remove(k), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))));
+    if (points.length === 0) replace(list, h("li", { class: "muted" }, "Click on the surface to pick points."));
+  };
   session.tool.watch((value) => {
     tool.value = value;
     help.textContent = words[value];
   });
-  session.points.watch((points) => {
-    clear.hidden = points.length === 0;
-    replace(list, ...points.map((point, k) =>
-      h("li", {}, h("span", {}, pointWords(point)), button("", () => session.setPoints(points.filter((_, n) => n !== k)), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))));
-    if (points.length === 0) replace(list, h("li", { class: "muted" }, "Click on the surface to pick points."));
-  });
+  let shown = "";
+  for (const part of [session.tool, session.points, network.state]) {
+    part.watch(() => {
+      const now = [session.tool.get(), network.state.get().points].join();
+      if (now !== shown || part === session.points) showPoints();
+      shown = now;
+    });
+  }
   return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, list, form, clear);
 }
 
 function findingCard(session: MeshSession): HTMLElement {
   const facts = h("dl", { class: "facts" });
   const notes = h("div");
-  const stops = RAMP.map(([r, g, b]) => `rgb(${[r, g, b].map((value) => Math.round(255 * value ** (1 / 2.2))).join(" ")})`);
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
-  bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+  bar.style.background = cssGradient(RAMP);
   const scale = h("div", { class: "ramp-box" }, bar, h("div", { class: "ramp-words" }, h("span", {}, "0"), h("span", {})));
   const card = h("section", { class: "card", "aria-label": "Result", hidden: true }, h("h2", {}, "Result"), scale, facts, notes);
   session.finding.watch((finding) => {

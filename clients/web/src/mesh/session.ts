@@ -1,13 +1,17 @@
 // The mesh at hand, the points picked on it, and what the server says about them.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, ConnectionLost, explain, isAbort, readJson } from "../contract/client";
+import { type Client, ConnectionLost, explain, isAbort, Problem, readJson } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { Geodesics, KarcherMean, Mesh, SurfacePoint } from "../contract/types";
+import type { Geodesics, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
+import { helpAgainst, ordered, uploadPath } from "./repair";
 
-export type Tool = "path" | "distance" | "mean";
-export const TOOLS: readonly Tool[] = ["path", "distance", "mean"];
+export type Tool = "path" | "distance" | "mean" | "network";
+export const TOOLS: readonly Tool[] = ["path", "distance", "mean", "network"];
+
+/** Tools whose answer follows the points by itself; a network is relaxed when a person says so. */
+type Following = Exclude<Tool, "network">;
 
 export interface Loaded {
   readonly info: Mesh;
@@ -27,6 +31,13 @@ export const NOTHING: Finding = { paths: [], distances: null, mean: null, facts:
 
 export type MeshActivity = { kind: "idle" } | { kind: "busy"; words: string; progress: number | null } | { kind: "failed"; sentence: string };
 
+/** A file that was refused for faults which repairs mend, and what was asked for before them. */
+export interface Refused {
+  readonly content: Blob;
+  readonly words: string;
+  readonly repairsBefore: readonly Repair[];
+}
+
 const IMMEDIATE_SECONDS = 1;
 
 export interface Answers {
@@ -42,6 +53,9 @@ export class MeshSession {
   readonly finding = new Observable<Finding>(NOTHING);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
   readonly known = new Observable<readonly Mesh[]>([]);
+  /** What uploads ask for. */
+  readonly repairs = new Observable<readonly Repair[]>([]);
+  readonly refused = new Observable<Refused | null>(null);
   private readonly requests = new Latest();
   private unanswered = false;
 
@@ -59,14 +73,47 @@ export class MeshSession {
   }
 
   upload(content: Blob, words: string): Promise<void> {
+    this.forgetRefused();
+    return this.send(content, words);
+  }
+
+  /** Sends the file that was refused again, with the repairs that are asked for now; they are for this file alone. */
+  async repairRefused(): Promise<void> {
+    const refused = this.refused.get();
+    if (!refused) return;
+    await this.send(refused.content, refused.words);
+  }
+
+  private send(content: Blob, words: string): Promise<void> {
     return this.attempt(`Uploading ${words}`, async () => {
-      const response = await this.client.send("POST", "/v1/meshes", content, { headers: { "Content-Type": "application/octet-stream" } });
+      const response = await this.client.send("POST", uploadPath(this.repairs.get()), content, { headers: { "Content-Type": "application/octet-stream" } }).catch((error: unknown) => {
+        this.offerRepairs(content, words, error);
+        throw error;
+      });
       await this.show(await readJson<Mesh>(response));
+      this.forgetRefused();
       void this.list();
     });
   }
 
+  private offerRepairs(content: Blob, words: string, error: unknown): void {
+    if (!(error instanceof Problem)) return;
+    const repairs = this.repairs.get();
+    const help = helpAgainst(error.document, repairs);
+    if (help.length === 0) return this.forgetRefused();
+    this.refused.set({ content, words, repairsBefore: this.refused.get()?.repairsBefore ?? repairs });
+    this.repairs.set(ordered([...repairs, ...help]));
+  }
+
+  private forgetRefused(): void {
+    const refused = this.refused.get();
+    if (!refused) return;
+    this.repairs.set(refused.repairsBefore);
+    this.refused.set(null);
+  }
+
   open(id: string, points: readonly SurfacePoint[] = []): Promise<void> {
+    this.forgetRefused();
     return this.attempt("Loading the mesh", async () => {
       const info = await this.client.get<Mesh>(`/v1/meshes/${id}`);
       await this.show(info, points.filter((point) => isOn(info, point)));
@@ -126,8 +173,9 @@ export class MeshSession {
     const mesh = this.mesh.get();
     const points = this.points.get();
     const tool = this.tool.get();
-    if (!mesh || points.length < (tool === "distance" ? 1 : 2)) {
+    if (!mesh || tool === "network" || points.length < (tool === "distance" ? 1 : 2)) {
       this.requests.cancel();
+      if (tool === "network") this.activity.set({ kind: "idle" });
       return this.finding.set(NOTHING);
     }
     this.requests.submit(async (signal) => {
@@ -146,7 +194,7 @@ export class MeshSession {
     }, true);
   }
 
-  private async ask(tool: Tool, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
+  private async ask(tool: Following, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
     const run = <Answer>(path: string, document: unknown) =>
       runJob<Answer>(this.client, path, document, {
         signal,

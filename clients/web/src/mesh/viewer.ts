@@ -6,6 +6,7 @@ import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { dark } from "../base/theme";
 import { SceneView } from "../scene/scene_view";
 import { barycentricOf, type MeshData, roundStep, type Vector } from "./mesh_data";
+import { NetworkDrawing, type NetworkPicture } from "./network_drawing";
 import { surfaceMaterial } from "./surface_material";
 
 const CLICK_PIXELS = 5;
@@ -13,9 +14,16 @@ const ISOLINES = 18;
 /** Where a surface is looked at from at first. */
 const FROM = new THREE.Vector3(0.35, 0.45, 1);
 
+/** A point of a network that is hit this near, in pixels. */
+const POINT_PIXELS = 14;
+/** How far behind the surface, of its radius, a point of a network is still seen. */
+const BEHIND = 0.05;
+
 export interface Pick {
-  face: number;
-  barycentric: Vector;
+  /** Where the surface was hit; null beside it. */
+  place: { face: number; barycentric: Vector } | null;
+  /** The point of the network that was hit. */
+  point: number | null;
 }
 
 export class MeshViewer {
@@ -24,6 +32,8 @@ export class MeshViewer {
   private readonly material = surfaceMaterial();
   private readonly marks = new THREE.Group();
   private readonly lines = new THREE.Group();
+  private readonly network = new NetworkDrawing();
+  private picture: NetworkPicture | null = null;
   private readonly lineMaterial = new LineMaterial({ linewidth: 5 });
   private surface: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
   private data: MeshData | null = null;
@@ -32,12 +42,15 @@ export class MeshViewer {
   /** Throws where the browser has no WebGL. */
   constructor() {
     this.view = new SceneView("No mesh yet");
-    this.view.resized = (width, height) => this.lineMaterial.resolution.set(width, height);
-    this.view.scene.add(this.marks, this.lines);
+    this.view.resized = (width, height) => {
+      this.lineMaterial.resolution.set(width, height);
+      this.network.resized(width, height, this.view.pixelRatio);
+    };
+    this.view.scene.add(this.marks, this.lines, this.network.group);
     this.listen();
     dark.watch((isDark) => {
       this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
-      this.view.draw();
+      this.setNetwork(this.picture);
     });
   }
 
@@ -97,8 +110,7 @@ export class MeshViewer {
 
   setMarks(points: readonly Vector[], mean: Vector | null): void {
     this.marks.clear();
-    const style = getComputedStyle(document.documentElement);
-    const colour = (name: string) => new THREE.Color(style.getPropertyValue(name).trim() || "#c2500f");
+    const colour = pageColours();
     this.lineMaterial.color = colour("--target");
     const ball = (place: Vector, size: number, name: string) => {
       const mark = new THREE.Mesh(new THREE.SphereGeometry(size * this.radius, 24, 16), new THREE.MeshBasicMaterial({ color: colour(name) }));
@@ -107,6 +119,15 @@ export class MeshViewer {
     };
     for (const place of points) ball(place, 0.018, "--target");
     if (mean) ball(mean, 0.028, "--simulated");
+    this.view.draw();
+  }
+
+  /** A network in place of the one that was seen; none with null. */
+  setNetwork(picture: NetworkPicture | null): void {
+    this.picture = picture;
+    const colour = pageColours();
+    const names = { free: "--solid", fixed: "--target", chosen: "--simulated", rim: "--surface" };
+    this.network.show(picture, (kind) => colour(names[kind]));
     this.view.draw();
   }
 
@@ -129,7 +150,14 @@ export class MeshViewer {
     camera.updateMatrixWorld(); // where drawing is slow, nothing has done so yet
     ray.setFromCamera(place, camera);
     const hit = ray.intersectObject(this.surface)[0];
-    if (!hit || hit.faceIndex === undefined || hit.faceIndex === null) return;
-    this.onPick({ face: hit.faceIndex, barycentric: barycentricOf(this.data, hit.faceIndex, hit.point.toArray()) });
+    const face = hit?.faceIndex ?? null;
+    const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
+    const point = this.network.nearest(event.clientX - box.left, event.clientY - box.top, POINT_PIXELS, camera, box, depth);
+    this.onPick({ place: face === null ? null : { face, barycentric: barycentricOf(this.data, face, hit.point.toArray()) }, point });
   }
+}
+
+function pageColours(): (name: string) => THREE.Color {
+  const style = getComputedStyle(document.documentElement);
+  return (name) => new THREE.Color(style.getPropertyValue(name).trim() || "#c2500f");
 }

@@ -32,6 +32,11 @@ export class SceneView {
     new ResizeObserver(() => this.resize()).observe(this.element);
   }
 
+  /** Pixels of the picture for one of the page. */
+  get pixelRatio(): number {
+    return this.renderer.getPixelRatio();
+  }
+
   set words(words: string) {
     this.canvas.setAttribute("aria-label", words);
   }

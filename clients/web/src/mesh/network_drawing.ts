@@ -1,0 +1,136 @@
+// A network in space: springs as lines, points as dots. Knows three.js and nothing of the server.
+import * as THREE from "three";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import type { Vector } from "./mesh_data";
+import type { Rgb } from "./spring_colours";
+
+export type DotKind = "free" | "fixed" | "chosen";
+
+export interface NetworkPicture {
+  readonly positions: readonly Vector[];
+  readonly kinds: readonly DotKind[];
+  /** A line of at least two places for each spring, and its colour. */
+  readonly lines: readonly (readonly Vector[])[];
+  readonly colours: readonly Rgb[];
+  /** Springs are straight through space instead of on the surface. */
+  readonly straight: boolean;
+}
+
+/** How much nearer lines come in the depths of the picture, in its smallest steps: straight springs run below a bent surface. */
+const NEARER = { straight: 1200, exact: 300 };
+/** Of the depths of the picture, which is 24 bits deep, from -1 to 1. */
+const SMALLEST_STEP = 2 ** -23;
+/** How much nearer dots come than lines. */
+const DOTS_NEARER = 1.3;
+const FEW_POINTS = 400;
+
+const vertexShader = /* glsl */ `
+  attribute vec3 colour;
+  attribute float size;
+  uniform float ratio;
+  uniform float nearer;
+  varying vec3 vColour;
+  varying float vSize;
+  void main() {
+    vColour = colour;
+    vSize = size * ratio;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+    gl_Position.z -= nearer * gl_Position.w;
+    gl_PointSize = vSize;
+  }`;
+
+const fragmentShader = /* glsl */ `
+  uniform vec3 rim;
+  varying vec3 vColour;
+  varying float vSize;
+  void main() {
+    float away = length(gl_PointCoord - 0.5) * vSize;
+    float radius = 0.5 * vSize;
+    if (away > radius) discard;
+    gl_FragColor = vec4(mix(vColour, rim, smoothstep(radius - 2.6, radius - 1.6, away)), 1.0);
+    #include <colorspace_fragment>
+  }`;
+
+export class NetworkDrawing {
+  readonly group = new THREE.Group();
+  private readonly lineMaterial = new LineMaterial({ linewidth: 3, vertexColors: true, polygonOffset: true, polygonOffsetFactor: 0 });
+  private readonly dotMaterial = new THREE.ShaderMaterial({ vertexShader, fragmentShader, uniforms: { rim: { value: new THREE.Color(1, 1, 1) }, ratio: { value: 1 }, nearer: { value: 0 } } });
+  private readonly dots = new THREE.Points(new THREE.BufferGeometry(), this.dotMaterial);
+  private lines: LineSegments2 | null = null;
+  private positions: readonly Vector[] = [];
+
+  constructor() {
+    this.dots.frustumCulled = false;
+    this.group.add(this.dots);
+  }
+
+  resized(width: number, height: number, ratio: number): void {
+    this.lineMaterial.resolution.set(width, height);
+    this.dotMaterial.uniforms.ratio.value = ratio;
+  }
+
+  /** Null takes the network away. `colourOf` gives the colours that the page has now. */
+  show(picture: NetworkPicture | null, colourOf: (kind: DotKind | "rim") => THREE.Color): void {
+    this.positions = picture?.positions ?? [];
+    const nearer = picture?.straight ? NEARER.straight : NEARER.exact;
+    this.lineMaterial.polygonOffsetUnits = -nearer;
+    this.dotMaterial.uniforms.nearer.value = DOTS_NEARER * nearer * SMALLEST_STEP;
+    this.showLines(picture);
+    const dots = this.positions.length;
+    const many = dots > FEW_POINTS;
+    const geometry = new THREE.BufferGeometry();
+    const kinds: Record<DotKind, THREE.Color> = { free: colourOf("free"), fixed: colourOf("fixed"), chosen: colourOf("chosen") };
+    const sizes: Record<DotKind, number> = { free: many ? 5 : 9, fixed: 15, chosen: 17 };
+    this.dotMaterial.uniforms.rim.value = colourOf("rim");
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute(this.positions.flatMap((place) => [...place]), 3));
+    geometry.setAttribute("colour", new THREE.Float32BufferAttribute(this.positions.flatMap((_, k) => kinds[picture?.kinds[k] ?? "free"].toArray()), 3));
+    geometry.setAttribute("size", new THREE.Float32BufferAttribute(this.positions.map((_, k) => sizes[picture?.kinds[k] ?? "free"]), 1));
+    this.dots.geometry.dispose();
+    this.dots.geometry = geometry;
+    this.dots.visible = dots > 0;
+  }
+
+  /** The point nearest to a place of the canvas within so many pixels, among those that are no further than `depth` from the camera. */
+  nearest(x: number, y: number, within: number, camera: THREE.Camera, size: { width: number; height: number }, depth: number): number | null {
+    let found: number | null = null;
+    let least = within;
+    const place = new THREE.Vector3();
+    this.positions.forEach((position, k) => {
+      place.set(...position);
+      if (place.distanceTo(camera.position) > depth) return;
+      place.project(camera);
+      const away = Math.hypot(((place.x + 1) / 2) * size.width - x, ((1 - place.y) / 2) * size.height - y);
+      if (away < least) [found, least] = [k, away];
+    });
+    return found;
+  }
+
+  private showLines(picture: NetworkPicture | null): void {
+    if (this.lines) {
+      this.lines.geometry.dispose();
+      this.lines.removeFromParent();
+      this.lines = null;
+    }
+    const pieces = picture?.lines.reduce((sum, line) => sum + line.length - 1, 0) ?? 0;
+    if (!picture || pieces === 0) return;
+    const places = new Float32Array(6 * pieces);
+    const colours = new Float32Array(6 * pieces);
+    let at = 0;
+    picture.lines.forEach((line, spring) => {
+      for (let k = 1; k < line.length; ++k, at += 6) {
+        places.set(line[k - 1], at);
+        places.set(line[k], at + 3);
+        colours.set(picture.colours[spring], at);
+        colours.set(picture.colours[spring], at + 3);
+      }
+    });
+    const geometry = new LineSegmentsGeometry();
+    geometry.setPositions(places);
+    geometry.setColors(colours);
+    this.lines = new LineSegments2(geometry, this.lineMaterial);
+    this.lines.frustumCulled = false;
+    this.group.add(this.lines);
+  }
+}

@@ -1,0 +1,160 @@
+// Which network: its points, its springs, what is fixed, and how it is relaxed.
+import { button, type Choice, Segments, Select, Slider } from "../base/controls";
+import { h, uniqueId } from "../base/dom";
+import type { EffectSwitch } from "../contract/types";
+import type { ClickMode, NetworkSession } from "./network_session";
+import {
+  type Method, METHODS, MOLLIFIER_LENGTHS, MOST_ITERATIONS, MOST_SEED, MOST_WEIGHT, type NetworkState, type PointSource, radiusLimits, type SpringLength, type SpringSource, TOLERANCES, within,
+} from "./network_state";
+import { readFixed, readSprings, writeFixed, writeSprings } from "./network_text";
+import type { MeshSession } from "./session";
+
+const POINT_WORDS: Record<PointSource, string> = { poisson_disk: "Random, evenly spread", per_face: "One in each face", picked: "Picked by hand" };
+const SPRING_WORDS: Record<SpringSource, string> = { voronoi_dual: "Neighbours (Voronoi cells that meet)", adjacent_faces: "Across each edge of the mesh", drawn: "Drawn between points" };
+const METHOD_WORDS: Record<Method, string> = { newton: "Newton, exact Hessians", lbfgs: "L-BFGS", gradient_descent: "Gradient descent" };
+const CLICK_WORDS: Record<ClickMode, string> = { add: "Adds", join: "Joins", fix: "Fixes" };
+const SWITCHES: readonly Choice<EffectSwitch>[] = [{ value: "automatic", words: "Automatic" }, { value: "on", words: "On" }, { value: "off", words: "Off" }];
+
+const chooseFrom = <Value extends string>(words: Record<Value, string>, values: readonly Value[]): Choice<Value>[] => values.map((value) => ({ value, words: words[value] }));
+const powers = (values: readonly number[]): Choice<string>[] => values.map((value) => ({ value: String(value), words: value < 0.01 ? `10${value.toExponential().replace(/^1e-(\d+)$/, (_, digits: string) => `⁻${[...digits].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)]).join("")}`)}` : String(value) }));
+
+export function networkPanel(mesh: MeshSession, network: NetworkSession): HTMLElement {
+  const element = h("section", { class: "card controls", "aria-label": "Network" },
+    pointControls(mesh, network), springControls(mesh, network), fixedField(network), moreControls(network), actions(mesh, network));
+  mesh.tool.watch((tool) => (element.hidden = tool !== "network"));
+  return element;
+}
+
+function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
+  const source = new Select<PointSource>("Points", chooseFrom(POINT_WORDS, ["poisson_disk", "per_face", "picked"]), (points) => network.change({ points }));
+  const radius = new Slider({
+    label: "Least distance of two points", lower: 0.01, upper: 1, digits: 4,
+    changed: (value, done) => done && network.change({ radius: value }),
+  });
+  const seed = new Slider({ label: "Seed", lower: 0, upper: MOST_SEED, step: 1, digits: 0, changed: (value, done) => done && network.change({ seed: Math.round(value) }) });
+  const mode = new Segments<ClickMode>("A click on the surface", chooseFrom(CLICK_WORDS, ["add", "join", "fix"]), (value) => {
+    network.mode.set(value);
+    network.chosen.set(null);
+  });
+  const help = h("p", { class: "muted" });
+  const tell = () => {
+    const { points, springs } = network.state.get();
+    const chosen = network.chosen.get();
+    mode.element.hidden = points !== "picked";
+    const picked: Record<ClickMode, string> = {
+      add: "Adds a point of the network.",
+      join: springs !== "drawn" ? "Springs are made, not drawn: choose “Drawn between points” to join them." : chosen === null ? "Choose a point, then the one that it is joined to; once more takes the spring away." : `Point ${chosen} is chosen: now the other one.`,
+      fix: "Fixes a point, or lets it go.",
+    };
+    help.textContent = points === "picked" ? picked[network.mode.get()] : "Make the network, then click on points to fix them or let them go.";
+  };
+  mesh.mesh.watch((loaded) => loaded && radius.limit(...radiusLimits(loaded.info)));
+  network.state.watch((state) => {
+    source.value = state.points;
+    radius.value = state.radius;
+    seed.value = state.seed;
+    radius.element.hidden = seed.element.hidden = state.points !== "poisson_disk";
+    tell();
+  });
+  network.mode.watch((value) => {
+    mode.value = value;
+    tell();
+  });
+  network.chosen.watch(tell);
+  return h("div", { class: "parameters" }, source.element, radius.element, seed.element, mode.element, help);
+}
+
+function springControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
+  const source = new Select<SpringSource>("Springs", [], (springs) => network.change({ springs }));
+  const drawn = listField<NetworkState["drawn"]>("Springs between points", "0-1, 1-2:0.5:3", "Write two points as 0-1, and if need be rest length and weight: 0-1:0.5:3. Points are numbered from 0.", readSprings, (springs) => {
+    const state = within({ ...network.state.get(), drawn: springs }, mesh.points.get().length);
+    if (state.drawn.length < springs.length) return false;
+    network.change({ drawn: springs });
+    return true;
+  });
+  const rest = new Slider({ label: "Rest length", lower: 0, upper: 1, digits: 5, changed: (value, done) => done && network.change({ restLength: value }) });
+  const weight = new Slider({ label: "Weight", lower: 0, upper: MOST_WEIGHT, digits: 4, changed: (value, done) => done && network.change({ weight: value }) });
+  mesh.mesh.watch((loaded) => loaded && rest.limit(0, Number((loaded.info.bounding_box.diagonal / 2).toPrecision(2))));
+  network.state.watch((state) => {
+    source.setChoices(chooseFrom(SPRING_WORDS, state.points === "picked" ? ["drawn", "voronoi_dual", "adjacent_faces"] : ["voronoi_dual", "adjacent_faces"]));
+    source.value = state.springs;
+    drawn.element.hidden = state.springs !== "drawn";
+    drawn.set(writeSprings(state.drawn));
+    rest.value = state.restLength;
+    weight.value = state.weight;
+  });
+  return h("div", { class: "parameters" }, source.element, drawn.element, rest.element, weight.element);
+}
+
+function fixedField(network: NetworkSession): HTMLElement {
+  const field = listField<readonly number[]>("Fixed points", "none", "Write numbers of points of this network, from 0, between commas.", readFixed, (fixed) => {
+    const count = network.network.get()?.points.length ?? Infinity;
+    if (fixed.some((point) => point >= count)) return false;
+    network.change({ fixed });
+    return true;
+  });
+  network.state.watch((state) => field.set(writeFixed(state.fixed)));
+  return field.element;
+}
+
+interface ListField {
+  readonly element: HTMLElement;
+  set(text: string): void;
+}
+
+/** A field for a list that is written by hand; what is no such list is said at the field. */
+function listField<Value>(label: string, placeholder: string, fault: string, read: (text: string) => Value | null, take: (value: Value) => boolean): ListField {
+  const id = uniqueId("list");
+  const input = h("input", { class: "number list", id, placeholder, autocomplete: "off", spellcheck: "false" });
+  input.addEventListener("input", () => input.setCustomValidity(""));
+  input.addEventListener("change", () => {
+    const value = read(input.value);
+    if (value !== null && take(value)) return;
+    input.setCustomValidity(fault);
+    input.reportValidity();
+  });
+  return {
+    element: h("div", { class: "field" }, h("label", { for: id }, label), input),
+    set(text) {
+      if (document.activeElement !== input || input.validity.valid) input.value = text;
+    },
+  };
+}
+
+function moreControls(network: NetworkSession): HTMLElement {
+  const method = new Select<Method>("Method", chooseFrom(METHOD_WORDS, METHODS), (value) => network.change({ method: value }));
+  const length = new Select<SpringLength>("Length of a spring", [{ value: "geodesic", words: "Of the shortest path on the surface" }, { value: "euclidean", words: "Straight through space" }], (value) => network.change({ springLength: value }));
+  const tolerance = new Select<string>("Tolerance of the gradient", powers(TOLERANCES), (value) => network.change({ tolerance: Number(value) }));
+  const iterations = new Slider({ label: "Most iterations", lower: 1, upper: MOST_ITERATIONS, step: 1, digits: 0, changed: (value, done) => done && network.change({ maxIterations: Math.round(value) }) });
+  const mollifier = new Select<EffectSwitch>("Smoothing next to vertices (mollifier)", SWITCHES, (value) => network.change({ mollifier: value }));
+  const mollifierLength = new Select<string>("Its length, in shares of an edge", powers(MOLLIFIER_LENGTHS), (value) => network.change({ mollifierLength: Number(value) }));
+  const strips = new Select<EffectSwitch>("Paths unfolded from the iteration before (kept strips)", SWITCHES, (value) => network.change({ keptStrips: value }));
+  const offer = (list: Select<string>, values: readonly number[], value: number) => {
+    list.setChoices(powers([...new Set([...values, value])]));
+    list.value = String(value);
+  };
+  network.state.watch((state) => {
+    method.value = state.method;
+    length.value = state.springLength;
+    offer(tolerance, TOLERANCES, state.tolerance);
+    iterations.value = state.maxIterations;
+    mollifier.value = state.mollifier;
+    offer(mollifierLength, MOLLIFIER_LENGTHS, state.mollifierLength);
+    mollifierLength.element.hidden = state.mollifier === "off";
+    strips.value = state.keptStrips;
+  });
+  return h("details", { class: "more" }, h("summary", {}, "Accuracy, method and effects"), method.element, length.element, tolerance.element, iterations.element, mollifier.element, mollifierLength.element, strips.element);
+}
+
+function actions(mesh: MeshSession, network: NetworkSession): HTMLElement {
+  const make = button("Make the network", () => void network.make());
+  const relax = button("Relax", () => void network.relax(), { kind: "primary" });
+  const show = () => {
+    const { points } = network.state.get();
+    const ready = mesh.mesh.get() !== null && (points !== "picked" || mesh.points.get().length > 0);
+    make.disabled = !ready || network.isMade;
+    relax.disabled = !ready;
+  };
+  for (const part of [mesh.mesh, mesh.points, network.state, network.network]) part.watch(show);
+  return h("div", { class: "row" }, relax, make);
+}

@@ -1,0 +1,119 @@
+// What a person decides about a network: where its points come from, what joins them, how it is relaxed.
+import type { EffectSwitch, EmbeddedSystemRequest, Mesh } from "../contract/types";
+
+export type PointSource = "poisson_disk" | "per_face" | "picked";
+export type SpringSource = "voronoi_dual" | "adjacent_faces" | "drawn";
+export type Method = NonNullable<EmbeddedSystemRequest["method"]>;
+export type SpringLength = NonNullable<EmbeddedSystemRequest["spring_length"]>;
+
+/** Two points of the network, the one with the smaller number first. */
+export type Pair = readonly [number, number];
+
+/** A spring between picked points; without values of its own it has those of all. */
+export interface DrawnSpring {
+  readonly between: Pair;
+  readonly restLength?: number;
+  readonly weight?: number;
+}
+
+/** Lengths are in mesh units. */
+export interface NetworkState {
+  readonly points: PointSource;
+  readonly radius: number;
+  readonly seed: number;
+  readonly springs: SpringSource;
+  readonly drawn: readonly DrawnSpring[];
+  readonly restLength: number;
+  readonly weight: number;
+  /** Ascending. */
+  readonly fixed: readonly number[];
+  readonly method: Method;
+  readonly springLength: SpringLength;
+  readonly tolerance: number;
+  readonly maxIterations: number;
+  readonly mollifier: EffectSwitch;
+  readonly mollifierLength: number;
+  readonly keptStrips: EffectSwitch;
+}
+
+export const POINT_SOURCES: readonly PointSource[] = ["poisson_disk", "per_face", "picked"];
+export const SPRING_SOURCES: readonly SpringSource[] = ["voronoi_dual", "adjacent_faces", "drawn"];
+export const METHODS: readonly Method[] = ["newton", "lbfgs", "gradient_descent"];
+export const TOLERANCES: readonly number[] = [1e-3, 1e-6, 1e-9, 1e-12];
+export const MOLLIFIER_LENGTHS: readonly number[] = [1e-6, 1e-4, 1e-2, 0.1];
+export const MOST_ITERATIONS = 2000;
+export const MOST_WEIGHT = 100;
+export const MOST_SEED = 999;
+/** Random points that a mesh has at first, about. */
+const POINTS_AT_FIRST = 250;
+/** Discs of half the radius that lie apart cover about this share of a surface. */
+const COVERED = 0.7;
+
+export const DEFAULT_NETWORK: NetworkState = {
+  points: "poisson_disk", radius: 1, seed: 1, springs: "voronoi_dual", drawn: [], restLength: 0, weight: 1, fixed: [],
+  method: "newton", springLength: "geodesic", tolerance: 1e-9, maxIterations: 200, mollifier: "automatic", mollifierLength: 1e-6, keptStrips: "automatic",
+};
+
+/** The radius of about so many random points on a surface. */
+function radiusOf(area: number, points: number): number {
+  return Number(Math.sqrt((COVERED * area * 4) / (Math.PI * points)).toPrecision(2));
+}
+
+/** The least and the largest radius that a slider offers on a mesh. */
+export function radiusLimits({ area }: Pick<Mesh, "area">): readonly [number, number] {
+  return [radiusOf(area, 5000), radiusOf(area, 8)];
+}
+
+/** What of a network makes sense on any mesh, with the rest as a mesh has it at first. */
+export function onAnotherMesh(state: NetworkState, { area }: Pick<Mesh, "area">): NetworkState {
+  return { ...state, radius: radiusOf(area, POINTS_AT_FIRST), restLength: 0, fixed: [], drawn: [] };
+}
+
+/** A change, with what no longer makes sense after it: springs and fixed points go by the numbers of points. */
+export function changed(state: NetworkState, change: Partial<NetworkState>): NetworkState {
+  const next = { ...state, ...change };
+  const renumbered = next.points !== state.points || (next.points === "poisson_disk" && (next.radius !== state.radius || next.seed !== state.seed));
+  if (renumbered && !change.fixed) return { ...next, fixed: [], springs: suitable(next) };
+  return { ...next, springs: suitable(next) };
+}
+
+/** Springs are drawn between picked points only. */
+function suitable({ points, springs }: NetworkState): SpringSource {
+  return springs === "drawn" && points !== "picked" ? "voronoi_dual" : springs;
+}
+
+export function withFixed(state: NetworkState, point: number): NetworkState {
+  const others = state.fixed.filter((one) => one !== point);
+  const fixed = others.length < state.fixed.length ? others : [...others, point].sort((a, b) => a - b);
+  return { ...state, fixed };
+}
+
+/** Joins two points, or takes the spring between them away. */
+export function withSpring(state: NetworkState, a: number, b: number): NetworkState {
+  if (a === b) return state;
+  const between: Pair = a < b ? [a, b] : [b, a];
+  const others = state.drawn.filter((spring) => !samePair(spring.between, between));
+  return { ...state, drawn: others.length < state.drawn.length ? others : [...others, { between }] };
+}
+
+/** After a picked point was taken away, the points behind it have smaller numbers. */
+export function withoutPoint(state: NetworkState, point: number): NetworkState {
+  const renumbered = (other: number) => (other > point ? other - 1 : other);
+  return {
+    ...state,
+    fixed: state.fixed.filter((one) => one !== point).map(renumbered),
+    drawn: state.drawn
+      .filter(({ between }) => !between.includes(point))
+      .map((spring) => ({ ...spring, between: [renumbered(spring.between[0]), renumbered(spring.between[1])] as const })),
+  };
+}
+
+/** Without numbers of points that there are not. */
+export function within(state: NetworkState, count: number): NetworkState {
+  const exists = (point: number) => point < count;
+  return { ...state, fixed: state.fixed.filter(exists), drawn: state.drawn.filter(({ between }) => between.every(exists)) };
+}
+
+function samePair(a: Pair, b: Pair): boolean {
+  return a[0] === b[0] && a[1] === b[1];
+}

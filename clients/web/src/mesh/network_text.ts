@@ -1,0 +1,87 @@
+// Numbers of points and springs as they are written by hand, and all of a network in a link.
+import { plain } from "../base/format";
+import type { EffectSwitch } from "../contract/types";
+import { DEFAULT_NETWORK, type DrawnSpring, METHODS, MOST_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, within } from "./network_state";
+
+const MOST_POINTS = 100_000;
+const SWITCHES: readonly EffectSwitch[] = ["automatic", "on", "off"];
+
+/** "0, 5, 17", ascending; null where that is not what is written. */
+export function readFixed(text: string): readonly number[] | null {
+  const pieces = splitList(text);
+  if (!pieces.every((piece) => /^\d{1,6}$/.test(piece))) return null;
+  return [...new Set(pieces.map(Number))].sort((a, b) => a - b);
+}
+
+export function writeFixed(fixed: readonly number[]): string {
+  return fixed.join(", ");
+}
+
+/** "0-1, 1-2:0.5:3": two points, and where they are given a rest length and a weight. Null where that is not what is written. */
+export function readSprings(text: string): readonly DrawnSpring[] | null {
+  const springs = new Map<string, DrawnSpring>();
+  for (const piece of splitList(text)) {
+    const match = /^(\d{1,6})\s*[-–]\s*(\d{1,6})(?::([\d.e+-]*))?(?::([\d.e+-]+))?$/.exec(piece);
+    if (!match || match[1] === match[2]) return null;
+    const [a, b] = [Number(match[1]), Number(match[2])].sort((x, y) => x - y);
+    const [restLength, weight] = [match[3], match[4]].map((value) => (value ? Number(value) : undefined));
+    if ([restLength, weight].some((value) => value !== undefined && !(value >= 0 && value < Infinity))) return null;
+    springs.set(`${a}-${b}`, { between: [a, b], ...(restLength !== undefined && { restLength }), ...(weight !== undefined && { weight }) });
+  }
+  return [...springs.values()];
+}
+
+export function writeSprings(springs: readonly DrawnSpring[]): string {
+  return springs
+    .map(({ between, restLength, weight }) => {
+      const values = weight !== undefined ? [restLength, weight] : restLength !== undefined ? [restLength] : [];
+      return [between.join("-"), ...values.map((value) => (value === undefined ? "" : plain(value)))].join(":");
+    })
+    .join(", ");
+}
+
+function splitList(text: string): string[] {
+  return text.split(/[,;\n]/).map((piece) => piece.trim()).filter((piece) => piece !== "");
+}
+
+/** The fields of a network in a link. */
+export function writeNetwork(state: NetworkState): string {
+  const { points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips } = state;
+  const fields = [points, plain(radius), seed, springs, plain(restLength), plain(weight), method, springLength, plain(tolerance), maxIterations, mollifier, plain(mollifierLength), keptStrips];
+  const lists = [state.fixed.length > 0 && `fixed=${state.fixed.join(",")}`, state.drawn.length > 0 && `springs=${writeSprings(state.drawn).replace(/ /g, "")}`];
+  return [`network=${fields.join(",")}`, ...lists.filter((text) => text !== false)].join("&");
+}
+
+/** The network of a link's fields, with defaults for what is none; null where the link has no network. */
+export function readNetwork(fields: ReadonlyMap<string, string>, picked: number): NetworkState | null {
+  const values = fields.get("network")?.split(",");
+  if (!values) return null;
+  const [points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips] = values;
+  const standard = DEFAULT_NETWORK;
+  const number = (text: string | undefined, lower: number, upper: number, otherwise: number) => {
+    const value = Number(text);
+    return text && value >= lower && value <= upper ? value : otherwise;
+  };
+  const state: NetworkState = {
+    points: oneOf(POINT_SOURCES, points, standard.points),
+    radius: number(radius, 1e-12, 1e12, standard.radius),
+    seed: Math.round(number(seed, 0, 2 ** 31 - 1, standard.seed)),
+    springs: oneOf(SPRING_SOURCES, springs, standard.springs),
+    restLength: number(restLength, 0, 1e12, standard.restLength),
+    weight: number(weight, 0, 1e12, standard.weight),
+    method: oneOf(METHODS, method, standard.method),
+    springLength: springLength === "euclidean" ? "euclidean" : "geodesic",
+    tolerance: number(tolerance, 1e-16, 1, standard.tolerance),
+    maxIterations: Math.round(number(maxIterations, 1, MOST_ITERATIONS, standard.maxIterations)),
+    mollifier: oneOf(SWITCHES, mollifier, "automatic"),
+    mollifierLength: number(mollifierLength, 1e-12, 0.5, standard.mollifierLength),
+    keptStrips: oneOf(SWITCHES, keptStrips, "automatic"),
+    fixed: readFixed(fields.get("fixed") ?? "") ?? [],
+    drawn: readSprings(fields.get("springs") ?? "") ?? [],
+  };
+  return within(state, state.points === "picked" ? picked : MOST_POINTS);
+}
+
+function oneOf<Value extends string>(values: readonly Value[], text: string | undefined, otherwise: Value): Value {
+  return values.find((value) => value === text) ?? otherwise;
+}

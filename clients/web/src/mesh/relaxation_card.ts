@@ -1,0 +1,150 @@
+// How a network comes to rest: why it stopped, how fast it got there, what the springs are like, what it cost.
+import { announce } from "../base/announce";
+import { button, Select, Slider } from "../base/controls";
+import { h, replace } from "../base/dom";
+import { download } from "../base/download";
+import { digits, seconds } from "../base/format";
+import { svgOf } from "../base/svg_file";
+import type { Cost, Effect, EmbeddedSystem } from "../contract/types";
+import { ConvergencePlot } from "./convergence_plot";
+import { frameAt } from "./network_frames";
+import type { FileKind, NetworkSession, Relaxing } from "./network_session";
+import type { ColourBy, NetworkView } from "./network_view";
+import { cssGradient, SPRING_RAMP } from "./spring_colours";
+
+export const STOP_SENTENCES: Record<EmbeddedSystem["stopped"], string> = {
+  converged: "The network is at rest: the gradient is below the tolerance.",
+  cut_locus: "No step lowers the energy any more: a compressed spring is where two paths are equally short.",
+  step_too_small: "The network is at rest as far as rounding allows: no step lowers the energy any more.",
+  iteration_limit: "The limit of iterations came first: the network is not at rest yet.",
+};
+
+const MOST_ROWS = 60;
+/** Points of a network whose positions the events of its job carry. */
+const MOST_SEEN = 5000;
+
+export function relaxationCard(network: NetworkSession, view: NetworkView): HTMLElement {
+  const plot = new ConvergencePlot();
+  const stage = h("div", { class: "convergence-stage" }, plot.element);
+  new ResizeObserver(() => plot.resize(stage.clientWidth, stage.clientHeight)).observe(stage);
+  const sentence = h("p", { class: "stop" });
+  const stale = h("p", { class: "note", hidden: true }, "The network or how it is relaxed has changed since: relax it again.");
+  const facts = h("dl", { class: "facts" });
+  const notes = h("div", { class: "notes" });
+  const slider = h("div");
+  const colours = new Select<ColourBy>("Colour of the springs", [{ value: "energy", words: "Energy" }, { value: "length", words: "Length" }], (value) => view.colourBy.set(value));
+  const bar = h("div", { class: "ramp", "aria-hidden": "true" });
+  bar.style.background = cssGradient(SPRING_RAMP);
+  const [least, most] = [h("span"), h("span")];
+  const scale = h("div", {}, bar, h("div", { class: "ramp-words" }, least, most));
+  const goOn = button("Go on from here", () => void network.relax(true));
+  const file = (kind: FileKind) =>
+    button(kind.toUpperCase(), () => void network.file(kind, (text) => download(`network.${kind}`, kind === "obj" ? "model/obj" : "application/xml", text)), { icon: "download", title: `Save the network as ${kind.toUpperCase()}` });
+  const files = [file("obj"), file("vtu")];
+  const history = button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" });
+  const request = button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" });
+  const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
+  const side = h("div", { class: "relaxation-side" }, colours.element, scale, slider, h("div", { class: "row" }, ...files, history, request));
+  const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true },
+    h("h2", {}, "Relaxation"), sentence, stale, notes, goOn, h("div", { class: "relaxation-body" }, stage, facts, side), bill);
+
+  function saveRequest(): void {
+    const relaxing = network.relaxing.get();
+    if (relaxing) download("network-request.json", "application/json", `${JSON.stringify(relaxing.request, null, 2)}\n`);
+  }
+
+  function draw(): void {
+    const relaxing = network.relaxing.get();
+    if (!relaxing) return;
+    const frame = view.frame.get();
+    plot.update({ steps: relaxing.steps, tolerance: relaxing.gradientTolerance, current: frame?.iteration ?? relaxing.steps.at(-1)?.iteration ?? null });
+    replace(facts, ...factsOf(relaxing, frame?.iteration ?? null).flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+  }
+
+  function showSlider({ frames, answer }: Relaxing): void {
+    if (!answer || frames.length === 0 || answer.iterations === 0) return replace(slider);
+    const states = new Slider({
+      label: "Iteration that is seen", lower: 0, upper: answer.iterations, step: 1, digits: 0,
+      changed: (value, done) => {
+        const frame = frameAt(frames, answer.iterations, value);
+        view.frame.set(frame);
+        if (done) states.value = frame?.iteration ?? answer.iterations;
+      },
+    });
+    states.value = answer.iterations;
+    replace(slider, states.element);
+  }
+
+  network.relaxing.watch((relaxing) => {
+    card.hidden = !relaxing;
+    if (!relaxing) return;
+    const { answer } = relaxing;
+    sentence.textContent = answer ? STOP_SENTENCES[answer.stopped] : relaxing.network.points.length > MOST_SEEN ? "The network is relaxing. It has too many points to be seen on its way." : "The network is relaxing.";
+    replace(notes, ...(answer ? notesOf(answer) : []).map((words) => h("p", { class: "note" }, words)));
+    for (const part of [...files, history, request, goOn]) part.disabled = !answer;
+    goOn.hidden = answer?.stopped !== "iteration_limit";
+    bill.hidden = !answer;
+    showSlider(relaxing);
+    if (answer) {
+      replace(bill, h("summary", {}, "Effects, bill and history"), effectTable(answer.effects), ...billTables(answer.cost), historyTable(answer));
+      announce([STOP_SENTENCES[answer.stopped], ...factsOf(relaxing, null).map(([term, value]) => `${term}: ${value}`)].join(" "));
+    }
+    draw();
+  });
+  view.frame.watch(draw);
+  view.colourBy.watch((value) => (colours.value = value));
+  view.range.watch((range) => {
+    least.textContent = digits(range.least, 3);
+    most.textContent = digits(range.most, 3);
+  });
+  for (const part of [network.state, network.network, network.relaxing]) part.watch(() => (stale.hidden = !network.isStale));
+  return card;
+}
+
+function factsOf({ answer, steps, network }: Relaxing, iteration: number | null): [string, string][] {
+  const step = iteration === null ? steps.at(-1) : steps.find((one) => one.iteration === iteration);
+  const rows: [string, string][] = [
+    ["Points", network.points.length.toLocaleString("en")],
+    ["Springs", network.pairs.length.toLocaleString("en")],
+  ];
+  if (step) rows.push(["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration", answer ? `${step.iteration} of ${answer.iterations}` : String(step.iteration)]);
+  if (!answer) return rows;
+  const compressed = answer.springs.filter((spring) => spring.compressed).length;
+  return [...rows, ["Under compression", compressed === 0 ? "none" : String(compressed)], ["Time", seconds(answer.cost.seconds)]];
+}
+
+function notesOf(answer: EmbeddedSystem): string[] {
+  const sentences = [...answer.warnings];
+  if (answer.mollified) sentences.push("The energy at the end is smoothed next to vertices (mollified).");
+  const held = answer.at_vertices.length;
+  if (held > 0) sentences.push(`${held === 1 ? "1 point" : `${held} points`} came to rest exactly at a vertex, where no direction descends.`);
+  return sentences;
+}
+
+function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[], kind = ""): HTMLElement {
+  return h("div", { class: `table-box ${kind}`.trim(), tabindex: 0, role: "region", "aria-label": caption },
+    h("table", {},
+      h("caption", {}, caption),
+      h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
+      h("tbody", {}, ...rows.map(([first, ...others]) => h("tr", {}, h("th", { scope: "row" }, first), ...others.map((words) => h("td", {}, words)))))));
+}
+
+const plainName = (name: string): string => name.replace(/_/g, " ");
+
+function effectTable(effects: readonly Effect[]): HTMLElement {
+  return table("Effects", ["Effect", "Ran", "Times", "Took", "Why"], effects.map(({ name, ran, why, count, seconds: took }) => [plainName(name), ran ? "yes" : "no", count.toLocaleString("en"), ran ? seconds(took) : "–", why]), "wide");
+}
+
+function billTables({ stages, quantities, seconds: total }: Cost): HTMLElement[] {
+  const rows = stages.map(({ name, seconds: took, count }) => [plainName(name), seconds(took), count.toLocaleString("en")]);
+  const counted = Object.entries(quantities).map(([name, value]) => [plainName(name), Number.isInteger(value) ? value.toLocaleString("en") : digits(value, 4)]);
+  return [table("Stages, the time of all threads added up", ["Stage", "Took", "Times"], [...rows, ["from start to end", seconds(total), ""]]), ...(counted.length > 0 ? [table("Counted", ["What", "Number"], counted)] : [])];
+}
+
+/** Every so many iterations, and the last. */
+function historyTable({ history }: EmbeddedSystem): HTMLElement {
+  const every = Math.max(1, Math.ceil(history.length / MOST_ROWS));
+  const rows = history.flatMap(({ energy, gradient_norm, step_length, regularization }, k) =>
+    k % every === 0 || k === history.length - 1 ? [[String(k), digits(energy, 6), digits(gradient_norm, 3), digits(step_length, 3), digits(regularization, 2)]] : []);
+  return table("History", ["Iteration", "Energy", "Gradient", "Step", "Regularization"], rows);
+}

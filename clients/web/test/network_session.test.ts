@@ -1,0 +1,163 @@
+// A network session against a stand-in of the server whose job tells what the test lets it tell.
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { Client } from "../src/contract/client";
+import type { EmbeddedSystem, EmbeddedSystemRequest } from "../src/contract/types";
+import { findings } from "../src/mesh/findings";
+import { NetworkSession } from "../src/mesh/network_session";
+import { NetworkView } from "../src/mesh/network_view";
+import { MeshSession } from "../src/mesh/session";
+
+const ID = "cd".repeat(32);
+const INFO = { id: ID, vertices: 3, faces: 1, area: 0.5, bounding_box: { diagonal: 2 }, warnings: [] };
+const PLACES = [[0, 0, 0], [1, 0, 0], [0, 1, 0]];
+
+/** The answer to a request for three points in a row, each a little further after each iteration. */
+function answerTo(request: EmbeddedSystemRequest): EmbeddedSystem {
+  const springs = Array.isArray(request.springs) ? request.springs : [{ between: [0, 1], weight: 0 }, { between: [0, 2], weight: 0 }];
+  const share = request.paths ? 0.9 : 1;
+  return {
+    mesh: ID, points: PLACES.map((_, vertex) => ({ face: 0, barycentric: [0, 1, 2].map((corner) => (corner === vertex ? share : (1 - share) / 2)) })), positions: PLACES,
+    springs: springs.map(({ between }) => ({ between, length: 1, energy: 0.25, compressed: false, at_cut_locus: false, path: [{ position: [0, 0, 0] }, { position: [0.5, 0.1, 0] }, { position: [1, 0, 0] }] })),
+    energy: 0.5, terms: [], gradient_norm: 1e-12, iterations: 2,
+    history: [3, 1e-3, 1e-12].map((gradient_norm, k) => ({ energy: 2 - k, gradient_norm, step_length: 0, regularization: 0 })),
+    stopped: "converged", mollified: false, at_vertices: [], loose_points: [], warnings: [],
+    accuracy: { tolerance: 1e-9, gradient_tolerance: 2e-9, gradient_norm: 1e-12, mollifier_length: 1e-6 }, effects: [], cost: { seconds: 0.1, stages: [], quantities: {} },
+  } as unknown as EmbeddedSystem;
+}
+
+function ply(): ArrayBuffer {
+  const header = new TextEncoder().encode("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n");
+  const buffer = new ArrayBuffer(header.length + 72 + 13);
+  new Uint8Array(buffer).set(header);
+  const view = new DataView(buffer, header.length);
+  PLACES.flat().forEach((value, k) => view.setFloat64(8 * k, value, true));
+  view.setUint8(72, 3);
+  [0, 1, 2].forEach((vertex, k) => view.setInt32(73 + 4 * k, vertex, true));
+  return buffer;
+}
+
+let asked: EmbeddedSystemRequest[];
+let dismissed: number;
+/** Sends an event of the job; undefined while there is no job. */
+let tell: ((name: string, partial?: object) => void) | undefined;
+
+function job(state: string, partial?: object): string {
+  return JSON.stringify({ id: "j1", kind: "embedded-systems", state, progress: 0.5, stage: "step", created: "", deadline: 600, partial });
+}
+
+async function serve(url: string, init: RequestInit = {}): Promise<Response> {
+  const path = String(url);
+  if (path === `/v1/meshes/${ID}`) return Response.json(INFO);
+  if (path.endsWith("/content")) return new Response(ply());
+  if (init.method === "DELETE") {
+    ++dismissed;
+    return new Response(null, { status: 200 });
+  }
+  if (path === "/v1/embedded-systems") {
+    asked.push(JSON.parse(String(init.body)) as EmbeddedSystemRequest);
+    return asked.at(-1)?.paths ? new Response(job("accepted"), { status: 202 }) : Response.json(answerTo(asked.at(-1) as EmbeddedSystemRequest));
+  }
+  if (path.endsWith("/events")) {
+    const stream = new ReadableStream<Uint8Array>({
+      start(controller) {
+        tell = (name, partial) => controller.enqueue(new TextEncoder().encode(`event: ${name}\ndata: ${job(name === "finished" ? "successful" : "running", partial)}\n\n`));
+        init.signal?.addEventListener("abort", () => controller.error(new DOMException("stopped", "AbortError")));
+      },
+    });
+    return new Response(stream);
+  }
+  return Response.json(answerTo(asked.at(-1) as EmbeddedSystemRequest));
+}
+
+beforeEach(() => {
+  [asked, dismissed, tell] = [[], 0, undefined];
+  vi.stubGlobal("fetch", serve);
+});
+afterEach(() => vi.unstubAllGlobals());
+
+async function begun(): Promise<{ mesh: MeshSession; network: NetworkSession; view: NetworkView }> {
+  const client = new Client();
+  const mesh = new MeshSession(client, findings);
+  const network = new NetworkSession(mesh, client);
+  mesh.setTool("network");
+  await mesh.open(ID);
+  return { mesh, network, view: new NetworkView(network) };
+}
+
+function stopTelling(): void {
+  tell = undefined;
+}
+
+const telling = () => vi.waitFor(() => expect(tell).toBeDefined());
+const moved = (iteration: number) => ({ iteration, energy: 2 - iteration, gradient_norm: 10 ** (-3 * iteration), positions: PLACES.map(([x, y, z]) => [x + 0.1 * iteration, y, z]) });
+
+describe("a network session", () => {
+  it("makes the network, shows where its points are while it relaxes, and its paths in the end", async () => {
+    const { network, view } = await begun();
+    const relaxed = network.relax();
+    await telling();
+    expect(asked[0].springs).toEqual({ kind: "voronoi_dual", weight: 0 });
+    expect(asked[1].springs).toEqual([{ between: [0, 1], rest_length: 0, weight: 1 }, { between: [0, 2], rest_length: 0, weight: 1 }]);
+    for (const iteration of [0, 1, 1]) tell?.("progress", moved(iteration));
+    await vi.waitFor(() => expect(network.relaxing.get()?.steps.map((step) => step.gradient)).toEqual([1, 1e-3]));
+    expect(network.relaxing.get()?.gradientTolerance).toBeCloseTo(2e-9, 15);
+    expect(view.picture.get()?.positions[1]).toEqual([1.1, 0, 0]);
+    expect(view.picture.get()?.lines[0]).toEqual([[0.1, 0, 0], [1.1, 0, 0]]);
+    tell?.("finished");
+    await relaxed;
+    expect(network.relaxing.get()?.steps.map((step) => step.gradient)).toEqual([3, 1e-3, 1e-12]);
+    expect(view.picture.get()?.lines[0]).toHaveLength(3);
+    view.frame.set(network.relaxing.get()?.frames[1] ?? null);
+    expect(view.picture.get()?.positions[1]).toEqual([1.1, 0, 0]);
+    expect(network.activity.get()).toEqual({ kind: "idle" });
+  });
+
+  it("dismisses the job when it is cancelled, and keeps the network as it was made", async () => {
+    const { network, view } = await begun();
+    const relaxed = network.relax();
+    await telling();
+    tell?.("progress", moved(1));
+    await vi.waitFor(() => expect(network.relaxing.get()?.steps).toHaveLength(1));
+    network.cancel();
+    await relaxed;
+    expect(dismissed).toBe(1);
+    expect(network.relaxing.get()).toBeNull();
+    expect(network.isMade).toBe(true);
+    expect(view.picture.get()?.positions).toEqual(PLACES);
+  });
+
+  it("needs no server for a network that is picked and drawn, and follows what is taken away", async () => {
+    const { mesh, network, view } = await begun();
+    network.change({ points: "picked", springs: "drawn" });
+    mesh.setPoints([{ vertex: 0 }, { vertex: 1 }, { vertex: 2 }]);
+    network.join(2);
+    network.join(1);
+    network.fix(2);
+    expect(view.picture.get()?.lines).toEqual([[[1, 0, 0], [0, 1, 0]]]);
+    expect(view.picture.get()?.kinds).toEqual(["free", "free", "fixed"]);
+    network.removePicked(0);
+    expect(network.state.get()).toMatchObject({ fixed: [1], drawn: [{ between: [0, 1] }] });
+    expect(view.picture.get()?.lines).toEqual([[[1, 0, 0], [0, 1, 0]]]);
+    expect(asked).toEqual([]);
+  });
+
+  it("says where a relaxation is no longer that of the settings, and goes on from where one ended", async () => {
+    const { network } = await begun();
+    const relaxed = network.relax();
+    await telling();
+    tell?.("finished");
+    await relaxed;
+    expect(network.isStale).toBe(false);
+    network.change({ restLength: 0.5 });
+    expect(network.isStale).toBe(true);
+    network.change({ restLength: 0 });
+    expect(network.isStale).toBe(false);
+    stopTelling();
+    const further = network.relax(true);
+    await telling();
+    expect(asked.at(-1)?.points).toEqual(answerTo(asked[1]).points);
+    tell?.("finished");
+    await further;
+    expect(network.isStale).toBe(false);
+  });
+});

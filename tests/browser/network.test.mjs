@@ -1,0 +1,188 @@
+// Networks on the mesh page: made, fixed, relaxed before one's eyes, saved.
+import assert from "node:assert/strict";
+import { describe, it } from "node:test";
+import { browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
+import { saved } from "./weave_page.mjs";
+
+setUp({ webgl: true });
+
+/** A square of the plane, 2 wide. */
+const SQUARE = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n";
+
+const fact = (page, term) => page.locator(".relaxation .facts dt", { hasText: term }).locator("+ dd").textContent();
+const button = (page, name) => page.getByRole("button", { name, exact: true });
+const number = (page, name) => page.getByLabel(`${name}, as a number`, { exact: true });
+
+async function enter(page, name, value) {
+  await number(page, name).fill(String(value));
+  await number(page, name).press("Enter");
+}
+
+async function open(options) {
+  const page = await openPage(browser, `${server.url}/#/mesh`, options);
+  await page.getByText("Open a mesh").waitFor();
+  page.relaxations = [];
+  page.on("request", (request) => {
+    if (request.method() === "POST" && request.url().endsWith("/v1/embedded-systems")) page.relaxations.push(request.postDataJSON());
+  });
+  return page;
+}
+
+async function square(options) {
+  const page = await open(options);
+  await page.locator('input[type="file"]').setInputFiles({ name: "square.obj", mimeType: "model/obj", buffer: Buffer.from(SQUARE) });
+  await page.locator(".facts").getByText("Handles").waitFor();
+  await page.getByRole("radio", { name: "Network", exact: true }).check();
+  return page;
+}
+
+async function sample() {
+  const page = await open();
+  await button(page, "Sample").click();
+  await page.locator('[aria-label="Result"]').waitFor();
+  await page.getByRole("radio", { name: "Network", exact: true }).check();
+  return page;
+}
+
+const rested = (page) => page.locator(".relaxation .stop", { hasText: "at rest" }).waitFor();
+
+/** A share of the view's width and height, from its middle. */
+async function clickView(page, right, down) {
+  const box = await page.locator(".viewer canvas").boundingBox();
+  await page.mouse.click(box.x + box.width / 2 + right, box.y + box.height / 2 + down);
+}
+
+describe("a network on a surface", () => {
+  it("of random points is made, relaxed with its progress in sight, looked at iteration by iteration, and saved", async () => {
+    const page = await sample();
+    await enter(page, "Least distance of two points", 0.35);
+    await button(page, "Make the network").click();
+    await until(() => button(page, "Make the network").isDisabled(), "the network");
+    assert.equal(page.relaxations[0].points.radius, 0.35);
+    await picture(page, "network-made");
+    await button(page, "Relax").click();
+    await page.locator(".relaxation .stop", { hasText: /at rest|limit|equally short/ }).waitFor();
+    await picture(page, "network-relaxed");
+    const iterations = Number((await fact(page, "Iteration")).split(" of ")[1]);
+    assert.ok(iterations > 1, `${iterations} iterations`);
+    assert.ok((await page.locator(".convergence .achieved").getAttribute("d")).length > 20);
+    const energy = await fact(page, "Energy");
+    await enter(page, "Iteration that is seen", 0);
+    await until(async () => (await fact(page, "Iteration")).startsWith("0 of"), "the start");
+    assert.notEqual(await fact(page, "Energy"), energy);
+    const obj = await saved(page, () => button(page, "OBJ").click());
+    assert.equal(obj.name, "network.obj");
+    assert.match(obj.text, /^l \d+ \d+/m);
+    assert.match((await saved(page, () => button(page, "VTU").click())).text, /UnstructuredGrid/);
+    assert.match((await saved(page, () => button(page, "SVG").click())).text, /<svg[^>]*>[^]*10⁻/);
+    assert.deepEqual(JSON.parse((await saved(page, () => button(page, "Request").click())).text), page.relaxations[1]);
+    await page.getByText("Effects, bill and history").click();
+    await page.locator('[aria-label="Effects"] tbody', { hasText: "kept strips" }).waitFor();
+    await page.locator(".bill").scrollIntoViewIfNeeded();
+    await picture(page, "network-bill");
+    await closePage(page);
+  });
+
+  it("of picked points is drawn with springs, has fixed points, and comes to rest where the plane says", async () => {
+    const page = await square();
+    await page.getByRole("combobox", { name: "Points", exact: true }).selectOption("picked");
+    for (const name of ["v0", "v1", "v2", "0:0.4,0.4,0.2"]) {
+      await page.getByLabel("Add a point").fill(name);
+      await page.getByLabel("Add a point").press("Enter");
+    }
+    await page.getByRole("combobox", { name: "Springs", exact: true }).selectOption("drawn");
+    await page.getByLabel("Springs between points").fill("0-3, 1-3::2, 2-3");
+    await page.getByLabel("Springs between points").press("Enter");
+    await page.getByLabel("Fixed points").fill("0, 1, 2");
+    await page.getByLabel("Fixed points").press("Enter");
+    await button(page, "Relax").click();
+    await rested(page);
+    assert.deepEqual(page.relaxations[0].fixed_points, [0, 1, 2]);
+    assert.deepEqual(page.relaxations[0].springs[1], { between: [1, 3], rest_length: 0, weight: 2 });
+    // E = |p - a|^2 + 2 |p - b|^2 + |p - c|^2 at (0.5, -0.5): 2.5 + 2 * 0.5 + 2.5.
+    assert.equal(await fact(page, "Energy"), "6");
+    await picture(page, "network-picked");
+    await page.getByLabel("Fixed points").fill("0, 9");
+    await page.getByLabel("Fixed points").press("Enter");
+    assert.equal(await page.getByLabel("Fixed points").evaluate((field) => field.validity.customError), true);
+    await closePage(page);
+  });
+
+  it("is picked, joined and fixed by clicks, and shared by a link", async () => {
+    const page = await square();
+    await page.getByRole("combobox", { name: "Points", exact: true }).selectOption("picked");
+    await page.getByRole("combobox", { name: "Springs", exact: true }).selectOption("drawn");
+    for (const [right, down] of [[-60, 20], [60, 20], [0, -40]]) await clickView(page, right, down);
+    await until(async () => (await page.locator(".points li button").count()) === 3, "three points");
+    await page.getByLabel("Joins", { exact: true }).check();
+    for (const [right, down] of [[-60, 20], [0, -40], [60, 20], [0, -40]]) await clickView(page, right, down);
+    assert.equal(await page.getByLabel("Springs between points").inputValue(), "0-2, 1-2");
+    await page.getByLabel("Fixes", { exact: true }).check();
+    for (const [right, down] of [[-60, 20], [60, 20], [0, 60]]) await clickView(page, right, down);
+    assert.equal(await page.getByLabel("Fixed points").inputValue(), "0, 1");
+    await button(page, "Relax").click();
+    await rested(page);
+    await picture(page, "network-clicked");
+    const other = await openPage(browser, page.url());
+    await until(async () => (await other.getByLabel("Fixed points").inputValue()) === "0, 1", "the network of the link");
+    await button(other, "Relax").click();
+    await rested(other);
+    assert.equal(await fact(other, "Energy"), await fact(page, "Energy"));
+    await closePage(other);
+    await enter(page, "Rest length", 0.5);
+    await page.locator(".relaxation .note", { hasText: "changed since" }).waitFor();
+    await page.locator(".points li button").first().click();
+    assert.equal(await page.getByLabel("Fixed points").inputValue(), "0", "the others have smaller numbers");
+    assert.equal(await page.locator(".relaxation").isVisible(), false);
+    await closePage(page);
+  });
+
+  it("is seen on its way, and can be cancelled", async () => {
+    const page = await sample();
+    await enter(page, "Least distance of two points", 0.35);
+    await button(page, "Make the network").click();
+    await until(() => button(page, "Make the network").isDisabled(), "the network");
+    assert.equal(await page.locator(".relaxation").isVisible(), false, "nothing is relaxed yet");
+    // Gradient descent goes on for long: there is time to look and to stop.
+    await page.getByText("Accuracy, method and effects").click();
+    await page.getByLabel("Method", { exact: true }).selectOption("gradient_descent");
+    await page.getByLabel("Tolerance of the gradient").selectOption("1e-12");
+    await enter(page, "Most iterations", 2000);
+    await page.getByLabel("Fixed points").fill("0, 7");
+    await page.getByLabel("Fixed points").press("Enter");
+    await button(page, "Relax").click();
+    await page.locator(".working", { hasText: /Relaxing, iteration \d+/ }).waitFor();
+    await until(async () => Number(await fact(page, "Iteration")) > 2, "iterations");
+    await picture(page, "network-running");
+    const dismissed = page.waitForRequest((request) => request.method() === "DELETE");
+    await page.locator(".working").getByRole("button", { name: "Cancel" }).click();
+    await dismissed;
+    await until(async () => !(await page.locator(".working").isVisible()), "the end of the work");
+    assert.equal(await page.locator(".relaxation").isVisible(), false);
+    await enter(page, "Most iterations", 3);
+    await button(page, "Relax").click();
+    await page.locator(".relaxation .stop", { hasText: "not at rest yet" }).waitFor();
+    const energy = Number(await fact(page, "Energy"));
+    await button(page, "Go on from here").click();
+    await until(async () => Number(await fact(page, "Energy")) < energy, "less energy");
+    await closePage(page);
+  });
+
+  it("tells of compressed springs, and shows the server's words about what it refuses", async () => {
+    const page = await square();
+    await page.getByRole("combobox", { name: "Points", exact: true }).selectOption("per_face");
+    await page.getByRole("combobox", { name: "Springs", exact: true }).selectOption("adjacent_faces");
+    await page.getByLabel("Fixed points").fill("0, 1");
+    await page.getByLabel("Fixed points").press("Enter");
+    await enter(page, "Rest length", 1.4);
+    await button(page, "Relax").click();
+    await page.locator(".relaxation .notes .note", { hasText: /compress/ }).waitFor();
+    assert.equal(await fact(page, "Under compression"), "1");
+    await page.route("**/v1/embedded-systems", (route) =>
+      route.fulfill({ status: 422, contentType: "application/problem+json", body: JSON.stringify({ type: "urn:supple:error:network.radius", title: "Radius not possible", status: 422, detail: "Too many points may fit.", code: "network.radius" }) }));
+    await page.getByRole("combobox", { name: "Points", exact: true }).selectOption("poisson_disk");
+    await button(page, "Make the network").click();
+    await page.locator(".mesh-stage .note", { hasText: "Too many points may fit." }).waitFor();
+    await closePage(page);
+  });
+});
