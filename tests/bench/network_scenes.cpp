@@ -52,20 +52,21 @@ void measure_scenes(Report& report, const NetworkSettings& settings) {
                                   {"last", "last"},
                                   {"at_vertices", "At vertices"},
                                   {"wall_ms", "ms"}});
-  Table history("networks-history", {{"scene", "Scene"}, {"iteration", "Iteration"}, {"energy", "E"}, {"gradient", "|g|"}});
+  Table history("networks-history",
+                {{"scene", "Scene"}, {"iteration", "Iteration"}, {"energy", "E"}, {"gradient", "|g|"}});
   for (const Scene& scene : face_scenes(settings)) {
     const surface::GeodesicSolver solver(scene.mesh);
     embedded::RelaxationOptions options;
     options.tolerance = 1e-6 / (scene.mesh->diagonal() * scene.network.springs.front().weight);
     options.max_iterations = 500;
-    const auto outcome = billed([&](const Execution& execution) {
-      return embedded::relax(solver, scene.network, options, execution);
-    });
+    const auto outcome =
+        billed([&](const Execution& execution) { return embedded::relax(solver, scene.network, options, execution); });
     const Relaxation& relaxed = outcome.result;
     const auto& steps = relaxed.history;
     const double last = steps.size() > 1 ? steps.back().gradient_norm / steps[steps.size() - 2].gradient_norm : 0;
-    table.row({scene.name, count(scene.mesh->face_count()), count(2.0 * static_cast<double>(scene.network.points.size())),
-               std::to_string(relaxed.iterations), relaxed.stopped, number(relaxed.gradient_norm, 2), number(last, 2),
+    table.row({scene.name, count(scene.mesh->face_count()),
+               count(2.0 * static_cast<double>(scene.network.points.size())), std::to_string(relaxed.iterations),
+               relaxed.stopped, number(relaxed.gradient_norm, 2), number(last, 2),
                std::to_string(relaxed.at_vertices.size()), number(1e3 * outcome.wall_seconds)});
     for (std::size_t i = 0; i < steps.size(); ++i)
       history.row({scene.name, std::to_string(i), number(steps[i].energy, 12), number(steps[i].gradient_norm, 6)});

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "supple/surface/triangle_mesh.h"
 #include "supple/surface/surface_point.h"
+#include "supple/surface/triangle_mesh.h"
 
 namespace supple::embedded {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "supple/base/execution.h"
 #include "supple/base/effect_switch.h"
+#include "supple/base/execution.h"
 #include "supple/embedded/network.h"
 #include "supple/surface/geodesic_solver.h"
 
@@ -49,7 +49,7 @@ struct RelaxationOptions {
 
 /// What is known of a spring at the end.
 struct SpringState {
-  double length = 0;        ///< mesh units
+  double length = 0;  ///< mesh units
   double energy = 0;
   bool compressed = false;  ///< shorter than its rest length: its energy pushes towards longer paths
   /// Another path is as short (within 1e-9, relative): the length has a kink there, a ridge for a spring under tension
@@ -68,7 +68,7 @@ struct Relaxation {
   /// "converged"; "cut_locus" (no step lowers the energy and a spring under compression is at its cut locus, where its
   /// length is not differentiable); "step_too_small"; or "iteration_limit".
   std::string stopped;
-  bool mollified = false;        ///< whether the energy at the end is the mollified one
+  bool mollified = false;  ///< whether the energy at the end is the mollified one
   /// Points that came to rest exactly at a vertex where the energy has a kink and no direction descends, ascending.
   std::vector<std::int32_t> at_vertices;
   /// Free points that no spring of positive weight holds: they stay where they are. Ascending.

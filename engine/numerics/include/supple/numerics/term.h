@@ -81,8 +81,8 @@ class Term {
     double distance = 0;      ///< from the current state
     bool same_place = false;  ///< rounding alone keeps the current state from it
   };
-  /// Kinks near the current state and the trial states since it became that, in the order of the trials, no farther than
-  /// `reach` from it.
+  /// Kinks near the current state and the trial states since it became that, in the order of the trials, no farther
+  /// than `reach` from it.
   virtual std::vector<Kink> kinks(const S& /*current*/, const std::vector<S>& /*tried*/, double /*reach*/) const {
     return {};
   }
