@@ -1,6 +1,7 @@
-// Exact geodesics against CGAL's in one run: times, memory, accuracy. Writes geodesics.md and CSV files.
+// Exact geodesics against CGAL's in one run: times, memory, accuracy. Writes geodesics.md and CSV files. What the
+// mollifier costs in accuracy is a page of its own, geodesics-mollifier.md.
 //
-//   bench_geodesics [--short] [--out DIR]      default DIR: docs/bench
+//   bench_geodesics [--short] [--out DIR] [geodesics] [mollifier]      default DIR: docs/bench
 #include "geodesic_bench.h"
 
 #include <filesystem>
@@ -37,12 +38,24 @@ void run(const std::filesystem::path& folder, const supple::bench::Settings& set
   report.write(introduction);
 }
 
+void run_mollifier(const std::filesystem::path& folder, const supple::bench::Settings& settings) {
+  using namespace supple::bench;
+  Report report(folder, "geodesics-mollifier", "Geodesics: the mollifier's accuracy against its smoothing length");
+  measure_mollifier(report, settings);
+  report.write("This page is generated; what the mollifier does is in [geodesics](../geodesics.md). Measured on: " +
+               machine_line() +
+               ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target bench_geodesics\n"
+               "build/bench/tests/bench/bench_geodesics mollifier --out docs/bench\n```" +
+               (settings.brief ? "\n\n**A short run: it shows that the program works, no more.**" : ""));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace supple::bench;
   Settings settings;
   std::filesystem::path folder = "docs/bench";
-  return run_program(argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)},
-                     {{"geodesics", [&] { run(folder, settings); }}});
+  return run_program(
+      argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)},
+      {{"geodesics", [&] { run(folder, settings); }}, {"mollifier", [&] { run_mollifier(folder, settings); }}});
 }

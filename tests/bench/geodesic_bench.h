@@ -42,5 +42,7 @@ void measure_large_mesh(Report& report, const Settings& settings);
 void measure_throughput(Report& report, const Settings& settings);
 void measure_accuracy(Report& report, const Settings& settings);
 void measure_effects(Report& report, const Settings& settings);
+/// A page of its own.
+void measure_mollifier(Report& report, const Settings& settings);
 
 }  // namespace supple::bench

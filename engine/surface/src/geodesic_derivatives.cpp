@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "halfedge_frame.h"
@@ -115,13 +116,71 @@ StraightPart laid_out(const TriangleMesh& mesh, const std::vector<PathPoint>& pa
   return part;
 }
 
-/// A point of the plane as a function of the ends. Its second derivatives all point along one direction.
+/// A point of the plane as a function of the ends.
 struct MovingPoint {
   Vector2d origin, offset;  ///< the point is at their sum; of crossings the origin is the nearer end of the edge
   Jacobian jacobian;
-  Vector2d direction = Vector2d::Zero();
-  Eigen::Matrix4d curvature = Eigen::Matrix4d::Zero();  ///< second derivatives, in units of `direction`
+  std::array<Eigen::Matrix4d, 2> curvature{Eigen::Matrix4d::Zero(), Eigen::Matrix4d::Zero()};  ///< of both coordinates
 };
+
+/// An end of the path whose barycentric coordinates are mollified: what its tangent coordinates make of it in the frame
+/// of its face, relative to where it is.
+struct MollifiedEnd {
+  Vector2d offset;
+  Matrix2d jacobian;
+  std::array<Matrix2d, 2> curvature{Matrix2d::Zero(), Matrix2d::Zero()};
+};
+
+MollifiedEnd mollified_end(const TriangleMesh& mesh, const SurfacePoint& end, double epsilon) {
+  const Triangle& corners = mesh.faces()[index(end.face)];
+  const Frame frame = tangent_frame(mesh, end.face);
+  const Vector3d center = position(mesh, end);
+  Eigen::Matrix<double, 2, 3> places;
+  for (int i = 0; i < 3; ++i) places.col(i) = frame.transpose() * (mesh.positions()[corners[i]] - center);
+  // Barycentric coordinates grow by one from a side to the corner opposite.
+  Eigen::Matrix<double, 3, 2> growth;
+  for (int i = 0; i < 3; ++i) {
+    const Vector2d side = places.col((i + 2) % 3) - places.col((i + 1) % 3);
+    const Vector2d inward(-side.y(), side.x());
+    growth.row(i) = inward.transpose() / inward.dot(Vector2d(places.col(i) - places.col((i + 1) % 3)));
+  }
+  std::array<Mollified, 3> m;
+  double sum = 0;
+  MollifiedEnd result{Vector2d::Zero(), Matrix2d::Zero()};
+  for (int i = 0; i < 3; ++i) {
+    m[i] = mollify(end.barycentric[i], epsilon);
+    sum += m[i].value;
+    // By the difference: the given coordinates are where the offset vanishes.
+    result.offset += (m[i].value - end.barycentric[i]) * places.col(i);
+  }
+  result.offset /= sum;
+  Eigen::RowVector2d grows = Eigen::RowVector2d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    grows += m[i].slope * growth.row(i);
+    result.jacobian += (places.col(i) - result.offset) * (m[i].slope / sum) * growth.row(i);
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    for (int i = 0; i < 3; ++i) {
+      result.curvature[axis] +=
+          (places(axis, i) - result.offset[axis]) * (m[i].curvature / sum) * growth.row(i).transpose() * growth.row(i);
+    }
+    const Matrix2d mixed = grows.transpose() * result.jacobian.row(axis) / sum;
+    result.curvature[axis] -= mixed + mixed.transpose();
+  }
+  return result;
+}
+
+/// An end of a path as a part of it begins or ends there, mollified: `turn` takes its frame into the part's plane.
+template <int first_column>
+MovingPoint mollified_point(const Vector2d& place, const Matrix2d& turn, const MollifiedEnd& end) {
+  MovingPoint point{place, turn * end.offset, Jacobian::Zero()};
+  point.jacobian.template middleCols<2>(first_column) = turn * end.jacobian;
+  for (int axis = 0; axis < 2; ++axis) {
+    point.curvature[axis].template block<2, 2>(first_column, first_column) =
+        turn(axis, 0) * end.curvature[0] + turn(axis, 1) * end.curvature[1];
+  }
+  return point;
+}
 
 /// Where the straight line crosses an edge, mollified. The crossing's parameter is t = n / w, with n and w the
 /// distances from the line of the edge's tail, and of tail and head together, times the line's length: bilinear in the
@@ -132,7 +191,7 @@ MovingPoint mollified_crossing(const StraightPart& part, const StraightPart::Cro
   const bool near_tail = crossing.t <= 0.5;
   MovingPoint point{near_tail ? crossing.tail : crossing.head,
                     near_tail ? Vector2d(m.value * edge) : Vector2d(-mollify(1 - crossing.t, epsilon).value * edge),
-                    Jacobian::Zero(), edge};
+                    Jacobian::Zero()};
   const Vector2d line = part.end - part.begin;
   const Jacobian line_moves = part.end_moves - part.begin_moves;
   const double w = -cross(line, edge);
@@ -145,7 +204,8 @@ MovingPoint mollified_crossing(const StraightPart& part, const StraightPart::Cro
   const Eigen::Matrix4d mixed = t1.transpose() * w1;
   const Eigen::Matrix4d t2 = (n2 + n2.transpose() - mixed - mixed.transpose()) / w;
   point.jacobian = edge * (m.slope * t1);
-  point.curvature = m.curvature * t1.transpose() * t1 + m.slope * t2;
+  const Eigen::Matrix4d along = m.curvature * t1.transpose() * t1 + m.slope * t2;
+  point.curvature = {along * edge.x(), along * edge.y()};
   return point;
 }
 
@@ -159,8 +219,9 @@ void add_segment(const MovingPoint& from, const MovingPoint& to, PathLength& sum
   const Row turns = cross(u, moves);
   sum.length += length;
   sum.derivatives.tangent_gradient += moves.transpose() * u;
-  sum.derivatives.tangent_hessian +=
-      turns.transpose() * turns / length + u.dot(to.direction) * to.curvature - u.dot(from.direction) * from.curvature;
+  sum.derivatives.tangent_hessian += turns.transpose() * turns / length +
+                                     u.x() * (to.curvature[0] - from.curvature[0]) +
+                                     u.y() * (to.curvature[1] - from.curvature[1]);
 }
 
 }  // namespace
@@ -178,19 +239,28 @@ Mollified mollify(double t, double epsilon) {
   return {t, 1, 0};
 }
 
-PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon) {
+PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon, bool ends) {
   PathLength result;
   for (std::size_t first = 0; first + 1 < path.size();) {
     std::size_t last = first + 1;
     while (last + 1 < path.size() && crosses_edge(path[last])) ++last;
     const StraightPart part = laid_out(mesh, path, first, last);
     MovingPoint previous{part.begin, Vector2d::Zero(), part.begin_moves};
+    if (ends && first == 0) {
+      previous = mollified_point<0>(part.begin, part.begin_moves.leftCols<2>(),
+                                    mollified_end(mesh, path.front().point, epsilon));
+    }
     for (const StraightPart::Crossing& crossing : part.crossings) {
       const MovingPoint point = mollified_crossing(part, crossing, epsilon);
       add_segment(previous, point, result);
       previous = point;
     }
-    add_segment(previous, {part.end, Vector2d::Zero(), part.end_moves}, result);
+    MovingPoint reached{part.end, Vector2d::Zero(), part.end_moves};
+    if (ends && last + 1 == path.size()) {
+      reached =
+          mollified_point<2>(part.end, part.end_moves.rightCols<2>(), mollified_end(mesh, path.back().point, epsilon));
+    }
+    add_segment(previous, reached, result);
     first = last;
   }
   if (result.length > 0) express_in_barycentrics(mesh, path.front().point, path.back().point, result.derivatives);

@@ -156,14 +156,14 @@ class HostLength {
       : mesh_(mesh), path_(path), order_(order), stretches_(stretches_of(mesh, path)) {
     number_vertices();
     result_.gradient = VectorXd::Zero(size());
-    if (order > 1) result_.hessian = Eigen::MatrixXd::Zero(size(), size());
+    if (order < 2) return;
+    result_.hessian = Eigen::MatrixXd::Zero(size(), size());
+    mixed_ = Eigen::MatrixXd::Zero(size(), size());
   }
 
   HostDerivatives derivatives() {
     for (const Stretch& stretch : stretches_) add(stretch);
-    if (order_ > 1) {
-      result_.hessian.triangularView<Eigen::StrictlyUpper>() = result_.hessian.transpose();
-    }
+    if (order_ > 1) complete();
     return std::move(result_);
   }
 
@@ -425,24 +425,45 @@ class HostLength {
       before += motion + 0.5 * (arc[i + 1] - arc[i]) * rest;
       rest.segment<3>(columns[i][0]) += forces[i];
       rest.segment<3>(columns[i][1]) -= forces[i];
-      for (int c = 0; c < 2; ++c) {
-        const Vector3d f = c == 0 ? Vector3d(-forces[i]) : forces[i];
-        add_symmetric(columns[i][c], f, before);
+      for (int axis = 0; axis < 3; ++axis) {
+        mixed_.col(columns[i][0] + axis) -= forces[i][axis] * before;
+        mixed_.col(columns[i][1] + axis) += forces[i][axis] * before;
       }
     }
-    result_.hessian.selfadjointView<Eigen::Lower>().rankUpdate(total, 1 / length);
+    // A path that bends often has short stretches, each of which knows few of the variables.
+    std::vector<Eigen::Index> known;
+    for (Eigen::Index i = 0; i < size(); ++i) {
+      if (total[i] != 0) known.push_back(i);
+    }
+    for (auto column = known.begin(); column != known.end(); ++column) {
+      const double factor = total[*column] / length;
+      for (auto row = column; row != known.end(); ++row) result_.hessian(*row, *column) += factor * total[*row];
+    }
   }
 
   static Vector3d normal_in(const Eigen::Matrix<double, 2, 3>& into_plane) {
     return Vector3d(into_plane.row(0)).cross(Vector3d(into_plane.row(1)));
   }
 
-  /// Subtracts f form^T + form f^T, where f is nonzero in three rows, from the lower triangle.
-  void add_symmetric(Eigen::Index at, const Vector3d& f, const VectorXd& form) {
-    for (int r = 0; r < 3; ++r) {
-      const Eigen::Index row = at + r;
-      result_.hessian.row(row).head(row + 1) -= f[r] * form.head(row + 1).transpose();
-      result_.hessian.col(row).tail(size() - row) -= f[r] * form.tail(size() - row);
+  /// Subtracts the symmetric part of what was gathered in columns and fills the upper triangle, tile by tile: rows of a
+  /// large matrix lie far apart in memory.
+  void complete() {
+    constexpr Eigen::Index tile = 32;
+    Eigen::MatrixXd& hessian = result_.hessian;
+    for (Eigen::Index c = 0; c < size(); c += tile) {
+      const Eigen::Index columns = std::min(tile, size() - c);
+      for (Eigen::Index r = c; r < size(); r += tile) {
+        const Eigen::Index rows = std::min(tile, size() - r);
+        hessian.block(r, c, rows, columns) -=
+            mixed_.block(r, c, rows, columns) + mixed_.block(c, r, columns, rows).transpose();
+        if (r == c) {
+          for (Eigen::Index i = 0; i < columns; ++i) {
+            for (Eigen::Index j = 0; j < i; ++j) hessian(c + j, c + i) = hessian(c + i, c + j);
+          }
+        } else {
+          hessian.block(c, r, columns, rows) = hessian.block(r, c, rows, columns).transpose();
+        }
+      }
     }
   }
 
@@ -477,6 +498,7 @@ class HostLength {
   int order_;
   std::vector<Stretch> stretches_;
   HostDerivatives result_;
+  Eigen::MatrixXd mixed_;  ///< counts against the Hessian with its transpose
 };
 
 }  // namespace

@@ -336,7 +336,8 @@ Geodesic assemble(const SearchState& state, const SearchTarget& target, const Ge
   if (best.length > 0 && options.derivatives > 0) {
     const SurfacePoint& from = state.sources[trace.source()];
     if (general) {
-      PathLength mollified = mollified_length(*state.mesh->mesh, trace.points(), options.mollifier);
+      PathLength mollified =
+          mollified_length(*state.mesh->mesh, trace.points(), options.mollifier, options.mollified_ends);
       result.mollified_distance = mollified.length;
       result.derivatives = mollified.derivatives;
     } else {

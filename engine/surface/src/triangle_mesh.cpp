@@ -92,15 +92,18 @@ void TriangleMesh::measure() {
   angles_.resize(halfedges);
   double length_sum = 0;
   std::int64_t edges = 0;
-  for (std::int32_t h = 0; h < halfedges; ++h) {
-    const Eigen::Vector3d& at = positions_[tail(h)];
-    const Eigen::Vector3d& ahead = positions_[head(h)];
-    const Eigen::Vector3d& apex = positions_[tail(previous(h))];
-    lengths_[h] = (ahead - at).norm();
-    angles_[h] = std::atan2(doubled_area(at, ahead, apex).norm(), (ahead - at).dot(apex - at));
-    if (twins_[h] < h) {
-      length_sum += lengths_[h];
-      ++edges;
+  for (std::int32_t f = 0; f < face_count(); ++f) {
+    const Eigen::Vector3d corners[3] = {positions_[faces_[f][0]], positions_[faces_[f][1]], positions_[faces_[f][2]]};
+    const double area = doubled_area(corners[0], corners[1], corners[2]).norm();
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t h = 3 * f + i;
+      const Eigen::Vector3d side = corners[(i + 1) % 3] - corners[i];
+      lengths_[h] = side.norm();
+      angles_[h] = std::atan2(area, side.dot(corners[(i + 2) % 3] - corners[i]));
+      if (twins_[h] < h) {
+        length_sum += lengths_[h];
+        ++edges;
+      }
     }
   }
   mean_edge_length_ = length_sum / static_cast<double>(edges);

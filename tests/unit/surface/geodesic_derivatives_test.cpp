@@ -226,7 +226,7 @@ TEST(Mollifier, ChangesNothingForPathsAwayFromVertices) {
 /// Compares the derivatives of the mollified distance with fourth-order central differences. Returns whether the path
 /// crosses the same edges on all steps, on the same side of the blend's ends, so that all of them exist.
 bool expect_mollified_derivatives(const GeodesicSolver& solver, const SurfacePoint& a, const SurfacePoint& b,
-                                  double epsilon) {
+                                  double epsilon, bool ends = false) {
   const auto edges = [&](const Geodesic& g) {
     std::vector<int> passed;
     for (std::size_t k = 1; k + 1 < g.path.size(); ++k) {
@@ -239,7 +239,7 @@ bool expect_mollified_derivatives(const GeodesicSolver& solver, const SurfacePoi
     }
     return passed;
   };
-  const GeodesicOptions options{.derivatives = 2, .path = true, .mollifier = epsilon};
+  const GeodesicOptions options{.derivatives = 2, .path = true, .mollifier = epsilon, .mollified_ends = ends};
   const Geodesic g = solver.geodesic(a, b, options);
   const double h = 1e-4 * epsilon;
   for (int variable = 0; variable < 4; ++variable) {
@@ -294,6 +294,61 @@ TEST(Mollifier, DerivativesAreThoseOfTheMollifiedDistance) {
       EXPECT_GT(checked, 20) << epsilon;
     }
   }
+}
+
+TEST(Mollifier, OfTheEndsHasExactDerivativesToo) {
+  for (const auto& mesh : {share(testing::icosphere(2)), share(testing::torus(24, 12)), share(testing::saddle(8)),
+                           share(testing::cone(12, 8.5, 3))}) {
+    const GeodesicSolver solver(mesh);
+    RandomStream stream("mollified_ends", 29);
+    for (const double epsilon : {0.4, 0.2, 0.05}) {
+      int checked = 0;
+      for (int i = 0; i < 80; ++i) {
+        const SurfacePoint a = testing::random_point(*mesh, stream);
+        const SurfacePoint b = testing::random_point(*mesh, stream);
+        const Geodesic g = solver.geodesic(a, b);
+        bool kinked = smallest(a) < 2e-3 || smallest(b) < 2e-3;
+        for (const double w : {a.barycentric[0], a.barycentric[1], a.barycentric[2], b.barycentric[0], b.barycentric[1],
+                               b.barycentric[2]}) {
+          kinked = kinked || std::abs(w - epsilon) < 2e-3 || std::abs(1 - epsilon - w) < 2e-3;
+        }
+        if (kinked || g.competing_excess < 5e-3 * mesh->mean_edge_length() ||
+            g.distance < 0.3 * mesh->mean_edge_length()) {
+          continue;
+        }
+        checked += expect_mollified_derivatives(solver, a, b, epsilon, true);
+      }
+      EXPECT_GT(checked, 20) << epsilon;
+    }
+  }
+}
+
+// What speaks against it: on an edge, the pull off the edge vanishes.
+TEST(Mollifier, OfTheEndsLeavesNoGradientOffAnEdge) {
+  const auto mesh = share(testing::icosphere(2));
+  const GeodesicSolver solver(mesh);
+  RandomStream stream("stationary", 30);
+  int checked = 0;
+  for (int i = 0; i < 50; ++i) {
+    const SurfacePoint a = testing::random_edge_point(*mesh, stream), b = testing::random_point(*mesh, stream);
+    if (a.barycentric.maxCoeff() > 0.9) continue;
+    const Geodesic exact = solver.geodesic(a, b, {.derivatives = 1});
+    const Geodesic ends = solver.geodesic(a, b, {.derivatives = 1, .mollifier = 1e-5, .mollified_ends = true});
+    // Towards the corner opposite, and along the edge.
+    const int side = side_of(a);
+    const Triangle& corners = mesh->faces()[index(a.face)];
+    const auto pull = [&](const Geodesic& g, const Vector3d& direction) {
+      const Vector2d along = tangent_frame(*mesh, a.face).transpose() * direction.normalized();
+      return g.derivatives->tangent_gradient.head<2>().dot(along);
+    };
+    const Vector3d off = mesh->positions()[corners[(side + 2) % 3]] - position(*mesh, a);
+    const Vector3d edge = mesh->positions()[corners[(side + 1) % 3]] - mesh->positions()[corners[side]];
+    if (std::abs(pull(exact, off)) < 0.1) continue;
+    ++checked;
+    EXPECT_LT(std::abs(pull(ends, off)), 1e-9);
+    EXPECT_NEAR(pull(ends, edge), pull(exact, edge), 1e-9);
+  }
+  EXPECT_GT(checked, 20);
 }
 
 // Where a path comes to be held by a hyperbolic vertex, it meets all edges between at their ends.

@@ -54,6 +54,9 @@ struct GeodesicOptions {
   bool path = false;
   /// Smoothing length of the mollifier (thesis eq. 3.12) as a fraction of an edge, in (0, 0.5]; 0 leaves it out.
   double mollifier = 0;
+  /// Whether the mollifier acts on the ends' barycentric coordinates as well, as the thesis has it: see
+  /// mollified_length for why it is left out unless asked for. Without `mollifier` nothing.
+  bool mollified_ends = false;
 };
 
 }  // namespace supple::surface

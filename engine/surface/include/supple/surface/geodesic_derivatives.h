@@ -36,7 +36,15 @@ PathLength path_length(const TriangleMesh& mesh, const std::vector<PathPoint>& p
 /// Mollified crossings do not make the length least, so that what the thesis leaves out because of that (eq. 3.6)
 /// counts here: the motion of the crossings with the ends, to second order. Between vertices the path is straight in
 /// unfolded faces, which gives t and its derivatives in closed form. O(points).
-PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon);
+///
+/// With `ends` the mollifier acts on the barycentric coordinates w of both ends as well (the paragraph before thesis
+/// eq. 3.12): the path then begins and ends at sum m(w_i) v_i / sum m(w_i), m the mollifier. The division, which the
+/// thesis does not have, keeps the point in its face. An end that lies on an edge then feels no pull off it, towards
+/// the corner opposite, whatever pulls, and the Hessian jumps by 2 / epsilon of the gradient where a coordinate passes
+/// epsilon: minimizers stop at edges that are no equilibria. Hence off; numbers are in
+/// docs/bench/geodesics-mollifier.md.
+PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon,
+                            bool ends = false);
 
 /// A shortest path's length and its derivatives by its ends and by the vertices of the surface that carries it.
 ///
