@@ -29,7 +29,7 @@ declare -A about=(
   [browser]="the web editor in headless Chromium against a real server"
   [tidy]="clang-tidy"
   [asan]="unit tests under the address and undefined-behaviour sanitizers"
-  [tsan]="unit tests under the thread sanitizer"
+  [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
 order=(arrows format build unit stability python api web browser bench tidy asan tsan fuzz)
@@ -71,8 +71,8 @@ part_tidy() { configure_preset release && configure_preset asan-ubsan && tests/t
 part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 # One OpenMP thread: CHOLMOD's OpenMP runtime is not instrumented, so that its own ordering looks like races.
-part_tsan() { build_preset tsan --target unit_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
-  ctest --test-dir build/tsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
+part_tsan() { build_preset tsan --target threaded_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
+  ctest --test-dir build/tsan -j "$jobs" -L threads --output-on-failure --no-tests=error; }
 part_fuzz() {
   build_preset asan-ubsan --target fuzz_targets || return 1
   local targets share

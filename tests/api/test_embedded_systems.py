@@ -373,7 +373,7 @@ def test_delete_ends_a_relaxation_within_a_moment(api: Api, slow_network: Dict[s
 
 
 @pytest.mark.parametrize("builders", [
-    {"points": {"kind": "poisson_disk", "radius": 0.012}, "springs": []},
+    {"points": {"kind": "poisson_disk", "radius": 0.016}, "springs": []},
     {"points": {"kind": "poisson_disk", "radius": 0.05}, "springs": {"kind": "voronoi_dual"}},
 ])
 def test_a_deadline_ends_builders_and_relaxations(api: Api, slow_network: Dict[str, Any], builders: Dict[str, Any]) -> None:

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Fails where a file includes what its room may not see (the arrows in CONTRIBUTING.md), or writes again what numerics has."""
+"""Fails where a file includes what its room may not see (the arrows in CONTRIBUTING.md), where one writes again what numerics
+has, and where a room's threads are not watched by the thread sanitizer."""
 
 from __future__ import annotations
 
@@ -66,7 +67,26 @@ WRITTEN_ONCE = (
      "is a second load stepper: numerics::EquilibriumPath follows every load path"),
 )
 
+# Rooms with threads of their own, and where their tests are said to be worth the thread sanitizer's time.
+THREADS = re.compile(r"\b(parallel_for|parallel_tasks|parallel_bills|std::j?thread)\b")
+# The batch of an answer's evaluations is tested over HTTP; training is not built with sanitizers.
+WITHOUT_THREADED_TESTS = {"server/routes", "engine/training"}
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+
+def untested_threads() -> "list[str]":
+    found = []
+    for room in sorted(set(ROOMS) - WITHOUT_THREADED_TESTS - {"clients"}):
+        top, name = room.split("/")
+        sources = [path for path in (ROOT / room).rglob("*") if path.suffix in (".h", ".cpp")]
+        if not any(THREADS.search(path.read_text(encoding="utf-8")) for path in sources):
+            continue
+        tests = ROOT / "tests/unit" / (name if top == "engine" else "server") / "CMakeLists.txt"
+        program = rf"supple_unit_test\((?:unit_\w+|server_{name}_test) THREADS\b"
+        if not re.search(program, tests.read_text(encoding="utf-8")):
+            found.append(f"{tests.relative_to(ROOT)}: {room} has threads, but none of its test programs is marked THREADS")
+    return found
 
 
 def violations() -> "list[str]":
@@ -102,6 +122,6 @@ def violations() -> "list[str]":
 
 
 if __name__ == "__main__":
-    wrong = violations()
+    wrong = violations() + untested_threads()
     print("\n".join(wrong) if wrong else "every include runs along the arrows, and there is one objective and one load stepper")
     sys.exit(1 if wrong else 0)

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
-#include "spring_energy.h"
+#include "supple/numerics/minimizer.h"
 
 namespace supple::embedded {
 namespace {
@@ -14,8 +15,16 @@ namespace {
 constexpr double reach_of_kinks = 2;
 /// Points nearer to a vertex than this, in mean edges, are at it but for rounding.
 constexpr double point_rounding = 1e-13;
-/// Of many points that may rest at vertices, so many are tried one by one where all at once do not lower the energy.
-constexpr std::size_t most_single_kinks = 4;
+/// Points whose springs exceed what was foretold by less than this share of the worst point's are not in the way; nor
+/// are more than so many worth the time.
+constexpr double share_of_surprise = 0.02;
+constexpr std::size_t most_surprised = 64;
+constexpr std::size_t most_trials = 8;
+/// A point by itself is brought near its minimum, no farther: the others move on.
+constexpr int most_local_iterations = 12;
+constexpr double local_tolerance = 1e-8;
+/// What was found for so many states is kept for others to come.
+constexpr std::size_t most_kept_paths = 8;
 /// A slope above this share of the pulls that make it counts as none.
 constexpr double slope_rounding = 1e-12;
 
@@ -48,27 +57,28 @@ GeodesicSprings::GeodesicSprings(const surface::GeodesicSolver& solver, const Ne
     springs_at_[static_cast<std::size_t>(springs_[i].from)].push_back(static_cast<std::int32_t>(i));
     springs_at_[static_cast<std::size_t>(springs_[i].to)].push_back(static_cast<std::int32_t>(i));
   }
+  for (std::size_t i = 0; i < held_.size(); ++i)
+    if (!held_[i] && !springs_at_[i].empty()) free_.push_back(i);
 }
 
 void GeodesicSprings::prepare(NetworkState& state, int /*order*/, const Execution& execution) {
   if (state.found()) return;
   const auto& points = state.points();
-  std::vector<surface::PointPair> pairs(springs_.size());
+  pairs_.resize(springs_.size());
   for (std::size_t i = 0; i < springs_.size(); ++i) {
-    pairs[i].from = points[static_cast<std::size_t>(springs_[i].from)];
-    pairs[i].to = points[static_cast<std::size_t>(springs_[i].to)];
+    pairs_[i].from = points[static_cast<std::size_t>(springs_[i].from)];
+    pairs_[i].to = points[static_cast<std::size_t>(springs_[i].to)];
   }
   const StageTimer timer(execution.cost, "search");
   // Windows are counted; the time that passes is billed once, and progress is the minimization's.
   CostLedger counted;
   const Execution own{execution.cancellation, nullptr, execution.cost ? &counted : nullptr};
-  auto found = std::make_shared<FoundPaths>();
-  found->geodesics.resize(springs_.size());
+  const std::shared_ptr<FoundPaths> found = unused_paths();
   const bool known = options_.kept_strips && last_;
   if (known)
     for (std::size_t i = 0; i < springs_.size(); ++i) found->geodesics[i].strip = last_->geodesics[i].strip;
-  const surface::PathsFound counts = solver_.tangent_geodesics(pairs, found->geodesics, known, own);
-  if (options_.mollifier_length > 0) find_mollified(pairs, *found, own);
+  const surface::PathsFound counts = solver_.tangent_geodesics(pairs_, found->geodesics, known, own);
+  if (options_.mollifier_length > 0) find_mollified(*found, own);
   if (CostLedger* cost = execution.cost) {
     for (const auto& quantity : counted.quantities()) cost->add_quantity(quantity.name, quantity.value);
     cost->add_quantity("same_face", static_cast<double>(counts.same_face));
@@ -76,22 +86,38 @@ void GeodesicSprings::prepare(NetworkState& state, int /*order*/, const Executio
     cost->add_quantity("searched", static_cast<double>(counts.searched));
   }
   last_ = found;
-  state.set_found(std::move(found));
+  state.set_found(found);
 }
 
-void GeodesicSprings::find_mollified(const std::vector<surface::PointPair>& pairs, FoundPaths& found,
-                                     const Execution& execution) const {
+std::shared_ptr<FoundPaths> GeodesicSprings::unused_paths() {
+  // States come and go; what the ones that went have left is used again, since new memory costs as much as a search.
+  for (const auto& paths : kept_paths_)
+    if (paths.use_count() == 1) return paths;
+  auto paths = std::make_shared<FoundPaths>();
+  paths->geodesics.resize(springs_.size());
+  if (kept_paths_.size() < most_kept_paths) kept_paths_.push_back(paths);
+  return paths;
+}
+
+void GeodesicSprings::find_mollified(FoundPaths& found, const Execution& execution) const {
   surface::GeodesicOptions options;
   options.derivatives = 2;
   options.mollifier = options_.mollifier_length;
-  std::vector<surface::Geodesic> geodesics(pairs.size());
-  solver_.pairs(pairs, geodesics, options, execution);
-  found.mollified.resize(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  std::vector<surface::Geodesic> geodesics(pairs_.size());
+  solver_.pairs(pairs_, geodesics, options, execution);
+  found.mollified.assign(pairs_.size(), {});
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
     if (!geodesics[i].derivatives || !geodesics[i].mollified_distance) continue;
     found.mollified[i] = {*geodesics[i].mollified_distance, geodesics[i].derivatives->tangent_gradient,
                           geodesics[i].derivatives->tangent_hessian};
   }
+}
+
+SpringElement GeodesicSprings::element_of(const FoundPaths& found, std::size_t spring, int order) const {
+  const surface::TangentGeodesic& geodesic = found.geodesics[spring];
+  if (geodesic.coincident()) return spring_element_at_zero(springs_[spring], geodesic.turn, spring);
+  if (!found.mollified.empty()) return spring_element(springs_[spring], found.mollified[spring]);
+  return spring_element(springs_[spring], length_derivatives(geodesic, order >= 2));
 }
 
 void GeodesicSprings::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
@@ -104,13 +130,7 @@ void GeodesicSprings::add(const NetworkState& state, int order, numerics::Energy
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const Spring& spring = springs_[i];
     const surface::TangentGeodesic& geodesic = found.geodesics[i];
-    SpringElement element;
-    if (geodesic.coincident())
-      element = spring_element_at_zero(spring, geodesic.turn, i);
-    else if (!found.mollified.empty())
-      element = spring_element(spring, found.mollified[i]);
-    else
-      element = spring_element(spring, length_derivatives(geodesic, order >= 2));
+    SpringElement element = element_of(found, i, order);
     if (order >= 1 && !geodesic.coincident()) {
       const std::array<std::pair<std::size_t, double>, 2> ends = {
           {{static_cast<std::size_t>(spring.from), geodesic.from_angle},
@@ -168,57 +188,96 @@ bool GeodesicSprings::rests_at(const NetworkState& state, std::size_t point, std
   return !arrivals.empty() && surface::steepest_descent(cone, arrivals).slope >= 0;
 }
 
+std::vector<std::size_t> GeodesicSprings::surprised(const NetworkState& current, const NetworkState& whole) const {
+  if (!current.found() || !whole.found() || whole.last_step().size() == 0) return {};
+  std::vector<double> excess(springs_at_.size(), 0);
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const SpringElement before = element_of(*current.found(), i, 2);
+    Eigen::Vector4d step;
+    for (int k = 0; k < 4; ++k) step[k] = whole.last_step()[before.rows[static_cast<std::size_t>(k)]];
+    const double foretold = before.value + before.gradient.dot(step) + 0.5 * step.dot(before.hessian * step);
+    const double more = element_of(*whole.found(), i, 0).value - foretold;
+    for (const std::int32_t end : {springs_[i].from, springs_[i].to}) excess[static_cast<std::size_t>(end)] += more;
+  }
+  const double most = *std::ranges::max_element(excess);
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < excess.size(); ++i)
+    if (!held_[i] && excess[i] > share_of_surprise * most) points.push_back(i);
+  std::ranges::stable_sort(points, std::ranges::greater(), [&](std::size_t i) { return excess[i]; });
+  if (points.size() > most_surprised) points.resize(most_surprised);
+  return points;
+}
+
+void GeodesicSprings::settle(NetworkState& state, const std::vector<std::size_t>& points,
+                             const NetworkState& starts) const {
+  for (const std::size_t i : points) {
+    Network own;
+    own.points.push_back(starts.points()[i]);
+    double stiffness = 0;
+    for (const std::int32_t s : springs_at_[i]) {
+      const Spring& spring = springs_[static_cast<std::size_t>(s)];
+      const auto other = static_cast<std::size_t>(spring.from) == i ? spring.to : spring.from;
+      own.springs.push_back({0, static_cast<std::int32_t>(own.points.size()), spring.rest_length, spring.weight});
+      own.points.push_back(state.points()[static_cast<std::size_t>(other)]);
+      stiffness += 2 * spring.weight;
+    }
+    std::vector<bool> held(own.points.size(), true);
+    held.front() = false;
+    std::vector<bool> held_coordinates(2 * held.size(), true);
+    held_coordinates[0] = held_coordinates[1] = false;
+    numerics::System<NetworkState> system(NetworkState(state.mesh(), own.points),
+                                          {std::make_shared<GeodesicSprings>(solver_, own, held, options_)},
+                                          numerics::Unknowns(held_coordinates));
+    numerics::MinimizerOptions few;
+    few.max_iterations = most_local_iterations;
+    few.gradient_tolerance = local_tolerance * stiffness * state.mesh().mean_edge_length();
+    numerics::minimize(system, few);
+    state.place(i, system.state().points().front());
+  }
+}
+
+std::vector<GeodesicSprings::Kink> GeodesicSprings::kinks_of(std::size_t point, const NetworkState& current,
+                                                             const std::vector<NetworkState>& tried) const {
+  if (current.on_tip(point)) return {};
+  const surface::TriangleMesh& mesh = current.mesh();
+  const Eigen::Vector3d here = surface::position(mesh, current.points()[point]);
+  std::vector<Kink> kinks;
+  const auto look_at_face = [&](FaceId face, double reach) {
+    for (const std::int32_t vertex : mesh.faces()[index(face)]) {
+      const double away = (mesh.positions()[vertex] - here).norm();
+      if (away > reach || std::ranges::find(kinks, vertex, &Kink::id) != kinks.end()) continue;
+      if (!surface::VertexCone(mesh, vertex).bends_paths() || !rests_at(current, point, vertex)) continue;
+      kinks.push_back({current, vertex, away, away <= point_rounding * mesh.mean_edge_length()});
+      kinks.back().state.place(point, surface::vertex_point(mesh, VertexId{vertex}));
+    }
+  };
+  for (const NetworkState& state : tried) {
+    const double way = (surface::position(mesh, state.points()[point]) - here).norm();
+    if (!(way > 0)) continue;
+    look_at_face(state.points()[point].face, reach_of_kinks * way);
+    look_at_face(current.points()[point].face, reach_of_kinks * way);
+  }
+  return kinks;
+}
+
 std::vector<GeodesicSprings::Kink> GeodesicSprings::kinks(const NetworkState& current,
                                                           const std::vector<NetworkState>& tried,
                                                           double /*reach*/) const {
-  const surface::TriangleMesh& mesh = current.mesh();
-  struct Rest {
-    std::size_t point;
-    std::int32_t vertex;
-    double away;
-  };
-  std::vector<Rest> rests;
-  for (std::size_t i = 0; i < current.points().size(); ++i) {
-    if (held_[i] || current.on_tip(i) || springs_at_[i].empty()) continue;
-    const Eigen::Vector3d here = surface::position(mesh, current.points()[i]);
-    std::vector<std::int32_t> asked;
-    std::optional<Rest> nearest;
-    const auto look_at_face = [&](FaceId face, double reach) {
-      for (const std::int32_t vertex : mesh.faces()[index(face)]) {
-        const double away = (mesh.positions()[vertex] - here).norm();
-        if (away > reach || (nearest && away >= nearest->away) || std::ranges::find(asked, vertex) != asked.end())
-          continue;
-        asked.push_back(vertex);
-        if (!surface::VertexCone(mesh, vertex).bends_paths() || !rests_at(current, i, vertex)) continue;
-        nearest = Rest{i, vertex, away};
-      }
-    };
-    for (const NetworkState& state : tried) {
-      const double way = (surface::position(mesh, state.points()[i]) - here).norm();
-      if (!(way > 0)) continue;
-      look_at_face(state.points()[i].face, reach_of_kinks * way);
-      look_at_face(current.points()[i].face, reach_of_kinks * way);
-    }
-    if (nearest) rests.push_back(*nearest);
-  }
-  if (rests.empty()) return {};
-  std::ranges::stable_sort(rests, {}, &Rest::away);
+  if (tried.empty()) return {};
+  if (free_.size() == 1) return kinks_of(free_.front(), current, tried);
+  // After so many trials the way down is no longer blocked by a few points.
+  if (tried.size() > most_trials) return {};
+  const NetworkState& whole = tried.front();
+  const std::vector<std::size_t> points = surprised(current, whole);
+  if (points.empty()) return {};
+  const auto trials = static_cast<std::int64_t>(tried.size());
   std::vector<Kink> kinks;
-  const auto offer = [&](std::span<const Rest> chosen) {
-    Kink kink{current, 0, 0, true};
-    std::uint64_t id = 0;
-    for (const Rest& rest : chosen) {
-      kink.state.place(rest.point, surface::vertex_point(mesh, VertexId{rest.vertex}));
-      kink.distance = std::hypot(kink.distance, rest.away);
-      kink.same_place = kink.same_place && rest.away <= point_rounding * mesh.mean_edge_length();
-      id = id * 0x9e3779b97f4a7c15ULL + rest.point * 0x100000001b3ULL + static_cast<std::uint64_t>(rest.vertex) + 1;
-    }
-    kink.id = static_cast<std::int64_t>(id);
-    kinks.push_back(std::move(kink));
-  };
-  offer(rests);
-  if (rests.size() > 1)
-    for (std::size_t i = 0; i < std::min(rests.size(), most_single_kinks); ++i) offer({&rests[i], 1});
+  kinks.push_back({whole, 2 * trials, whole.last_step().norm(), false});
+  settle(kinks.back().state, points, tried.back());
+  // Where these points and the others do not suit each other yet, the last trial with these points settled is better
+  // than the trial.
+  kinks.push_back({tried.back(), 2 * trials + 1, tried.back().last_step().norm(), false});
+  settle(kinks.back().state, points, tried.back());
   return kinks;
 }
 

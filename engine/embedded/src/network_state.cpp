@@ -34,6 +34,7 @@ void NetworkState::place(std::size_t point, const surface::SurfacePoint& at) {
 Eigen::VectorXd NetworkState::move(const Eigen::VectorXd& step) {
   Eigen::VectorXd travelled = Eigen::VectorXd::Zero(dimension());
   found_.reset();
+  last_step_ = step;
   const auto move_point = [&](std::size_t i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
     turns_[i] = 0;

@@ -40,6 +40,9 @@ class NetworkState {
   /// The same with one point elsewhere.
   void place(std::size_t point, const surface::SurfacePoint& at);
 
+  /// The last move as it was asked for; empty before.
+  const Eigen::VectorXd& last_step() const { return last_step_; }
+
   /// Null before they are found.
   const FoundPaths* found() const { return found_.get(); }
   const std::shared_ptr<const FoundPaths>& shared_found() const { return found_; }
@@ -58,6 +61,7 @@ class NetworkState {
   const surface::TriangleMesh* mesh_;
   std::vector<surface::SurfacePoint> points_;
   std::vector<std::uint8_t> on_tip_;
+  Eigen::VectorXd last_step_;
   std::vector<double> turns_;  ///< of each point's coordinates along the last move
   std::shared_ptr<const FoundPaths> found_;
 };

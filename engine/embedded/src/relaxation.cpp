@@ -135,7 +135,8 @@ class RelaxationRun {
     if (options_.spring_length == SpringLength::euclidean) return std::make_shared<EuclideanSprings>(network_);
     return std::make_shared<GeodesicSprings>(
         solver_, network_, holds_.held,
-        GeodesicSpringsOptions{keeps_strips(), mollified ? options_.mollifier_length : 0});
+        GeodesicSpringsOptions{.kept_strips = keeps_strips(),
+                               .mollifier_length = mollified ? options_.mollifier_length : 0});
   }
 
   numerics::MinimizerStop minimize(bool mollified) {

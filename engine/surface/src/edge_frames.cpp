@@ -13,6 +13,10 @@ constexpr double kSaddleTolerance = 1e-12;
 
 }  // namespace
 
+bool bends_paths(const TriangleMesh& mesh, std::int32_t v) {
+  return mesh.is_boundary(v) || mesh.vertex_angle(v) > 2 * std::numbers::pi + kSaddleTolerance;
+}
+
 SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::move(mesh_in)) {
   const TriangleMesh& m = *mesh;
   frames.resize(static_cast<std::size_t>(m.halfedge_count()));
@@ -51,7 +55,7 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::
       h = m.rotate(h);
       if (h == first) break;
     }
-    pins_paths[v] = m.is_boundary(v) || m.vertex_angle(v) > 2 * std::numbers::pi + kSaddleTolerance;
+    pins_paths[v] = bends_paths(m, v);
   }
   first_corner.push_back(static_cast<std::int32_t>(corners.size()));
 }

@@ -11,6 +11,9 @@
 
 namespace supple::surface {
 
+/// Whether a vertex can bend a shortest path: a saddle vertex or one of the boundary.
+bool bends_paths(const TriangleMesh& mesh, std::int32_t v);
+
 /// What window propagation reads of one halfedge h: its face laid into the plane with the tail at the origin, the head
 /// on the positive x axis and the apex above, and where windows go from here. One cache line.
 struct EdgeFrame {
@@ -47,7 +50,7 @@ inline constexpr double kShortSide = 1e-4;
 struct SearchMesh {
   explicit SearchMesh(std::shared_ptr<const TriangleMesh> mesh);
 
-  /// A vertex that can bend a shortest path: a saddle vertex or one of the boundary.
+  /// bends_paths, looked up.
   bool pins(std::int32_t vertex) const { return pins_paths[vertex] != 0; }
 
   /// Radians that the angle around a vertex is stretched to where points around it are images in the plane: half a turn

@@ -2,10 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "halfedge_frame.h"
+#include "path_strip.h"
 #include "planar_cross.h"
 
 namespace supple::surface {
@@ -16,38 +16,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Frame = Eigen::Matrix<double, 3, 2>;
-
-/// Faces that hold a point: one, two or a vertex's fan, as halfedges of the face (the point's side or corner).
-std::vector<std::int32_t> faces_around(const TriangleMesh& mesh, const SurfacePoint& point) {
-  const std::int32_t first = 3 * index(point.face);
-  if (const int corner = corner_of(point); corner >= 0) {
-    std::vector<std::int32_t> corners;
-    const std::int32_t start = mesh.outgoing(mesh.tail(first + corner));
-    std::int32_t h = start;
-    do {
-      corners.push_back(h);
-      h = mesh.rotate(h);
-    } while (h >= 0 && h != start);
-    return corners;
-  }
-  if (const int side = side_of(point); side >= 0) {
-    const std::int32_t twin = mesh.twin(first + side);
-    return twin >= 0 ? std::vector{first + side, twin} : std::vector{first + side};
-  }
-  return {first};
-}
-
-/// The halfedge at `a` (as in faces_around) of a face that holds both points; a's own face if it does, -1 if none does.
-std::int32_t common_face(const TriangleMesh& mesh, const SurfacePoint& a, const SurfacePoint& b) {
-  std::int32_t found = -1;
-  for (const std::int32_t h : faces_around(mesh, a)) {
-    for (const std::int32_t k : faces_around(mesh, b)) {
-      if (TriangleMesh::face_of(h) != TriangleMesh::face_of(k)) continue;
-      if (found < 0 || TriangleMesh::face_of(h) == index(a.face)) found = h;
-    }
-  }
-  return found;
-}
 
 /// The tangent frame of the point's face, unfolded into the face of `h`, one of faces_around(point).
 Frame unfolded_frame(const TriangleMesh& mesh, const SurfacePoint& point, std::int32_t h) {
@@ -79,9 +47,6 @@ Frame unfolded_frame(const TriangleMesh& mesh, const SurfacePoint& point, std::i
   back << std::cos(turn), std::sin(turn), -std::sin(turn), std::cos(turn);
   return there * back;
 }
-
-/// Whether the path crosses an edge there, and not a vertex.
-bool crosses_edge(const PathPoint& point) { return point.vertex == VertexId::none && side_of(point.point) >= 0; }
 
 /// A point of the path as a function of one crossing parameter; vertices and ends do not move with any.
 struct Node {
@@ -121,55 +86,31 @@ struct StraightPart {
 /// The part of the path between its points `first` and `last`, with crossings alone between.
 StraightPart laid_out(const TriangleMesh& mesh, const std::vector<PathPoint>& path, std::size_t first,
                       std::size_t last) {
-  const auto& positions = mesh.positions();
   StraightPart part;
   const std::int32_t entered = common_face(mesh, path[first].point, path[first + 1].point);
-  std::int32_t h = entered >= 0 ? entered : 3 * index(path[first].point.face);
-  Eigen::Matrix<double, 2, 3> into_plane = halfedge_frame(mesh, h).transpose();
-  Vector3d at = positions[mesh.tail(h)];
-  Vector2d at_in_plane = Vector2d::Zero();
-  const auto in_plane = [&](const Vector3d& p) { return Vector2d(at_in_plane + into_plane * (p - at)); };
-  // The edges of one vertex get one place for it: crossings next to it are told apart by their offsets.
-  std::array<std::int32_t, 2> known_vertices{-1, -1};
-  std::array<Vector2d, 2> known_places;
-  const auto place_of = [&](std::int32_t vertex) {
-    for (int i = 0; i < 2; ++i) {
-      if (known_vertices[i] == vertex) return known_places[i];
-    }
-    return in_plane(positions[vertex]);
-  };
-  part.begin = in_plane(path[first].position);
-  if (first == 0) part.begin_moves.leftCols<2>() = into_plane * unfolded_frame(mesh, path[first].point, h);
+  UnrolledStrip strip(mesh, entered >= 0 ? entered : 3 * index(path[first].point.face));
+  part.begin = strip.place(path[first].position);
+  if (first == 0)
+    part.begin_moves.leftCols<2>() = strip.into_plane() * unfolded_frame(mesh, path[first].point, strip.halfedge());
   for (std::size_t k = first + 1; k < last; ++k) {
     const int side = side_of(path[k].point);
     std::int32_t over = 3 * index(path[k].point.face) + side;
     double t = path[k].point.barycentric[(side + 1) % 3];
-    if (TriangleMesh::face_of(over) != TriangleMesh::face_of(h)) {
+    if (TriangleMesh::face_of(over) != TriangleMesh::face_of(strip.halfedge())) {
       over = mesh.twin(over);
       t = 1 - t;
     }
-    const Vector2d tail = place_of(mesh.tail(over));
-    const Vector2d head = place_of(mesh.head(over));
-    known_vertices = {mesh.tail(over), mesh.head(over)};
-    known_places = {tail, head};
-    part.crossings.push_back({tail, head, t});
-    h = mesh.twin(over);
-    // The twin runs the other way, and its face lies on the other side.
-    const Vector2d along = (tail - head).normalized();
-    Matrix2d axes;
-    axes << along.x(), -along.y(), along.y(), along.x();
-    into_plane = axes * halfedge_frame(mesh, h).transpose();
-    at = positions[mesh.tail(h)];
-    at_in_plane = head;
+    const UnrolledStrip::Edge edge = strip.cross(over);
+    part.crossings.push_back({edge.tail, edge.head, t});
   }
-  part.end = in_plane(path[last].position);
+  part.end = strip.place(path[last].position);
   if (last + 1 == path.size()) {
     std::int32_t seen = common_face(mesh, path[last].point, path[last - 1].point);
     for (const std::int32_t k : faces_around(mesh, path[last].point)) {
-      if (TriangleMesh::face_of(k) == TriangleMesh::face_of(h)) seen = k;
+      if (TriangleMesh::face_of(k) == TriangleMesh::face_of(strip.halfedge())) seen = k;
     }
-    part.end_moves.rightCols<2>() = into_plane * (seen >= 0 ? unfolded_frame(mesh, path[last].point, seen)
-                                                            : tangent_frame(mesh, path[last].point.face));
+    part.end_moves.rightCols<2>() = strip.into_plane() * (seen >= 0 ? unfolded_frame(mesh, path[last].point, seen)
+                                                                    : tangent_frame(mesh, path[last].point.face));
   }
   return part;
 }

@@ -28,21 +28,6 @@ void check_sizes(std::size_t vertices, std::size_t faces) {
   }
 }
 
-void check_coordinates(const std::vector<Eigen::Vector3d>& positions) {
-  FaultList faults;
-  for (std::size_t v = 0; v < positions.size(); ++v) {
-    const bool valid = positions[v].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_coordinate;
-    if (valid) continue;
-    faults.add([&]() -> Error::Detail {
-      return {name_of_vertex(static_cast<std::int32_t>(v)), positions[v].allFinite()
-                                                                ? "has a coordinate of magnitude above 1e70"
-                                                                : "has a coordinate that is not a finite number"};
-    });
-  }
-  faults.throw_if_any("mesh.non_finite", "vertex has a coordinate that is not finite or too large",
-                      "vertices have a coordinate that is not finite or too large");
-}
-
 void check_indices(std::int64_t vertices, const std::vector<Triangle>& faces) {
   FaultList faults;
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -84,6 +69,21 @@ std::string name_of_vertex(std::int32_t v) { return "vertex " + std::to_string(v
 std::string name_of_face(std::int64_t f) { return "face " + std::to_string(f); }
 std::string name_of_edge(std::int32_t a, std::int32_t b) {
   return "edge " + std::to_string(std::min(a, b)) + " " + std::to_string(std::max(a, b));
+}
+
+void check_coordinates(const std::vector<Eigen::Vector3d>& positions) {
+  FaultList faults;
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const bool valid = positions[v].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_coordinate;
+    if (valid) continue;
+    faults.add([&]() -> Error::Detail {
+      return {name_of_vertex(static_cast<std::int32_t>(v)), positions[v].allFinite()
+                                                                ? "has a coordinate of magnitude above 1e70"
+                                                                : "has a coordinate that is not a finite number"};
+    });
+  }
+  faults.throw_if_any("mesh.non_finite", "vertex has a coordinate that is not finite or too large",
+                      "vertices have a coordinate that is not finite or too large");
 }
 
 void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {

@@ -42,6 +42,8 @@ std::string name_of_edge(std::int32_t a, std::int32_t b);
 
 /// Throws "mesh.empty", "mesh.too_large", "mesh.non_finite", "mesh.index_out_of_range". O(n).
 void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
+/// Throws "mesh.non_finite". O(n).
+void check_coordinates(const std::vector<Eigen::Vector3d>& positions);
 /// Whether a face repeats a vertex or has no area in double precision; its vertices exist.
 bool is_degenerate(const std::vector<Eigen::Vector3d>& positions, const Triangle& face);
 /// Throws "mesh.degenerate_face". O(n).

@@ -33,7 +33,7 @@ double least_detour(const Vector3d& p, const Vector3d& q, const Vector3d& tail, 
   const double off = off_p + off_q;
   const double x = off > 0 ? std::clamp(at_p + (at_q - at_p) * (off_p / off), 0.0, length)
                            : std::clamp(0.5 * (at_p + at_q), 0.0, length);
-  return std::hypot(at_p - x, off_p) + std::hypot(at_q - x, off_q);
+  return Vector2d(at_p - x, off_p).norm() + Vector2d(at_q - x, off_q).norm();
 }
 
 /// Asks of one side after the other whether a path across it could be as short as `length`.

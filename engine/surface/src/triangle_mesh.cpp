@@ -7,6 +7,7 @@
 #include "equal_points.h"
 #include "mesh_connectivity.h"
 #include "mesh_faults.h"
+#include "supple/base/error.h"
 #include "triangle_area.h"
 
 namespace supple::surface {
@@ -34,7 +35,6 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
   mesh.faces_ = std::move(faces);
   mesh.warnings_ = std::move(warnings);
   const std::int32_t vertices = mesh.vertex_count();
-  const std::int32_t halfedges = mesh.halfedge_count();
 
   mesh.twins_ = pair_halfedges(vertices, mesh.faces_);
   Orientation orientation = orient_faces(mesh.faces_, mesh.twins_);
@@ -42,44 +42,16 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
   mesh.component_count_ = orientation.component_count;
   mesh.outgoing_ = find_fans(vertices, mesh.faces_, mesh.twins_);
 
-  // The checks bound coordinates and areas, so that no square below overflows or underflows.
-  mesh.lengths_.resize(halfedges);
-  mesh.angles_.resize(halfedges);
-  double length_sum = 0;
-  std::int64_t edges = 0;
-  for (std::int32_t h = 0; h < halfedges; ++h) {
-    const Eigen::Vector3d& at = mesh.positions_[mesh.tail(h)];
-    const Eigen::Vector3d& ahead = mesh.positions_[mesh.head(h)];
-    const Eigen::Vector3d& apex = mesh.positions_[mesh.tail(previous(h))];
-    mesh.lengths_[h] = (ahead - at).norm();
-    mesh.angles_[h] = std::atan2(doubled_area(at, ahead, apex).norm(), (ahead - at).dot(apex - at));
-    if (mesh.twins_[h] < h) {
-      length_sum += mesh.lengths_[h];
-      ++edges;
-    }
-  }
-  mesh.mean_edge_length_ = length_sum / static_cast<double>(edges);
-
   mesh.boundary_.assign(vertices, 0);
-  mesh.vertex_angles_.assign(vertices, 0);
   std::int64_t unused = 0;
-  Eigen::Vector3d lower = mesh.positions_[mesh.tail(0)], upper = lower;
   for (std::int32_t v = 0; v < vertices; ++v) {
     const std::int32_t first = mesh.outgoing_[v];
-    if (first < 0) {
+    if (first < 0)
       ++unused;
-      continue;
-    }
-    mesh.boundary_[v] = mesh.twins_[first] < 0;
-    std::int32_t h = first;
-    do {
-      mesh.vertex_angles_[v] += mesh.angles_[h];
-      h = mesh.rotate(h);
-    } while (h >= 0 && h != first);
-    lower = lower.cwiseMin(mesh.positions_[v]);
-    upper = upper.cwiseMax(mesh.positions_[v]);
+    else
+      mesh.boundary_[v] = mesh.twins_[first] < 0;
   }
-  mesh.diagonal_ = (upper - lower).norm();
+  mesh.measure();
 
   if (orientation.turned_faces > 0) {
     mesh.warnings_.push_back(counted(orientation.turned_faces, "face was", "faces were") +
@@ -91,6 +63,62 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
                              " the coordinates of an earlier one; the surface is not joined there.");
   }
   return mesh;
+}
+
+TriangleMesh TriangleMesh::with_positions(std::vector<Eigen::Vector3d> positions) const {
+  if (positions.size() != positions_.size()) {
+    throw Error("mesh.index_out_of_range", "The mesh cannot take another number of vertices.",
+                {{"vertices",
+                  "are " + std::to_string(positions.size()) + "; the mesh has " + std::to_string(positions_.size())}});
+  }
+  check_coordinates(positions);
+  check_areas(positions, faces_);
+  TriangleMesh mesh;
+  mesh.positions_ = std::move(positions);
+  mesh.faces_ = faces_;
+  mesh.twins_ = twins_;
+  mesh.outgoing_ = outgoing_;
+  mesh.boundary_ = boundary_;
+  mesh.components_ = components_;
+  mesh.component_count_ = component_count_;
+  if (!faces_.empty()) mesh.measure();
+  return mesh;
+}
+
+void TriangleMesh::measure() {
+  const std::int32_t halfedges = halfedge_count();
+  // The checks bound coordinates and areas, so that no square below overflows or underflows.
+  lengths_.resize(halfedges);
+  angles_.resize(halfedges);
+  double length_sum = 0;
+  std::int64_t edges = 0;
+  for (std::int32_t h = 0; h < halfedges; ++h) {
+    const Eigen::Vector3d& at = positions_[tail(h)];
+    const Eigen::Vector3d& ahead = positions_[head(h)];
+    const Eigen::Vector3d& apex = positions_[tail(previous(h))];
+    lengths_[h] = (ahead - at).norm();
+    angles_[h] = std::atan2(doubled_area(at, ahead, apex).norm(), (ahead - at).dot(apex - at));
+    if (twins_[h] < h) {
+      length_sum += lengths_[h];
+      ++edges;
+    }
+  }
+  mean_edge_length_ = length_sum / static_cast<double>(edges);
+
+  vertex_angles_.assign(positions_.size(), 0);
+  Eigen::Vector3d lower = positions_[tail(0)], upper = lower;
+  for (std::int32_t v = 0; v < vertex_count(); ++v) {
+    const std::int32_t first = outgoing_[v];
+    if (first < 0) continue;
+    std::int32_t h = first;
+    do {
+      vertex_angles_[v] += angles_[h];
+      h = rotate(h);
+    } while (h >= 0 && h != first);
+    lower = lower.cwiseMin(positions_[v]);
+    upper = upper.cwiseMax(positions_[v]);
+  }
+  diagonal_ = (upper - lower).norm();
 }
 
 }  // namespace supple::surface

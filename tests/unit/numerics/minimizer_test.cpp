@@ -95,6 +95,20 @@ TEST(Minimizer, ValuesNeverRise) {
   }
 }
 
+TEST(Minimizer, TellsOfEveryStateWhenItIsTheCurrentOne) {
+  VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  MinimizerOptions options = with_method(MinimizerMethod::newton);
+  std::vector<double> told;
+  options.after_step = [&](const MinimizerStep& step) {
+    told.push_back(step.value);
+    const Eigen::VectorXd& x = system.state().x;
+    EXPECT_NEAR(step.value, 100 * std::pow(x[1] - x[0] * x[0], 2) + std::pow(1 - x[0], 2), 1e-12 * step.value);
+  };
+  const MinimizerResult result = minimize(system, options);
+  ASSERT_EQ(told.size(), result.history.size());
+  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i], result.history[i].value);
+}
+
 TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {
   VectorSystem system = system_of<DoubleWell>(Eigen::Vector2d(0.01, 1));
   const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));

@@ -185,6 +185,7 @@ class Bend : public Term<CircleState> {
                           double reach) const override {
     ++asked;
     seen = tried.size();
+    for (const CircleState& state : tried) seen_angles.push_back(state.angle);
     seen_reach = reach;
     std::vector<Kink> kinks;
     for (const double at : {0.3, 1.0, 5.0})
@@ -193,6 +194,7 @@ class Bend : public Term<CircleState> {
   }
   mutable int asked = 0;
   mutable std::size_t seen = 0;
+  mutable std::vector<double> seen_angles;
   mutable double seen_reach = 0;
 };
 
@@ -239,6 +241,7 @@ TEST(System, SnapsToTheLowestKinkThatATermKnowsOfAndTriesEachOnce) {
   EXPECT_EQ(*distance, 1);
   EXPECT_EQ(bend->seen, 2U);
   EXPECT_EQ(bend->seen_reach, 0.5);
+  EXPECT_EQ(bend->seen_angles, (std::vector<double>{0.5, 0.2})) << "in the order of the trials";
   EXPECT_EQ(system.evaluate(0).value, 0);
   system.reject();
   EXPECT_FALSE(system.snap()) << "all of them were tried from this state";

@@ -252,5 +252,76 @@ TEST(MeshBuild, FindsTheFanOfAVertexWithManyFaces) {
   EXPECT_EQ(faces, 5000);
 }
 
+/// A bent and stretched copy of the positions.
+std::vector<Eigen::Vector3d> bent(std::vector<Eigen::Vector3d> positions) {
+  for (Eigen::Vector3d& p : positions)
+    p = {1.3 * p.x(), p.y() + 0.2 * p.x() * p.x(), p.z() + 0.1 * std::sin(3 * p.y())};
+  return positions;
+}
+
+TEST(MeshWithPositions, EqualsTheMeshThatIsBuiltFromThem) {
+  std::vector<TriangleMesh> meshes = {tetrahedron(),       testing::torus(),
+                                      testing::saddle(5),  testing::two_components(),
+                                      testing::l_shape(2), testing::slit_annulus()};
+  // With a face that had to be turned and a vertex that no face uses.
+  meshes.push_back(
+      TriangleMesh::build({{0, 0, 0}, {1, 0, 0}, {9, 9, 9}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 3}, {0, 4, 3}}));
+  for (const TriangleMesh& mesh : meshes) {
+    const std::vector<Eigen::Vector3d> positions = bent(mesh.positions());
+    const TriangleMesh moved = mesh.with_positions(positions);
+    const TriangleMesh built = TriangleMesh::build(positions, mesh.faces());
+    ASSERT_EQ(moved.positions(), built.positions());
+    ASSERT_EQ(moved.faces(), built.faces());
+    for (std::int32_t h = 0; h < built.halfedge_count(); ++h) {
+      ASSERT_EQ(moved.twin(h), built.twin(h));
+      ASSERT_EQ(moved.edge_length(h), built.edge_length(h));
+      ASSERT_EQ(moved.corner_angle(h), built.corner_angle(h));
+    }
+    for (std::int32_t v = 0; v < built.vertex_count(); ++v) {
+      ASSERT_EQ(moved.outgoing(v), built.outgoing(v));
+      ASSERT_EQ(moved.is_boundary(v), built.is_boundary(v));
+      ASSERT_EQ(moved.vertex_angle(v), built.vertex_angle(v));
+    }
+    for (std::int32_t f = 0; f < built.face_count(); ++f) ASSERT_EQ(moved.component(f), built.component(f));
+    EXPECT_EQ(moved.component_count(), built.component_count());
+    EXPECT_EQ(moved.mean_edge_length(), built.mean_edge_length());
+    EXPECT_EQ(moved.diagonal(), built.diagonal());
+    EXPECT_TRUE(moved.warnings().empty());
+  }
+}
+
+TEST(MeshWithPositions, RefusesWhatBuildRefuses) {
+  const TriangleMesh mesh = testing::torus(6, 4);
+  const auto both = [&](const std::string& code, const std::vector<Eigen::Vector3d>& positions) {
+    const Error moved = expect_error(code, [&] { mesh.with_positions(positions); });
+    const Error built = expect_error(code, [&] { TriangleMesh::build(positions, mesh.faces()); });
+    EXPECT_EQ(places(moved), places(built));
+    EXPECT_STREQ(moved.what(), built.what());
+    return moved;
+  };
+  std::vector<Eigen::Vector3d> positions = mesh.positions();
+  positions[3].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(places(both("mesh.non_finite", positions)), Places{"vertex 3"});
+  positions[3].y() = 1e71;
+  EXPECT_EQ(places(both("mesh.non_finite", positions)), Places{"vertex 3"});
+  positions = mesh.positions();
+  const Triangle& face = mesh.faces()[7];
+  positions[face[0]] = positions[face[1]];
+  EXPECT_GE(places(both("mesh.degenerate_face", positions)).size(), 1u);
+  positions.assign(mesh.vertex_count(), Eigen::Vector3d::Zero());
+  EXPECT_EQ(places(both("mesh.degenerate_face", positions)).size(), 20u);
+}
+
+TEST(MeshWithPositions, RefusesAnotherNumberOfPositions) {
+  const TriangleMesh mesh = tetrahedron();
+  for (const int change : {-1, 1}) {
+    std::vector<Eigen::Vector3d> positions = mesh.positions();
+    positions.resize(positions.size() + change, Eigen::Vector3d::Ones());
+    EXPECT_EQ(places(expect_error("mesh.index_out_of_range", [&] { mesh.with_positions(positions); })),
+              Places{"vertices"});
+  }
+  EXPECT_EQ(TriangleMesh().with_positions({}).face_count(), 0);
+}
+
 }  // namespace
 }  // namespace supple::surface

@@ -110,10 +110,7 @@ class System : public Objective {
         travelled = unknowns_.restrict(trial_->move(unknowns_.expand(travelled)));
       }
     }
-    if (keeps_tried_) {
-      tried_.push_back(*trial_);
-      reach_ = std::max(reach_, travelled.norm());
-    }
+    if (keeps_tried_) reach_ = std::max(reach_, travelled.norm());
     return travelled;
   }
 
@@ -126,6 +123,8 @@ class System : public Objective {
   }
 
   void reject() override {
+    // With what was worked out for it.
+    if (keeps_tried_ && trial_) tried_.push_back(std::move(*trial_));
     trial_.reset();
     forget();
   }
@@ -150,6 +149,7 @@ class System : public Objective {
     if (!keeps_tried_) return std::nullopt;
     double best = trial_ ? std::min(value_, trial_value_) : value_;
     std::optional<S> found;
+    if (trial_) tried_.push_back(*trial_);
     std::optional<S> before = std::exchange(trial_, std::nullopt);
     double distance = 0;
     for (const auto& term : terms_) {

@@ -73,14 +73,16 @@ class Term {
   /// share of it, in [0, 1], that may be taken.
   virtual double look_ahead(const S& /*from*/, const S& /*to*/, CostLedger* /*cost*/) { return 1; }
 
-  /// A state where the term has a kink that may hold a minimum, as a line search cannot find it.
+  /// A state that a line search cannot find: where the term has a kink that may hold a minimum, or where only the parts
+  /// of the state that stand before a kink have moved less than the others.
   struct Kink {
     S state;
     std::int64_t id = 0;      ///< the same for the same kink
     double distance = 0;      ///< from the current state
     bool same_place = false;  ///< rounding alone keeps the current state from it
   };
-  /// Kinks near the current state and the trial states since it became that, no farther than `reach` from it.
+  /// Kinks near the current state and the trial states since it became that, in the order of the trials, no farther than
+  /// `reach` from it.
   virtual std::vector<Kink> kinks(const S& /*current*/, const std::vector<S>& /*tried*/, double /*reach*/) const {
     return {};
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "supple/surface/geodesic.h"
@@ -35,6 +37,35 @@ PathLength path_length(const TriangleMesh& mesh, const std::vector<PathPoint>& p
 /// counts here: the motion of the crossings with the ends, to second order. Between vertices the path is straight in
 /// unfolded faces, which gives t and its derivatives in closed form. O(points).
 PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon);
+
+/// A shortest path's length and its derivatives by its ends and by the vertices of the surface that carries it.
+///
+/// The variables are the three barycentric coordinates of the first end and the three of the second, as in
+/// GeodesicDerivatives, then x, y and z of each of `vertices`. The ends are material: their barycentric coordinates
+/// stay what they are while vertices move, c = sum of w_i v_i. Only variations of barycentric coordinates that sum to
+/// zero at either end stay on the surface; for them, and for all motions of vertices, these are the derivatives.
+/// Units: mesh units per barycentric coordinate, 1 for vertices, and their quotients.
+struct HostDerivatives {
+  double length = 0;                   ///< mesh units
+  std::vector<std::int32_t> vertices;  ///< of every face that the path passes, ascending, each once
+  Eigen::VectorXd gradient;            ///< 6 + 3 vertices
+  Eigen::MatrixXd hessian;             ///< square of that size, symmetric; empty for order 1
+};
+
+/// First and, for `order` 2, second derivatives of a shortest path's length on a surface whose vertices move: thesis
+/// eq. 3.21 and appendix A.1 to A.19. `path` as for path_length, in full; a path of length zero has no derivatives,
+/// and gets ones of zero.
+///
+/// Vertices that bend the path (saddle and boundary vertices) stay on it as they move. Where it runs straight through
+/// another vertex, these are the derivatives on one side of it, and where an end lies on an edge or a vertex, those
+/// into the face that the end names.
+///
+/// The crossings' parameters t are eliminated through their symmetric tridiagonal system (eq. A.13 to A.17) in closed
+/// form: in unfolded faces the motions of the crossings across the path are those of beads on a taut string, whose
+/// compliance between arc lengths p <= q of L is p (L - q) / L. Unlike the system itself this stays well conditioned
+/// where segments are short or edges nearly parallel to the path. With m segments: O(m) for the gradient, O(m^2) for
+/// the Hessian, the size of what is returned.
+HostDerivatives host_derivatives(const TriangleMesh& mesh, const std::vector<PathPoint>& path, int order = 2);
 
 /// Fills the barycentric derivatives from the tangent ones.
 void express_in_barycentrics(const TriangleMesh& mesh, const SurfacePoint& from, const SurfacePoint& to,

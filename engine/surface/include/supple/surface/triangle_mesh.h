@@ -36,6 +36,15 @@ class TriangleMesh {
   static TriangleMesh build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces,
                             std::vector<std::string> warnings = {});
 
+  /// The same surface with its vertices moved: faces, twins, fans and components are copied, lengths and angles are
+  /// those of the new positions. O(n), without the sorting and the walks of `build`: for surfaces that deform step by
+  /// step. Everything but `warnings` equals build(positions, faces()); the warnings are empty, because those of this
+  /// mesh are about its connectivity, and vertices that come to coincide are not looked for.
+  ///
+  /// Throws what `build` throws for positions: "mesh.non_finite" and "mesh.degenerate_face", with the same details; and
+  /// "mesh.index_out_of_range" (detail "vertices") for another number of positions than vertex_count().
+  TriangleMesh with_positions(std::vector<Eigen::Vector3d> positions) const;
+
   std::int32_t vertex_count() const { return static_cast<std::int32_t>(positions_.size()); }
   std::int32_t face_count() const { return static_cast<std::int32_t>(faces_.size()); }
   std::int32_t halfedge_count() const { return 3 * face_count(); }
@@ -72,6 +81,9 @@ class TriangleMesh {
   double diagonal() const { return diagonal_; }
 
  private:
+  /// Fills lengths, angles and extent from positions and connectivity.
+  void measure();
+
   std::vector<Eigen::Vector3d> positions_;
   std::vector<Triangle> faces_;
   std::vector<std::int32_t> twins_;
