@@ -90,6 +90,8 @@ describe("the mesh page with a network on a small screen", () => {
     await page.getByRole("radio", { name: "Network", exact: true }).check();
     await page.getByRole("button", { name: "Relax", exact: true }).click();
     await page.locator(".relaxation .stop", { hasText: "at rest" }).waitFor();
+    const { y, height } = await page.locator(".viewer canvas").boundingBox();
+    assert.ok(y < 740 && y + height > 0, `the network is in sight while it relaxes, not at ${y}`);
     assert.deepEqual(await violations(page), []);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
     await picture(page, "network-small");

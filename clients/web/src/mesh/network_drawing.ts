@@ -24,7 +24,9 @@ const NEARER = { straight: 1200, exact: 300 };
 const SMALLEST_STEP = 2 ** -23;
 /** How much nearer dots come than lines. */
 const DOTS_NEARER = 1.3;
-const FEW_POINTS = 400;
+/** Networks of more points have smaller dots. */
+const FEW_POINTS = 60;
+const MANY_POINTS = 400;
 
 const vertexShader = /* glsl */ `
   attribute vec3 colour;
@@ -79,10 +81,10 @@ export class NetworkDrawing {
     this.dotMaterial.uniforms.nearer.value = DOTS_NEARER * nearer * SMALLEST_STEP;
     this.showLines(picture);
     const dots = this.positions.length;
-    const many = dots > FEW_POINTS;
+    const free = dots > MANY_POINTS ? 5 : dots > FEW_POINTS ? 9 : 12;
     const geometry = new THREE.BufferGeometry();
     const kinds: Record<DotKind, THREE.Color> = { free: colourOf("free"), fixed: colourOf("fixed"), chosen: colourOf("chosen") };
-    const sizes: Record<DotKind, number> = { free: many ? 5 : 9, fixed: 15, chosen: 17 };
+    const sizes: Record<DotKind, number> = { free, fixed: 15, chosen: 17 };
     this.dotMaterial.uniforms.rim.value = colourOf("rim");
     geometry.setAttribute("position", new THREE.Float32BufferAttribute(this.positions.flatMap((place) => [...place]), 3));
     geometry.setAttribute("colour", new THREE.Float32BufferAttribute(this.positions.flatMap((_, k) => kinds[picture?.kinds[k] ?? "free"].toArray()), 3));

@@ -88,6 +88,14 @@ export function meshPage({ client, link }: Surroundings): Page {
     element.classList.toggle("with-network", ofNetwork());
   });
 
+  // On a small screen the view is far from the button that starts it.
+  let isRelaxing = false;
+  network.relaxing.watch((relaxing) => {
+    const now = relaxing !== null && relaxing.answer === null;
+    if (now && !isRelaxing) stage.scrollIntoView({ block: "nearest" });
+    isRelaxing = now;
+  });
+
   // One element for all of the work: a button that is replaced with each word of progress cannot be pressed.
   const doing = h("span");
   const bar = h("progress", { max: 1, "aria-label": "Progress" });
