@@ -335,8 +335,9 @@ def test_events_carry_the_network_on_its_way(api: Api, slow_network: Dict[str, A
     job = start_job(api, NETWORKS, slow_network)
     partial: List[Dict[str, Any]] = []
     for _, document in events(api, job):
-        if "partial" in document:
-            partial.append(document["partial"])
+        if "partial" not in document:
+            continue
+        partial.append(document["partial"])
         if len(partial) == 5:
             assert api.delete(f"/v1/jobs/{job}").json()["state"] == "dismissed"
     assert len(partial) >= 5
