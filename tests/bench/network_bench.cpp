@@ -1,25 +1,62 @@
-// Elastic networks on surfaces: what a step costs, what accuracy costs, and how methods compare. Writes networks.md and
-// CSV files; plot_networks.py draws them.
+// Elastic networks on surfaces: what a step costs, what accuracy costs, and how methods compare. Writes CSV files and,
+// where every study ran, networks.md; plot_networks.py draws them.
 //
-//   network_bench [--short] [--out DIR]      default DIR: docs/bench
+//   network_bench [--short] [--out DIR] [STUDY ...]      default: all studies into docs/bench
 #include "network_bench.h"
 
 #include <filesystem>
+#include <optional>
 
 #include "command_line.h"
 #include "measurement.h"
 #include "supple/base/threads.h"
 
+namespace {
+
+std::string introduction(const supple::bench::NetworkSettings& settings) {
+  std::string text =
+      "This page is generated; how the method works is in [networks](../networks.md). Measured on: " +
+      supple::bench::machine_line() +
+      ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target network_bench\n"
+      "build/bench/tests/bench/network_bench --out docs/bench\n"
+      "tests/bench/plot_networks.py docs/bench\n```\n\n"
+      "*CPU ms* are of the process with one thread, which other programs on the machine disturb little; *wall ms* are "
+      "with two threads, which they disturb much. Both are the best of several runs. A target on two cores is met "
+      "where "
+      "either is below it. *h* is the mean edge length, *D* the diagonal of the "
+      "mesh's "
+      "bounding box, |g| the norm of the energy's gradient by tangent coordinates of the free points.";
+  if (settings.brief) text += "\n\n**A short run on small meshes: it shows that the program works, no more.**";
+  return text;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace supple::bench;
-  supple::set_thread_count(0);
   NetworkSettings settings;
   std::filesystem::path folder = "docs/bench";
-  const auto page = [&] {
-    Report report(folder, "networks", "Elastic networks on surfaces: measured times and convergence");
-    measure_scenes(report, settings);
-    report.write("x");
+  std::optional<Report> report;
+  std::size_t ran = 0;
+  std::vector<Study> studies;
+  const auto add = [&](const char* name, void (*measure)(Report&, const NetworkSettings&)) {
+    studies.push_back({name, [&, measure] {
+                         if (!report)
+                           report.emplace(folder, "networks", "Elastic networks: measured times and convergence");
+                         supple::set_thread_count(0);
+                         measure(*report, settings);
+                         ++ran;
+                       }});
   };
-  return run_program(argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)},
-                     {{"networks", page}});
+  add("steps", measure_steps);
+  add("scenes", measure_scenes);
+  add("methods", measure_methods);
+  add("accuracy", measure_accuracy_of_networks);
+  add("straight", measure_straight_springs);
+  add("mollifier", measure_mollified_networks);
+  add("vertices", draw_kinds_of_vertices);
+  const int status =
+      run_program(argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)}, studies);
+  if (status == 0 && ran == studies.size()) report->write(introduction(settings));
+  return status;
 }
