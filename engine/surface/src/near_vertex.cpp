@@ -20,8 +20,8 @@ Vector2d apex_of(const EdgeFrame& frame) { return {frame.apex_x(), frame.apex_y}
 
 /// A point of a fan: how far from the vertex and at which angles from the two edges of its corner.
 struct FanPoint {
-  FanPoint(const SearchMesh& mesh, std::int32_t corner, const SurfacePoint& point)
-      : corner(corner),
+  FanPoint(const SearchMesh& mesh, std::int32_t at, const SurfacePoint& point)
+      : corner(at),
         head(point.barycentric[(corner + 1) % 3]),
         apex(point.barycentric[(corner + 2) % 3]),
         position(planar_point(mesh.frames[corner], point.barycentric, corner % 3)),

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "supple/problem/problem.h"
 #include "support/expect_error.h"
 
 namespace supple::json {
