@@ -85,7 +85,7 @@ class PoissonDisk {
       // Points are surrounded one after the other, the oldest first: the front spreads over the component.
       for (std::size_t at = first; at < points_.size(); ++at) {
         execution_.cancellation.throw_if_requested();
-        surround(points_[at]);
+        surround(at);
       }
     }
     return std::move(points_);
@@ -97,7 +97,8 @@ class PoissonDisk {
     points_.push_back(point);
   }
 
-  void surround(const SurfacePoint centre) {
+  void surround(std::size_t at) {
+    const SurfacePoint centre = points_[at];  // which moves where points are added
     const auto frame = surface::tangent_frame(solver_.mesh(), centre.face);
     for (int i = 0; i < tries_round_a_point; ++i) {
       const double angle = 2 * std::numbers::pi * random_.uniform();
