@@ -45,7 +45,7 @@ Eigen::Vector2d UnrolledStrip::place_of(std::int32_t vertex) const {
 }
 
 UnrolledStrip::Edge UnrolledStrip::cross(std::int32_t over) {
-  const Edge edge{place_of(mesh_.tail(over)), place_of(mesh_.head(over))};
+  Edge edge{place_of(mesh_.tail(over)), place_of(mesh_.head(over))};
   known_vertices_ = {mesh_.tail(over), mesh_.head(over)};
   known_places_ = {edge.tail, edge.head};
   h_ = mesh_.twin(over);
