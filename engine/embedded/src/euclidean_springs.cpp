@@ -40,10 +40,12 @@ void EuclideanSprings::add(const NetworkState& state, int order, numerics::Energ
     frames[i] = state.on_tip(i) ? Frame(Frame::Zero()) : Frame(surface::tangent_frame(state.mesh(), points[i].face));
   }
   std::vector<Eigen::Vector3d> on_tips(points.size(), Eigen::Vector3d::Zero());
+  std::vector<double> stiffness(points.size(), 0);
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const Spring& spring = springs_[i];
     const auto from = static_cast<std::size_t>(spring.from);
     const auto to = static_cast<std::size_t>(spring.to);
+    for (const std::size_t end : {from, to}) stiffness[end] += 2 * spring.weight;
     const Eigen::Vector3d way = positions[to] - positions[from];
     SpringElement element;
     if (const double length = way.norm(); length > 0 || order < 1) {
@@ -74,11 +76,7 @@ void EuclideanSprings::add(const NetworkState& state, int order, numerics::Energ
     const auto row = 2 * static_cast<Eigen::Index>(i);
     sum.gradient.segment<2>(row) += slope_on_tip(state, i, on_tips[i]);
     if (order < 2) continue;
-    double stiffness = 0;
-    for (const Spring& spring : springs_)
-      if (static_cast<std::size_t>(spring.from) == i || static_cast<std::size_t>(spring.to) == i)
-        stiffness += 2 * spring.weight;
-    for (int k = 0; k < 2; ++k) sum.hessian.add(row + k, row + k, stiffness);
+    for (int k = 0; k < 2; ++k) sum.hessian.add(row + k, row + k, stiffness[i]);
   }
 }
 

@@ -1,7 +1,6 @@
 #include "geodesic_springs.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -122,34 +121,33 @@ SpringElement GeodesicSprings::element_of(const FoundPaths& found, std::size_t s
 
 void GeodesicSprings::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
   const FoundPaths& found = *state.found();
-  std::vector<std::pair<std::size_t, Arrivals>> tips;
-  const auto arrivals_at = [&](std::size_t point) -> Arrivals& {
-    const auto known = std::ranges::find(tips, point, &std::pair<std::size_t, Arrivals>::first);
-    return known != tips.end() ? known->second : tips.emplace_back(point, Arrivals{}).second;
-  };
   for (std::size_t i = 0; i < springs_.size(); ++i) {
-    const Spring& spring = springs_[i];
-    const surface::TangentGeodesic& geodesic = found.geodesics[i];
     SpringElement element = element_of(found, i, order);
-    if (order >= 1 && !geodesic.coincident()) {
-      const std::array<std::pair<std::size_t, double>, 2> ends = {
-          {{static_cast<std::size_t>(spring.from), geodesic.from_angle},
-           {static_cast<std::size_t>(spring.to), geodesic.to_angle}}};
-      for (int end = 0; end < 2; ++end) {
-        const auto& [point, angle] = ends[static_cast<std::size_t>(end)];
-        if (!state.on_tip(point)) continue;
-        take_out(element, end);
-        Arrivals& arrivals = arrivals_at(point);
-        if (std::isfinite(angle)) arrivals.push_back({angle, pull_of(spring, geodesic.distance)});
-      }
+    if (order >= 1 && !found.geodesics[i].coincident()) {
+      if (state.on_tip(static_cast<std::size_t>(springs_[i].from))) take_out(element, 0);
+      if (state.on_tip(static_cast<std::size_t>(springs_[i].to))) take_out(element, 1);
     }
     element.add_to(sum, order);
   }
-  for (const auto& [point, arrivals] : tips) add_on_tip(state, point, arrivals, order, sum);
+  if (order < 1) return;
+  for (const std::size_t point : free_)
+    if (state.on_tip(point)) add_on_tip(state, point, order, sum);
 }
 
-void GeodesicSprings::add_on_tip(const NetworkState& state, std::size_t point, const Arrivals& arrivals, int order,
+void GeodesicSprings::add_on_tip(const NetworkState& state, std::size_t point, int order,
                                  numerics::EnergySum& sum) const {
+  Arrivals arrivals;
+  bool parted = false;
+  for (const std::int32_t i : springs_at_[point]) {
+    const Spring& spring = springs_[static_cast<std::size_t>(i)];
+    const surface::TangentGeodesic& geodesic = state.found()->geodesics[static_cast<std::size_t>(i)];
+    if (geodesic.coincident()) continue;
+    parted = true;
+    const double angle = static_cast<std::size_t>(spring.from) == point ? geodesic.from_angle : geodesic.to_angle;
+    if (std::isfinite(angle)) arrivals.push_back({angle, pull_of(spring, geodesic.distance)});
+  }
+  // Springs to points in the same place are differentiable there.
+  if (!parted) return;
   const surface::VertexCone cone(state.mesh(), state.vertex_of(point));
   const auto row = 2 * static_cast<Eigen::Index>(point);
   if (!arrivals.empty()) {

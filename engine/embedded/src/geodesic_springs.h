@@ -57,8 +57,7 @@ class GeodesicSprings : public numerics::Term<NetworkState> {
   double pull_of(const Spring& spring, double length) const {
     return 2 * spring.weight * (length - spring.rest_length);
   }
-  void add_on_tip(const NetworkState& state, std::size_t point, const Arrivals& arrivals, int order,
-                  numerics::EnergySum& sum) const;
+  void add_on_tip(const NetworkState& state, std::size_t point, int order, numerics::EnergySum& sum) const;
   /// A spring's share of the energy at a state whose paths are found, of the ends that are not on tips.
   SpringElement element_of(const FoundPaths& found, std::size_t spring, int order) const;
   /// The points whose springs make the energy at `whole` exceed most what the derivatives at `current` foretell of it,

@@ -31,6 +31,11 @@ double face_area(const TriangleMesh& mesh, std::int32_t face) {
   return 0.5 * (x[corners[1]] - x[corners[0]]).cross(x[corners[2]] - x[corners[0]]).norm();
 }
 
+void keep_each_once(std::vector<Pair>& pairs) {
+  std::ranges::sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
 /// Points in cubes of one edge length, so that those near a place are found in a few lookups.
 class Cubes {
  public:
@@ -165,8 +170,7 @@ std::vector<Pair> pairs_of_adjacent_faces(const TriangleMesh& mesh, const std::v
         pairs.emplace_back(std::min(a, b), std::max(a, b));
   }
   // Two faces may have two edges in common.
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  keep_each_once(pairs);
   return pairs;
 }
 
@@ -180,6 +184,7 @@ Triangulation triangulate(const surface::GeodesicSolver& solver, const std::vect
 
   std::map<std::array<std::int32_t, 3>, std::array<std::int32_t, 3>> triangles;  // sorted corners -> as they turn
   std::vector<Pair> edges;
+  std::size_t many = 1 << 16;
   const auto meet = [&](std::int32_t a, std::int32_t b) {
     if (a >= 0 && b >= 0 && a != b) edges.emplace_back(std::min(a, b), std::max(a, b));
   };
@@ -210,13 +215,11 @@ Triangulation triangulate(const surface::GeodesicSolver& solver, const std::vect
         if (i + j + 1 < parts) look_at(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
       }
     // Each face finds the same neighbours again and again.
-    if (edges.size() > 4 * row * row) {
-      std::ranges::sort(edges);
-      edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    }
+    if (edges.size() < many) continue;
+    keep_each_once(edges);
+    many = std::max(many, 2 * edges.size());
   }
-  std::ranges::sort(edges);
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  keep_each_once(edges);
   Triangulation result;
   result.edges = std::move(edges);
   result.triangles.reserve(triangles.size());
