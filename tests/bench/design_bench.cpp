@@ -2,8 +2,8 @@
 // over all families cost, what accuracy costs, the solver against its rivals, verification and polish by simulation,
 // what the width of networks costs and gives, and what searches by simulation alone come to.
 //
-//   design_bench [--short] [--designs N] [--family ID ...] [--models DIR] [--out DIR] [STUDY ...]
-//   default: all studies into docs/bench
+//   design_bench [--short] [--designs N] [--family ID ...] [--again] [--models DIR] [--out DIR] [STUDY ...]
+//   default: all studies into docs/bench; --again: polish targets that an earlier run has missed once more
 #include "design_bench.h"
 
 #include <algorithm>
@@ -130,8 +130,8 @@ int main(int argc, char** argv) {
   DesignSettings settings;
   return run_program(argc, argv,
                      {flag("--short", settings.brief), number_option("--designs", settings.designs),
-                      list_option("--family", settings.families), folder_option("--models", settings.models),
-                      folder_option("--out", settings.folder)},
+                      list_option("--family", settings.families), flag("--again", settings.again),
+                      folder_option("--models", settings.models), folder_option("--out", settings.folder)},
                      {{"recovery", [&] { study_recovery(settings); }},
                       {"speed", [&] { study_design_speed(settings); }},
                       {"accuracy", [&] { study_design_accuracy(settings); }},

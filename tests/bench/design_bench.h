@@ -16,6 +16,7 @@ struct DesignSettings {
   bool brief = false;
   int designs = 0;  ///< of each family and task; 0: the study's own number
   std::vector<std::string> families;
+  bool again = false;  ///< targets that polish has missed in an earlier run
   std::filesystem::path models = "models";
   std::filesystem::path folder = "docs/bench";
 };

@@ -39,7 +39,7 @@ struct Outcome {
 
 /// Outcomes that earlier runs have come to, as CSV beside the page, since a run of all families takes hours: those of
 /// other models are left alone and not used. A change of the search, of polish or of the simulation asks for the file
-/// to be removed.
+/// to be removed; one of what polish does where it did not reach a target, for `--again`.
 class KeptOutcomes {
  public:
   KeptOutcomes(std::filesystem::path file, const LoadedSpace& space, design::Task task)
@@ -59,16 +59,32 @@ class KeptOutcomes {
   std::size_t size() const { return outcomes_.size(); }
   const Outcome& operator[](std::size_t i) const { return outcomes_[i]; }
   void keep(const Outcome& o) {
-    outcomes_.push_back(o);
     const bool begins = !std::filesystem::exists(file_);
     std::ofstream out(file_, std::ios::app);
     if (begins) out << "family,task,model,usable,network,unpolished,polished,rounds,search_s,simulation_s,polish_s\n";
-    out.precision(6);
-    out << key_ << o.usable << ',' << o.network << ',' << o.unpolished << ',' << o.polished << ',' << o.rounds << ','
-        << o.search_seconds << ',' << o.first_seconds << ',' << o.seconds << '\n';
+    out << row_of(o);
+    outcomes_.push_back(o);
+  }
+  void replace(std::size_t i, const Outcome& o) {
+    std::ifstream in(file_);
+    std::ostringstream rows;
+    std::size_t place = 0;
+    for (std::string line; std::getline(in, line);)
+      rows << (line.starts_with(key_) && place++ == i ? row_of(o) : line + '\n');
+    in.close();
+    std::ofstream(file_) << rows.str();
+    outcomes_[i] = o;
   }
 
  private:
+  std::string row_of(const Outcome& o) const {
+    std::ostringstream row;
+    row.precision(6);
+    row << key_ << o.usable << ',' << o.network << ',' << o.unpolished << ',' << o.polished << ',' << o.rounds << ','
+        << o.search_seconds << ',' << o.first_seconds << ',' << o.seconds << '\n';
+    return row.str();
+  }
+
   std::filesystem::path file_;
   std::string key_;
   std::vector<Outcome> outcomes_;
@@ -115,7 +131,8 @@ std::vector<Outcome> outcomes_of(const LoadedSpace& space, design::Task task, in
   std::vector<Outcome> outcomes;
   for (std::size_t i = 0;
        static_cast<int>(outcomes.size()) < targets && i < static_cast<std::size_t>(most_draws * targets); ++i) {
-    if (i < kept.size()) {
+    const bool known = i < kept.size();
+    if (known && !(settings.again && kept[i].polished > options.tolerance)) {
       skip_target(space, random);
     } else {
       Outcome outcome;
@@ -125,7 +142,10 @@ std::vector<Outcome> outcomes_of(const LoadedSpace& space, design::Task task, in
       } catch (const Error& failure) {
         std::printf("%s: %s\n", space.model.family.c_str(), failure.what());
       }
-      kept.keep(outcome);
+      if (known)
+        kept.replace(i, outcome);
+      else
+        kept.keep(outcome);
     }
     if (kept[i].usable) outcomes.push_back(kept[i]);
   }

@@ -59,7 +59,7 @@ class PolishRound:
     """One structure that was simulated.
 
     Attributes:
-        proposal: where it came from: "search", "step", "probe" or "new_search".
+        proposal: where it came from: "search", "step", "probe", "new_search" or "survey".
         parameters: of the structure, shape (p,).
         target_error: simulated, as `DesignError.relative_rms`; None where the simulation failed.
         accepted: whether it is the best so far.

@@ -10,6 +10,9 @@
 #include "free_parameters.h"
 #include "supple/base/error.h"
 #include "supple/base/random.h"
+#include "supple/base/sobol.h"
+#include "supple/base/threads.h"
+#include "survey.h"
 #include "target_residuals.h"
 
 namespace supple::design {
@@ -47,6 +50,18 @@ constexpr double worst_start = 0.1;
 /// Designs nearer (as a share of the widths) were simulated already; minima nearer are one.
 constexpr double same_design = 1e-3;
 constexpr double another_design = 0.02;
+/// The box is surveyed at so many places for each free parameter, and at most.
+constexpr int surveyed_per_parameter = 64;
+constexpr int most_surveyed = 256;
+constexpr std::size_t most_settled = 128;
+/// An error bar holds in nine of ten cases: the network may be off by so many of them.
+constexpr double bars = 2;
+/// Where nobody can say how far the network is off: a share of the target's scale.
+constexpr double unknown_bar = 0.1;
+/// At half this distance from what was simulated (as a share of the widths) half an error bar is left, from it on all.
+constexpr double unknown_distance = 0.2;
+/// After so many surveyed designs in a row that were not better the others are not simulated.
+constexpr int survey_patience = 8;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -111,6 +126,7 @@ class Polish {
       best_.simulated = joined(before.simulated);
       best_.model = joined(before.model);
       best_.deviation = before.target_error.value_or(infinite);
+      if (std::isfinite(best_.deviation)) known_.push_back(best_);
       return improve(best_);
     });
   }
@@ -159,12 +175,22 @@ class Polish {
       if (std::isfinite(known.deviation)) {
         if (const auto stop = descend(known)) return *stop;
       }
-      do {
+      bool found = false;
+      while (!found) {
         if (const auto stop = stop_reached()) return *stop;
-        const auto x = new_start();
-        if (!x) return PolishStop::no_improvement;
-        known = simulate_round(Proposal::new_search, *x, parameters_at(*x));
-      } while (!std::isfinite(known.deviation));
+        if (const auto start = new_start()) {
+          known = simulate_round(Proposal::new_search, *start, parameters_at(*start));
+          found = std::isfinite(known.deviation);
+        } else if (const auto place = surveyed()) {
+          // What is no better has taught the field of corrections, and the next place makes use of it.
+          const double before = best_.deviation;
+          known = simulate_round(Proposal::survey, *place, parameters_at(*place));
+          found = known.deviation < before;
+          fruitless_ = found ? 0 : fruitless_ + 1;
+        } else {
+          return PolishStop::no_improvement;
+        }
+      }
     }
   }
 
@@ -187,7 +213,7 @@ class Polish {
       // Half of what is left is kept for other starts.
       const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
       if (spent > std::max(least_rounds, options_.max_rounds / 2)) return std::nullopt;
-      const Step step = step_within(descent);
+      const Step step = step_within(around_best(descent), descent.radius);
       const bool promising =
           descent.radius >= least_radius && step.promised < (1 - least_promise) * descent.best.deviation;
       if (promising && descent.rejected < (descent.probed ? probed_patience : patience)) {
@@ -228,7 +254,7 @@ class Polish {
   /// are not left for another landscape, and what valleys change stands out from the simulation's own noise.
   std::optional<PolishStop> probe(Descent& descent, const Eigen::VectorXd& towards) {
     descent.probed_at = descent.best.deviation;
-    TargetResiduals residuals = corrected_residuals(descent);
+    TargetResiduals residuals = corrected_residuals(around_best(descent));
     Eigen::VectorXd r;
     Eigen::MatrixXd jacobian;
     if (!residuals.residuals(unscaled(descent.best.x), r)) return std::nullopt;
@@ -320,6 +346,128 @@ class Polish {
       if (minimum.deviation < worst_start && static_cast<int>(result.size()) < most_starts)
         result.push_back(std::move(minimum.x));
     return result;
+  }
+
+  /// A structure of the box: what the network says of it, and how far that may be off.
+  struct Place {
+    Eigen::VectorXd x;
+    Eigen::VectorXd model;  ///< all samples of all targets
+    double bar = 0;         ///< relative root mean square, as deviations
+  };
+
+  /// The structure whose simulation may come nearest to the target, as far as can be said: of all places the one where
+  /// the deviation of the network with the field of corrections, less what the error bars leave open there, is least
+  /// (a lower confidence bound). Nothing where none may be better than the best design by far, or after too many that
+  /// were not.
+  std::optional<Eigen::VectorXd> surveyed() {
+    if (fruitless_ >= survey_patience || !std::isfinite(best_.deviation)) return std::nullopt;
+    const CorrectionField field = field_of_corrections();
+    if (!places_) places_ = settled(places_of_the_box(), field);
+    double least = (1 - least_promise) * best_.deviation;
+    auto chosen = places_->end();
+    for (auto place = places_->begin(); place != places_->end(); ++place) {
+      const double bound = least_to_expect(*place, field);
+      if (bound >= least) continue;
+      least = bound;
+      chosen = place;
+    }
+    if (chosen == places_->end()) return std::nullopt;
+    const Eigen::VectorXd x = std::move(chosen->x);
+    places_->erase(chosen);
+    return x;
+  }
+
+  /// Corrections of more than the targets' scales say that a place is out of the question, and how much more they are
+  /// would tell nothing of others.
+  CorrectionField field_of_corrections() const {
+    Eigen::VectorXd most(total());
+    Eigen::Index at = 0;
+    for (const SampledTarget& target : targets_) {
+      most.segment(at, target.y.size()).setConstant(target.scale);
+      at += target.y.size();
+    }
+    std::vector<Eigen::VectorXd> points, corrections;
+    for (const Known& known : known_) {
+      points.push_back(known.x);
+      corrections.emplace_back(known.correction().cwiseMax(-most).cwiseMin(most));
+    }
+    return {std::move(points), corrections};
+  }
+
+  double least_to_expect(const Place& place, const CorrectionField& field) const {
+    const double open = std::min(1.0, distance_to_known(place.x) / unknown_distance) * bars * place.bar;
+    return deviation(place.model + field.at(place.x)) - open;
+  }
+
+  /// The largest difference of a parameter from the nearest structure that was simulated, or whose simulation failed.
+  double distance_to_known(const Eigen::VectorXd& x) const {
+    double least = infinite;
+    for (const PolishRound& round : result_.rounds)
+      least = std::min(least, (x - scaled(bounds_.free_part(round.parameters))).cwiseAbs().maxCoeff());
+    return least;
+  }
+
+  int places_wanted() const {
+    return std::min(most_surveyed, surveyed_per_parameter * static_cast<int>(width_.size()));
+  }
+  /// Between neighbouring places, as a share of the widths.
+  double spacing() const { return std::pow(places_wanted(), -1.0 / static_cast<double>(width_.size())); }
+
+  std::vector<Place> places_of_the_box() const {
+    const SobolSequence sequence("polish", 1);
+    std::vector<Place> places(static_cast<std::size_t>(places_wanted()));
+    parallel_for(places_wanted(), [&](int i) {
+      const auto shares = sequence.point(static_cast<std::uint32_t>(i));
+      const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(shares.data(), width_.size());
+      if (auto place = place_at(x)) places[static_cast<std::size_t>(i)] = std::move(*place);
+    });
+    std::erase_if(places, [](const Place& place) { return place.model.size() == 0; });
+    return places;
+  }
+
+  /// The most promising places, each moved within its own part of the box to where the network deviates least: designs
+  /// that meet a target lie in valleys that are narrower than the distance of places.
+  std::vector<Place> settled(std::vector<Place> places, const CorrectionField& field) const {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < places.size(); ++i) order.emplace_back(least_to_expect(places[i], field), i);
+    std::sort(order.begin(), order.end());
+    if (order.size() > most_settled) order.resize(most_settled);
+    std::vector<Place> result(order.size());
+    parallel_for(static_cast<int>(order.size()), [&](int k) {
+      Place& place = places[order[static_cast<std::size_t>(k)].second];
+      const Step step = step_within({field.at(place.x), field.slope(place.x), place.x}, spacing() / 2);
+      auto moved = place_at(step.x);
+      result[static_cast<std::size_t>(k)] = std::move(moved ? *moved : place);
+    });
+    return result;
+  }
+
+  /// Nothing where the place has no structure, or the network no equilibrium at every sample.
+  std::optional<Place> place_at(const Eigen::VectorXd& x) const {
+    execution_.cancellation.throw_if_requested();
+    const Eigen::VectorXd parameters = parameters_at(x);
+    if (space_.buildable && !space_.buildable(parameters)) return std::nullopt;
+    Place place;
+    place.x = x;
+    place.model.resize(total());
+    double sum = 0, weights = 0;
+    Eigen::Index at = 0;
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      const SampledTarget& target = targets_[t];
+      const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
+      const Profile profile = evaluate_profile(space_.model, space_.evaluator, span, target.samples,
+                                               std::max(options_.equilibrium_tolerance, 1e-8));
+      place.model.segment(at, target.y.size()) = profile.y;
+      at += target.y.size();
+      for (Eigen::Index k = 0; k < target.y.size(); ++k) {
+        const double bar = profile.error_bar.size() > 0 ? profile.error_bar[k] / target.scale : unknown_bar;
+        sum += weights_[t] * target.weights[k] * std::pow(std::isfinite(bar) ? bar : unknown_bar, 2);
+      }
+      weights += weights_[t];
+    }
+    place.bar = std::sqrt(sum / weights);
+    if (!place.model.allFinite()) return std::nullopt;
+    return place;
   }
 
   Eigen::VectorXd scaled(const Eigen::VectorXd& free) const {
@@ -431,6 +579,7 @@ class Polish {
     if (std::isfinite(known.deviation)) round.target_error = known.deviation;
     round.accepted = result_.rounds.empty() ? round.target_error.has_value() : known.deviation < best_.deviation;
     if (!round.accepted && round.reason.empty()) round.reason = "Its simulated deviation is not less.";
+    if (std::isfinite(known.deviation)) known_.push_back(known);
     // What the search found is told even where its simulation does not get everywhere.
     if (round.accepted || result_.rounds.empty()) best_ = known;
     record(std::move(round), begin);
@@ -448,23 +597,29 @@ class Polish {
     if (on_round_) on_round_(result_.rounds.back());
   }
 
-  TargetResiduals corrected_residuals(const Descent& descent) const {
+  /// What is added to the network around a design, everything by shares of the widths.
+  static Correction around_best(const Descent& descent) {
+    return {descent.best.correction(), descent.slope, descent.best.x};
+  }
+
+  TargetResiduals corrected_residuals(const Correction& correction) const {
     TargetResiduals residuals = model_residuals();
-    // The solver works with parameters, the slope is by shares of the widths.
+    // The solver works with parameters.
     residuals.correct(
-        {descent.best.correction(), descent.slope * width_.cwiseInverse().asDiagonal(), unscaled(descent.best.x)});
+        {correction.offset, correction.slope * width_.cwiseInverse().asDiagonal(), unscaled(correction.at)});
     return residuals;
   }
 
-  /// The best parameters of the corrected network within the trust region, and the deviation that it promises.
-  Step step_within(const Descent& descent) const {
-    TargetResiduals residuals = corrected_residuals(descent);
-    const Eigen::VectorXd lower = (descent.best.x.array() - descent.radius).max(0);
-    const Eigen::VectorXd upper = (descent.best.x.array() + descent.radius).min(1);
+  /// The best parameters of the corrected network within so much of the correction's place, and the deviation that it
+  /// promises.
+  Step step_within(const Correction& correction, double radius) const {
+    TargetResiduals residuals = corrected_residuals(correction);
+    const Eigen::VectorXd lower = (correction.at.array() - radius).max(0);
+    const Eigen::VectorXd upper = (correction.at.array() + radius).min(1);
     const auto found = numerics::minimize_least_squares(
-        residuals, unscaled(descent.best.x), unscaled(lower), unscaled(upper),
+        residuals, unscaled(correction.at), unscaled(lower), unscaled(upper),
         {.tolerance = 1e-7, .max_iterations = 100, .initial_radius = 1}, Execution{execution_.cancellation});
-    if (!found.defined) return {descent.best.x, infinite};
+    if (!found.defined) return {correction.at, infinite};
     return {scaled(found.x), found.norm};
   }
 
@@ -480,6 +635,9 @@ class Polish {
   std::vector<double> weights_;
   Polished result_;
   Known best_;
+  std::vector<Known> known_;                            ///< all whose simulation reached every sample
+  int fruitless_ = 0;                                   ///< surveyed designs in a row that were not better
+  std::optional<std::vector<Place>> places_;            ///< that were not surveyed yet; none before they were needed
   std::optional<std::vector<Eigen::VectorXd>> starts_;  ///< that are left; none before they were looked for
   Clock::time_point start_;
   double longest_ = 0;
@@ -515,6 +673,8 @@ std::string_view to_string(Proposal proposal) {
       return "probe";
     case Proposal::new_search:
       return "new_search";
+    case Proposal::survey:
+      return "survey";
   }
   return "";
 }

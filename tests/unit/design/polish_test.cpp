@@ -152,6 +152,36 @@ TEST(Polish, KeepsTheSearchsDesignWhereNothingIsBetter) {
     EXPECT_EQ(polished.rounds[i].reason, "Its simulated deviation is not less.");
 }
 
+// A response that the network knows nothing of: everywhere 10 % beside the target, but for a valley around one design.
+TEST(Polish, SurveysTheBoxWhereTheNetworkIsOffEverywhere) {
+  Missed missed;
+  const TestSpace& test = missed.test;
+  const auto at = test.at({0.85, 0.2});
+  const Eigen::Vector2d valley(at[0], at[1]);
+  const Eigen::VectorXd width = test.model.network.upper - test.model.network.lower;
+  missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
+    const auto target = sample_target(missed.problem.targets[0]);
+    EXPECT_EQ(samples.x, target.samples.x);
+    const double away = (parameters - valley).cwiseQuotient(width).norm();
+    return Eigen::VectorXd(target.y * (1 + std::min(0.1, 0.4 * away)));
+  };
+  const auto polished = missed.polished({.tolerance = 0.02, .max_rounds = 60});
+  EXPECT_TRUE(std::ranges::any_of(
+      polished.rounds, [](const PolishRound& round) { return round.proposal == Proposal::survey && round.accepted; }));
+  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_LE(*polished.target_error, 0.02);
+}
+
+TEST(Polish, EndsASurveyThatFindsNothing) {
+  Missed missed;
+  missed.simulate = [&](const Eigen::VectorXd&, const ProfileSamples&, const Execution&) {
+    return Eigen::VectorXd(1.1 * sample_target(missed.problem.targets[0]).y);
+  };
+  const auto polished = missed.polished({.max_rounds = 100});
+  EXPECT_EQ(polished.stopped, PolishStop::no_improvement);
+  EXPECT_EQ(std::ranges::count(polished.rounds, Proposal::survey, &PolishRound::proposal), 8);
+}
+
 TEST(Polish, GoesAroundParametersThatHaveNoStructure) {
   Missed free;
   const Eigen::VectorXd first_step = free.polished({.tolerance = 1e-3}).rounds.at(1).parameters;

@@ -36,10 +36,11 @@ std::string_view to_string(PolishStop stop);
 
 /// Where parameters that were simulated came from.
 enum class Proposal {
-  search,     ///< the network's search
-  step,       ///< a step of the corrected network within a trust region
-  probe,      ///< a short move along a singular vector, to learn how the network's error changes
-  new_search  ///< another minimum of the corrected network
+  search,      ///< the network's search
+  step,        ///< a step of the corrected network within a trust region
+  probe,       ///< a short move along a singular vector, to learn how the network's error changes
+  new_search,  ///< another minimum of the corrected network
+  survey       ///< of places all over the box, where the network's error bar leaves the most open
 };
 std::string_view to_string(Proposal proposal);
 
@@ -73,7 +74,10 @@ using OnPolishRound = std::function<void(const PolishRound& round)>;
 /// simulation's (manifold mapping, Echeverría and Hemker 2005). Only a simulated deviation that is less is accepted;
 /// the trust region shrinks otherwise, also where parameters have no structure or no path to every sample. Where steps
 /// fail twice or promise nothing, short moves along the singular vectors of the Jacobian give A by differences; where
-/// these do not help either, the best other minima of N(x) + c(x_k) are tried, each with a region of its own.
+/// these do not help either, the best other minima of N(x) + c(x_k) are tried, each with a region of its own. Where the
+/// network is off by more than its minima deviate, no minimum leads to the target: then places all over the box are
+/// surveyed, by N(x) + c(x) with c interpolated between all simulations, less what the network's error bars leave open
+/// where nothing was simulated (a lower confidence bound, Cox and John 1992), until none may be better.
 ///
 /// max_rounds = 0 simulates the design alone. Costs a simulation of every target a round; the searches of the network
 /// are little beside that. Bills what the simulations bill.
