@@ -61,6 +61,17 @@ def test_kept_fields_and_pair_searches_find_the_same_mean(api: Api, sphere_mesh:
     np.testing.assert_allclose(answers[0]["position"], answers[1]["position"], atol=1e-7)
 
 
+def test_several_starts_find_a_mean_that_is_no_higher_and_say_which_start_it_was(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": [{"vertex": v} for v in (5, 77, 130, 300, 411)]}
+    one = api.ok(MEANS, request)
+    several = api.ok(MEANS, {**request, "starts": 6})
+    assert one["start"] == 0 and several["start"] in range(6)
+    assert several["objective"] <= one["objective"] * (1 + 1e-9)
+    assert (several["start"] > 0) is (several["objective"] < one["objective"] * (1 - 1e-9))
+    (effect,) = [e for e in several["effects"] if e["name"] == "multi_start"]
+    assert effect["ran"] and effect["count"] == 5
+
+
 def test_the_iteration_limit_is_kept_and_reported(api: Api, sphere_mesh: str) -> None:
     request = {"mesh": sphere_mesh, "points": [{"vertex": v} for v in (5, 77, 130)], "method": "gradient_descent",
                "max_iterations": 1, "tolerance": 1e-12}
@@ -82,7 +93,8 @@ def test_weights_that_mean_nothing_are_refused(api: Api, grid_mesh: str, weights
     assert (response.status_code, problem_code(response)) == (422, "karcher.weights")
 
 
-@pytest.mark.parametrize("field, value", [("tolerance", 0), ("tolerance", -1), ("max_iterations", 0), ("method", "magic")])
+@pytest.mark.parametrize("field, value", [("tolerance", 0), ("tolerance", -1), ("max_iterations", 0), ("starts", 0),
+                                          ("starts", 1001), ("method", "magic")])
 def test_an_option_outside_its_range_is_pointed_to(api: Api, grid_mesh: str, field: str, value: object) -> None:
     response = api.post(MEANS, {"mesh": grid_mesh, "points": [{"vertex": 0}], field: value}, faulty=True)
     assert (response.status_code, problem_code(response)) == (400, "request.invalid")

@@ -18,6 +18,7 @@ struct KarcherMeanArguments {
   int max_iterations = 0;
   std::string method;
   std::string start;
+  int starts = 0;
   bool history = false;
 };
 
@@ -51,6 +52,7 @@ void run(const GlobalOptions& options, const KarcherMeanArguments& arguments) {
   if (arguments.tolerance > 0) request["tolerance"] = arguments.tolerance;
   if (arguments.max_iterations > 0) request["max_iterations"] = arguments.max_iterations;
   if (!arguments.method.empty()) request["method"] = arguments.method;
+  if (arguments.starts > 0) request["starts"] = arguments.starts;
   if (!arguments.start.empty()) request["start"] = parse_surface_point(arguments.start);
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
@@ -75,6 +77,10 @@ void add_karcher_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("-m,--method", arguments->method, "How to minimize (newton)")
       ->check(CLI::IsMember({"newton", "lbfgs", "gradient_descent"}));
   command->add_option("-s,--start", arguments->start, "Where to start (the given point of least objective)");
+  command
+      ->add_option("--starts", arguments->starts,
+                   "Searches to make, from places far from each other; the lowest minimum is the answer (1)")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--history", arguments->history, "Show every iteration");
   command->footer(
       "Examples:\n  supple karcher bunny.obj v0 v300 v900\n"

@@ -220,7 +220,8 @@ class KarcherMean:
         mean: the point; `position` is the same in space.
         objective: E at the mean, mesh units squared.
         gradient_norm: |grad E| at the mean, mesh units; the bound that was asked for is `gradient_tolerance`.
-        iterations: steps taken.
+        iterations: steps taken from the start that led here.
+        start: which of the starts that is, from 0.
         stopped: "converged", "kink", "step_too_small" or "iteration_limit".
         history: the start and every step.
     """
@@ -231,6 +232,7 @@ class KarcherMean:
     gradient_norm: float
     gradient_tolerance: float
     iterations: int
+    start: int
     stopped: str
     history: Tuple[KarcherStep, ...]
     effects: Tuple[Effect, ...]
@@ -354,6 +356,7 @@ def karcher_mean_from_wire(document: Mapping[str, Any]) -> KarcherMean:
         gradient_norm=document["gradient_norm"],
         gradient_tolerance=document["accuracy"]["gradient_tolerance"],
         iterations=document["iterations"],
+        start=document["start"],
         stopped=document["stopped"],
         history=tuple(
             KarcherStep(s["objective"], s["gradient_norm"], s["step_length"], s["regularization"])

@@ -146,6 +146,7 @@ class Mesh:
         tolerance: Optional[float] = None,
         method: Optional[str] = None,
         start: Optional[PointLike] = None,
+        starts: Optional[int] = None,
         max_iterations: Optional[int] = None,
         kept_fields: Optional[str] = None,
         deadline: Optional[float] = None,
@@ -161,11 +162,13 @@ class Mesh:
                 side.
             method: "newton" (with exact second derivatives), "lbfgs" or "gradient_descent".
             start: where to start; None starts at the given point of least objective.
+            starts: searches that are made; those after the first begin far from the ones before, and the lowest minimum
+                is the answer. 1 on the server's side.
             max_iterations: 200 on the server's side.
             kept_fields: "on", "off" or "automatic": keep one distance field for each point over all iterations.
         """
         computation = computations.karcher_mean(
-            self.id, points, weights, tolerance, method, start, max_iterations, kept_fields, deadline
+            self.id, points, weights, tolerance, method, start, starts, max_iterations, kept_fields, deadline
         )
         return run(self._transport, computation, timeout, progress)
 
@@ -177,13 +180,14 @@ class Mesh:
         tolerance: Optional[float] = None,
         method: Optional[str] = None,
         start: Optional[PointLike] = None,
+        starts: Optional[int] = None,
         max_iterations: Optional[int] = None,
         kept_fields: Optional[str] = None,
         deadline: Optional[float] = None,
     ) -> Job[KarcherMean]:
         """`karcher_mean` as a job."""
         computation = computations.karcher_mean(
-            self.id, points, weights, tolerance, method, start, max_iterations, kept_fields, deadline
+            self.id, points, weights, tolerance, method, start, starts, max_iterations, kept_fields, deadline
         )
         return submit(self._transport, computation)
 

@@ -82,6 +82,9 @@ void check_options(const KarcherProblem& problem) {
   if (problem.max_iterations < 0)
     throw Error("karcher.invalid_option", "The number of iterations must not be negative.",
                 {{"max_iterations", "is " + std::to_string(problem.max_iterations)}});
+  if (problem.starts < 1)
+    throw Error("karcher.invalid_option", "There must be at least one start.",
+                {{"starts", "is " + std::to_string(problem.starts)}});
 }
 
 Problem checked(const TriangleMesh& mesh, const KarcherProblem& problem) {
@@ -152,6 +155,22 @@ SurfacePoint best_start(AnchorDistances& distances, const TriangleMesh& mesh, co
   return start;
 }
 
+/// The vertex of the points' component that is farthest in space from the nearest of `taken`.
+SurfacePoint far_vertex(const TriangleMesh& mesh, std::int32_t component, const std::vector<Eigen::Vector3d>& taken) {
+  double farthest = -1;
+  SurfacePoint found;
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    double near = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& place : taken) near = std::min(near, (mesh.positions()[v] - place).squaredNorm());
+    if (near <= farthest) continue;
+    const SurfacePoint point = vertex_point(mesh, VertexId{v});
+    if (mesh.component(index(point.face)) != component) continue;
+    farthest = near;
+    found = point;
+  }
+  return found;
+}
+
 std::int64_t expected_evaluations(MinimizationMethod method) {
   switch (method) {
     case MinimizationMethod::newton:
@@ -166,7 +185,7 @@ std::int64_t expected_evaluations(MinimizationMethod method) {
 
 /// Changes to the search that the request or the counts so far call for, and says so in the bill.
 void choose_search(AnchorDistances& distances, const KarcherProblem& problem, const Execution& execution) {
-  const AnchorSearchFacts facts = distances.facts(expected_evaluations(problem.method));
+  const AnchorSearchFacts facts = distances.facts(problem.starts * expected_evaluations(problem.method));
   AnchorSearchChoice choice = cheapest_search(facts);
   if (problem.kept_fields == KarcherProblem::KeptFields::on) choice = {AnchorSearch::fields, "asked for"};
   if (problem.kept_fields == KarcherProblem::KeptFields::off) {
@@ -312,11 +331,29 @@ KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& pro
   execution.checkpoint(0, "search");
   AnchorDistances distances(solver, own.anchors);
   const SurfacePoint start = own.start ? *own.start : best_start(distances, mesh, own, execution);
-  Search search(mesh, problem, distances, own.weights, start, execution);
+  // Of several searches each would begin with no progress again.
+  const Execution each = problem.starts == 1 ? execution : Execution{execution.cancellation, nullptr, execution.cost};
+  Search search(mesh, problem, distances, own.weights, start, each);
   // Without a count of what a pair search costs here, the start's own searches give one.
   if (distances.facts(0).windows_per_pair == 0) search.evaluate();
   choose_search(distances, problem, execution);
   KarcherMean mean = search.run();
+  std::vector<Eigen::Vector3d> taken = {position(mesh, start)};
+  Eigen::Vector3d latest = mean.position;
+  for (int s = 1; s < problem.starts; ++s) {
+    execution.checkpoint(static_cast<double>(s) / problem.starts, "step");
+    taken.push_back(latest);
+    const SurfacePoint far = far_vertex(mesh, mesh.component(index(start.face)), taken);
+    taken.push_back(position(mesh, far));
+    KarcherMean other = Search(mesh, problem, distances, own.weights, far, each).run();
+    latest = other.position;
+    if (!(other.objective < mean.objective * (1 - probe_gain))) continue;
+    mean = std::move(other);
+    mean.start = s;
+  }
+  if (execution.cost)
+    execution.cost->add_effect("multi_start", problem.starts > 1,
+                               problem.starts > 1 ? "asked for" : "one start was asked for", problem.starts - 1);
   execution.checkpoint(1, "step");
   return mean;
 }

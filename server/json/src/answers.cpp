@@ -118,6 +118,7 @@ std::string write_karcher_mean(const KarcherMeanRequest& request, const Triangle
   out.field("objective", mean.objective)
       .field("gradient_norm", mean.gradient_norm)
       .field("iterations", mean.iterations)
+      .field("start", mean.start)
       .key("history")
       .begin_array();
   for (const auto& step : mean.history) {

@@ -101,6 +101,7 @@ KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limit
   fields.numbers("weights", request.weights, false, 1, limits.max_points);
   fields.number("tolerance", request.tolerance, 0, 1, true);
   fields.integer("max_iterations", request.max_iterations, 1, 100'000);
+  fields.integer("starts", request.starts, 1, 1000);
   if (fields.present("start")) {
     request.start.emplace();
     fields.point("start", *request.start, true);

@@ -12,6 +12,7 @@ surface::KarcherProblem problem_of(const json::KarcherMeanRequest& request, cons
   problem.method = request.method;
   problem.tolerance = request.tolerance;
   problem.max_iterations = request.max_iterations;
+  problem.starts = request.starts;
   if (request.start) problem.start = resolve(mesh, *request.start, "/start");
   using KeptFields = surface::KarcherProblem::KeptFields;
   problem.kept_fields = request.kept_fields == json::Switch::on    ? KeptFields::on

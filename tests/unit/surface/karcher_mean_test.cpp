@@ -185,7 +185,7 @@ TEST(KarcherMean, KeptFieldsGiveTheSameMeanAndTheBillSaysWhetherTheyWereUsed) {
       execution.cost = &cost;
       const KarcherMean mean = karcher_mean(scene.solver, problem, execution);
       EXPECT_LE(mean.gradient_norm, 1e-9 * scene.mesh->diagonal());
-      ASSERT_EQ(cost.effects().size(), 2u);
+      ASSERT_EQ(cost.effects().size(), 3u);
       EXPECT_EQ(cost.effects()[0].name, "kept_fields");
       EXPECT_EQ(cost.effects()[1].name, "guided_searches");
       EXPECT_FALSE(cost.effects()[1].ran) << "the shape does not wind";
@@ -210,13 +210,45 @@ TEST(KarcherMean, OnAShapeThatWindsIsFoundByGuidedSearches) {
     CostLedger cost;
     const KarcherMean mean = karcher_mean(scene.solver, problem, {.cost = &cost});
     EXPECT_LE(mean.gradient_norm, 1e-9 * scene.mesh->diagonal());
-    ASSERT_EQ(cost.effects().size(), 2u);
+    ASSERT_EQ(cost.effects().size(), 3u);
     EXPECT_TRUE(cost.effects()[1].ran);
     // The same minimum as from the same place by kept fields.
     problem.kept_fields = KarcherProblem::KeptFields::on;
     problem.start = mean.mean;
     EXPECT_LT((karcher_mean(scene.solver, problem).position - mean.position).norm(), 1e-7);
   }
+}
+
+TEST(KarcherMean, SeveralStartsFindLowerMeans) {
+  Scene scene(testing::torus());
+  int lower = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    KarcherProblem problem = random_problem(*scene.mesh, 5, trial);
+    const KarcherMean one = karcher_mean(scene.solver, problem);
+    EXPECT_EQ(one.start, 0);
+    problem.starts = 6;
+    CostLedger cost;
+    const KarcherMean best = karcher_mean(scene.solver, problem, {.cost = &cost});
+    // With more searches another kind of search may pay, which rounds otherwise.
+    const double rounding = 1e-9 * one.objective;
+    EXPECT_LE(best.objective, one.objective + rounding);
+    EXPECT_EQ(best.start > 0, best.objective < one.objective - rounding);
+    EXPECT_NEAR(best.objective, objective_at(scene.solver, problem, best.mean), 1e-12);
+    EXPECT_EQ(static_cast<int>(best.history.size()), best.iterations + 1);
+    EXPECT_TRUE(cost.effects().back().name == "multi_start" && cost.effects().back().ran);
+    EXPECT_EQ(cost.effects().back().count, 5);
+    lower += best.objective < 0.99 * one.objective;
+  }
+  EXPECT_GE(lower, 2) << "of 20 random sets of 5 points on a torus";
+}
+
+TEST(KarcherMean, FurtherStartsLieOnTheComponentOfThePoints) {
+  Scene scene(testing::two_components());
+  KarcherProblem problem;
+  problem.points = {{FaceId{0}, {0.2, 0.3, 0.5}}, {FaceId{0}, {0.6, 0.3, 0.1}}};
+  problem.starts = 5;
+  const KarcherMean mean = karcher_mean(scene.solver, problem);
+  EXPECT_EQ(scene.mesh->component(index(mean.mean.face)), scene.mesh->component(index(problem.points[0].face)));
 }
 
 TEST(KarcherMean, OneSearchForManyPointsAgreesWithTheDefinition) {
@@ -305,6 +337,10 @@ TEST(KarcherMean, NamesWhatIsWrongWithThePointsAndWeights) {
   problem.tolerance = 1e-9;
   problem.max_iterations = -1;
   expect_error("karcher.invalid_option", [&] { karcher_mean(scene.solver, problem); });
+  problem.max_iterations = 200;
+  problem.starts = 0;
+  const Error starts = expect_error("karcher.invalid_option", [&] { karcher_mean(scene.solver, problem); });
+  EXPECT_EQ(places(starts), (std::vector<std::string>{"starts"}));
 }
 
 }  // namespace

@@ -143,6 +143,7 @@ TEST(Requests, ReadAKarcherMeanRequestWithItsDefaults) {
       parse_karcher_mean(with_mesh(R"("points":[{"vertex":0}],"method":"lbfgs","effects":{"kept_fields":"off"})"), {});
   EXPECT_EQ(request.tolerance, 1e-9);
   EXPECT_EQ(request.max_iterations, 200);
+  EXPECT_EQ(request.starts, 1);
   EXPECT_FALSE(request.start);
   EXPECT_EQ(request.method, surface::MinimizationMethod::lbfgs);
   EXPECT_EQ(request.kept_fields, Switch::off);

@@ -63,6 +63,7 @@ struct KarcherMeanRequest {
   std::optional<PointSpec> start;
   double tolerance = 1e-9;
   int max_iterations = 200;
+  int starts = 1;
   surface::MinimizationMethod method = surface::MinimizationMethod::newton;
   Switch kept_fields = Switch::automatic;
   double deadline = 0;
