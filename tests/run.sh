@@ -36,7 +36,13 @@ order=(arrows format build unit stability python api web browser bench tidy asan
 usual=(arrows format build unit stability python api web)
 
 # The machines of CI start from nothing.
-configure_preset() { cmake --preset "$1" ${CI:+-DSUPPLE_UNITY_TESTS=ON} >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }; }
+# What one part has configured or installed, others of the same run use.
+declare -A done_already
+configure_preset() {
+  [ -z "${done_already[$1]:-}" ] || return 0
+  cmake --preset "$1" ${CI:+-DSUPPLE_UNITY_TESTS=ON} >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }
+  done_already[$1]=1
+}
 build_preset() { configure_preset "$1" && cmake --build "build/$1" -j "$jobs" "${@:2}"; }
 
 cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*.cpp' 'clients/cli/*.h' 'clients/cli/*.cpp' \
@@ -54,10 +60,13 @@ part_api() { build_preset release --target supple supple-server make_test_model 
 part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
   cmake --build build/release -j "$jobs" && ctest --test-dir build/release -L bench --output-on-failure --no-tests=error; }
 install_modules() { (cd "$1" && npm ci >"$OLDPWD/build/npm-$(basename "$1").log" 2>&1) || { tail -20 "build/npm-$(basename "$1").log"; return 1; }; }
-part_web() { install_modules clients/web && (cd clients/web && npm test && npm run build); }
+build_web() {
+  [ -z "${done_already[web]:-}" ] || return 0
+  install_modules clients/web && (cd clients/web && npm run build) && done_already[web]=1
+}
+part_web() { build_web && (cd clients/web && npm test); }
 part_browser() {
-  build_preset release --target supple-server && install_modules clients/web && install_modules tests/browser &&
-    (cd clients/web && npm run build) || return 1
+  build_preset release --target supple-server && build_web && install_modules tests/browser || return 1
   local file log=build/browser.log reached=0 status=0
   for file in tests/browser/*.test.mjs; do
     node --test "$file" >"$log" 2>&1 || { cat "$log"; status=1; }
