@@ -1,40 +1,11 @@
 #include "supple/embedded/export.h"
 
-#include <charconv>
-#include <string_view>
-#include <utility>
+#include "supple/base/file_text.h"
 
 namespace supple::embedded {
 namespace {
 
 constexpr int vtk_poly_line = 4;
-
-class FileText {
- public:
-  FileText& operator<<(std::string_view text) {
-    text_ += text;
-    return *this;
-  }
-  template <class Number>
-  FileText& number(Number value, char after = ' ') {
-    char buffer[32];
-    text_.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
-    text_ += after;
-    return *this;
-  }
-  FileText& point(const Eigen::Vector3d& p) { return number(p[0]).number(p[1]).number(p[2], '\n'); }
-  /// A data array with one entry for each of `values`, which `entry` makes a number.
-  template <class Values, class Entry>
-  FileText& array(std::string_view type, std::string_view name, const Values& values, Entry entry) {
-    *this << "<DataArray type=\"" << type << "\" Name=\"" << name << "\" NumberOfComponents=\"1\" format=\"ascii\">\n";
-    for (const auto& value : values) number(entry(value));
-    return *this << "\n</DataArray>\n";
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
 
 using Polyline = std::vector<Eigen::Vector3d>;
 

@@ -1,11 +1,11 @@
 #include "supple/microscale/vtu.h"
 
 #include <Eigen/LU>
-#include <charconv>
 #include <cmath>
-#include <string_view>
+#include <string>
 
 #include "material_law.h"
+#include "supple/base/file_text.h"
 
 namespace supple::microscale {
 namespace {
@@ -45,47 +45,17 @@ double mean_energy_density(const MaterialLaw& law, const Eigen::Matrix<double, 2
   return sum;
 }
 
-class Text {
- public:
-  Text& operator<<(std::string_view text) {
-    text_ += text;
-    return *this;
-  }
-  template <class Number>
-  Text& number(Number value) {
-    char buffer[32];
-    text_.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
-    text_ += ' ';
-    return *this;
-  }
-  /// A vector in space: VTK knows no plane.
-  Text& vector(const Eigen::Vector2d& value) {
-    number(value[0]).number(value[1]);
-    return *this << "0\n";
-  }
-  Text& open(std::string_view type, std::string_view name, int components = 1) {
-    *this << "<DataArray type=\"" << type << "\" Name=\"" << name << "\" NumberOfComponents=\"";
-    text_ += std::to_string(components);
-    return *this << "\" format=\"ascii\">\n";
-  }
-  Text& close() { return *this << "\n</DataArray>\n"; }
-  std::string take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
-
-void write_cells(Text& out, const UnwrappedMesh& mesh) {
+void write_cells(FileText& out, const UnwrappedMesh& mesh) {
   out << "<Cells>\n";
-  out.open("Int32", "connectivity");
+  out.open_array("Int32", "connectivity");
   for (const auto& triangle : mesh.triangles) {
     for (const int point : triangle) out.number(point);
   }
-  out.close().open("Int32", "offsets");
+  out.close_array().open_array("Int32", "offsets");
   for (std::size_t t = 1; t <= mesh.triangles.size(); ++t) out.number(6 * t);
-  out.close().open("UInt8", "types");
+  out.close_array().open_array("UInt8", "types");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) out.number(vtk_quadratic_triangle);
-  out.close() << "</Cells>\n";
+  out.close_array() << "</Cells>\n";
 }
 
 }  // namespace
@@ -94,22 +64,22 @@ std::string write_vtu(const UnwrappedMesh& unwrapped, const DeformedMesh& deform
   const Eigen::Matrix2Xd rest = positions(unwrapped, deformed.mesh->lattice, deformed.mesh->nodes);
   const Eigen::Matrix2Xd moved = positions(unwrapped, deformed.lattice, deformed.nodes);
   const MaterialLaw law(material);
-  Text out;
+  FileText out;
   out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n";
   out << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" << std::to_string(rest.cols()) << "\" NumberOfCells=\""
       << std::to_string(unwrapped.triangles.size()) << "\">\n";
   out << "<PointData Vectors=\"displacement\">\n";
-  out.open("Float64", "displacement", 3);
-  for (Eigen::Index i = 0; i < rest.cols(); ++i) out.vector(moved.col(i) - rest.col(i));
-  out.close() << "</PointData>\n<CellData Scalars=\"energy_density\">\n";
-  out.open("Float64", "energy_density");
+  out.open_array("Float64", "displacement", 3);
+  for (Eigen::Index i = 0; i < rest.cols(); ++i) out.point(Eigen::Vector2d(moved.col(i) - rest.col(i)));
+  out.close_array() << "</PointData>\n<CellData Scalars=\"energy_density\">\n";
+  out.open_array("Float64", "energy_density");
   for (const auto& triangle : unwrapped.triangles) {
     out.number(mean_energy_density(law, rest(Eigen::all, triangle), moved(Eigen::all, triangle)));
   }
-  out.close() << "</CellData>\n<Points>\n";
-  out.open("Float64", "Points", 3);
-  for (Eigen::Index i = 0; i < rest.cols(); ++i) out.vector(rest.col(i));
-  out.close() << "</Points>\n";
+  out.close_array() << "</CellData>\n<Points>\n";
+  out.open_array("Float64", "Points", 3);
+  for (Eigen::Index i = 0; i < rest.cols(); ++i) out.point(rest.col(i));
+  out.close_array() << "</Points>\n";
   write_cells(out, unwrapped);
   out << "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   return out.take();
