@@ -62,6 +62,8 @@ constexpr double unknown_bar = 0.1;
 constexpr double unknown_distance = 0.2;
 /// After so many surveyed designs in a row that were not better the others are not simulated.
 constexpr int survey_patience = 8;
+/// Rounds after which no other minimum is begun with, as a share of all.
+constexpr double starts_share = 0.5;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -178,7 +180,10 @@ class Polish {
       bool found = false;
       while (!found) {
         if (const auto stop = stop_reached()) return *stop;
-        if (const auto start = new_start()) {
+        // Other minima, whose descents take many rounds, leave a share of them to the survey.
+        const auto rounds = static_cast<double>(result_.rounds.size());
+        const bool starts_left = rounds <= starts_share * options_.max_rounds || !std::isfinite(best_.deviation);
+        if (const auto start = starts_left ? new_start() : std::nullopt) {
           known = simulate_round(Proposal::new_search, *start, parameters_at(*start));
           found = std::isfinite(known.deviation);
         } else if (const auto place = surveyed()) {

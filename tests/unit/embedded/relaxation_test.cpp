@@ -273,6 +273,33 @@ TEST(Relax, KeptStripsAndTheirAbsenceGiveTheSameAnswer) {
   EXPECT_NEAR(kept.energy, searched.energy, 1e-9 * searched.energy);
 }
 
+TEST(Relax, TellsTheLengthAndTheEnergyOfEachSpring) {
+  const TriangleMesh mesh = testing::torus(12, 8);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network = dual_network(mesh, {0.3, 0.3, 0.4});
+  network.fixed_points = {0, 40, 90};
+  for (const SpringLength kind : {SpringLength::geodesic, SpringLength::euclidean}) {
+    RelaxationOptions options;
+    options.spring_length = kind;
+    options.max_iterations = 2;
+    options.paths = true;
+    const Relaxation relaxed = relax(solver, network, options);
+    double energy = 0;
+    for (std::size_t i = 0; i < network.springs.size(); ++i) {
+      const SurfacePoint& from = relaxed.points[static_cast<std::size_t>(network.springs[i].from)];
+      const SurfacePoint& to = relaxed.points[static_cast<std::size_t>(network.springs[i].to)];
+      const double length = kind == SpringLength::geodesic
+                                ? solver.distance(from, to)
+                                : (surface::position(mesh, from) - surface::position(mesh, to)).norm();
+      EXPECT_NEAR(relaxed.springs[i].length, length, 1e-12);
+      EXPECT_NEAR(relaxed.springs[i].energy, length * length, 1e-12);
+      EXPECT_GE(relaxed.springs[i].path.size(), 2U);
+      energy += relaxed.springs[i].energy;
+    }
+    EXPECT_NEAR(energy, relaxed.energy, 1e-11 * energy);
+  }
+}
+
 TEST(Relax, RefusesOptionsOutOfRangeAndStopsWhenAsked) {
   const TriangleMesh mesh = testing::icosphere(1);
   const GeodesicSolver solver(testing::share(mesh));

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <numbers>
 
 #include "euclidean_springs.h"
 #include "geodesic_springs.h"
@@ -55,6 +57,19 @@ TEST(GeodesicSprings, HaveTheDerivativesOfAMollifiedEnergyToo) {
   const auto check = numerics::check_derivatives(springs, state, small_steps(1e-5));
   EXPECT_LT(check.gradient.error, 1e-6) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-4) << check.summary();
+
+  // The mollified energy itself is near the plain one.
+  const auto energy = [&](double mollifier_length) {
+    numerics::System<NetworkState> system(
+        state,
+        {std::make_shared<GeodesicSprings>(
+            solver, network, none_held(network),
+            GeodesicSpringsOptions{.kept_strips = true, .mollifier_length = mollifier_length})},
+        numerics::Unknowns(state.dimension()));
+    return system.evaluate(0).value;
+  };
+  EXPECT_NEAR(energy(0.1), energy(0), 0.05 * energy(0));
+  EXPECT_NEAR(energy(1e-4), energy(0), 1e-3 * energy(0));
 }
 
 TEST(GeodesicSprings, ASquaredDistanceIsATermThatExistsAtZeroLength) {
@@ -96,6 +111,105 @@ TEST(EuclideanSprings, HaveTheDerivativesOfTheirEnergyWithinFaces) {
     EXPECT_LT(check.gradient.error, 1e-8) << check.summary();
     EXPECT_LT(check.hessian.error, 1e-7) << check.summary();
   }
+}
+
+/// Springs from a point at a vertex to points on one side of it.
+struct AtVertex {
+  explicit AtVertex(TriangleMesh built) : mesh(std::move(built)), solver(testing::share(mesh)) {
+    const SurfacePoint tip = surface::vertex_point(mesh, VertexId{0});
+    network.points = {tip, {tip.face, {0.3, 0.3, 0.4}}};
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::int32_t twin = mesh.twin(3 * index(tip.face) + corner);
+      if (twin >= 0) network.points.push_back({FaceId{TriangleMesh::face_of(twin)}, {0.2, 0.3, 0.5}});
+    }
+    const double weights[] = {1.5, 0.5, 2, 0.7};
+    for (std::int32_t i = 1; i < static_cast<std::int32_t>(network.points.size()); ++i)
+      network.springs.push_back({0, i, 0.05 * i, weights[i - 1]});
+  }
+
+  double stiffness() const {
+    double sum = 0;
+    for (const Spring& spring : network.springs) sum += 2 * spring.weight;
+    return sum;
+  }
+
+  numerics::System<NetworkState> system(std::shared_ptr<numerics::Term<NetworkState>> term) const {
+    const NetworkState state(mesh, network.points);
+    return {state, {std::move(term)}, numerics::Unknowns(state.dimension()), {.least_order = 2}};
+  }
+
+  TriangleMesh mesh;
+  GeodesicSolver solver;
+  Network network;
+};
+
+/// At a vertex an energy has a slope of its own in each direction: its gradient there is the steepest way down, and the
+/// Hessian that of flat pieces.
+void expect_steepest_way_down(const AtVertex& scene, const std::shared_ptr<numerics::Term<NetworkState>>& term) {
+  auto system = scene.system(term);
+  system.evaluate(2);
+  const double energy = system.energy();
+  const Eigen::Vector2d gradient = system.full_gradient().head<2>();
+  const double hessian[] = {system.core().coeff(0, 0), system.core().coeff(1, 1)};
+  EXPECT_EQ(hessian[0], scene.stiffness());
+  EXPECT_EQ(hessian[1], scene.stiffness());
+
+  constexpr double step = 1e-7;
+  const auto slope = [&](const Eigen::Vector2d& direction) {
+    NetworkState moved(scene.mesh, scene.network.points);
+    Eigen::VectorXd way = Eigen::VectorXd::Zero(moved.dimension());
+    way.head<2>() = step * direction;
+    moved.move(way);
+    system.set_state(std::move(moved));
+    system.evaluate(0);
+    return (system.energy() - energy) / step;
+  };
+  double least = 0;
+  for (int k = 0; k < 360; ++k) {
+    const double angle = k * std::numbers::pi / 180;
+    least = std::min(least, slope({std::cos(angle), std::sin(angle)}));
+  }
+  ASSERT_LT(least, -0.1);
+  EXPECT_NEAR(gradient.norm(), -least, 1e-3 * -least);
+  EXPECT_NEAR(slope(-gradient.normalized()), least, 1e-3 * -least);
+}
+
+TEST(GeodesicSprings, PullAPointOffAVertexTheSteepestWay) {
+  for (const double angle : {5.0, 7.5}) {
+    const AtVertex scene(testing::cone(8, angle));
+    ASSERT_TRUE(NetworkState(scene.mesh, scene.network.points).on_tip(0));
+    expect_steepest_way_down(scene,
+                             std::make_shared<GeodesicSprings>(scene.solver, scene.network, none_held(scene.network),
+                                                               GeodesicSpringsOptions{}));
+  }
+}
+
+TEST(EuclideanSprings, PullAPointOffAVertexTheSteepestWay) {
+  for (const double angle : {4.0, 5.5}) {
+    const AtVertex scene(testing::cone(8, angle));
+    expect_steepest_way_down(scene, std::make_shared<EuclideanSprings>(scene.network));
+  }
+}
+
+TEST(GeodesicSprings, BillHowEachPathWasFound) {
+  const TriangleMesh mesh = testing::torus(16, 8);
+  const GeodesicSolver solver(testing::share(mesh));
+  const Network network = random_chain(mesh, 6, 0, 1);
+  CostLedger cost;
+  numerics::System<NetworkState> system(
+      NetworkState(mesh, network.points),
+      {std::make_shared<GeodesicSprings>(solver, network, none_held(network), GeodesicSpringsOptions{})},
+      numerics::Unknowns(12), {.execution = {.cost = &cost}});
+  system.evaluate(0);
+  double found = 0;
+  int kinds = 0;
+  for (const auto& quantity : cost.quantities()) {
+    if (quantity.name != "same_face" && quantity.name != "unfolded" && quantity.name != "searched") continue;
+    found += quantity.value;
+    ++kinds;
+  }
+  EXPECT_EQ(kinds, 3);
+  EXPECT_EQ(found, static_cast<double>(network.springs.size()));
 }
 
 TEST(NetworkState, MovesEachPointByItselfAndStopsEachAtItsBoundary) {
