@@ -256,13 +256,21 @@ void write_card(const CardArguments& arguments) {
   if (!arguments.rows.empty()) training::write_row_errors(arguments.rows, model, data);
 }
 
-struct SymmetrizeArguments {
+struct ChangeArguments {
   std::filesystem::path model;
   DataArguments data;
   std::filesystem::path out;
 };
 
-void symmetrize(const SymmetrizeArguments& arguments) {
+void narrow(const ChangeArguments& arguments) {
+  const auto model = training::narrowed(neural::read_model(arguments.model), read_data(arguments.data));
+  neural::write_model(arguments.out, model);
+  fmt::print("{} holds the model {} without error bars, for these parameters:\n", arguments.out.string(), model.id);
+  for (long k = 0; k < model.network.lower.size(); ++k)
+    fmt::print("{}: {:.6g} to {:.6g}\n", k + 1, model.network.lower[k], model.network.upper[k]);
+}
+
+void symmetrize(const ChangeArguments& arguments) {
   const auto model = training::symmetrized(neural::read_model(arguments.model), read_data(arguments.data));
   neural::write_model(arguments.out, model);
   fmt::print("{} holds the model {}, the mean over {} orientations of a strain\n", arguments.out.string(), model.id,
@@ -318,8 +326,18 @@ void add_calibrate_command(CLI::App& program, const StopSignals& signals) {
   command->callback([=, &signals] { calibrate(*arguments, signals); });
 }
 
+void add_narrow_command(CLI::App& program) {
+  const auto arguments = std::make_shared<ChangeArguments>();
+  CLI::App* command =
+      program.add_subcommand("narrow", "Let a model's bounds end where its data end; calibrate it afterwards");
+  command->add_option("--model", arguments->model, "The model")->required();
+  add_data_options(*command, arguments->data);
+  command->add_option("--out", arguments->out, "The model with the narrower bounds")->required();
+  command->callback([=] { narrow(*arguments); });
+}
+
 void add_symmetrize_command(CLI::App& program) {
-  const auto arguments = std::make_shared<SymmetrizeArguments>();
+  const auto arguments = std::make_shared<ChangeArguments>();
   CLI::App* command = program.add_subcommand(
       "symmetrize",
       "Give a model the rotations of its family exactly, at two or three times the time of an evaluation");
@@ -353,6 +371,7 @@ void add_train_command(CLI::App& program, const StopSignals& signals, bool& inte
 void add_model_commands(CLI::App& program, const StopSignals& signals, bool& interrupted) {
   add_train_command(program, signals, interrupted);
   add_symmetrize_command(program);
+  add_narrow_command(program);
   add_calibrate_command(program, signals);
   add_card_command(program);
 }

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <iterator>
+#include <ranges>
 #include <set>
 
 #include "supple/base/error.h"
@@ -64,6 +65,22 @@ neural::Network with_bounds(neural::Network network, const std::vector<double>& 
   return network;
 }
 
+/// Of the widths: designs are drawn, so that data which end so near to a bound cover it.
+constexpr double covered_share = 0.02;
+
+neural::Network narrowed(neural::Network network, const Samples& samples) {
+  std::vector<double> lower, upper;
+  for (long k = 0; k < network.lower.size(); ++k) {
+    const auto [least, greatest] = std::ranges::minmax(
+        samples.designs | std::views::transform([&](const SampledDesign& design) { return design.parameters[k]; }));
+    const double near = covered_share * (network.upper[k] - network.lower[k]);
+    lower.push_back(least > network.lower[k] + near ? least : network.lower[k]);
+    upper.push_back(greatest < network.upper[k] - near ? greatest : network.upper[k]);
+  }
+  if (std::ranges::equal(lower, network.lower) && std::ranges::equal(upper, network.upper)) return network;
+  return with_bounds(std::move(network), lower, upper);
+}
+
 /// Goes on with a model of the family: one whose own test and validation designs are those of the new training, or one
 /// that is declared foreign.
 void start_from(const ModelOptions& given, const ModelData& data, const std::string& family, const Samples& samples,
@@ -78,11 +95,11 @@ void start_from(const ModelOptions& given, const ModelData& data, const std::str
   };
   require(start.family == family, "a model of the same family");
   options.start = start.network;
-  if (given.start_is_foreign) {
-    if (!std::ranges::equal(start.network.lower, samples.lower) ||
-        !std::ranges::equal(start.network.upper, samples.upper))
-      options.start = with_bounds(start.network, samples.lower, samples.upper);
-  } else {
+  // A finished model is narrowed, and a foreign one may be of another range.
+  if (!std::ranges::equal(start.network.lower, samples.lower) ||
+      !std::ranges::equal(start.network.upper, samples.upper))
+    options.start = with_bounds(start.network, samples.lower, samples.upper);
+  if (!given.start_is_foreign) {
     const auto theirs = samples_of(start, data).split;
     require(theirs.test == parts.test && theirs.validation == parts.validation,
             "the same data and shares of the split, or --start-foreign");
@@ -159,6 +176,12 @@ neural::Model symmetrized(neural::Model model, const ModelData& data) {
   return model;
 }
 
+neural::Model narrowed(neural::Model model, const ModelData& data) {
+  model.network = narrowed(std::move(model.network), samples_of(model, data).samples);
+  model.calibration.reset();
+  return model;
+}
+
 ModelResult train_model(const ModelData& data, const std::string& data_name, const std::string& engine,
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report,
@@ -192,6 +215,7 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
   model.family = family.id;
   model.network = trained.network;
   if (!trained.finished) return result;
+  model.network = narrowed(std::move(model.network), samples);
   model.strain_range = strain_range(model.network, samples, parts.training);
   model.design_split = split_errors(model.network, samples, parts.test);
   model.row_split = split_errors(model.network, samples, parts.row_test);

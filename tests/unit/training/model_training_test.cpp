@@ -9,6 +9,7 @@
 
 #include "sample_data.h"
 #include "supple/microscale/simulation.h"
+#include "supple/neural/evaluator.h"
 #include "supple/tiling/structure.h"
 #include "support/expect_error.h"
 #include "support/random_network.h"
@@ -89,6 +90,38 @@ TEST(Symmetrized, AModelHasTheRotationsOfItsFamilyAndErrorsMeasuredAnew) {
   EXPECT_GT(made.strain_range.largest_principal, made.strain_range.smallest_principal);
   model.family = "IH01";
   testing::expect_error("training.no_symmetry", [&] { (void)symmetrized(model, data); });
+}
+
+TEST(Narrowed, AModelEndsWhereItsDataEndAndHasTheSameValues) {
+  ModelData data{drawn_data(60), {}};
+  data.data.designs[0].parameters = {0.97, -1};
+  data.data.designs[1].parameters = {0.5, 0.98};
+  // Structures of small first parameters could not be simulated.
+  double least = 1;
+  for (auto& design : data.data.designs) {
+    if (design.parameters[0] < -0.5) design.rows.clear();
+    if (!design.rows.empty()) least = std::min(least, design.parameters[0]);
+  }
+  neural::Model model;
+  neural::NetworkShape shape;
+  shape.parameters = 2;
+  shape.width = 16;
+  model.network = neural::random_network(shape, 3);
+  model.network.lower.setConstant(-1);
+  model.network.upper.setConstant(1);
+  model.provenance.options = describe(ModelOptions{});
+  model.provenance.rows = static_cast<std::int64_t>(split(read_samples(data)).training.size());
+  const neural::Model made = narrowed(model, data);
+  EXPECT_EQ(made.network.lower[0], least);
+  EXPECT_EQ(made.network.upper[0], 1);
+  EXPECT_EQ(made.network.lower[1], -1) << "data that end within 2 % of the width cover a bound";
+  const std::vector<double> parameters{0.3, -0.2};
+  const Eigen::Vector3d strain(0.05, -0.02, 0.03);
+  const neural::Evaluator before(model.network), after(made.network);
+  const auto energy = [&](const neural::Evaluator& evaluator) {
+    return evaluator.evaluate(evaluator.design(parameters), strain, neural::Order::energy).energy_density[0];
+  };
+  EXPECT_NEAR(energy(after), energy(before), 1e-12 * std::abs(energy(before)));
 }
 
 TEST(TrainModel, GoesOnWithAModelOfTheSameDataAndSplit) {

@@ -49,8 +49,13 @@ ModelSamples samples_of(const neural::Model& model, const ModelData& data);
 /// family has no rotation but by half a turn, which no strain feels.
 neural::Model symmetrized(neural::Model model, const ModelData& data);
 
+/// The model, whose values stay as they are, with bounds that end where its data end: where designs near a bound have
+/// no samples, such as structures that could not be simulated, nobody knows the network's errors. Data that end within
+/// 2 % of a bound cover it. Without the error bars, which depend on the bounds. Throws as `samples_of`.
+neural::Model narrowed(neural::Model model, const ModelData& data);
+
 struct ModelResult {
-  neural::Model model;  ///< with its measured errors
+  neural::Model model;  ///< with its measured errors, and narrowed
   std::vector<EpochReport> history;
   std::optional<StiffnessReport> stiffness;
   int best_epoch = 0;
