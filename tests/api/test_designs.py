@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+import shutil
 import threading
 import time
-from typing import Any, Dict, List, Optional
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional
 
 import numpy as np
 import pytest
 import requests
 
-from harness import Api, pointers, problem_code
+from contract import Contract
+from harness import ROOT, Api, ServerProcess, pointers, problem_code
 from test_jobs import ASYNC, events, start_job
 
 DESIGNS = "/v1/designs"
@@ -277,12 +280,16 @@ def test_the_design_found_is_verified_by_simulation(designs: Api) -> None:
     assert verified["relative_rms"] == pytest.approx(np.sqrt(((simulated - model) ** 2).sum() / (simulated**2).sum()))
 
 
-def test_parameters_without_a_structure_are_found_but_said(designs: Api) -> None:
+def test_parameters_without_a_structure_are_found_but_said(
+        new_server: Callable[..., ServerProcess], contract: Contract, tmp_path: Path) -> None:
     """The bounds are a box; in this corner of it a tile is little more than its beams."""
-    tiny = [0.03]
-    refused = designs.post("/v1/structures", {"family": "IH29", "parameters": tiny})
+    (tmp_path / "models").mkdir()
+    shutil.copy(ROOT / "models" / "ih28.h5", tmp_path / "models")
+    designs = Api(new_server("--models", str(tmp_path / "models")), contract)
+    tiny = [0.005, 0.5]
+    refused = designs.post("/v1/structures", {"family": "IH28", "parameters": tiny})
     assert (refused.status_code, problem_code(refused)) == (422, "tiling.cell_too_small")
-    answer = designs.ok(DESIGNS, {"task": "stress_strain", "family": "IH29", "target": spline([0.01, 0.02], [0.1, 0.2]),
+    answer = designs.ok(DESIGNS, {"task": "stress_strain", "family": "IH28", "target": spline([0.01, 0.02], [0.1, 0.2]),
                                   "samples": 2, "fixed": tiny, "verify": True})
     assert answer["parameters"] == tiny and "no such structure" in answer["message"]
     assert answer["profile"]["verified"]["y"] == [None, None] and "relative_rms" not in answer["profile"]["verified"]
