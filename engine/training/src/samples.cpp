@@ -29,8 +29,11 @@ std::vector<int> shuffled(int n, const char* name, std::int64_t seed) {
   return order;
 }
 
-/// Settings that choose designs and loads. All others decide what is simulated for them.
-constexpr std::array<std::string_view, 18> choosing{"seed",
+/// Settings that choose designs and loads, and the bounds that the family had then. All others decide what is
+/// simulated.
+constexpr std::array<std::string_view, 20> choosing{"seed",
+                                                    "lower_bounds",
+                                                    "upper_bounds",
                                                     "box_margin",
                                                     "corners",
                                                     "parameters",
