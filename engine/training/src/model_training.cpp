@@ -7,7 +7,6 @@
 #include <cctype>
 #include <cstdlib>
 #include <iterator>
-#include <ranges>
 #include <set>
 
 #include "supple/base/error.h"
@@ -71,8 +70,9 @@ constexpr double covered_share = 0.02;
 neural::Network narrowed(neural::Network network, const Samples& samples) {
   std::vector<double> lower, upper;
   for (long k = 0; k < network.lower.size(); ++k) {
-    const auto [least, greatest] = std::ranges::minmax(
-        samples.designs | std::views::transform([&](const SampledDesign& design) { return design.parameters[k]; }));
+    const auto of = [k](const SampledDesign& design) { return design.parameters[static_cast<std::size_t>(k)]; };
+    const double least = of(*std::ranges::min_element(samples.designs, {}, of));
+    const double greatest = of(*std::ranges::max_element(samples.designs, {}, of));
     const double near = covered_share * (network.upper[k] - network.lower[k]);
     lower.push_back(least > network.lower[k] + near ? least : network.lower[k]);
     upper.push_back(greatest < network.upper[k] - near ? greatest : network.upper[k]);
