@@ -35,9 +35,9 @@ declare -A about=(
 order=(arrows format build unit stability python api web browser bench tidy asan tsan fuzz)
 usual=(arrows format build unit stability python api web)
 
-# The machines of CI start from nothing.
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
+# The machines of CI start from nothing: there tests compile a dozen files at a time.
 configure_preset() {
   [ -z "${done_already[$1]:-}" ] || return 0
   cmake --preset "$1" ${CI:+-DSUPPLE_UNITY_TESTS=ON} >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }

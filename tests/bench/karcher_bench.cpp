@@ -1,6 +1,7 @@
 // Karcher means: success, time and convergence over random problems, and three methods' gradient against iterations and
 // time. karcher_bench [--out FOLDER] karcher writes karcher.csv (every iteration of the studied problems) and
-// karcher.md (the tables) into FOLDER, docs/bench unless given; plot_karcher.py draws the CSV.
+// karcher.md (the tables) into FOLDER, docs/bench unless given; plot_karcher.py draws the CSV. karcher_bench starts
+// writes karcher-starts.md, what several starts find and cost.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

@@ -53,9 +53,10 @@ constexpr double another_design = 0.02;
 /// The box is surveyed at so many places for each free parameter, and at most.
 constexpr int surveyed_per_parameter = 64;
 constexpr int most_surveyed = 256;
+/// The most promising of them are moved to where the network deviates least nearby.
 constexpr std::size_t most_settled = 128;
 /// An error bar holds in nine of ten cases: the network may be off by so many of them.
-constexpr double bars = 2;
+constexpr double allowed_bars = 2;
 /// Where nobody can say how far the network is off: a share of the target's scale.
 constexpr double unknown_bar = 0.1;
 /// At half this distance from what was simulated (as a share of the widths) half an error bar is left, from it on all.
@@ -299,10 +300,7 @@ class Polish {
     while (!starts_->empty()) {
       const Eigen::VectorXd x = std::move(starts_->front());
       starts_->erase(starts_->begin());
-      const bool known = std::any_of(result_.rounds.begin(), result_.rounds.end(), [&](const PolishRound& round) {
-        return (x - scaled(bounds_.free_part(round.parameters))).cwiseAbs().maxCoeff() < same_design;
-      });
-      if (!known) return x;
+      if (distance_to_known(x) >= same_design) return x;
     }
     return std::nullopt;
   }
@@ -400,7 +398,7 @@ class Polish {
   }
 
   double least_to_expect(const Place& place, const CorrectionField& field) const {
-    const double open = std::min(1.0, distance_to_known(place.x) / unknown_distance) * bars * place.bar;
+    const double open = std::min(1.0, distance_to_known(place.x) / unknown_distance) * allowed_bars * place.bar;
     return deviation(place.model + field.at(place.x)) - open;
   }
 
@@ -452,27 +450,9 @@ class Polish {
     execution_.cancellation.throw_if_requested();
     const Eigen::VectorXd parameters = parameters_at(x);
     if (space_.buildable && !space_.buildable(parameters)) return std::nullopt;
-    Place place;
-    place.x = x;
-    place.model.resize(total());
-    double sum = 0, weights = 0;
-    Eigen::Index at = 0;
-    for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const SampledTarget& target = targets_[t];
-      const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
-      const Profile profile = evaluate_profile(space_.model, space_.evaluator, span, target.samples,
-                                               std::max(options_.equilibrium_tolerance, 1e-8));
-      place.model.segment(at, target.y.size()) = profile.y;
-      at += target.y.size();
-      for (Eigen::Index k = 0; k < target.y.size(); ++k) {
-        const double bar = profile.error_bar.size() > 0 ? profile.error_bar[k] / target.scale : unknown_bar;
-        sum += weights_[t] * target.weights[k] * std::pow(std::isfinite(bar) ? bar : unknown_bar, 2);
-      }
-      weights += weights_[t];
-    }
-    place.bar = std::sqrt(sum / weights);
-    if (!place.model.allFinite()) return std::nullopt;
-    return place;
+    const auto [values, bar] = model_at(parameters, std::max(options_.equilibrium_tolerance, 1e-8));
+    if (!values.allFinite()) return std::nullopt;
+    return Place{x, values, bar};
   }
 
   Eigen::VectorXd scaled(const Eigen::VectorXd& free) const {
@@ -528,17 +508,29 @@ class Polish {
     return std::isfinite(sum) ? std::sqrt(sum / weights) : infinite;
   }
 
-  /// The network's values; empty where an equilibrium is missing.
-  Eigen::VectorXd model_at(const Eigen::VectorXd& parameters) const {
-    Eigen::VectorXd values(total());
+  struct Modelled {
+    Eigen::VectorXd values;  ///< of the network, all samples of all targets; NaN where an equilibrium is missing
+    double bar = 0;          ///< relative root mean square of their error bars, as deviations
+  };
+  Modelled model_at(const Eigen::VectorXd& parameters, double equilibrium_tolerance) const {
+    Modelled result{Eigen::VectorXd(total()), 0};
+    double sum = 0, weights = 0;
     Eigen::Index at = 0;
-    for (const SampledTarget& target : targets_) {
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      const SampledTarget& target = targets_[t];
       const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
-      values.segment(at, target.y.size()) =
-          evaluate_profile(space_.model, space_.evaluator, span, target.samples, options_.equilibrium_tolerance).y;
+      const Profile profile =
+          evaluate_profile(space_.model, space_.evaluator, span, target.samples, equilibrium_tolerance);
+      result.values.segment(at, target.y.size()) = profile.y;
       at += target.y.size();
+      for (Eigen::Index k = 0; k < target.y.size(); ++k) {
+        const double bar = profile.error_bar.size() > 0 ? profile.error_bar[k] / target.scale : unknown_bar;
+        sum += weights_[t] * target.weights[k] * std::pow(std::isfinite(bar) ? bar : unknown_bar, 2);
+      }
+      weights += weights_[t];
     }
-    return values;
+    result.bar = std::sqrt(sum / weights);
+    return result;
   }
 
   Eigen::Index total() const {
@@ -565,7 +557,7 @@ class Polish {
       }
       known.deviation = deviation(simulated);
       known.simulated = std::move(simulated);
-      known.model = model_at(parameters);
+      known.model = model_at(parameters, options_.equilibrium_tolerance).values;
       if (!std::isfinite(known.deviation)) round.reason = "The simulation does not reach every sample.";
       if (!known.model.allFinite()) {
         known.deviation = result_.rounds.empty() ? known.deviation : infinite;

@@ -326,25 +326,15 @@ void add_calibrate_command(CLI::App& program, const StopSignals& signals) {
   command->callback([=, &signals] { calibrate(*arguments, signals); });
 }
 
-void add_narrow_command(CLI::App& program) {
+/// A command that makes another model of one and the data that it was trained on.
+void add_change_command(CLI::App& program, const char* name, const char* about, const char* out,
+                        void (*change)(const ChangeArguments&)) {
   const auto arguments = std::make_shared<ChangeArguments>();
-  CLI::App* command =
-      program.add_subcommand("narrow", "Let a model's bounds end where its data end; calibrate it afterwards");
+  CLI::App* command = program.add_subcommand(name, about);
   command->add_option("--model", arguments->model, "The model")->required();
   add_data_options(*command, arguments->data);
-  command->add_option("--out", arguments->out, "The model with the narrower bounds")->required();
-  command->callback([=] { narrow(*arguments); });
-}
-
-void add_symmetrize_command(CLI::App& program) {
-  const auto arguments = std::make_shared<ChangeArguments>();
-  CLI::App* command = program.add_subcommand(
-      "symmetrize",
-      "Give a model the rotations of its family exactly, at two or three times the time of an evaluation");
-  command->add_option("--model", arguments->model, "The model")->required();
-  add_data_options(*command, arguments->data);
-  command->add_option("--out", arguments->out, "The model with its errors measured anew")->required();
-  command->callback([=] { symmetrize(*arguments); });
+  command->add_option("--out", arguments->out, out)->required();
+  command->callback([=] { change(*arguments); });
 }
 
 void add_card_command(CLI::App& program) {
@@ -370,8 +360,12 @@ void add_train_command(CLI::App& program, const StopSignals& signals, bool& inte
 
 void add_model_commands(CLI::App& program, const StopSignals& signals, bool& interrupted) {
   add_train_command(program, signals, interrupted);
-  add_symmetrize_command(program);
-  add_narrow_command(program);
+  add_change_command(
+      program, "symmetrize",
+      "Give a model the rotations of its family exactly, at two or three times the time of an evaluation",
+      "The model with its errors measured anew", symmetrize);
+  add_change_command(program, "narrow", "Let a model's bounds end where its data end; calibrate it afterwards",
+                     "The model with the narrower bounds", narrow);
   add_calibrate_command(program, signals);
   add_card_command(program);
 }

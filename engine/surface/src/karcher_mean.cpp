@@ -155,21 +155,29 @@ SurfacePoint best_start(AnchorDistances& distances, const TriangleMesh& mesh, co
   return start;
 }
 
-/// The vertex of the points' component that is farthest in space from the nearest of `taken`.
-SurfacePoint far_vertex(const TriangleMesh& mesh, std::int32_t component, const std::vector<Eigen::Vector3d>& taken) {
-  double farthest = -1;
-  SurfacePoint found;
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    double near = std::numeric_limits<double>::infinity();
-    for (const Eigen::Vector3d& place : taken) near = std::min(near, (mesh.positions()[v] - place).squaredNorm());
-    if (near <= farthest) continue;
-    const SurfacePoint point = vertex_point(mesh, VertexId{v});
-    if (mesh.component(index(point.face)) != component) continue;
-    farthest = near;
-    found = point;
+/// Vertices of one component far in space from all places that were taken before; linear time for each place and each
+/// vertex asked for.
+class FarVertices {
+ public:
+  FarVertices(const TriangleMesh& mesh, std::int32_t component)
+      : mesh_(mesh), nearest_(static_cast<std::size_t>(mesh.vertex_count()), std::numeric_limits<double>::infinity()) {
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+      if (mesh.component(index(vertex_point(mesh, VertexId{v}).face)) != component)
+        nearest_[static_cast<std::size_t>(v)] = -1;
   }
-  return found;
-}
+  void take(const Eigen::Vector3d& place) {
+    for (std::size_t v = 0; v < nearest_.size(); ++v)
+      nearest_[v] = std::min(nearest_[v], (mesh_.positions()[v] - place).squaredNorm());
+  }
+  SurfacePoint farthest() const {
+    const auto v = static_cast<std::int32_t>(std::ranges::max_element(nearest_) - nearest_.begin());
+    return vertex_point(mesh_, VertexId{v});
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<double> nearest_;  ///< squared distance of each vertex to the nearest place; -1 of other components
+};
 
 std::int64_t expected_evaluations(MinimizationMethod method) {
   switch (method) {
@@ -338,18 +346,20 @@ KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& pro
   if (distances.facts(0).windows_per_pair == 0) search.evaluate();
   choose_search(distances, problem, execution);
   KarcherMean mean = search.run();
-  std::vector<Eigen::Vector3d> taken = {position(mesh, start)};
-  Eigen::Vector3d latest = mean.position;
-  for (int s = 1; s < problem.starts; ++s) {
-    execution.checkpoint(static_cast<double>(s) / problem.starts, "step");
-    taken.push_back(latest);
-    const SurfacePoint far = far_vertex(mesh, mesh.component(index(start.face)), taken);
-    taken.push_back(position(mesh, far));
-    KarcherMean other = Search(mesh, problem, distances, own.weights, far, each).run();
-    latest = other.position;
-    if (!(other.objective < mean.objective * (1 - probe_gain))) continue;
-    mean = std::move(other);
-    mean.start = s;
+  if (problem.starts > 1) {
+    FarVertices places(mesh, mesh.component(index(start.face)));
+    places.take(position(mesh, start));
+    places.take(mean.position);
+    for (int s = 1; s < problem.starts; ++s) {
+      execution.checkpoint(static_cast<double>(s) / problem.starts, "step");
+      const SurfacePoint far = places.farthest();
+      KarcherMean other = Search(mesh, problem, distances, own.weights, far, each).run();
+      places.take(position(mesh, far));
+      places.take(other.position);
+      if (!(other.objective < mean.objective * (1 - probe_gain))) continue;
+      mean = std::move(other);
+      mean.start = s;
+    }
   }
   if (execution.cost)
     execution.cost->add_effect("multi_start", problem.starts > 1,
