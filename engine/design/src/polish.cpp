@@ -7,13 +7,10 @@
 #include <limits>
 #include <utility>
 
-#include "free_parameters.h"
+#include "corrected_model.h"
 #include "supple/base/error.h"
 #include "supple/base/random.h"
-#include "supple/base/sobol.h"
-#include "supple/base/threads.h"
 #include "survey.h"
-#include "target_residuals.h"
 
 namespace supple::design {
 namespace {
@@ -50,17 +47,6 @@ constexpr double worst_start = 0.1;
 /// Designs nearer (as a share of the widths) were simulated already; minima nearer are one.
 constexpr double same_design = 1e-3;
 constexpr double another_design = 0.02;
-/// The box is surveyed at so many places for each free parameter, and at most.
-constexpr int surveyed_per_parameter = 64;
-constexpr int most_surveyed = 256;
-/// The most promising of them are moved to where the network deviates least nearby.
-constexpr std::size_t most_settled = 128;
-/// An error bar holds in nine of ten cases: the network may be off by so many of them.
-constexpr double allowed_bars = 2;
-/// Where nobody can say how far the network is off: a share of the target's scale.
-constexpr double unknown_bar = 0.1;
-/// At half this distance from what was simulated (as a share of the widths) half an error bar is left, from it on all.
-constexpr double unknown_distance = 0.2;
 /// After so many surveyed designs in a row that were not better the others are not simulated.
 constexpr int survey_patience = 8;
 /// Rounds after which no other minimum is begun with, as a share of all.
@@ -106,17 +92,11 @@ class Polish {
         options_(options),
         execution_(execution),
         on_round_(on_round),
-        bounds_(space, problem_),
-        width_((bounds_.free_part(bounds_.upper) - bounds_.free_part(bounds_.lower))) {
-    for (const Target& target : problem_.targets) {
-      targets_.push_back(sample_target(target));
-      weights_.push_back(target.weight);
-    }
-  }
+        model_(space, problem_, options.equilibrium_tolerance) {}
 
   Polished run(const Eigen::VectorXd& parameters) {
     return finished([&] {
-      best_.x = scaled(bounds_.free_part(parameters));
+      best_.x = model_.shares(parameters);
       return improve(simulate_round(Proposal::search, best_.x, parameters));
     });
   }
@@ -124,22 +104,20 @@ class Polish {
   Polished go_on(const Polished& before) {
     return finished([&] {
       result_.rounds = before.rounds;
-      for (const PolishRound& round : before.rounds) longest_ = std::max(longest_, round.seconds);
-      best_.x = scaled(bounds_.free_part(before.parameters));
+      for (const PolishRound& round : before.rounds) {
+        longest_ = std::max(longest_, round.seconds);
+        tried_.push_back(model_.shares(round.parameters));
+      }
+      best_.x = model_.shares(before.parameters);
       best_.simulated = joined(before.simulated);
       best_.model = joined(before.model);
       best_.deviation = before.target_error.value_or(infinite);
-      if (std::isfinite(best_.deviation)) known_.push_back(best_);
+      if (std::isfinite(best_.deviation)) known_.push_back({best_.x, best_.correction()});
       return improve(best_);
     });
   }
 
  private:
-  struct Step {
-    Eigen::VectorXd x;
-    double promised = infinite;
-  };
-
   /// A descent from one start: its best design and what is known around it.
   struct Descent {
     Known best;
@@ -166,10 +144,10 @@ class Polish {
     result_.parameters = result_.rounds.front().parameters;
     for (const PolishRound& round : result_.rounds)
       if (round.accepted) result_.parameters = round.parameters;
-    result_.simulated = parts_of(best_.simulated);
-    result_.model = parts_of(best_.model);
+    result_.simulated = model_.parts_of(best_.simulated);
+    result_.model = model_.parts_of(best_.model);
     if (std::isfinite(best_.deviation)) result_.target_error = best_.deviation;
-    result_.targets = targets_;
+    result_.targets = model_.targets();
     return result_;
   }
 
@@ -185,12 +163,12 @@ class Polish {
         const auto rounds = static_cast<double>(result_.rounds.size());
         const bool starts_left = rounds <= starts_share * options_.max_rounds || !std::isfinite(best_.deviation);
         if (const auto start = starts_left ? new_start() : std::nullopt) {
-          known = simulate_round(Proposal::new_search, *start, parameters_at(*start));
+          known = simulate_round(Proposal::new_search, *start, model_.parameters_at(*start));
           found = std::isfinite(known.deviation);
         } else if (const auto place = surveyed()) {
           // What is no better has taught the field of corrections, and the next place makes use of it.
           const double before = best_.deviation;
-          known = simulate_round(Proposal::survey, *place, parameters_at(*place));
+          known = simulate_round(Proposal::survey, *place, model_.parameters_at(*place));
           found = known.deviation < before;
           fruitless_ = found ? 0 : fruitless_ + 1;
         } else {
@@ -202,7 +180,7 @@ class Polish {
 
   std::optional<PolishStop> stop_reached() const {
     if (best_.deviation <= options_.tolerance) return PolishStop::reached;
-    if (bounds_.free.empty()) return PolishStop::no_improvement;
+    if (model_.width().size() == 0) return PolishStop::no_improvement;
     if (static_cast<int>(result_.rounds.size()) > options_.max_rounds) return PolishStop::round_limit;
     if (seconds_since(start_) + longest_ > options_.max_seconds) return PolishStop::time_limit;
     return std::nullopt;
@@ -212,14 +190,15 @@ class Polish {
   std::optional<PolishStop> descend(const Known& from) {
     Descent descent;
     descent.best = from;
-    descent.slope = Eigen::MatrixXd::Zero(from.simulated.size(), width_.size());
+    descent.slope = Eigen::MatrixXd::Zero(from.simulated.size(), model_.width().size());
     descent.first_round = result_.rounds.size();
     while (true) {
       if (const auto stop = stop_reached()) return stop;
       // Half of what is left is kept for other starts.
       const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
       if (spent > std::max(least_rounds, options_.max_rounds / 2)) return std::nullopt;
-      const Step step = step_within(around_best(descent), descent.radius);
+      const CorrectedModel::Step step =
+          model_.step_within(around_best(descent), descent.radius, execution_.cancellation);
       const bool promising =
           descent.radius >= least_radius && step.promised < (1 - least_promise) * descent.best.deviation;
       if (promising && descent.rejected < (descent.probed ? probed_patience : patience)) {
@@ -232,8 +211,8 @@ class Polish {
     }
   }
 
-  void try_step(Descent& descent, const Step& step) {
-    const Known known = simulate_round(Proposal::step, step.x, parameters_at(step.x));
+  void try_step(Descent& descent, const CorrectedModel::Step& step) {
+    const Known known = simulate_round(Proposal::step, step.x, model_.parameters_at(step.x));
     const Eigen::VectorXd moved = known.x - descent.best.x;
     const bool less = known.deviation < descent.best.deviation;
     const double gained = descent.best.deviation - known.deviation;
@@ -260,16 +239,16 @@ class Polish {
   /// are not left for another landscape, and what valleys change stands out from the simulation's own noise.
   std::optional<PolishStop> probe(Descent& descent, const Eigen::VectorXd& towards) {
     descent.probed_at = descent.best.deviation;
-    TargetResiduals residuals = corrected_residuals(around_best(descent));
+    TargetResiduals residuals = model_.residuals(around_best(descent));
     Eigen::VectorXd r;
     Eigen::MatrixXd jacobian;
-    if (!residuals.residuals(unscaled(descent.best.x), r)) return std::nullopt;
+    if (!residuals.residuals(model_.free_parameters(descent.best.x), r)) return std::nullopt;
     residuals.jacobian(jacobian);
-    jacobian *= width_.asDiagonal();
+    jacobian *= model_.width().asDiagonal();
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeFullV);
     const Known from = descent.best;
     Known least = from;
-    for (Eigen::Index k = 0; k < width_.size(); ++k) {
+    for (Eigen::Index k = 0; k < model_.width().size(); ++k) {
       if (const auto stop = stop_reached()) return stop;
       const double change = k < svd.singularValues().size() ? svd.singularValues()[k] : 0;
       const double length =
@@ -279,7 +258,7 @@ class Polish {
       if (!within_bounds(from.x + move) && within_bounds(from.x - move)) move = -move;
       const Eigen::VectorXd x = (from.x + move).cwiseMax(0).cwiseMin(1);
       if ((x - from.x).norm() < shortest_probe / 2) continue;
-      const Known known = simulate_round(Proposal::probe, x, parameters_at(x));
+      const Known known = simulate_round(Proposal::probe, x, model_.parameters_at(x));
       if (!std::isfinite(known.deviation)) continue;
       // A move that the bounds have bent is not along the singular vector alone: its secant holds all the same.
       learn(descent, known);
@@ -300,7 +279,7 @@ class Polish {
     while (!starts_->empty()) {
       const Eigen::VectorXd x = std::move(starts_->front());
       starts_->erase(starts_->begin());
-      if (distance_to_known(x) >= same_design) return x;
+      if (distance_to_nearest(x, tried_) >= same_design) return x;
     }
     return std::nullopt;
   }
@@ -315,20 +294,20 @@ class Polish {
     for (int i = 0; i <= random_starts && seconds_since(start_) < options_.max_seconds; ++i) {
       DesignProblem shifted = problem_;
       shifted.initial.reset();
-      if (std::isfinite(best_.deviation)) shifted.corrections = parts_of(best_.correction());
+      if (std::isfinite(best_.deviation)) shifted.corrections = model_.parts_of(best_.correction());
       // The first is a search of the whole box, the others begin anywhere.
       if (i > 0) {
-        Eigen::VectorXd x(width_.size());
+        Eigen::VectorXd x(model_.width().size());
         for (double& share : x) share = random.uniform(0, 1);
-        shifted.initial = parameters_at(x);
+        shifted.initial = model_.parameters_at(x);
       }
       DesignOptions options;
       options.envelope = Switch::off;
       options.multi_start = i > 0 ? Switch::off : Switch::automatic;
-      options.equilibrium_tolerance = std::max(options_.equilibrium_tolerance, 1e-8);
+      options.equilibrium_tolerance = model_.search_tolerance();
       try {
         const Design found = find_design(space_, shifted, options, Execution{execution_.cancellation});
-        const Eigen::VectorXd x = scaled(bounds_.free_part(found.parameters));
+        const Eigen::VectorXd x = model_.shares(found.parameters);
         const double deviation = found.error.relative_rms;
         const auto same = std::find_if(minima.begin(), minima.end(), [&](const Minimum& other) {
           return (x - other.x).cwiseAbs().maxCoeff() < another_design;
@@ -351,120 +330,6 @@ class Polish {
     return result;
   }
 
-  /// A structure of the box: what the network says of it, and how far that may be off.
-  struct Place {
-    Eigen::VectorXd x;
-    Eigen::VectorXd model;  ///< all samples of all targets
-    double bar = 0;         ///< relative root mean square, as deviations
-  };
-
-  /// The structure whose simulation may come nearest to the target, as far as can be said: of all places the one where
-  /// the deviation of the network with the field of corrections, less what the error bars leave open there, is least
-  /// (a lower confidence bound). Nothing where none may be better than the best design by far, or after too many that
-  /// were not.
-  std::optional<Eigen::VectorXd> surveyed() {
-    if (fruitless_ >= survey_patience || !std::isfinite(best_.deviation)) return std::nullopt;
-    const CorrectionField field = field_of_corrections();
-    if (!places_) places_ = settled(places_of_the_box(), field);
-    double least = (1 - least_promise) * best_.deviation;
-    auto chosen = places_->end();
-    for (auto place = places_->begin(); place != places_->end(); ++place) {
-      const double bound = least_to_expect(*place, field);
-      if (bound >= least) continue;
-      least = bound;
-      chosen = place;
-    }
-    if (chosen == places_->end()) return std::nullopt;
-    const Eigen::VectorXd x = std::move(chosen->x);
-    places_->erase(chosen);
-    return x;
-  }
-
-  /// Corrections of more than the targets' scales say that a place is out of the question, and how much more they are
-  /// would tell nothing of others.
-  CorrectionField field_of_corrections() const {
-    Eigen::VectorXd most(total());
-    Eigen::Index at = 0;
-    for (const SampledTarget& target : targets_) {
-      most.segment(at, target.y.size()).setConstant(target.scale);
-      at += target.y.size();
-    }
-    std::vector<Eigen::VectorXd> points, corrections;
-    for (const Known& known : known_) {
-      points.push_back(known.x);
-      corrections.emplace_back(known.correction().cwiseMax(-most).cwiseMin(most));
-    }
-    return {std::move(points), corrections};
-  }
-
-  double least_to_expect(const Place& place, const CorrectionField& field) const {
-    const double open = std::min(1.0, distance_to_known(place.x) / unknown_distance) * allowed_bars * place.bar;
-    return deviation(place.model + field.at(place.x)) - open;
-  }
-
-  /// The largest difference of a parameter from the nearest structure that was simulated, or whose simulation failed.
-  double distance_to_known(const Eigen::VectorXd& x) const {
-    double least = infinite;
-    for (const PolishRound& round : result_.rounds)
-      least = std::min(least, (x - scaled(bounds_.free_part(round.parameters))).cwiseAbs().maxCoeff());
-    return least;
-  }
-
-  int places_wanted() const {
-    return std::min(most_surveyed, surveyed_per_parameter * static_cast<int>(width_.size()));
-  }
-  /// Between neighbouring places, as a share of the widths.
-  double spacing() const { return std::pow(places_wanted(), -1.0 / static_cast<double>(width_.size())); }
-
-  std::vector<Place> places_of_the_box() const {
-    const SobolSequence sequence("polish", 1);
-    std::vector<Place> places(static_cast<std::size_t>(places_wanted()));
-    parallel_for(places_wanted(), [&](int i) {
-      const auto shares = sequence.point(static_cast<std::uint32_t>(i));
-      const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(shares.data(), width_.size());
-      if (auto place = place_at(x)) places[static_cast<std::size_t>(i)] = std::move(*place);
-    });
-    std::erase_if(places, [](const Place& place) { return place.model.size() == 0; });
-    return places;
-  }
-
-  /// The most promising places, each moved within its own part of the box to where the network deviates least: designs
-  /// that meet a target lie in valleys that are narrower than the distance of places.
-  std::vector<Place> settled(std::vector<Place> places, const CorrectionField& field) const {
-    std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < places.size(); ++i) order.emplace_back(least_to_expect(places[i], field), i);
-    std::sort(order.begin(), order.end());
-    if (order.size() > most_settled) order.resize(most_settled);
-    std::vector<Place> result(order.size());
-    parallel_for(static_cast<int>(order.size()), [&](int k) {
-      Place& place = places[order[static_cast<std::size_t>(k)].second];
-      const Step step = step_within({field.at(place.x), field.slope(place.x), place.x}, spacing() / 2);
-      auto moved = place_at(step.x);
-      result[static_cast<std::size_t>(k)] = std::move(moved ? *moved : place);
-    });
-    return result;
-  }
-
-  /// Nothing where the place has no structure, or the network no equilibrium at every sample.
-  std::optional<Place> place_at(const Eigen::VectorXd& x) const {
-    execution_.cancellation.throw_if_requested();
-    const Eigen::VectorXd parameters = parameters_at(x);
-    if (space_.buildable && !space_.buildable(parameters)) return std::nullopt;
-    const auto [values, bar] = model_at(parameters, std::max(options_.equilibrium_tolerance, 1e-8));
-    if (!values.allFinite()) return std::nullopt;
-    return Place{x, values, bar};
-  }
-
-  Eigen::VectorXd scaled(const Eigen::VectorXd& free) const {
-    return (free - bounds_.free_part(bounds_.lower)).cwiseQuotient(width_);
-  }
-  Eigen::VectorXd unscaled(const Eigen::VectorXd& x) const {
-    return bounds_.free_part(bounds_.lower) + x.cwiseProduct(width_);
-  }
-  Eigen::VectorXd parameters_at(const Eigen::VectorXd& x) const {
-    return all_parameters(bounds_.held, bounds_.free, unscaled(x));
-  }
-
   static Eigen::VectorXd joined(const std::vector<Eigen::VectorXd>& parts) {
     Eigen::Index n = 0;
     for (const Eigen::VectorXd& part : parts) n += part.size();
@@ -477,68 +342,6 @@ class Polish {
     return values;
   }
 
-  std::vector<Eigen::VectorXd> parts_of(const Eigen::VectorXd& values) const {
-    std::vector<Eigen::VectorXd> parts;
-    Eigen::Index at = 0;
-    for (const SampledTarget& target : targets_) {
-      const Eigen::Index n = target.y.size();
-      parts.push_back(values.size() > 0 ? Eigen::VectorXd(values.segment(at, n))
-                                        : Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN()));
-      at += n;
-    }
-    return parts;
-  }
-
-  TargetResiduals model_residuals() const {
-    return {space_.evaluator, targets_,     weights_,
-            bounds_.held,     bounds_.free, std::max(options_.equilibrium_tolerance, 1e-8),
-            space_.buildable};
-  }
-
-  /// The relative root mean square deviation of values of all samples; infinite where one is missing.
-  double deviation(const Eigen::VectorXd& values) const {
-    double sum = 0, weights = 0;
-    Eigen::Index at = 0;
-    for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const Eigen::Index n = targets_[t].y.size();
-      sum += weights_[t] * std::pow(targets_[t].relative_rms(values.segment(at, n)).value_or(infinite), 2);
-      weights += weights_[t];
-      at += n;
-    }
-    return std::isfinite(sum) ? std::sqrt(sum / weights) : infinite;
-  }
-
-  struct Modelled {
-    Eigen::VectorXd values;  ///< of the network, all samples of all targets; NaN where an equilibrium is missing
-    double bar = 0;          ///< relative root mean square of their error bars, as deviations
-  };
-  Modelled model_at(const Eigen::VectorXd& parameters, double equilibrium_tolerance) const {
-    Modelled result{Eigen::VectorXd(total()), 0};
-    double sum = 0, weights = 0;
-    Eigen::Index at = 0;
-    for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const SampledTarget& target = targets_[t];
-      const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
-      const Profile profile =
-          evaluate_profile(space_.model, space_.evaluator, span, target.samples, equilibrium_tolerance);
-      result.values.segment(at, target.y.size()) = profile.y;
-      at += target.y.size();
-      for (Eigen::Index k = 0; k < target.y.size(); ++k) {
-        const double bar = profile.error_bar.size() > 0 ? profile.error_bar[k] / target.scale : unknown_bar;
-        sum += weights_[t] * target.weights[k] * std::pow(std::isfinite(bar) ? bar : unknown_bar, 2);
-      }
-      weights += weights_[t];
-    }
-    result.bar = std::sqrt(sum / weights);
-    return result;
-  }
-
-  Eigen::Index total() const {
-    Eigen::Index n = 0;
-    for (const SampledTarget& target : targets_) n += target.y.size();
-    return n;
-  }
-
   /// Simulates the structure of the parameters and keeps it if it is the best.
   Known simulate_round(Proposal proposal, const Eigen::VectorXd& x, const Eigen::VectorXd& parameters) {
     const auto begin = Clock::now();
@@ -548,16 +351,16 @@ class Polish {
     Known known;
     known.x = x;
     try {
-      Eigen::VectorXd simulated(total());
+      Eigen::VectorXd simulated(model_.samples());
       Eigen::Index at = 0;
       const Execution inner{execution_.cancellation, nullptr, execution_.cost};
-      for (const SampledTarget& target : targets_) {
+      for (const SampledTarget& target : model_.targets()) {
         simulated.segment(at, target.y.size()) = simulate_(parameters, target.samples, inner);
         at += target.y.size();
       }
-      known.deviation = deviation(simulated);
+      known.deviation = model_.deviation(simulated);
       known.simulated = std::move(simulated);
-      known.model = model_at(parameters, options_.equilibrium_tolerance).values;
+      known.model = model_.at(parameters).values;
       if (!std::isfinite(known.deviation)) round.reason = "The simulation does not reach every sample.";
       if (!known.model.allFinite()) {
         known.deviation = result_.rounds.empty() ? known.deviation : infinite;
@@ -576,7 +379,8 @@ class Polish {
     if (std::isfinite(known.deviation)) round.target_error = known.deviation;
     round.accepted = result_.rounds.empty() ? round.target_error.has_value() : known.deviation < best_.deviation;
     if (!round.accepted && round.reason.empty()) round.reason = "Its simulated deviation is not less.";
-    if (std::isfinite(known.deviation)) known_.push_back(known);
+    tried_.push_back(x);
+    if (std::isfinite(known.deviation)) known_.push_back({x, known.correction()});
     // What the search found is told even where its simulation does not get everywhere.
     if (round.accepted || result_.rounds.empty()) best_ = known;
     record(std::move(round), begin);
@@ -594,30 +398,16 @@ class Polish {
     if (on_round_) on_round_(result_.rounds.back());
   }
 
+  /// The next place of the survey; nothing after too many that were not better, or where none may be by far.
+  std::optional<Eigen::VectorXd> surveyed() {
+    if (fruitless_ >= survey_patience || known_.empty()) return std::nullopt;
+    if (!survey_) survey_.emplace(model_, known_, tried_, execution_.cancellation);
+    return survey_->next(known_, tried_, (1 - least_promise) * best_.deviation);
+  }
+
   /// What is added to the network around a design, everything by shares of the widths.
   static Correction around_best(const Descent& descent) {
     return {descent.best.correction(), descent.slope, descent.best.x};
-  }
-
-  TargetResiduals corrected_residuals(const Correction& correction) const {
-    TargetResiduals residuals = model_residuals();
-    // The solver works with parameters.
-    residuals.correct(
-        {correction.offset, correction.slope * width_.cwiseInverse().asDiagonal(), unscaled(correction.at)});
-    return residuals;
-  }
-
-  /// The best parameters of the corrected network within so much of the correction's place, and the deviation that it
-  /// promises.
-  Step step_within(const Correction& correction, double radius) const {
-    TargetResiduals residuals = corrected_residuals(correction);
-    const Eigen::VectorXd lower = (correction.at.array() - radius).max(0);
-    const Eigen::VectorXd upper = (correction.at.array() + radius).min(1);
-    const auto found = numerics::minimize_least_squares(
-        residuals, unscaled(correction.at), unscaled(lower), unscaled(upper),
-        {.tolerance = 1e-7, .max_iterations = 100, .initial_radius = 1}, Execution{execution_.cancellation});
-    if (!found.defined) return {correction.at, infinite};
-    return {scaled(found.x), found.norm};
   }
 
   const DesignSpace& space_;
@@ -626,15 +416,13 @@ class Polish {
   const PolishOptions& options_;
   const Execution& execution_;
   const OnPolishRound& on_round_;
-  FreeParameters bounds_;
-  Eigen::VectorXd width_;
-  std::vector<SampledTarget> targets_;
-  std::vector<double> weights_;
+  const CorrectedModel model_;
   Polished result_;
   Known best_;
-  std::vector<Known> known_;                            ///< all whose simulation reached every sample
+  std::vector<Survey::Known> known_;                    ///< all whose simulation reached every sample
+  std::vector<Eigen::VectorXd> tried_;                  ///< of each round
   int fruitless_ = 0;                                   ///< surveyed designs in a row that were not better
-  std::optional<std::vector<Place>> places_;            ///< that were not surveyed yet; none before they were needed
+  std::optional<Survey> survey_;                        ///< none before it was needed
   std::optional<std::vector<Eigen::VectorXd>> starts_;  ///< that are left; none before they were looked for
   Clock::time_point start_;
   double longest_ = 0;

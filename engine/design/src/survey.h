@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
+
+#include "corrected_model.h"
 
 namespace supple::design {
 
@@ -20,6 +23,43 @@ class CorrectionField {
  private:
   std::vector<Eigen::VectorXd> points_;
   Eigen::MatrixXd weights_;  ///< a row for each point, the last one of the constant; a column for each sample
+};
+
+/// Places all over the box, of which those are simulated next whose simulation may come nearest to the target: the
+/// deviation of the network with the field of corrections, less what the error bars leave open there, is least (a lower
+/// confidence bound, Cox and John 1992).
+class Survey {
+ public:
+  /// What a simulation has said: where, and how it differed from the network.
+  struct Known {
+    Eigen::VectorXd x;
+    Eigen::VectorXd correction;
+  };
+
+  /// Evaluates the network at 64 places for each free parameter, at most 256, in parallel, and moves the most promising
+  /// to where the corrected network deviates least nearby. `known` as for `next`; `model` outlives the survey.
+  Survey(const CorrectedModel& model, const std::vector<Known>& known, const std::vector<Eigen::VectorXd>& tried,
+         const CancellationToken& cancellation);
+
+  /// The next place; nothing where none may deviate by less than `below`. `known` are at least one simulation, `tried`
+  /// all designs that were simulated, also those whose simulation failed.
+  std::optional<Eigen::VectorXd> next(const std::vector<Known>& known, const std::vector<Eigen::VectorXd>& tried,
+                                      double below);
+
+ private:
+  struct Place {
+    Eigen::VectorXd x;
+    CorrectedModel::Values model;
+  };
+
+  CorrectionField field_of(const std::vector<Known>& known) const;
+  double least_to_expect(const Place& place, const CorrectionField& field,
+                         const std::vector<Eigen::VectorXd>& tried) const;
+  void settle(const CorrectionField& field, const std::vector<Eigen::VectorXd>& tried, double radius,
+              const CancellationToken& cancellation);
+
+  const CorrectedModel& model_;
+  std::vector<Place> places_;  ///< that were not simulated yet
 };
 
 }  // namespace supple::design

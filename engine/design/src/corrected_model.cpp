@@ -1,0 +1,129 @@
+#include "corrected_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace supple::design {
+namespace {
+
+constexpr double least_search_tolerance = 1e-8;
+/// Where nobody can say how far the network is off: a share of the target's scale.
+constexpr double unknown_bar = 0.1;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+CorrectedModel::CorrectedModel(const DesignSpace& space, const DesignProblem& problem, double tolerance)
+    : space_(space),
+      bounds_(space, problem),
+      lower_(bounds_.free_part(bounds_.lower)),
+      width_(bounds_.free_part(bounds_.upper) - lower_),
+      tolerance_(tolerance),
+      search_tolerance_(std::max(tolerance, least_search_tolerance)) {
+  for (const Target& target : problem.targets) {
+    targets_.push_back(sample_target(target));
+    weights_.push_back(target.weight);
+  }
+}
+
+Eigen::Index CorrectedModel::samples() const {
+  Eigen::Index n = 0;
+  for (const SampledTarget& target : targets_) n += target.y.size();
+  return n;
+}
+
+Eigen::VectorXd CorrectedModel::shares(const Eigen::VectorXd& parameters) const {
+  return (bounds_.free_part(parameters) - lower_).cwiseQuotient(width_);
+}
+
+Eigen::VectorXd CorrectedModel::free_parameters(const Eigen::VectorXd& x) const {
+  return lower_ + x.cwiseProduct(width_);
+}
+
+Eigen::VectorXd CorrectedModel::parameters_at(const Eigen::VectorXd& x) const {
+  return all_parameters(bounds_.held, bounds_.free, free_parameters(x));
+}
+
+std::vector<Eigen::VectorXd> CorrectedModel::parts_of(const Eigen::VectorXd& values) const {
+  std::vector<Eigen::VectorXd> parts;
+  Eigen::Index at = 0;
+  for (const SampledTarget& target : targets_) {
+    const Eigen::Index n = target.y.size();
+    parts.push_back(values.size() > 0 ? Eigen::VectorXd(values.segment(at, n))
+                                      : Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN()));
+    at += n;
+  }
+  return parts;
+}
+
+double CorrectedModel::deviation(const Eigen::VectorXd& values) const {
+  double sum = 0, weights = 0;
+  Eigen::Index at = 0;
+  for (std::size_t t = 0; t < targets_.size(); ++t) {
+    const Eigen::Index n = targets_[t].y.size();
+    sum += weights_[t] * std::pow(targets_[t].relative_rms(values.segment(at, n)).value_or(infinite), 2);
+    weights += weights_[t];
+    at += n;
+  }
+  return std::isfinite(sum) ? std::sqrt(sum / weights) : infinite;
+}
+
+CorrectedModel::Values CorrectedModel::values_at(const Eigen::VectorXd& parameters,
+                                                 double equilibrium_tolerance) const {
+  Values result{Eigen::VectorXd(samples()), 0};
+  double sum = 0, weights = 0;
+  Eigen::Index at = 0;
+  const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
+  for (std::size_t t = 0; t < targets_.size(); ++t) {
+    const SampledTarget& target = targets_[t];
+    const Profile profile =
+        evaluate_profile(space_.model, space_.evaluator, span, target.samples, equilibrium_tolerance);
+    result.values.segment(at, target.y.size()) = profile.y;
+    at += target.y.size();
+    for (Eigen::Index k = 0; k < target.y.size(); ++k) {
+      const double bar = profile.error_bar.size() > 0 ? profile.error_bar[k] / target.scale : unknown_bar;
+      sum += weights_[t] * target.weights[k] * std::pow(std::isfinite(bar) ? bar : unknown_bar, 2);
+    }
+    weights += weights_[t];
+  }
+  result.bar = std::sqrt(sum / weights);
+  return result;
+}
+
+std::optional<CorrectedModel::Values> CorrectedModel::find(const Eigen::VectorXd& x) const {
+  const Eigen::VectorXd parameters = parameters_at(x);
+  if (space_.buildable && !space_.buildable(parameters)) return std::nullopt;
+  Values found = values_at(parameters, search_tolerance_);
+  if (!found.values.allFinite()) return std::nullopt;
+  return found;
+}
+
+TargetResiduals CorrectedModel::residuals(const Correction& correction) const {
+  TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free, search_tolerance_,
+                            space_.buildable);
+  // The solver works with parameters.
+  residuals.correct(
+      {correction.offset, correction.slope * width_.cwiseInverse().asDiagonal(), free_parameters(correction.at)});
+  return residuals;
+}
+
+CorrectedModel::Step CorrectedModel::step_within(const Correction& correction, double radius,
+                                                 const CancellationToken& cancellation) const {
+  TargetResiduals corrected = residuals(correction);
+  const Eigen::VectorXd lower = (correction.at.array() - radius).max(0);
+  const Eigen::VectorXd upper = (correction.at.array() + radius).min(1);
+  const auto found = numerics::minimize_least_squares(
+      corrected, free_parameters(correction.at), free_parameters(lower), free_parameters(upper),
+      {.tolerance = 1e-7, .max_iterations = 100, .initial_radius = 1}, Execution{cancellation});
+  if (!found.defined) return {correction.at, infinite};
+  return {(found.x - lower_).cwiseQuotient(width_), found.norm};
+}
+
+double distance_to_nearest(const Eigen::VectorXd& x, const std::vector<Eigen::VectorXd>& others) {
+  double least = infinite;
+  for (const Eigen::VectorXd& other : others) least = std::min(least, (x - other).cwiseAbs().maxCoeff());
+  return least;
+}
+
+}  // namespace supple::design
