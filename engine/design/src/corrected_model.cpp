@@ -10,7 +10,6 @@ namespace {
 constexpr double least_search_tolerance = 1e-8;
 /// Where nobody can say how far the network is off: a share of the target's scale.
 constexpr double unknown_bar = 0.1;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

@@ -11,6 +11,9 @@
 
 namespace supple::design {
 
+/// The deviation of what is not known.
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+
 /// The network of a problem as polish sees it: designs are free parameters as shares of the bounds' widths, values are
 /// those of all samples of all targets, one target after the other. `space` outlives it.
 class CorrectedModel {
@@ -44,7 +47,7 @@ class CorrectedModel {
   TargetResiduals residuals(const Correction& correction) const;
   struct Step {
     Eigen::VectorXd x;
-    double promised = std::numeric_limits<double>::infinity();  ///< deviation
+    double promised = infinite;  ///< deviation
   };
   /// The best design of the corrected network within so much of the correction's place.
   Step step_within(const Correction& correction, double radius, const CancellationToken& cancellation) const;

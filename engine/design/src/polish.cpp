@@ -52,8 +52,6 @@ constexpr int survey_patience = 8;
 /// Rounds after which no other minimum is begun with, as a share of all.
 constexpr double starts_share = 0.5;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// What is known of one structure.
