@@ -80,8 +80,10 @@ describe("stress over strain", () => {
       assert.match(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), /Control point/);
       await page.keyboard.press("Delete");
       await until(async () => (await design.handles.count()) === count, "one less");
-      await page.locator(".plot .ground").dblclick({ position: { x: 200, y: 60 } });
-      await until(async () => (await design.handles.count()) === count + 1, "one by a double click");
+      await design.doubleClickOn(".plot .axis line", 0.31);
+      await until(async () => (await design.handles.count()) === count + 1, "one by a double click on a grid line");
+      await design.doubleClickOn(".plot .curve.target", 0.57);
+      await until(async () => (await design.handles.count()) === count + 2, "one by a double click on the target");
       await design.settled();
     }));
 

@@ -77,6 +77,16 @@ export class DesignPage {
     await mouse.up();
   }
 
+  /** Double-clicks on the first line or path of a kind that reaches across the plot, at a share of its length. */
+  async doubleClickOn(selector, share) {
+    const [x, y] = await this.page.locator(selector).evaluateAll((lines, at) => {
+      const across = lines.find((line) => line.getBoundingClientRect().width > 100);
+      const { x, y } = across.getPointAtLength(at * across.getTotalLength()).matrixTransform(across.getScreenCTM());
+      return [x, y];
+    }, share);
+    await this.page.mouse.dblclick(x, y);
+  }
+
   async deviation() {
     return number(await this.page.locator(".result .facts dd").first().textContent());
   }

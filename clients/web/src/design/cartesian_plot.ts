@@ -7,7 +7,7 @@ import { type Curve, pieces } from "../base/curve";
 import { svg, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { heightDomain, widthDomain } from "../base/domains";
-import { Handles, pixelsOf } from "./handles";
+import { Handles } from "./handles";
 import type { PlotView, PlotWishes } from "./plot";
 import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
@@ -23,7 +23,7 @@ export class CartesianPlot extends ProfilePlot {
   private readonly y = scaleLinear();
   private readonly clip = uniqueId("plot-area");
   private readonly clipBox = svg("rect");
-  private readonly sheet = svg("rect", { class: "ground" });
+  private readonly plane = svg("rect", { class: "ground" });
   private readonly xAxis = svg("g", { class: "axis" });
   private readonly yAxis = svg("g", { class: "axis" });
   private readonly xTitle = svg("text", { class: "axis-title", "text-anchor": "end" });
@@ -36,7 +36,7 @@ export class CartesianPlot extends ProfilePlot {
       this.element,
       {
         toPixels: ([x, y]) => [this.x(x), this.y(y)],
-        toPoint: ([x, y]) => [this.x.invert(this.withinX(x)), this.y.invert(this.withinY(y))],
+        toPoint: (pixels) => this.pointAt(pixels),
         nudged: ([x, y], [right, up]) => [
           x + right * (this.x.domain()[1] - this.x.domain()[0]),
           y + up * (this.y.domain()[1] - this.y.domain()[0]),
@@ -48,21 +48,19 @@ export class CartesianPlot extends ProfilePlot {
       wishes,
     );
     const clipped = { "clip-path": `url(#${this.clip})` };
-    this.element.append(
+    this.sheet.append(
       svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipBox)),
-      this.sheet,
+      this.plane,
       svg("g", clipped, ...this.ground),
       this.xAxis, this.yAxis, this.xTitle, this.yTitle,
       svg("g", clipped, this.zero, ...this.curves),
-      this.handles.group,
     );
-    this.sheet.addEventListener("dblclick", (event) => this.add(event));
-    this.sheet.addEventListener("pointerdown", () => this.wishes.select(null));
+    this.element.append(this.sheet, this.handles.group);
   }
 
   protected layOut(): void {
     const { width, height } = this;
-    for (const box of [this.clipBox, this.sheet]) {
+    for (const box of [this.clipBox, this.plane]) {
       box.setAttribute("x", String(MARGIN.left));
       box.setAttribute("y", String(MARGIN.top));
       box.setAttribute("width", String(Math.max(0, width - MARGIN.left - MARGIN.right)));
@@ -135,8 +133,7 @@ export class CartesianPlot extends ProfilePlot {
     return Math.max(MARGIN.top, Math.min(this.height - MARGIN.bottom, pixels));
   }
 
-  private add(event: MouseEvent): void {
-    const [x, y] = pixelsOf(this.element, event);
-    this.wishes.add([this.x.invert(x), this.y.invert(y)]);
+  protected pointAt([x, y]: Pixels): ControlPoint {
+    return [this.x.invert(this.withinX(x)), this.y.invert(this.withinY(y))];
   }
 }

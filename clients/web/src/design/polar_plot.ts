@@ -5,7 +5,7 @@ import { svg, uniqueId } from "../base/dom";
 import { radialDomain } from "../base/domains";
 import { degrees, digits } from "../base/format";
 import { polarGrid, polarPath } from "../base/polar";
-import { Handles, pixelsOf } from "./handles";
+import { Handles } from "./handles";
 import type { PlotView, PlotWishes } from "./plot";
 import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
@@ -32,7 +32,7 @@ export class PolarPlot extends ProfilePlot {
       this.element,
       {
         toPixels: (point) => this.pixels(point),
-        toPoint: (pixels) => this.point(pixels),
+        toPoint: (pixels) => this.pointAt(pixels),
         nudged: ([x, y], [right, up]) => [
           wrapped(x - right * Math.PI),
           Math.max(this.radius.domain()[0], y + up * (this.radius.domain()[1] - this.radius.domain()[0])),
@@ -43,6 +43,7 @@ export class PolarPlot extends ProfilePlot {
       },
       wishes,
     );
+    this.sheet.append(this.centre, this.title);
     this.centre.append(
       svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipCircle)),
       this.disc,
@@ -50,9 +51,7 @@ export class PolarPlot extends ProfilePlot {
       this.grid,
       ...this.curves,
     );
-    this.element.append(this.centre, this.title, this.handles.group);
-    this.disc.addEventListener("dblclick", (event) => this.wishes.add(this.point(pixelsOf(this.element, event))));
-    this.disc.addEventListener("pointerdown", () => this.wishes.select(null));
+    this.element.append(this.sheet, this.handles.group);
   }
 
   protected layOut(): void {
@@ -105,7 +104,7 @@ export class PolarPlot extends ProfilePlot {
     return [this.width / 2 + r * Math.cos(x), this.height / 2 - r * Math.sin(x)];
   }
 
-  private point([x, y]: readonly [number, number]): ControlPoint {
+  protected pointAt([x, y]: Pixels): ControlPoint {
     const [right, up] = [x - this.width / 2, this.height / 2 - y];
     const r = Math.min(Math.hypot(right, up), this.radius.range()[1]);
     return [wrapped(Math.atan2(up, right)), this.radius.invert(r)];

@@ -1,7 +1,7 @@
 // What both plots of a profile share: size, layers, and what is drawn into which.
 import { type Curve, pieces } from "../base/curve";
 import { svg } from "../base/dom";
-import type { Handles } from "./handles";
+import { type Handles, pixelsOf } from "./handles";
 import type { PlotView, PlotWishes } from "./plot";
 import type { Band } from "./shown";
 import type { ControlPoint } from "./state";
@@ -14,6 +14,8 @@ export type Pixels = readonly [number, number];
 
 export abstract class ProfilePlot {
   readonly element: SVGSVGElement;
+  /** All that lies below the control points. A double click anywhere on it adds one, on a grid line or a curve too. */
+  protected readonly sheet = svg("g");
   protected abstract readonly handles: Handles;
   protected width = 640;
   protected height = 420;
@@ -30,6 +32,8 @@ export abstract class ProfilePlot {
 
   protected constructor(kind: string, label: string, protected readonly wishes: PlotWishes) {
     this.element = svg("svg", { class: `plot ${kind}`, role: "group", "aria-label": label });
+    this.sheet.addEventListener("dblclick", (event) => this.wishes.add(this.pointAt(pixelsOf(this.element, event))));
+    this.sheet.addEventListener("pointerdown", () => this.wishes.select(null));
   }
 
   resize(width: number, height: number): void {
@@ -93,6 +97,8 @@ export abstract class ProfilePlot {
   protected abstract targetPath(view: PlotView): string;
   protected abstract curvePath(curve: Curve): string;
   protected abstract bandPath(band: Band): { area: string; rim: string };
+  /** The control point that is shown at a place. */
+  protected abstract pointAt(pixels: Pixels): ControlPoint;
   /** Where a point is shown: once, or at every place that its period gives it. */
   protected abstract places(point: ControlPoint): readonly Pixels[];
 
