@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <memory>
 #include <mutex>
@@ -56,10 +57,14 @@ void parallel_for(int n, const std::function<void(int)>& body) {
   const char finished = 0;
   const ObserveAtEnd all_parts{&finished};
   publish(&body);
-  tbb::parallel_for(0, n, [&](int i) {
-    observe(&body);
-    const PublishAtEnd part{&finished};
-    body(i);
+  // A thread that waits for the end of these calls helps with these only: one that is itself a part of another loop
+  // would else begin further parts of that loop, and come back after them.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(0, n, [&](int i) {
+      observe(&body);
+      const PublishAtEnd part{&finished};
+      body(i);
+    });
   });
 }
 

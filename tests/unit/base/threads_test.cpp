@@ -1,9 +1,12 @@
 #include "supple/base/threads.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "support/expect_error.h"
@@ -27,6 +30,23 @@ TEST(ParallelFor, HandsAnExceptionToTheCaller) {
       if (i == 617) throw Error("job.cancelled", "stop");
     });
   });
+}
+
+TEST(ParallelFor, WithinAnotherWaitsForItsOwnPartsOnly) {
+  static thread_local int within = 0;
+  set_thread_count(6);
+  std::atomic<int> entered_twice = 0;
+  // The default arena has no more threads than the machine has cores.
+  tbb::task_arena(6).execute([&] {
+    parallel_for(200, [&](int i) {
+      if (within > 0) ++entered_twice;
+      ++within;
+      parallel_for(i % 7, [](int k) { std::this_thread::sleep_for(std::chrono::microseconds(20 + 400 * (k % 2))); });
+      --within;
+    });
+  });
+  set_thread_count(0);
+  EXPECT_EQ(entered_twice, 0) << "a part of the outer loop began while another waited on the same thread";
 }
 
 TEST(Threads, AreCountedInOnePlace) {
