@@ -113,10 +113,10 @@ void check_network(const json::EmbeddedSystemRequest& request) {
   if (const auto* points = std::get_if<std::vector<json::PointSpec>>(&request.points)) {
     require(!points->empty() && points->size() <= limits().max_points);
     for (const auto& point : *points) check_point(point);
-  } else if (const auto* disks = std::get_if<json::PoissonDiskPoints>(&request.points)) {
+  } else if (const auto* disks = std::get_if<embedded::PoissonDiskPoints>(&request.points)) {
     require(disks->radius > 0 && std::isfinite(disks->radius));
   } else {
-    require(std::get<json::PointsInFaces>(request.points).barycentric.allFinite());
+    require(std::get<embedded::PointsInFaces>(request.points).barycentric.allFinite());
   }
   const auto check_spring = [](double rest_length, double weight) {
     require(rest_length >= 0 && std::isfinite(rest_length) && weight >= 0 && std::isfinite(weight));
@@ -128,7 +128,7 @@ void check_network(const json::EmbeddedSystemRequest& request) {
       check_spring(spring.rest_length, spring.weight);
     }
   } else {
-    const auto& builder = std::get<json::SpringBuilder>(request.springs);
+    const auto& builder = std::get<embedded::NeighbourSprings>(request.springs);
     check_spring(builder.rest_length, builder.weight);
   }
   for (const auto point : request.fixed_points) require(point >= 0);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "design_report.h"
 #include "supple/base/error.h"
+#include "supple/tiling/structure.h"
 
 namespace supple::design {
 namespace {
@@ -109,6 +111,54 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
   for (Simulated& one : simulated) result.ranking.push_back({std::move(one.design), one.polished.target_error});
   for (Design& design : others) result.ranking.push_back({std::move(design), std::nullopt});
   return result;
+}
+
+namespace {
+
+void say_if_without_structure(const DesignSpace& space, Design& design) {
+  try {
+    tiling::make_structure(tiling::family(space.model.family),
+                           {design.parameters.data(), static_cast<std::size_t>(design.parameters.size())});
+  } catch (const Error& error) {
+    if (error.code().rfind("tiling.", 0) != 0) throw;
+    design.message +=
+        (design.message.empty() ? "" : " ") + ("There is no such structure: " + std::string(error.what()));
+  }
+}
+
+}  // namespace
+
+VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations,
+                               const DesignSearch& search, const Execution& execution, const SearchObserver& observer) {
+  auto ranking = find_designs(spaces, search.problem, search.options, execution, observer.on_progress);
+  VerifiedDesigns found;
+  if (search.verification) {
+    found = verify_designs(spaces, simulations, search.problem, std::move(ranking), search.options,
+                           *search.verification, execution, observer.on_round);
+  } else {
+    for (Design& design : ranking) found.ranking.push_back({std::move(design), std::nullopt});
+    if (execution.cost) {
+      execution.cost->add_effect("verification", false, "the request does not ask for it");
+      execution.cost->add_effect("polish", false, "designs are corrected where they are verified");
+    }
+  }
+  Design& best = found.ranking.front().design;
+  say_if_without_structure(spaces[best.space], best);
+  return found;
+}
+
+DesignSpace design_space(const neural::Model& model, const neural::Evaluator& evaluator, const Candidates& candidates) {
+  const auto& family = tiling::family(model.family);
+  return {model, evaluator, candidates, [&family](const Eigen::VectorXd& parameters) {
+            return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+          }};
+}
+
+FamilySimulation simulation_of_model(const neural::Model& model) {
+  microscale::Material material;
+  material.youngs_modulus = model.provenance.youngs_modulus;
+  material.poisson_ratio = model.provenance.poisson_ratio;
+  return verification_of(tiling::family(model.family), material);
 }
 
 }  // namespace supple::design

@@ -9,6 +9,7 @@
 
 #include "elastic_kernel.h"
 #include "jacobian_bounds.h"
+#include "supple/numerics/element_loop.h"
 
 namespace supple::microscale {
 namespace {
@@ -20,6 +21,9 @@ constexpr double inversion_safety = 0.9;
 constexpr double strain_at_rest = 1e-6;
 /// Rounding errors of the gradient, relative to forces of a strain of one: deformation gradients are rounded near 1.
 constexpr double relative_rounding = 16 * std::numeric_limits<double>::epsilon();
+
+/// Batches that are worth a task of their own.
+constexpr std::size_t batches_per_task = 16;
 
 }  // namespace
 
@@ -65,12 +69,17 @@ struct ElasticEnergy::Kernel {
         if (l != k && all[k] == all[l]) *lower *= 2;
   }
 
-  static void add_stiffness(const Batch& batch, const CellCoordinates& coordinates, const ElasticBatch& local, int lane,
-                            Entries& entries) {
-    constexpr double plus[6] = {1, 1, 1, 1, 1, 1};
-    double block[block_entries];
-    nodal_stiffness(batch, local, lane, plus, block);
-    entries.add_block(rows(batch, lane), block);
+  /// What a batch gives at a state.
+  struct Evaluated {
+    bool valid;
+    ElasticBatch local;
+    double block[lanes][block_entries];  ///< the nodal stiffness of each lane (order 2)
+  };
+
+  static void add_stiffness(const Batch& batch, const CellCoordinates& coordinates, const Evaluated& evaluated,
+                            int lane, Entries& entries) {
+    const ElasticBatch& local = evaluated.local;
+    entries.add_block(rows(batch, lane), evaluated.block[lane]);
     // F's components in the order of the coordinates: (row i, column k - 6) at 2 i + k - 6.
     const auto* first = &local.stiffness[6 * 7 / 2];
     const auto* second = &local.stiffness[7 * 8 / 2];
@@ -137,29 +146,41 @@ std::string_view ElasticEnergy::name() const { return to_string(law_.law); }
 
 void ElasticEnergy::add(const CellState& state, int order, numerics::EnergySum& sum) const {
   const Eigen::VectorXd& x = state.x;
-  ElasticBatch local;
-  for (const Batch& batch : batches_) {
-    Kernel::gather(batch, x, local);
-    if (!integrate(law_, order, local)) {
+  const auto evaluate = [&](std::size_t b, Kernel::Evaluated& evaluated) {
+    constexpr double plus[6] = {1, 1, 1, 1, 1, 1};
+    const Batch& batch = batches_[b];
+    Kernel::gather(batch, x, evaluated.local);
+    evaluated.valid = integrate(law_, order, evaluated.local);
+    if (order < 2 || !evaluated.valid) return;
+    for (int lane = 0; lane < lanes; ++lane)
+      Kernel::nodal_stiffness(batch, evaluated.local, lane, plus, evaluated.block[lane]);
+  };
+  const auto add = [&](std::size_t b, const Kernel::Evaluated& evaluated) {
+    const Batch& batch = batches_[b];
+    if (!evaluated.valid) {
       sum.value = std::numeric_limits<double>::infinity();
-      return;
+      return false;
     }
-    for (int lane = 0; lane < lanes; ++lane) sum.value += local.energy[lane];
-    if (order < 1) continue;
+    for (int lane = 0; lane < lanes; ++lane) sum.value += evaluated.local.energy[lane];
+    if (order < 1) return true;
     for (int k = 0; k < local_nodes; ++k)
       for (int i = 0; i < 2; ++i)
         for (int lane = 0; lane < lanes; ++lane)
-          sum.gradient[Kernel::index(batch, coordinates_, k, i, lane)] += local.force[k][i][lane];
-    if (order < 2) continue;
-    for (int lane = 0; lane < lanes; ++lane) Kernel::add_stiffness(batch, coordinates_, local, lane, sum.hessian);
-  }
+          sum.gradient[Kernel::index(batch, coordinates_, k, i, lane)] += evaluated.local.force[k][i][lane];
+    if (order < 2) return true;
+    for (int lane = 0; lane < lanes; ++lane) Kernel::add_stiffness(batch, coordinates_, evaluated, lane, sum.hessian);
+    return true;
+  };
+  numerics::add_elements<Kernel::Evaluated>(batches_.size(), batches_per_task, evaluate, add);
 }
 
 void ElasticEnergy::add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const {
-  ElasticBatch local;
-  for (const Batch& batch : batches_) {
-    Kernel::gather(batch, x, local);
+  const auto evaluate = [&](std::size_t b, ElasticBatch& local) {
+    Kernel::gather(batches_[b], x, local);
     integrate(law_, 2, local);
+  };
+  const auto add = [&](std::size_t b, const ElasticBatch& local) {
+    const Batch& batch = batches_[b];
     for (int lane = 0; lane < lanes; ++lane) {
       const Kernel::Block rows = Kernel::rows(batch, lane);
       double block[Kernel::block_entries];
@@ -171,7 +192,9 @@ void ElasticEnergy::add_alternating_hessians(const Eigen::VectorXd& x, Alternati
         entries[a].add_block(rows, block);
       }
     }
-  }
+    return true;
+  };
+  numerics::add_elements<ElasticBatch>(batches_.size(), batches_per_task, evaluate, add);
 }
 
 double ElasticEnergy::look_ahead(const CellState& from, const CellState& to, CostLedger* /*cost*/) {

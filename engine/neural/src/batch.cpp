@@ -1,4 +1,4 @@
-#include "model_batch.h"
+#include "supple/neural/batch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "supple/base/error.h"
 #include "supple/base/threads.h"
 
-namespace supple::routes {
+namespace supple::neural {
 namespace {
 
 using Eigen::Index;
@@ -21,7 +21,7 @@ constexpr Index strains_of_task[] = {192, 96, 48};
 
 /// Strains begin ... end - 1, all of one design.
 struct Range {
-  std::size_t design;  ///< index into the request's designs
+  std::size_t design;  ///< index into the batch's designs
   Index begin;
   Index end;
 };
@@ -33,9 +33,9 @@ struct Piece {
 };
 using Task = std::vector<Piece>;
 
-std::vector<Range> equal_designs(const json::EvaluationRequest& request) {
-  const Index strains = request.strains.cols();
-  const auto& designs = request.designs;
+std::vector<Range> equal_designs(const Batch& batch) {
+  const Index strains = batch.strains.cols();
+  const auto& designs = batch.designs;
   if (designs.size() == 1) return {{0, 0, strains}};
   std::vector<Range> ranges;
   for (std::size_t i = 0; i < designs.size(); ++i) {
@@ -68,32 +68,32 @@ std::vector<Task> tasks_of(const std::vector<Range>& groups, std::size_t first, 
   return tasks;
 }
 
-class Batch {
+class BatchEvaluation {
  public:
-  Batch(const store::LoadedModel& model, const json::EvaluationRequest& request, const Execution& execution)
-      : model_(model), request_(request), execution_(execution), groups_(equal_designs(request)) {
-    const Index n = request.strains.cols();
+  BatchEvaluation(const Model& model, const Evaluator& evaluator, const Batch& batch, const Execution& execution)
+      : model_(model), evaluator_(evaluator), batch_(batch), execution_(execution), groups_(equal_designs(batch)) {
+    const Index n = batch.strains.cols();
     result_.values.energy_density.resize(n);
-    result_.values.stress.resize(3, request.order >= neural::Order::stress ? n : 0);
-    result_.values.tangent.resize(6, request.order >= neural::Order::tangent ? n : 0);
+    result_.values.stress.resize(3, batch.order >= Order::stress ? n : 0);
+    result_.values.tangent.resize(6, batch.order >= Order::tangent ? n : 0);
     result_.trust.resize(static_cast<std::size_t>(n));
   }
 
-  ModelBatch run() {
+  BatchResult run() {
     for (std::size_t first = 0; first < groups_.size(); first += designs_at_once) {
       const auto last = std::min(groups_.size(), first + designs_at_once);
       prepare(first, last);
-      const auto tasks = tasks_of(groups_, first, last, strains_of_task[static_cast<int>(request_.order)]);
+      const auto tasks = tasks_of(groups_, first, last, strains_of_task[static_cast<int>(batch_.order)]);
       for_each(tasks.size(), "evaluation", [&](std::size_t i) {
-        neural::Evaluator::Workspace workspace;
-        neural::Evaluation part;
+        Evaluator::Workspace workspace;
+        Evaluation part;
         for (const auto& piece : tasks[i]) evaluate(piece, *designs_[piece.group - first], workspace, part);
         return tasks[i].back().end - tasks[i].front().begin;
       });
     }
     if (execution_.cost) {
       execution_.cost->add_quantity("designs", static_cast<double>(groups_.size()));
-      execution_.cost->add_quantity("strains", static_cast<double>(request_.strains.cols()));
+      execution_.cost->add_quantity("strains", static_cast<double>(batch_.strains.cols()));
     }
     check_finite();
     return std::move(result_);
@@ -104,29 +104,28 @@ class Batch {
     designs_.clear();
     designs_.resize(last - first);
     for_each(last - first, "designs", [&](std::size_t i) {
-      designs_[i] = std::make_unique<neural::Evaluator::Design>(
-          model_.evaluator.design(request_.designs[groups_[first + i].design]));
+      designs_[i] = std::make_unique<Evaluator::Design>(evaluator_.design(batch_.designs[groups_[first + i].design]));
       return Index{0};
     });
   }
 
-  void evaluate(const Piece& piece, const neural::Evaluator::Design& design, neural::Evaluator::Workspace& workspace,
-                neural::Evaluation& part) {
+  void evaluate(const Piece& piece, const Evaluator::Design& design, Evaluator::Workspace& workspace,
+                Evaluation& part) {
     const Index count = piece.end - piece.begin;
-    model_.evaluator.evaluate(design, request_.strains.middleCols(piece.begin, count), request_.order, workspace, part);
+    evaluator_.evaluate(design, batch_.strains.middleCols(piece.begin, count), batch_.order, workspace, part);
     auto& values = result_.values;
     values.energy_density.segment(piece.begin, count) = part.energy_density;
     if (values.stress.cols() > 0) values.stress.middleCols(piece.begin, count) = part.stress;
     if (values.tangent.cols() > 0) values.tangent.middleCols(piece.begin, count) = part.tangent;
-    const auto& parameters = request_.designs[groups_[piece.group].design];
-    const neural::ErrorBars bars(model_.model, model_.evaluator, design, parameters, false);
+    const auto& parameters = batch_.designs[groups_[piece.group].design];
+    const ErrorBars bars(model_, evaluator_, design, parameters, false);
     for (Index i = piece.begin; i < piece.end; ++i) {
       auto& trust = result_.trust[static_cast<std::size_t>(i)];
       if (values.stress.cols() > 0) {
-        trust = bars.at_strain(request_.strains.col(i), values.energy_density[i], values.stress.col(i));
+        trust = bars.at_strain(batch_.strains.col(i), values.energy_density[i], values.stress.col(i));
       } else {
-        trust.in_range = neural::in_range(model_.model, parameters, request_.strains.col(i), values.energy_density[i],
-                                          design.rest_stiffness());
+        trust.in_range =
+            in_range(model_, parameters, batch_.strains.col(i), values.energy_density[i], design.rest_stiffness());
       }
     }
   }
@@ -146,7 +145,7 @@ class Batch {
       done_ += strains;
       if (execution_.cost) execution_.cost->merge(ledger);
       if (execution_.progress) {
-        execution_.progress->report(static_cast<double>(done_) / static_cast<double>(request_.strains.cols()), stage);
+        execution_.progress->report(static_cast<double>(done_) / static_cast<double>(batch_.strains.cols()), stage);
       }
     });
   }
@@ -159,49 +158,50 @@ class Batch {
                           (values.tangent.cols() == 0 || values.tangent.col(i).allFinite());
       if (finite) continue;
       const std::string text = "The model gives no finite value for strain " + std::to_string(i) + ".";
-      throw Error("model.not_finite", text, {{"/green_strain/" + std::to_string(i), text}});
+      throw Error("model.not_finite", text, {{"green_strain/" + std::to_string(i), text}});
     }
   }
 
-  const store::LoadedModel& model_;
-  const json::EvaluationRequest& request_;
+  const Model& model_;
+  const Evaluator& evaluator_;
+  const Batch& batch_;
   const Execution& execution_;
   const std::vector<Range> groups_;
-  std::vector<std::unique_ptr<neural::Evaluator::Design>> designs_;  // of the groups that are at work
-  ModelBatch result_;
+  std::vector<std::unique_ptr<Evaluator::Design>> designs_;  // of the groups that are at work
+  BatchResult result_;
   std::mutex mutex_;  // of the bill and the progress
   Index done_ = 0;
 };
 
 }  // namespace
 
-void check_designs(const store::LoadedModel& model, std::span<const std::vector<double>> designs,
-                   const std::function<std::string(std::size_t)>& pointer) {
+void check_designs(const Model& model, std::span<const std::vector<double>> designs, const std::string& field,
+                   bool several) {
   constexpr std::size_t most_details = 20;
-  const auto expected = static_cast<std::size_t>(model.evaluator.shape().parameters);
+  const auto expected = static_cast<std::size_t>(model.network.shape.parameters);
   const std::string wanted = std::to_string(expected) + (expected == 1 ? " number" : " numbers");
   std::vector<Error::Detail> details;
   for (std::size_t i = 0; i < designs.size() && details.size() < most_details; ++i)
     if (designs[i].size() != expected)
-      details.push_back({pointer(i), "must be " + wanted + ", not " + std::to_string(designs[i].size())});
+      details.push_back({several ? field + "/" + std::to_string(i) : field,
+                         "must be " + wanted + ", not " + std::to_string(designs[i].size())});
   if (!details.empty())
-    throw Error("model.parameter_count", "A design of the model " + model.model.id + " is " + wanted + ".", details);
+    throw Error("model.parameter_count", "A design of the model " + model.id + " is " + wanted + ".", details);
 }
 
-void check_evaluation(const store::LoadedModel& model, const json::EvaluationRequest& request) {
-  const auto& designs = request.designs;
-  check_designs(model, designs, [](std::size_t i) { return "/parameters/" + std::to_string(i); });
-  const auto strains = static_cast<std::size_t>(request.strains.cols());
-  if (designs.size() != 1 && designs.size() != strains) {
-    const std::string text = "There are " + std::to_string(designs.size()) + " designs for " + std::to_string(strains) +
-                             " strains; there must be one, or one for each.";
-    throw Error("model.design_count", text, {{"/parameters", text}});
+void check_batch(const Model& model, const Batch& batch) {
+  check_designs(model, batch.designs, "parameters", true);
+  const auto strains = static_cast<std::size_t>(batch.strains.cols());
+  if (batch.designs.size() != 1 && batch.designs.size() != strains) {
+    const std::string text = "There are " + std::to_string(batch.designs.size()) + " designs for " +
+                             std::to_string(strains) + " strains; there must be one, or one for each.";
+    throw Error("model.design_count", text, {{"parameters", text}});
   }
 }
 
-ModelBatch evaluate(const store::LoadedModel& model, const json::EvaluationRequest& request,
-                    const Execution& execution) {
-  return Batch(model, request, execution).run();
+BatchResult evaluate_batch(const Model& model, const Evaluator& evaluator, const Batch& batch,
+                           const Execution& execution) {
+  return BatchEvaluation(model, evaluator, batch, execution).run();
 }
 
-}  // namespace supple::routes
+}  // namespace supple::neural

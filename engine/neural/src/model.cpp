@@ -1,12 +1,30 @@
 #include "supple/neural/model.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace supple::neural {
 
 std::optional<double> mean_stress_error(const Model& model) {
   if (!model.design_split) return std::nullopt;
   return model.design_split->gradient.mean;
+}
+
+std::vector<std::size_t> best_of_families(std::span<const Model* const> models) {
+  const auto error = [&](std::size_t i) {
+    return mean_stress_error(*models[i]).value_or(std::numeric_limits<double>::infinity());
+  };
+  std::vector<std::size_t> best;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const auto same = std::ranges::find_if(best, [&](std::size_t b) { return models[b]->family == models[i]->family; });
+    if (same == best.end()) {
+      best.push_back(i);
+    } else if (error(i) < error(*same)) {
+      *same = i;
+    }
+  }
+  return best;
 }
 
 bool in_range(const Model& model, std::span<const double> parameters, const Eigen::Vector3d& strain,

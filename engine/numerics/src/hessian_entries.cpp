@@ -25,6 +25,15 @@ void HessianEntries::clear() {
   next_block_ = 0;
 }
 
+void HessianEntries::add_block(std::span<const std::int32_t> rows, const double* lower) {
+  const auto in_core = static_cast<std::size_t>(
+      std::find_if(rows.begin(), rows.end(), [this](std::int32_t row) { return row >= border_; }) - rows.begin());
+  if (in_core > 0) add_core_block(rows.data(), in_core, lower);
+  lower += entries_of(in_core);
+  for (std::size_t k = in_core; k < rows.size(); ++k)
+    for (std::size_t l = 0; l <= k; ++l) add(rows[k], rows[l], *lower++);
+}
+
 void HessianEntries::note_block(const std::int32_t* rows, std::size_t size) {
   drop_blocks();
   blocks_.push_back({cursor_ + unexpected_.size(), block_rows_.size(), size});

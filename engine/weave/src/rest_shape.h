@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "rod_elements.h"
 #include "rod_model.h"
-#include "scatter.h"
 #include "supple/numerics/jet.h"
 
 namespace supple::weave {

@@ -1,6 +1,7 @@
-#include "scatter.h"
+#include "rod_elements.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace supple::weave {
 
@@ -38,6 +39,16 @@ double SliderSlots::share(const MaterialCoordinate& c, int i) const {
 
 void SliderSlots::link(const RodModel& model, int first, Links& links) const {
   for (int i = 0; i < count_; ++i) links.push_back({model.slider(slider_[static_cast<std::size_t>(i)]), first + i, 1});
+}
+
+ElementRows::ElementRows(const Links& links) {
+  for (const Link& link : links) rows_.push_back(link.dof);
+  std::ranges::sort(rows_);
+  rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
+  if (rows_.size() > ElementShare::most_rows) throw std::logic_error("an element of a rod has too many unknowns");
+  for (const Link& link : links)
+    links_.push_back({static_cast<std::size_t>(std::ranges::lower_bound(rows_, link.dof) - rows_.begin()),
+                      static_cast<std::size_t>(link.slot), link.coefficient});
 }
 
 }  // namespace supple::weave

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "rod_model.h"
 #include "rod_state.h"
+#include "supple/numerics/element_loop.h"
 #include "supple/numerics/term.h"
 
 namespace supple::weave {
@@ -40,25 +45,65 @@ class SliderSlots {
   int count_ = 0;
 };
 
-/// Adds an element's gradient (order 1) and Hessian (2) to the sum. gradient[slot]; hessian(i, j) for slots i >= j.
-template <typename Gradient, typename HessianOf>
-void scatter(const Links& links, int order, const Gradient& gradient, const HessianOf& hessian,
-             numerics::EnergySum& sum) {
-  if (order < 1) return;
-  for (const Link& a : links) sum.gradient[a.dof] += a.coefficient * gradient[static_cast<std::size_t>(a.slot)];
-  if (order < 2) return;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const Link& a = links[i];
-    if (sum.hessian.drops(a.dof)) continue;
-    for (std::size_t j = 0; j <= i; ++j) {
-      const Link& b = links[j];
-      if (sum.hessian.drops(b.dof)) continue;
-      const double entry =
-          a.coefficient * b.coefficient * (a.slot >= b.slot ? hessian(a.slot, b.slot) : hessian(b.slot, a.slot));
-      // Of two links to one degree of freedom both orders count.
-      sum.hessian.add(a.dof, b.dof, a.dof == b.dof && i != j ? 2 * entry : entry);
+/// What an element gives by the degrees of freedom that it depends on.
+struct ElementShare {
+  static constexpr std::size_t most_rows = 24;
+  double value;
+  std::array<double, most_rows> slope;                                        ///< order 1
+  std::array<double, numerics::HessianEntries::entries_of(most_rows)> lower;  ///< order 2, row by row
+};
+
+/// The degrees of freedom that an element's slots depend on, each once, in ascending order.
+class ElementRows {
+ public:
+  ElementRows() = default;
+  explicit ElementRows(const Links& links);
+  std::span<const std::int32_t> rows() const { return rows_; }
+
+  /// The derivatives by the degrees of freedom from those by the slots: gradient[slot], and hessian(i, j) for slots
+  /// i >= j.
+  template <typename Gradient, typename HessianOf>
+  void contract(int order, const Gradient& gradient, const HessianOf& hessian, ElementShare& share) const {
+    if (order < 1) return;
+    std::fill_n(share.slope.begin(), rows_.size(), 0.0);
+    for (const RowLink& a : links_) share.slope[a.row] += a.coefficient * gradient[a.slot];
+    if (order < 2) return;
+    std::fill_n(share.lower.begin(), numerics::HessianEntries::entries_of(rows_.size()), 0.0);
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      const RowLink& a = links_[i];
+      for (std::size_t j = 0; j <= i; ++j) {
+        const RowLink& b = links_[j];
+        const double entry =
+            a.coefficient * b.coefficient * hessian(std::max(a.slot, b.slot), std::min(a.slot, b.slot));
+        const auto [low, high] = std::minmax(a.row, b.row);
+        // Of two links to one degree of freedom both orders count.
+        share.lower[high * (high + 1) / 2 + low] += a.row == b.row && i != j ? 2 * entry : entry;
+      }
     }
   }
+
+ private:
+  struct RowLink {
+    std::size_t row;  ///< index into rows_
+    std::size_t slot;
+    double coefficient;
+  };
+  std::vector<std::int32_t> rows_;
+  std::vector<RowLink> links_;
+};
+
+/// Adds the elements of a term to the sum, worked out in parallel. evaluate(element, share) gives the value and the
+/// derivatives up to the order, by element.rows.contract.
+template <class Element, class Evaluate>
+void add_rod_elements(const std::vector<Element>& elements, int order, const Evaluate& evaluate,
+                      numerics::EnergySum& sum) {
+  constexpr std::size_t elements_per_task = 32;
+  numerics::add_elements<ElementShare>(
+      elements.size(), elements_per_task, [&](std::size_t i, ElementShare& share) { evaluate(elements[i], share); },
+      [&](std::size_t i, const ElementShare& share) {
+        sum.add_element(elements[i].rows.rows(), order, share.value, share.slope.data(), share.lower.data());
+        return true;
+      });
 }
 
 }  // namespace supple::weave

@@ -20,7 +20,7 @@ struct Local {
   std::array<double, size> gradient{};
   std::array<double, size*(size + 1) / 2> hessian{};
   double& at(int i, int j) { return hessian[i * (i + 1) / 2 + j]; }
-  double operator()(int i, int j) const { return hessian[i * (i + 1) / 2 + j]; }
+  double operator()(std::size_t i, std::size_t j) const { return hessian[i * (i + 1) / 2 + j]; }
 };
 
 /// Derivatives of w / (2 L) sum_k (f_k - R_k)^2 for features f of the shape and rest values R and L of the sliders.
@@ -66,25 +66,26 @@ SUPPLE_INLINE double quadratic_energy(double weight, const std::array<Jet<n>, co
 StretchEnergy::StretchEnergy(const RodModel& model) : model_(model) {
   elements_.reserve(model.edges().size());
   for (const Edge& edge : model.edges()) {
-    Element element{&edge, RestLength(model, edge), {}};
-    link_edge(model, edge, 0, element.links);
-    element.rest.slots().link(model, model.dimension(), element.links);
-    elements_.push_back(std::move(element));
+    RestLength rest(model, edge);
+    Links links;
+    link_edge(model, edge, 0, links);
+    rest.slots().link(model, model.dimension(), links);
+    elements_.push_back({&edge, std::move(rest), ElementRows(links)});
   }
 }
 
 void StretchEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
   const Eigen::VectorXd& x = state.q();
   const int n = model_.dimension();
-  for (const Element& element : elements_) {
+  const auto evaluate = [&](const Element& element, ElementShare& share) {
     const Eigen::Vector3d e = model_.edge_vector(*element.edge, x);
     const RestJet rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(element.edge->strand).stretch;
     const double l = e.norm();
     const double rest_length = rest.value;
     const double strain = (l - rest_length) / rest_length;
-    sum.value += 0.5 * stiffness * strain * strain * rest_length;
-    if (order < 1) continue;
+    share.value = 0.5 * stiffness * strain * strain * rest_length;
+    if (order < 1) return;
     const Eigen::Vector3d t = e / l;
     const double by_rest = -0.5 * stiffness * strain * (2 + strain);  // dE / dL = -EA / 2 (l^2 / L^2 - 1)
     std::array<double, 3 + rest_slots> gradient{};
@@ -94,29 +95,33 @@ void StretchEnergy::add(const RodState& state, int order, numerics::EnergySum& s
     const double along = stiffness / rest_length - across;
     const double mixed = -stiffness * l / (rest_length * rest_length);
     const double by_rest_twice = stiffness * l * l / (rest_length * rest_length * rest_length);
-    const auto hessian = [&](int i, int j) {
+    const auto hessian = [&](std::size_t slot, std::size_t other) {
+      const int i = static_cast<int>(slot);
+      const int j = static_cast<int>(other);
       if (i < n) return along * t[i] * t[j] + (i == j ? across : 0);
       if (j < n) return mixed * t[j] * rest.first[i - n];
       return by_rest_twice * rest.first[i - n] * rest.first[j - n] + by_rest * rest.hessian(i - n, j - n);
     };
-    scatter(element.links, order, gradient, hessian, sum);
-  }
+    element.rows.contract(order, gradient, hessian, share);
+  };
+  add_rod_elements(elements_, order, evaluate, sum);
 }
 
 PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, TurnKind kind) : model_(model), kind_(kind) {
   elements_.reserve(model.turns().size());
   for (const Turn& turn : model.turns()) {
     if (!of_kind(turn, kind)) continue;
-    Element element{&turn, rest_frame(model, turn).col(0).head<2>(), RestTurn(model, turn), {}};
+    RestTurn rest(model, turn);
+    Links links;
     for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 2)}) {
       if (edge >= 0) {
-        link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, element.links);
+        link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, links);
       } else {
-        link_joint(model, turn.joint, slot, element.links);
+        link_joint(model, turn.joint, slot, links);
       }
     }
-    element.rest.slots().link(model, 4, element.links);
-    elements_.push_back(std::move(element));
+    rest.slots().link(model, 4, links);
+    elements_.push_back({&turn, rest_frame(model, turn).col(0).head<2>(), std::move(rest), ElementRows(links)});
   }
 }
 
@@ -167,7 +172,7 @@ double planar_bend(const RodModel& model, const Turn& turn, const Eigen::Vector2
 
 void PlanarBendEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
   const Eigen::VectorXd& x = state.q();
-  for (const Element& element : elements_) {
+  const auto evaluate = [&](const Element& element, ElementShare& share) {
     const Turn& turn = *element.turn;
     const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).bend;
@@ -175,14 +180,15 @@ void PlanarBendEnergy::add(const RodState& state, int order, numerics::EnergySum
       const double k = planar_turn(planar_direction(model_, turn.in, turn, element.tangent, x),
                                    planar_direction(model_, turn.out, turn, element.tangent, x));
       const double offset = k - rest.curvature.value;
-      sum.value += 0.5 * stiffness / rest.length.value * offset * offset;
-      continue;
+      share.value = 0.5 * stiffness / rest.length.value * offset * offset;
+      return;
     }
     Local<4> local;
     const int sliders = element.rest.slots().count();
-    sum.value += planar_bend(model_, turn, element.tangent, rest, sliders, x, local);
-    scatter(element.links, order, local.gradient, local, sum);
-  }
+    share.value = planar_bend(model_, turn, element.tangent, rest, sliders, x, local);
+    element.rows.contract(order, local.gradient, local, share);
+  };
+  add_rod_elements(elements_, order, evaluate, sum);
 }
 
 SpatialTurns::SpatialTurns(const RodModel& model, TurnKind kind) : model_(model), kind_(kind) {
@@ -190,17 +196,18 @@ SpatialTurns::SpatialTurns(const RodModel& model, TurnKind kind) : model_(model)
   for (std::size_t i = 0; i < model.turns().size(); ++i) {
     const Turn& turn = model.turns()[i];
     if (!of_kind(turn, kind)) continue;
-    Element element{i, &turn, rest_frame(model, turn), RestTurn(model, turn), {}};
+    RestTurn rest(model, turn);
+    Links links;
     for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 4)}) {
       if (edge >= 0) {
-        link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, element.links);
-        element.links.push_back({model.angle(edge), slot + 3, 1});
+        link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, links);
+        links.push_back({model.angle(edge), slot + 3, 1});
       } else {
-        link_joint(model, turn.joint, slot, element.links);
+        link_joint(model, turn.joint, slot, links);
       }
     }
-    element.rest.slots().link(model, 8, element.links);
-    elements_.push_back(std::move(element));
+    rest.slots().link(model, 8, links);
+    elements_.push_back({i, &turn, rest_frame(model, turn), std::move(rest), ElementRows(links)});
   }
 }
 
@@ -372,7 +379,7 @@ SUPPLE_AVX2 double spatial_twist_avx2(const RodModel& model, const Chart& chart,
 void SpatialBendEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
   const Eigen::VectorXd& x = state.q();
   const Chart& chart = state.chart();
-  for (const Element& element : elements_) {
+  const auto evaluate = [&](const Element& element, ElementShare& share) {
     const Turn& turn = *element.turn;
     const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).bend;
@@ -380,21 +387,22 @@ void SpatialBendEnergy::add(const RodState& state, int order, numerics::EnergySu
       const auto [k1, k2] = curvatures(side<double>(model_, chart, turn.in, turn, element.frame, 0, x),
                                        side<double>(model_, chart, turn.out, turn, element.frame, 4, x));
       const double offset = k1 - rest.curvature.value;
-      sum.value += 0.5 * stiffness / rest.length.value * (offset * offset + k2 * k2);
-      continue;
+      share.value = 0.5 * stiffness / rest.length.value * (offset * offset + k2 * k2);
+      return;
     }
     Local<8> local;
     const int sliders = element.rest.slots().count();
-    sum.value += has_avx2 ? spatial_bend_avx2(model_, chart, turn, element.frame, rest, sliders, x, local)
-                          : spatial_bend(model_, chart, turn, element.frame, rest, sliders, x, local);
-    scatter(element.links, order, local.gradient, local, sum);
-  }
+    share.value = has_avx2 ? spatial_bend_avx2(model_, chart, turn, element.frame, rest, sliders, x, local)
+                           : spatial_bend(model_, chart, turn, element.frame, rest, sliders, x, local);
+    element.rows.contract(order, local.gradient, local, share);
+  };
+  add_rod_elements(elements_, order, evaluate, sum);
 }
 
 void TwistEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
   const Eigen::VectorXd& x = state.q();
   const Chart& chart = state.chart();
-  for (const Element& element : elements_) {
+  const auto evaluate = [&](const Element& element, ElementShare& share) {
     const Turn& turn = *element.turn;
     const RestTurnValue rest = element.rest.at(model_, x, order);
     const double stiffness = model_.stiffness(turn.strand).twist;
@@ -402,15 +410,16 @@ void TwistEnergy::add(const RodState& state, int order, numerics::EnergySum& sum
     if (order < 1) {
       const double m = twist(side<double>(model_, chart, turn.in, turn, element.frame, 0, x),
                              side<double>(model_, chart, turn.out, turn, element.frame, 4, x), near);
-      sum.value += 0.5 * stiffness / rest.length.value * (m - turn.rest_twist) * (m - turn.rest_twist);
-      continue;
+      share.value = 0.5 * stiffness / rest.length.value * (m - turn.rest_twist) * (m - turn.rest_twist);
+      return;
     }
     Local<8> local;
     const int sliders = element.rest.slots().count();
-    sum.value += has_avx2 ? spatial_twist_avx2(model_, chart, turn, element.frame, rest, sliders, near, x, local)
-                          : spatial_twist(model_, chart, turn, element.frame, rest, sliders, near, x, local);
-    scatter(element.links, order, local.gradient, local, sum);
-  }
+    share.value = has_avx2 ? spatial_twist_avx2(model_, chart, turn, element.frame, rest, sliders, near, x, local)
+                           : spatial_twist(model_, chart, turn, element.frame, rest, sliders, near, x, local);
+    element.rows.contract(order, local.gradient, local, share);
+  };
+  add_rod_elements(elements_, order, evaluate, sum);
 }
 
 }  // namespace supple::weave

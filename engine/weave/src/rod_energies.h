@@ -5,7 +5,7 @@
 
 #include "chart.h"
 #include "rest_shape.h"
-#include "scatter.h"
+#include "rod_elements.h"
 
 namespace supple::weave {
 
@@ -21,7 +21,7 @@ class StretchEnergy : public Energy {
   struct Element {
     const Edge* edge;
     RestLength rest;
-    Links links;
+    ElementRows rows;
   };
   const RodModel& model_;
   std::vector<Element> elements_;
@@ -44,7 +44,7 @@ class PlanarBendEnergy : public Energy {
     const Turn* turn;
     Eigen::Vector2d tangent;  ///< of the joint at rest
     RestTurn rest;
-    Links links;
+    ElementRows rows;
   };
   const RodModel& model_;
   TurnKind kind_;
@@ -62,7 +62,7 @@ class SpatialTurns {
     const Turn* turn;
     Eigen::Matrix3d frame;  ///< of the strand at the joint, at rest
     RestTurn rest;
-    Links links;
+    ElementRows rows;
   };
   const RodModel& model_;
   TurnKind kind_;

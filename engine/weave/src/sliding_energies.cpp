@@ -36,8 +36,12 @@ void BarrierEnergy::add(const RodState& state, int order, numerics::EnergySum& s
     const Barrier b = barrier(distance(element, x), element.range, stiffness_);
     if (b.value == 0) continue;
     sum.value += b.value;
-    scatter(
-        element.links, order, std::array{b.first}, [&](int, int) { return b.second; }, sum);
+    if (order < 1) continue;
+    for (const Link& link : element.links) sum.gradient[link.dof] += link.coefficient * b.first;
+    if (order < 2) continue;
+    for (auto one = element.links.begin(); one != element.links.end(); ++one)
+      for (auto other = element.links.begin(); other <= one; ++other)
+        sum.hessian.add(one->dof, other->dof, one->coefficient * other->coefficient * b.second);
   }
 }
 

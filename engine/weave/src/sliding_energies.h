@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "scatter.h"
+#include "rod_elements.h"
 
 namespace supple::weave {
 

@@ -34,11 +34,11 @@ void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemReq
       const auto* value = kind == Kind::none ? builder.optional("barycentric") : builder.required("barycentric");
       if (value) {
         read_components(*value, builder.at("barycentric"), builder.faults(),
-                        request.points.emplace<PointsInFaces>().barycentric, -any, any);
+                        request.points.emplace<embedded::PointsInFaces>().barycentric, -any, any);
       }
     }
     if (kind != Kind::per_face) {
-      PoissonDiskPoints points;
+      embedded::PoissonDiskPoints points;
       if (kind == Kind::poisson_disk) builder.required("radius");
       builder.number("radius", points.radius, 0, any, true);
       int seed = 1;
@@ -74,7 +74,7 @@ embedded::Spring read_spring(const Document& value, const std::string& pointer, 
 void read_springs(Fields& fields, const Limits& limits, EmbeddedSystemRequest& request) {
   if (is_builder(fields, "springs")) {
     return read_builder(fields, "springs", [&](Fields& fields_of_builder) {
-      auto& builder = request.springs.emplace<SpringBuilder>();
+      auto& builder = request.springs.emplace<embedded::NeighbourSprings>();
       fields_of_builder.choice("kind", builder.kind, {"adjacent_faces", "voronoi_dual"});
       read_spring_constants(fields_of_builder, builder.rest_length, builder.weight);
     });

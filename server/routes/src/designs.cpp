@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 
 #include "computation_route.h"
 #include "handlers.h"
-#include "part_of_execution.h"
 #include "structure_spec.h"
-#include "supple/design/verification.h"
+#include "supple/base/part_of_execution.h"
+#include "supple/design/verified_designs.h"
 #include "supple/json/design_answers.h"
 
 namespace supple::routes {
@@ -19,24 +18,13 @@ json::DesignModel name_of(const store::LoadedModel& model) {
   return {model.model.family, model.model.id, model.sha256};
 }
 
-/// Of two models of a family the one that errs less on designs that it has not seen.
-bool better(const store::LoadedModel& a, const store::LoadedModel& b) {
-  if (!a.model.design_split || !b.model.design_split) return a.model.design_split && !b.model.design_split;
-  return a.model.design_split->gradient.mean < b.model.design_split->gradient.mean;
-}
-
-/// The best model of each family, in the order of their ids.
+/// The best model of each family, families in the order of their models' ids.
 std::vector<Model> models_by_family(const Services& services) {
+  const auto all = services.models->models();
+  std::vector<const neural::Model*> models;
+  for (const Model& model : all) models.push_back(&model->model);
   std::vector<Model> best;
-  for (const auto& model : services.models->models()) {
-    const auto same = std::find_if(best.begin(), best.end(),
-                                   [&](const Model& other) { return other->model.family == model->model.family; });
-    if (same == best.end()) {
-      best.push_back(model);
-    } else if (better(*model, **same)) {
-      *same = model;
-    }
-  }
+  for (const std::size_t i : neural::best_of_families(models)) best.push_back(all[i]);
   return best;
 }
 
@@ -95,72 +83,37 @@ void check_targets(const Region& region) {
   }
 }
 
-/// Bounds are a box, and tiles in its corners can be too small or closed: then the design's message says so.
-void say_if_without_structure(const store::LoadedModel& model, design::Design& best) {
-  const std::vector<double> parameters(best.parameters.begin(), best.parameters.end());
-  try {
-    make_structure({model.model.family, parameters});
-  } catch (const Error& error) {
-    if (error.code().rfind("tiling.", 0) != 0) throw;
-    best.message += (best.message.empty() ? "" : " ") + ("There is no such structure: " + std::string(error.what()));
-  }
-}
-
-/// The models' structures with their own material, finer meshed than what the models were trained on.
-std::vector<design::FamilySimulation> simulations_of(const Region& region) {
-  std::vector<design::FamilySimulation> simulations;
-  for (const Model& model : region.models) {
-    const auto& provenance = model->model.provenance;
-    microscale::Material material;
-    material.youngs_modulus = provenance.youngs_modulus;
-    material.poisson_ratio = provenance.poisson_ratio;
-    simulations.push_back(design::verification_of(tiling::family(model->model.family), material));
-  }
-  return simulations;
-}
-
-design::Buildable buildable(const std::string& id) {
-  return [&family = tiling::family(id)](const Eigen::VectorXd& parameters) {
-    return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
-  };
-}
-
 json::FoundDesigns search(const Region& region, const json::DesignRequest& request, const Execution& execution) {
   json::FoundDesigns found;
   found.name = region.spec.name;
   std::vector<design::DesignSpace> spaces;
+  std::vector<design::FamilySimulation> simulations;
   spaces.reserve(region.models.size());
   for (const auto& model : region.models) {
     found.models.push_back(name_of(*model));
-    spaces.push_back({model->model, model->evaluator, model->candidates, buildable(model->model.family)});
+    spaces.push_back(design::design_space(model->model, model->evaluator, model->candidates));
+    if (request.simulates()) simulations.push_back(design::simulation_of_model(model->model));
   }
-  design::OnProgress progress;
-  if (execution.progress)
-    progress = [&](const design::DesignProgress& news) {
+  design::DesignSearch problem{region.spec.problem, request.options};
+  if (request.simulates()) problem.verification = request.verification;
+  design::SearchObserver observer;
+  if (execution.progress) {
+    observer.on_progress = [&](const design::DesignProgress& news) {
       execution.progress->publish(json::write_partial_design(found.name, found.models[news.space], news));
     };
-  std::vector<design::Design> ranking;
+    observer.on_round = [&](const design::Design& design, const design::PolishRound& round) {
+      execution.progress->publish(json::write_partial_round(found.name, found.models[design.space], round));
+    };
+  }
   try {
-    ranking = design::find_designs(spaces, region.spec.problem, request.options, execution, progress);
+    auto designs = design::search_designs(spaces, simulations, problem, execution, observer);
+    found.ranking = std::move(designs.ranking);
+    found.verification = std::move(designs.polished);
+    found.discretization_error = std::move(designs.discretization_error);
   } catch (const Error& error) {
     if (error.code().rfind("design.", 0) != 0 || error.details().empty()) throw;
     throw moved(error, region.folder);
   }
-  if (request.simulates()) {
-    const auto on_round = [&](const design::Design& design, const design::PolishRound& round) {
-      if (execution.progress)
-        execution.progress->publish(json::write_partial_round(found.name, found.models[design.space], round));
-    };
-    auto verified = design::verify_designs(spaces, simulations_of(region), region.spec.problem, std::move(ranking),
-                                           request.options, request.verification, execution, on_round);
-    found.ranking = std::move(verified.ranking);
-    found.verification = std::move(verified.polished);
-    found.discretization_error = std::move(verified.discretization_error);
-  } else {
-    for (auto& design : ranking) found.ranking.push_back({std::move(design), std::nullopt});
-  }
-  auto& best = found.ranking.front().design;
-  say_if_without_structure(*region.models[best.space], best);
   return found;
 }
 
@@ -173,10 +126,6 @@ store::Result compute_design(const std::vector<Region>& regions, const json::Des
       const double share = 1 / static_cast<double>(regions.size());
       const PartOfExecution part(execution, share * static_cast<double>(i), share);
       found.push_back(search(regions[i], request, part.execution()));
-    }
-    if (!request.simulates()) {
-      execution.cost->add_effect("verification", false, "the request does not ask for it");
-      execution.cost->add_effect("polish", false, "designs are corrected where they are verified");
     }
   });
   for (const auto& region : found)

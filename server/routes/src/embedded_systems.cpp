@@ -5,10 +5,10 @@
 
 #include "computation_route.h"
 #include "handlers.h"
-#include "part_of_execution.h"
 #include "points.h"
+#include "supple/base/part_of_execution.h"
 #include "supple/embedded/export.h"
-#include "supple/embedded/network_builders.h"
+#include "supple/embedded/network_plan.h"
 #include "supple/json/embedded_system_answers.h"
 
 namespace supple::routes {
@@ -35,89 +35,29 @@ NetworkFile negotiate_network_file(const http::Request& request) {
   return static_cast<NetworkFile>(std::find(media_types.begin(), media_types.end(), *type) - media_types.begin());
 }
 
-void check_built(std::size_t count, const char* field, std::size_t limit, const char* setting) {
-  if (count <= limit) return;
-  problem::throw_limit("request.limit_exceeded", std::string("The number of built entries of ") + field,
-                       static_cast<double>(limit), static_cast<double>(count), setting, field);
+/// The limits of what rules make, as refusals name them.
+embedded::NetworkLimits network_limits(const json::Limits& limits) {
+  const auto refuse = [limits](std::string_view field, std::size_t count) {
+    const bool points = field == "points";
+    problem::throw_limit("request.limit_exceeded", "The number of " + std::string(field) + " that a rule makes",
+                         static_cast<double>(points ? limits.max_points : limits.max_springs),
+                         static_cast<double>(count), points ? "--max-points" : "--max-springs",
+                         "/" + std::string(field));
+  };
+  return {limits.max_points, limits.max_springs, refuse};
 }
 
-/// How many pairs of points lie in faces that share an edge, each pair once for each edge. O(points + faces).
-std::size_t count_adjacent_pairs(const surface::TriangleMesh& mesh, const std::vector<surface::SurfacePoint>& points) {
-  std::vector<std::size_t> in_face(static_cast<std::size_t>(mesh.face_count()));
-  for (const auto& point : points) ++in_face[static_cast<std::size_t>(index(point.face))];
-  std::size_t pairs = 0;
-  for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h) {
-    if (mesh.twin(h) < h) continue;
-    pairs += in_face[static_cast<std::size_t>(surface::TriangleMesh::face_of(h))] *
-             in_face[static_cast<std::size_t>(surface::TriangleMesh::face_of(mesh.twin(h)))];
+embedded::NetworkPlan plan_of(const EmbeddedSystemRequest& request, const surface::TriangleMesh& mesh) {
+  embedded::NetworkPlan plan{{}, request.springs, request.fixed_points};
+  if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&request.points)) {
+    plan.points = resolve(mesh, *given, "/points");
+  } else if (const auto* in_faces = std::get_if<embedded::PointsInFaces>(&request.points)) {
+    plan.points = *in_faces;
+  } else {
+    plan.points = std::get<embedded::PoissonDiskPoints>(request.points);
   }
-  return pairs;
+  return plan;
 }
-
-struct BuiltNetwork {
-  embedded::Network network;
-  std::optional<std::vector<std::array<std::int32_t, 3>>> triangles;
-};
-
-/// Builds what the request does not give one by one.
-class NetworkBuilder {
- public:
-  NetworkBuilder(const EmbeddedSystemRequest& request, const store::LoadedMesh& mesh, const json::Limits& limits)
-      : request_(request), mesh_(mesh), limits_(limits) {}
-
-  BuiltNetwork build(std::vector<surface::SurfacePoint> given, const Execution& execution) const {
-    BuiltNetwork built;
-    built.network.fixed_points = request_.fixed_points;
-    built.network.points = points(std::move(given), PartOfExecution(execution, 0, 0.5).execution());
-    add_springs(built, PartOfExecution(execution, 0.5, 0.5).execution());
-    return built;
-  }
-
- private:
-  std::vector<surface::SurfacePoint> points(std::vector<surface::SurfacePoint> given,
-                                            const Execution& execution) const {
-    if (const auto* in_faces = std::get_if<json::PointsInFaces>(&request_.points)) {
-      execution.checkpoint(0, "points");
-      const StageTimer timer(execution.cost, "points");
-      check_built(static_cast<std::size_t>(mesh_.mesh().face_count()), "/points", limits_.max_points, "--max-points");
-      return embedded::points_in_faces(mesh_.mesh(), in_faces->barycentric);
-    }
-    if (const auto* disks = std::get_if<json::PoissonDiskPoints>(&request_.points)) {
-      execution.checkpoint(0, "points");
-      const StageTimer timer(execution.cost, "points");
-      return embedded::poisson_disk_points(mesh_.solver, disks->radius, disks->seed, limits_.max_points, execution);
-    }
-    return given;
-  }
-
-  void add_springs(BuiltNetwork& built, const Execution& execution) const {
-    const auto* builder = std::get_if<json::SpringBuilder>(&request_.springs);
-    if (!builder) {
-      built.network.springs = std::get<std::vector<embedded::Spring>>(request_.springs);
-      return;
-    }
-    execution.checkpoint(0, "springs");
-    const StageTimer timer(execution.cost, "springs");
-    std::vector<embedded::Pair> pairs;
-    if (builder->kind == json::SpringBuilder::Kind::adjacent_faces) {
-      check_built(count_adjacent_pairs(mesh_.mesh(), built.network.points), "/springs", limits_.max_springs,
-                  "--max-springs");
-      pairs = embedded::pairs_of_adjacent_faces(mesh_.mesh(), built.network.points);
-    } else {
-      auto dual = embedded::triangulate(mesh_.solver, built.network.points, execution);
-      pairs = std::move(dual.edges);
-      built.triangles = std::move(dual.triangles);
-    }
-    check_built(pairs.size(), "/springs", limits_.max_springs, "--max-springs");
-    built.network.springs.reserve(pairs.size());
-    for (const auto& [from, to] : pairs)
-      built.network.springs.push_back({from, to, builder->rest_length, builder->weight});
-  }
-
-  const EmbeddedSystemRequest& request_;
-  const store::LoadedMesh& mesh_;
-  const json::Limits& limits_;
-};
 
 /// Publishes the states on the way, as often as anyone can see them.
 class StatePublisher {
@@ -147,16 +87,15 @@ std::string write_network_file(NetworkFile file, const surface::TriangleMesh& me
 }
 
 store::Result compute(const EmbeddedSystemRequest& request, const store::LoadedMesh& mesh,
-                      const std::vector<surface::SurfacePoint>& given, NetworkFile file, const json::Limits& limits,
+                      const embedded::NetworkPlan& plan, NetworkFile file, const json::Limits& limits,
                       const Execution& outer) {
-  BuiltNetwork built;
+  embedded::BuiltNetwork built;
   embedded::Relaxation relaxation;
   store::Result result;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    const bool builds = !std::holds_alternative<std::vector<json::PointSpec>>(request.points) ||
-                        std::holds_alternative<json::SpringBuilder>(request.springs);
-    const double first = builds ? building_share : 0;
-    built = NetworkBuilder(request, mesh, limits).build(given, PartOfExecution(execution, 0, first).execution());
+    const double first = plan.builds() ? building_share : 0;
+    const PartOfExecution building(execution, 0, first);
+    built = embedded::build_network(mesh.solver, plan, network_limits(limits), building.execution());
     auto options = request.options;
     options.paths = options.paths || file == NetworkFile::obj || file == NetworkFile::vtu;
     if (execution.progress) options.observer = StatePublisher(mesh.mesh(), *execution.progress);
@@ -185,13 +124,11 @@ void add_embedded_system_route(http::Router& router, Services& services) {
     const auto file = negotiate_network_file(http_request);
     auto request = json::parse_embedded_system(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, request.mesh);
-    std::vector<surface::SurfacePoint> given;
-    if (const auto* points = std::get_if<std::vector<json::PointSpec>>(&request.points))
-      given = resolve(mesh->mesh(), *points, "/points");
+    auto plan = plan_of(request, mesh->mesh());
     jobs::Computation computation{"embedded-systems", request.mesh, request.deadline, {}};
-    computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file,
+    computation.run = [request = std::move(request), mesh = std::move(mesh), plan = std::move(plan), file,
                        limits = services.limits.json](const Execution& execution) {
-      return compute(request, *mesh, given, file, limits, execution);
+      return compute(request, *mesh, plan, file, limits, execution);
     };
     return answer_computation(services, http_request, std::move(computation));
   };

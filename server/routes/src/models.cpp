@@ -1,11 +1,11 @@
-#include <cmath>
-
 #include "computation_route.h"
 #include "entity_tag.h"
 #include "handlers.h"
-#include "model_batch.h"
+#include "structure_spec.h"
 #include "supple/json/json_writer.h"
 #include "supple/json/model_answers.h"
+#include "supple/neural/batch.h"
+#include "supple/neural/uniaxial_curve.h"
 
 namespace supple::routes {
 namespace {
@@ -37,62 +37,42 @@ http::Response show_model(const Services& services, const http::Request& request
   return response;
 }
 
+/// Calls make(); the engine's pointers become the request's.
+template <class Make>
+auto with_pointers(Make make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    if (error.details().empty()) throw;
+    throw moved(error, "/");
+  }
+}
+
+neural::Batch batch_of(const json::EvaluationRequest& request) {
+  return {request.designs, request.strains, request.order};
+}
+
 store::Result compute_evaluation(const store::LoadedModel& model, const json::EvaluationRequest& request,
                                  metrics::Metrics& metrics, const Execution& outer) {
-  ModelBatch batch;
-  const auto bill = billed(outer, [&](const Execution& execution) { batch = evaluate(model, request, execution); });
+  neural::BatchResult result;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    result = with_pointers(
+        [&] { return neural::evaluate_batch(model.model, model.evaluator, batch_of(request), execution); });
+  });
   metrics.count_evaluations(model.model.id, request.strains.cols());
-  return json_result(json::write_evaluation(version_of(model), request.order, batch.values, batch.trust,
+  return json_result(json::write_evaluation(version_of(model), request.order, result.values, result.trust,
                                             model.model.calibration.has_value(), bill));
-}
-
-/// Throws "model.not_finite" where a state has a number that is none; residuals may have.
-void check_finite(const std::vector<neural::UniaxialState>& states) {
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const auto& state = states[i];
-    if (state.strain.allFinite() && state.stress.allFinite() && std::isfinite(state.energy_density)) continue;
-    throw Error("model.not_finite", "The model gives no finite value at state " + std::to_string(i) + " of the load.");
-  }
-}
-
-std::vector<neural::Trust> trust_of(const store::LoadedModel& model, const json::UniaxialRequest& request,
-                                    const neural::Evaluator::Design& design,
-                                    const std::vector<neural::UniaxialState>& states) {
-  const neural::ErrorBars bars(model.model, model.evaluator, design, request.parameters, true);
-  const neural::UniaxialFrame frame(request.direction);
-  std::vector<neural::Trust> trust;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const auto& state = states[i];
-    trust.push_back(bars.uniaxial(neural::Quantity::stress, frame, request.green_strains[i], state.strain,
-                                  {state.energy_density, state.stress, state.tangent}));
-    // What is no equilibrium is no answer to the question that bars are about.
-    if (!state.converged) trust.back().error.reset();
-  }
-  return trust;
 }
 
 store::Result compute_uniaxial(const store::LoadedModel& model, const json::UniaxialRequest& request,
                                metrics::Metrics& metrics, const Execution& outer) {
-  std::vector<neural::UniaxialState> states;
-  std::vector<neural::Trust> trust;
+  neural::UniaxialCurve curve;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    const auto design = model.evaluator.design(request.parameters);
-    {
-      const StageTimer timer(execution.cost, "equilibrium");
-      states = neural::uniaxial_path(model.evaluator, design, request.direction, request.green_strains, request.options,
-                                     execution);
-    }
-    check_finite(states);
-    int iterations = 0;
-    for (const auto& state : states) {
-      iterations += state.iterations;
-    }
-    trust = trust_of(model, request, design, states);
-    execution.cost->add_quantity("iterations", iterations);
-    execution.checkpoint(1, "");
+    curve = neural::uniaxial_curve(model.model, model.evaluator, request.parameters, request.direction,
+                                   request.green_strains, request.options, execution);
   });
-  metrics.count_evaluations(model.model.id, static_cast<std::int64_t>(states.size()));
-  return json_result(json::write_uniaxial(version_of(model), request, states, trust, bill));
+  metrics.count_evaluations(model.model.id, static_cast<std::int64_t>(curve.states.size()));
+  return json_result(json::write_uniaxial(version_of(model), request, curve.states, curve.trust, bill));
 }
 
 http::Response answer_evaluation(Services& services, const http::Request& http_request) {
@@ -100,7 +80,7 @@ http::Response answer_evaluation(Services& services, const http::Request& http_r
   auto model = model_of(services, http_request);
   auto request = std::make_shared<const json::EvaluationRequest>(
       json::parse_evaluation(json_body(http_request), services.limits.json));
-  check_evaluation(*model, *request);
+  with_pointers([&] { neural::check_batch(model->model, batch_of(*request)); });
   jobs::Computation computation{"model-evaluations", {}, request->deadline, {}};
   computation.run = [request, model = std::move(model), metrics = services.metrics](const Execution& execution) {
     return compute_evaluation(*model, *request, *metrics, execution);
@@ -112,7 +92,7 @@ http::Response answer_uniaxial(Services& services, const http::Request& http_req
   require_ready(services);
   auto model = model_of(services, http_request);
   auto request = json::parse_uniaxial(json_body(http_request), services.limits.json);
-  check_designs(*model, {&request.parameters, 1}, [](std::size_t) { return "/parameters"; });
+  with_pointers([&] { neural::check_designs(model->model, {&request.parameters, 1}, "parameters", false); });
   jobs::Computation computation{"model-uniaxial", {}, request.deadline, {}};
   computation.run = [request = std::move(request), model = std::move(model), metrics = services.metrics](
                         const Execution& execution) { return compute_uniaxial(*model, request, *metrics, execution); };

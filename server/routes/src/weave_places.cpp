@@ -2,49 +2,17 @@
 #include <limits>
 #include <utility>
 
+#include "supple/weave/places.h"
 #include "weave_spec.h"
 
 namespace supple::routes {
 namespace {
 
 using weave::Weave;
-using Place = json::StrandCoordinate;
+using Place = weave::StrandPlace;
 
 Error no_place(const std::string& where, const std::string& message) {
   return {"weave.invalid_load", where.substr(1) + " " + message, {{where, message}}};
-}
-
-/// A crossing is held by a strand that does not slide through it, where there is one: that one can be clamped too.
-Place place_of(const weave::Crossing& crossing) {
-  for (const auto& member : crossing.members)
-    if (!member.slides) return {member.strand, member.coordinate};
-  return {crossing.members.front().strand, crossing.members.front().coordinate};
-}
-
-/// Crossings within the box, and ends of strands there that are no crossings.
-std::vector<Place> places_in(const json::InBox& box, const Weave& weave) {
-  const auto inside = [&](const Eigen::Vector2d& at) {
-    return (at.array() >= box.lower.array()).all() && (at.array() <= box.upper.array()).all();
-  };
-  std::vector<Place> places;
-  std::vector<std::array<bool, 2>> crossed(weave.strands.size(), {false, false});
-  for (const auto& crossing : weave.crossings) {
-    for (const auto& member : crossing.members) {
-      const auto s = static_cast<std::size_t>(member.strand);
-      const double near = 1e-6 * weave.strands[s].curve.length();
-      if (member.coordinate <= near) crossed[s][0] = true;
-      if (member.coordinate >= weave.strands[s].curve.length() - near) crossed[s][1] = true;
-    }
-    if (inside(weave::rest_position(weave, crossing.members.front()))) places.push_back(place_of(crossing));
-  }
-  for (std::size_t s = 0; s < weave.strands.size(); ++s) {
-    const auto& curve = weave.strands[s].curve;
-    if (curve.ends() != weave::Ends::open) continue;
-    const std::array<double, 2> ends{0, curve.length()};
-    for (std::size_t end = 0; end < 2; ++end)
-      if (!crossed[s][end] && inside(curve.at(ends[end]).position)) places.push_back({static_cast<int>(s), ends[end]});
-  }
-  return places;
 }
 
 class Finder {
@@ -53,7 +21,7 @@ class Finder {
 
   std::vector<Place> operator()(const json::StrandCoordinate& at) const {
     check_strand(at.strand);
-    return {at};
+    return {{at.strand, at.coordinate}};
   }
   std::vector<Place> operator()(const json::StrandShare& at) const {
     check_strand(at.strand);
@@ -62,10 +30,10 @@ class Finder {
   std::vector<Place> operator()(const json::AtCrossing& at) const {
     if (static_cast<std::size_t>(at.crossing) >= weave_.crossings.size())
       throw no_place(where_ + "/crossing", "names no crossing: there are " + std::to_string(weave_.crossings.size()));
-    return {place_of(weave_.crossings[static_cast<std::size_t>(at.crossing)])};
+    return {weave::place_of(weave_.crossings[static_cast<std::size_t>(at.crossing)])};
   }
   std::vector<Place> operator()(const json::InBox& box) const {
-    auto places = places_in(box, weave_);
+    auto places = weave::places_in(weave_, box.lower, box.upper);
     if (places.empty()) throw no_place(where_ + "/box", "holds no crossing and no end of a strand");
     return places;
   }

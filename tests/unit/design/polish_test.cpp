@@ -422,6 +422,40 @@ struct TwoFamilies {
   std::vector<std::size_t> told;
 };
 
+TEST(SearchDesigns, SimulatesWhatItFindsWhereThereIsAPlanForIt) {
+  TwoFamilies families;
+  families.first_calls = families.second_calls = 0;
+  int searched = 0;
+  const SearchObserver observer{
+      [&](const DesignProgress&) { ++searched; },
+      [&](const Design& design, const PolishRound&) { families.told.push_back(design.space); }};
+  CostLedger bill;
+  const auto found = search_designs(families.spaces, families.simulations, {families.problem, {}, VerificationPlan{}},
+                                    {.cost = &bill}, observer);
+  const auto apart = families.verified({});
+  ASSERT_TRUE(found.polished);
+  EXPECT_EQ(found.polished->parameters, apart.polished->parameters);
+  EXPECT_EQ(found.ranking.front().design.space, 1U);
+  EXPECT_GT(searched, 0);
+  EXPECT_FALSE(families.told.empty());
+}
+
+TEST(SearchDesigns, SimulatesNothingWithoutAPlan) {
+  TwoFamilies families;
+  CostLedger bill;
+  const auto found = search_designs(families.spaces, {}, {families.problem}, {.cost = &bill});
+  EXPECT_FALSE(found.polished);
+  EXPECT_TRUE(found.discretization_error.empty());
+  ASSERT_EQ(found.ranking.size(), 2U);
+  EXPECT_EQ(found.ranking[0].design.parameters, families.ranking[0].parameters);
+  EXPECT_FALSE(found.ranking[0].target_error);
+  EXPECT_EQ(families.first_calls + families.second_calls, 0);
+  int told = 0;
+  for (const auto& effect : bill.effects())
+    if (effect.name == "verification" || effect.name == "polish") told += effect.ran ? 100 : 1;
+  EXPECT_EQ(told, 2) << "both are on the bill as not run";
+}
+
 TEST(VerifyDesigns, RanksFamiliesByTheirSimulation) {
   TwoFamilies families;
   ASSERT_EQ(families.ranking.front().space, 0U) << "the same network twice: the first comes first";
@@ -431,9 +465,9 @@ TEST(VerifyDesigns, RanksFamiliesByTheirSimulation) {
   EXPECT_EQ(families.first_calls, 1);
   ASSERT_TRUE(verified.ranking[0].target_error && verified.ranking[1].target_error);
   EXPECT_LT(*verified.ranking[0].target_error, *verified.ranking[1].target_error);
-  EXPECT_EQ(verified.polished.stopped, PolishStop::reached);
-  EXPECT_EQ(verified.ranking.front().design.parameters, verified.polished.parameters);
-  EXPECT_EQ(*verified.ranking.front().target_error, *verified.polished.target_error);
+  EXPECT_EQ(verified.polished->stopped, PolishStop::reached);
+  EXPECT_EQ(verified.ranking.front().design.parameters, verified.polished->parameters);
+  EXPECT_EQ(*verified.ranking.front().target_error, *verified.polished->target_error);
   EXPECT_EQ(families.told.size(), static_cast<std::size_t>(families.first_calls + families.second_calls));
   ASSERT_EQ(bill.effects().size(), 1U);
   EXPECT_TRUE(bill.effects()[0].ran);
@@ -490,7 +524,7 @@ TEST(VerifyDesigns, SayByHowMuchACoarserMeshChangesTheAnswer) {
   const auto verified = families.verified({});
   ASSERT_EQ(verified.discretization_error.size(), 1U);
   EXPECT_NEAR(verified.discretization_error[0].value(), 0.25, 1e-12);
-  EXPECT_EQ(asked_for, verified.polished.parameters);
+  EXPECT_EQ(asked_for, verified.polished->parameters);
 }
 
 TEST(VerifyDesigns, StandWithoutTheEstimateThatFailsUnlessTheyAreCancelled) {
@@ -516,7 +550,7 @@ TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
   const CancellationToken token;
   token.request(StopReason::deadline);
   const auto verified = families.verified({}, {.cancellation = token});
-  EXPECT_EQ(verified.polished.stopped, PolishStop::deadline);
+  EXPECT_EQ(verified.polished->stopped, PolishStop::deadline);
   EXPECT_EQ(verified.ranking.size(), 2U);
   EXPECT_FALSE(verified.ranking[0].target_error);
   EXPECT_FALSE(verified.discretization_error.at(0));

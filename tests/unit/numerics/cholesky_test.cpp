@@ -17,7 +17,7 @@ SparseMatrix chain_hessian(int n) {
   return sum.hessian.matrix(n);
 }
 
-class ShiftedCholeskyOfSize : public testing::TestWithParam<int> {};
+class ShiftedCholeskyOfSize : public ::testing::TestWithParam<int> {};
 
 TEST_P(ShiftedCholeskyOfSize, SolvesASparseMatrixLikeTheDenseOne) {
   const int n = GetParam();
@@ -35,7 +35,7 @@ TEST_P(ShiftedCholeskyOfSize, SolvesASparseMatrixLikeTheDenseOne) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(BothSidesOfTheDenseLimit, ShiftedCholeskyOfSize, testing::Values(2, 63, 64, 500));
+INSTANTIATE_TEST_SUITE_P(BothSidesOfTheDenseLimit, ShiftedCholeskyOfSize, ::testing::Values(2, 63, 64, 500));
 
 TEST(ShiftedCholesky, AnalysesAPatternOnceForAllItsValues) {
   SparseMatrix matrix = chain_hessian(200);

@@ -38,6 +38,31 @@ TEST(HessianEntries, AddUpToTheSymmetricMatrixInEitherOrderOfThePair) {
   EXPECT_LT((Eigen::MatrixXd(sum.matrix(9)) - dense(entries, 9)).cwiseAbs().maxCoeff(), 1e-14);
 }
 
+TEST(HessianEntries, TakeBlocksWhoseLastRowsAreTheBorders) {
+  RandomStream random("hessian_entries", 7);
+  // Degrees of freedom 2 and 5 are held, 7 and 8 are the border's.
+  HessianEntries sum(Numbering{0, 1, -1, 2, 3, -1, 4});
+  const std::vector<std::vector<std::int32_t>> blocks = {{0, 2, 3, 7, 8}, {1, 4, 6}, {7, 8}, {2, 5, 6, 8}, {3}};
+  BorderedMatrix matrix;
+  for (int round = 0; round < 3; ++round) {
+    std::vector<Entry> entries;
+    sum.clear();
+    for (const auto& rows : blocks) {
+      std::vector<double> lower;
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        for (std::size_t l = 0; l <= k; ++l) {
+          lower.push_back(random.uniform(-1, 1));
+          entries.push_back({rows[k], rows[l], lower.back()});
+        }
+      sum.add_block(rows, lower.data());
+    }
+    sum.assemble(9, matrix);
+    const Eigen::MatrixXd expected = dense(entries, 9);
+    const std::vector<int> unknowns = {0, 1, 3, 4, 6, 7, 8};
+    EXPECT_LT((dense(matrix) - expected(unknowns, unknowns)).cwiseAbs().maxCoeff(), 1e-14) << "round " << round;
+  }
+}
+
 TEST(HessianEntries, FollowASequenceThatGrowsShrinksAndChangesInItsMiddle) {
   RandomStream random("hessian_entries", 2);
   HessianEntries sum(7);

@@ -65,7 +65,7 @@ TEST(PartialCholesky, RefusesAFrontThatIsNotPositiveDefiniteInItsPivots) {
   EXPECT_FALSE(partial_cholesky(front.data(), 12, 12, 8));
 }
 
-class MultifrontalCholeskyOf : public testing::TestWithParam<std::tuple<int, int>> {};
+class MultifrontalCholeskyOf : public ::testing::TestWithParam<std::tuple<int, int>> {};
 
 TEST_P(MultifrontalCholeskyOf, SolvesWithEveryNumberOfRightHandSides) {
   const auto [n, degree] = GetParam();
@@ -84,7 +84,7 @@ TEST_P(MultifrontalCholeskyOf, SolvesWithEveryNumberOfRightHandSides) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SizesAndDensities, MultifrontalCholeskyOf,
-                         testing::Combine(testing::Values(1, 7, 64, 500), testing::Values(0, 2, 6)));
+                         ::testing::Combine(::testing::Values(1, 7, 64, 500), ::testing::Values(0, 2, 6)));
 
 TEST(MultifrontalCholesky, ReadsTheLowerTriangleOnly) {
   const SparseMatrix matrix = random_matrix(80, 5, 2);

@@ -75,16 +75,17 @@ TEST(EmbeddedSystemRequests, ReadBuildersInPlaceOfArrays) {
   const auto in_faces = parse_embedded_system(network_body(R"("points":{"kind":"per_face","barycentric":[0.2,0.3,0.5]},
                       "springs":{"kind":"adjacent_faces","rest_length":3,"weight":0.5})"),
                                               {});
-  EXPECT_EQ(std::get<PointsInFaces>(in_faces.points).barycentric, Eigen::Vector3d(0.2, 0.3, 0.5));
-  EXPECT_EQ(std::get<SpringBuilder>(in_faces.springs).kind, SpringBuilder::Kind::adjacent_faces);
-  EXPECT_EQ(std::get<SpringBuilder>(in_faces.springs).rest_length, 3);
-  EXPECT_EQ(std::get<SpringBuilder>(in_faces.springs).weight, 0.5);
+  EXPECT_EQ(std::get<embedded::PointsInFaces>(in_faces.points).barycentric, Eigen::Vector3d(0.2, 0.3, 0.5));
+  EXPECT_EQ(std::get<embedded::NeighbourSprings>(in_faces.springs).kind,
+            embedded::NeighbourSprings::Kind::adjacent_faces);
+  EXPECT_EQ(std::get<embedded::NeighbourSprings>(in_faces.springs).rest_length, 3);
+  EXPECT_EQ(std::get<embedded::NeighbourSprings>(in_faces.springs).weight, 0.5);
   const auto random = parse_embedded_system(
       network_body(R"("points":{"kind":"poisson_disk","radius":0.25,"seed":9},"springs":{"kind":"voronoi_dual"})"), {});
-  EXPECT_EQ(std::get<PoissonDiskPoints>(random.points).radius, 0.25);
-  EXPECT_EQ(std::get<PoissonDiskPoints>(random.points).seed, 9U);
-  EXPECT_EQ(std::get<SpringBuilder>(random.springs).kind, SpringBuilder::Kind::voronoi_dual);
-  EXPECT_EQ(std::get<SpringBuilder>(random.springs).weight, 1);
+  EXPECT_EQ(std::get<embedded::PoissonDiskPoints>(random.points).radius, 0.25);
+  EXPECT_EQ(std::get<embedded::PoissonDiskPoints>(random.points).seed, 9U);
+  EXPECT_EQ(std::get<embedded::NeighbourSprings>(random.springs).kind, embedded::NeighbourSprings::Kind::voronoi_dual);
+  EXPECT_EQ(std::get<embedded::NeighbourSprings>(random.springs).weight, 1);
 }
 
 TEST(EmbeddedSystemRequests, PointToEachFaultyEntry) {

@@ -2,7 +2,7 @@
 
 #include "supple/base/execution.h"
 
-namespace supple::routes {
+namespace supple {
 
 /// The execution of one part of a computation: its progress from 0 to 1 is a stretch of that of the whole.
 class PartOfExecution {
@@ -34,4 +34,4 @@ class PartOfExecution {
   Execution execution_;
 };
 
-}  // namespace supple::routes
+}  // namespace supple

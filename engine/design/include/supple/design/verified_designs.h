@@ -27,7 +27,8 @@ struct VerifiedDesign {
 
 struct VerifiedDesigns {
   std::vector<VerifiedDesign> ranking;  ///< those that were simulated first, the least deviation before polishing first
-  Polished polished;                    ///< of the first; its rounds are one where it was not corrected
+  /// Of the first; its rounds are one where it was not corrected. None where nothing was simulated.
+  std::optional<Polished> polished;
   /// For each target, by how much of itself (root mean squares) the first's simulated response changes on the
   /// coarser mesh: what its own mesh errs by at most. None where either simulation does not get to every sample, the
   /// deadline passed, or nobody asked.
@@ -46,5 +47,29 @@ VerifiedDesigns verify_designs(
     std::vector<Design> ranking, const DesignOptions& search, const VerificationPlan& plan,
     const Execution& execution = {},
     const std::function<void(const Design& design, const PolishRound& round)>& on_round = {});
+
+/// A search and who has its last word.
+struct DesignSearch {
+  DesignProblem problem;
+  DesignOptions options{};
+  std::optional<VerificationPlan> verification{};  ///< none: nothing is simulated
+};
+
+/// What a search reports on its way.
+struct SearchObserver {
+  OnProgress on_progress{};
+  std::function<void(const Design& design, const PolishRound& round)> on_round{};
+};
+
+/// Searches, and simulates what it found: `find_designs`, then `verify_designs` where the search has a plan for it.
+/// Without one `polished` and `discretization_error` are empty, `simulations` may be, and the bill says so. Where the
+/// best design has no structure, tiles too small or voids closed in a corner of the bounds, its message says so.
+VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations,
+                               const DesignSearch& search, const Execution& execution = {},
+                               const SearchObserver& observer = {});
+
+/// The space of a model, of parameters that can be built, and the simulation of its structures of their own material.
+DesignSpace design_space(const neural::Model& model, const neural::Evaluator& evaluator, const Candidates& candidates);
+FamilySimulation simulation_of_model(const neural::Model& model);
 
 }  // namespace supple::design

@@ -68,6 +68,10 @@ struct Model {
 /// Mean relative error of the stress on designs that training has not seen; none where nobody measured it.
 std::optional<double> mean_stress_error(const Model& model);
 
+/// The best model of each family, as indices, families in the order in which they come first: the model that errs least
+/// on designs that training has not seen, and where nobody measured it, the first.
+std::vector<std::size_t> best_of_families(std::span<const Model* const> models);
+
 /// Whether these parameters and this strain (E_xx, E_yy, 2 E_xy) lie within what the model was trained on, given the
 /// energy density it predicts there and the rest stiffness s of its design (Evaluator::Design::rest_stiffness). Bounds
 /// of parameters allow for rounding.

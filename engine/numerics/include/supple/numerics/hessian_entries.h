@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -54,19 +55,11 @@ class HessianEntries {
   /// several times as fast.
   template <std::size_t size>
   void add_block(const std::array<std::int32_t, size>& rows, const double* lower) {
-    constexpr std::size_t count = entries_of(size);
-    if (expects_block(rows.data(), size)) {
-      const std::uint32_t* slots = slots_.data() + cursor_;
-      for (std::size_t i = 0; i < count; ++i) values_[slots[i]] += lower[i];
-      cursor_ += count;
-      ++next_block_;
-      return;
-    }
-    note_block(rows.data(), size);
-    for (std::size_t k = 0; k < size; ++k)
-      for (std::size_t l = 0; l <= k; ++l)
-        add_at(place_of(std::min(rows[k], rows[l]), std::max(rows[k], rows[l])), *lower++);
+    add_core_block(rows.data(), size, lower);
   }
+
+  /// The same for any number of rows, each another one, of which those of the border are the last.
+  void add_block(std::span<const std::int32_t> rows, const double* lower);
 
   /// The entries of `row` and first, first + 1, ..., all greater than `row`; fast where `first` is the border's first.
   template <int count>
@@ -112,6 +105,21 @@ class HessianEntries {
     } else {
       add_unexpected(place, value);
     }
+  }
+  /// Inlined, so that blocks of a known size have loops of known lengths.
+  __attribute__((always_inline)) void add_core_block(const std::int32_t* rows, std::size_t size, const double* lower) {
+    if (expects_block(rows, size)) {
+      const std::size_t count = entries_of(size);
+      const std::uint32_t* slots = slots_.data() + cursor_;
+      for (std::size_t i = 0; i < count; ++i) values_[slots[i]] += lower[i];
+      cursor_ += count;
+      ++next_block_;
+      return;
+    }
+    note_block(rows, size);
+    for (std::size_t k = 0; k < size; ++k)
+      for (std::size_t l = 0; l <= k; ++l)
+        add_at(place_of(std::min(rows[k], rows[l]), std::max(rows[k], rows[l])), *lower++);
   }
   void add_unexpected(Place place, double value);
   bool expects_block(const std::int32_t* rows, std::size_t size) const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -35,6 +36,14 @@ struct EnergySum {
     value += share;
     if (order < 1) return;
     for (std::size_t k = 0; k < size; ++k) gradient[rows[k]] += slope[k];
+    if (order >= 2) hessian.add_block(rows, lower);
+  }
+  /// The same for a number of rows that differs from element to element; see HessianEntries::add_block for their order.
+  void add_element(std::span<const std::int32_t> rows, int order, double share, const double* slope,
+                   const double* lower) {
+    value += share;
+    if (order < 1) return;
+    for (const std::int32_t row : rows) gradient[row] += *slope++;
     if (order >= 2) hessian.add_block(rows, lower);
   }
 };

@@ -1,0 +1,88 @@
+#include "supple/embedded/network_plan.h"
+
+#include <utility>
+
+#include "supple/base/part_of_execution.h"
+#include "supple/embedded/network_builders.h"
+
+namespace supple::embedded {
+namespace {
+
+/// How many pairs of points lie in faces that share an edge, each pair once for each edge. O(points + faces).
+std::size_t count_adjacent_pairs(const surface::TriangleMesh& mesh, const std::vector<surface::SurfacePoint>& points) {
+  std::vector<std::size_t> in_face(static_cast<std::size_t>(mesh.face_count()));
+  for (const auto& point : points) ++in_face[static_cast<std::size_t>(index(point.face))];
+  std::size_t pairs = 0;
+  for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h) {
+    if (mesh.twin(h) < h) continue;
+    pairs += in_face[static_cast<std::size_t>(surface::TriangleMesh::face_of(h))] *
+             in_face[static_cast<std::size_t>(surface::TriangleMesh::face_of(mesh.twin(h)))];
+  }
+  return pairs;
+}
+
+class Builder {
+ public:
+  Builder(const surface::GeodesicSolver& solver, const NetworkLimits& limits) : solver_(solver), limits_(limits) {}
+
+  std::vector<surface::SurfacePoint> points(const std::vector<surface::SurfacePoint>& given, const Execution&) const {
+    return given;
+  }
+  std::vector<surface::SurfacePoint> points(const PointsInFaces& rule, const Execution& execution) const {
+    const StageTimer timer(execution.cost, "points");
+    check("points", static_cast<std::size_t>(solver_.mesh().face_count()), limits_.points);
+    return points_in_faces(solver_.mesh(), rule.barycentric);
+  }
+  std::vector<surface::SurfacePoint> points(const PoissonDiskPoints& rule, const Execution& execution) const {
+    const StageTimer timer(execution.cost, "points");
+    return poisson_disk_points(solver_, rule.radius, rule.seed, limits_.points, execution);
+  }
+
+  void add_springs(const std::vector<Spring>& given, BuiltNetwork& built, const Execution&) const {
+    built.network.springs = given;
+  }
+  void add_springs(const NeighbourSprings& rule, BuiltNetwork& built, const Execution& execution) const {
+    const StageTimer timer(execution.cost, "springs");
+    const auto& points = built.network.points;
+    std::vector<Pair> pairs;
+    if (rule.kind == NeighbourSprings::Kind::adjacent_faces) {
+      // There may be as many as the square of the points of a face: they are counted before they are made.
+      check("springs", count_adjacent_pairs(solver_.mesh(), points), limits_.springs);
+      pairs = pairs_of_adjacent_faces(solver_.mesh(), points);
+    } else {
+      auto dual = triangulate(solver_, points, execution);
+      check("springs", dual.edges.size(), limits_.springs);
+      pairs = std::move(dual.edges);
+      built.triangles = std::move(dual.triangles);
+    }
+    built.network.springs.reserve(pairs.size());
+    for (const auto& [from, to] : pairs) built.network.springs.push_back({from, to, rule.rest_length, rule.weight});
+  }
+
+ private:
+  void check(std::string_view field, std::size_t count, std::size_t limit) const {
+    if (count > limit) limits_.refuse(field, count);
+  }
+
+  const surface::GeodesicSolver& solver_;
+  const NetworkLimits& limits_;
+};
+
+}  // namespace
+
+BuiltNetwork build_network(const surface::GeodesicSolver& solver, const NetworkPlan& plan, const NetworkLimits& limits,
+                           const Execution& execution) {
+  const Builder builder(solver, limits);
+  BuiltNetwork built;
+  built.network.fixed_points = plan.fixed_points;
+  const PartOfExecution first(execution, 0, 0.5);
+  first.execution().checkpoint(0, "points");
+  built.network.points =
+      std::visit([&](const auto& points) { return builder.points(points, first.execution()); }, plan.points);
+  const PartOfExecution second(execution, 0.5, 0.5);
+  second.execution().checkpoint(0, "springs");
+  std::visit([&](const auto& springs) { builder.add_springs(springs, built, second.execution()); }, plan.springs);
+  return built;
+}
+
+}  // namespace supple::embedded
