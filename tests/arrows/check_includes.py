@@ -53,7 +53,7 @@ LIBRARIES = {
     "polyclipping/": ("engine/tiling",),
     "clipper.hpp": ("engine/tiling",),
     "cholmod.h": ("engine/numerics",),
-    "tbb/": ("engine/base",),
+    "tbb/": ("engine/base", "tests/unit/base"),
     "oneapi/": ("engine/base",),
     "gtest/": ("tests",),
     "benchmark/": ("tests",),
@@ -69,8 +69,8 @@ WRITTEN_ONCE = (
 
 # Rooms with threads of their own, and where their tests are said to be worth the thread sanitizer's time.
 THREADS = re.compile(r"\b(parallel_for|parallel_tasks|parallel_bills|std::j?thread)\b")
-# The batch of an answer's evaluations is tested over HTTP; training is not built with sanitizers.
-WITHOUT_THREADED_TESTS = {"server/routes", "engine/training"}
+# Training is not built with sanitizers.
+WITHOUT_THREADED_TESTS = {"engine/training"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
