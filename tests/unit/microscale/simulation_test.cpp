@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "supple/base/threads.h"
 #include "supple/tiling/family.h"
 #include "support/drawn_meshes.h"
 #include "support/expect_error.h"
@@ -215,6 +216,24 @@ TEST(Simulator, AnswersAPathAsItAnswersItsStatesOneByOne) {
   const SimulationResult again = simulator.run(UniaxialLoad{0.2, stretches});
   for (std::size_t i = 0; i < stretches.size(); ++i)
     EXPECT_EQ(again.states.at(i).stress, path.states.at(i).stress) << "a path depends on those before it";
+}
+
+TEST(Simulator, GivesTheSameBitsForAnyNumberOfThreads) {
+  std::vector<SimulationResult> results;
+  for (const int threads : {1, 2, 3}) {
+    set_thread_count(threads);
+    Simulator simulator(lattice(), {});
+    results.push_back(simulator.run(BiaxialLoad{0, {{0.99, 0.99}, {0.97, 0.97}}}));
+  }
+  set_thread_count(0);
+  ASSERT_EQ(results[0].states.size(), 2U);
+  EXPECT_EQ(results[0].states[1].cells, 2) << "the check of the 2x2 patch and the patch itself are on the way";
+  for (const auto& result : results)
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(result.states.at(i).stress, results[0].states[i].stress);
+      EXPECT_EQ(result.states.at(i).tangent, results[0].states[i].tangent);
+      EXPECT_EQ(result.states.at(i).energy_density, results[0].states[i].energy_density);
+    }
 }
 
 TEST(Simulator, TakesTheTwoByTwoPatchWhenOneCellBucklesWithTwiceItsPeriod) {

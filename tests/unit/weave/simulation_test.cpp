@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "layouts.h"
+#include "supple/base/threads.h"
 #include "supple/weave/drawing.h"
 #include "supple/weave/patterns.h"
 #include "support/expect_error.h"
@@ -153,6 +154,27 @@ TEST(Sheets, FusedOnesLeaveThePlaneWhereSlidingOnesShearInIt) {
       EXPECT_LT(height, 0.2);
       EXPECT_LT(state.energy, 0.1 * fused_energy);
     }
+  }
+}
+
+TEST(Sheets, HaveTheSameBitsForAnyNumberOfThreads) {
+  const int n = 6;
+  const Weave weave = regular_sheet(n, n, uniform_block(Connection::fused), 4.5);
+  SheetLoad load;
+  load.supports.push_back({0, 2.25});
+  load.supports.push_back({0, 6.75});
+  load.supports.push_back({n, 6.75});
+  load.supports.push_back({n - 1, (n - 0.5) * 4.5, {true, true, true}, {-4, -4, 0}});
+  std::vector<SimulationResult> results;
+  for (const int threads : {1, 2, 3}) {
+    set_thread_count(threads);
+    results.push_back(simulate(weave, load, {.segments = 2}));
+  }
+  set_thread_count(0);
+  EXPECT_TRUE(results[0].states.back().out_of_plane) << "turns in space are on the way";
+  for (const auto& result : results) {
+    EXPECT_EQ(result.states.back().energy, results[0].states.back().energy);
+    EXPECT_EQ(result.states.back().strands, results[0].states.back().strands);
   }
 }
 
