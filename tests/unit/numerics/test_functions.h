@@ -33,7 +33,8 @@ VectorSystem system_of(Eigen::VectorXd x, CostLedger* cost = nullptr) {
 
 /// The check of one function at x. Inlined, it would have GCC 12 at -O1 warn of a vector without a value that has one.
 template <class T>
-[[gnu::noinline]] DerivativeCheck check_function(T function, const Eigen::VectorXd& x, const DerivativeCheckOptions& options = {}) {
+[[gnu::noinline]] DerivativeCheck check_function(T function, const Eigen::VectorXd& x,
+                                                 const DerivativeCheckOptions& options = {}) {
   return check_derivatives<VectorState>(function, VectorState{x}, options);
 }
 
