@@ -132,6 +132,18 @@ TEST(EquilibriumPath, ReportsAnUnstableEquilibriumWhereItIsNotToLeaveIt) {
   EXPECT_EQ(path.counts().branches_left, 0);
 }
 
+TEST(EquilibriumPath, AllowsMoreIterationsAfterItLeftABranch) {
+  for (const int times : {1, 20}) {
+    PitchforkScene scene;
+    scene.pitchfork.load = 1;
+    scene.pitchfork.x = {0, 1};
+    Path path(scene, {.max_iterations = 1, .more_iterations_after_leaving = times}, {});
+    EXPECT_EQ(path.settle(), times > 1);
+    EXPECT_EQ(path.stopped(), times > 1 ? PathStop::converged : PathStop::iteration_limit);
+    EXPECT_EQ(scene.left, 1);
+  }
+}
+
 TEST(EquilibriumPath, LeavesABranchNoMoreOftenThanItMay) {
   PitchforkScene scene;
   Path path(scene, {.largest_step = 0.3, .max_branch_changes = 0}, {});

@@ -38,6 +38,17 @@ TEST_P(EveryKind, RepeatsAStraightLineAlsoBeyondItsEnds) {
   for (double x = -1; x < 2; x += 0.1) EXPECT_NEAR(curve(x), 2 + 2 * x, 1e-12);
 }
 
+TEST_P(EveryKind, GoesOnAlongItsTangentsBeyondItsEnds) {
+  const Interpolant curve(xs, ys, GetParam());
+  const double h = 1e-6;
+  const double first = (curve(xs.front() + h) - ys.front()) / h;
+  const double last = (ys.back() - curve(xs.back() - h)) / h;
+  for (const double beyond : {0.1, 2.0}) {
+    EXPECT_NEAR(curve(xs.front() - beyond), ys.front() - beyond * first, 1e-4);
+    EXPECT_NEAR(curve(xs.back() + beyond), ys.back() + beyond * last, 1e-4);
+  }
+}
+
 TEST_P(EveryKind, IsConstantThroughOnePoint) {
   const std::vector<double> one{0.4};
   EXPECT_EQ(Interpolant(one, one, GetParam())(7), 0.4);

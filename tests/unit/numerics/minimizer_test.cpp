@@ -303,5 +303,12 @@ TEST(Newton, ReusesAFactorizationThatContractsAndComesToTheSameMinimum) {
   EXPECT_LT(with_few.factorized_at, with_few.iterations - 1);
 }
 
+TEST(MinimizerStops, HaveNames) {
+  EXPECT_EQ(to_string(MinimizerStop::converged), "converged");
+  EXPECT_EQ(to_string(MinimizerStop::step_too_small), "step_too_small");
+  EXPECT_EQ(to_string(MinimizerStop::saddle), "saddle");
+  EXPECT_EQ(to_string(MinimizerStop::iteration_limit), "iteration_limit");
+}
+
 }  // namespace
 }  // namespace supple::numerics
