@@ -303,6 +303,45 @@ TEST(Newton, ReusesAFactorizationThatContractsAndComesToTheSameMinimum) {
   EXPECT_LT(with_few.factorized_at, with_few.iterations - 1);
 }
 
+/// (1 - x0)^2 + 100 (x1 - x0^2)^2, with the defaults of an objective in a vector space.
+class Valley : public Objective {
+ public:
+  Eigen::Index dimension() const override { return 2; }
+  Evaluation evaluate(int order) override {
+    const Eigen::Vector2d& at = moving_ ? trial_ : x_;
+    Evaluation e;
+    const double across = at[1] - at[0] * at[0];
+    e.value = (1 - at[0]) * (1 - at[0]) + 100 * across * across;
+    if (order >= 1) e.gradient = Eigen::Vector2d(-2 * (1 - at[0]) - 400 * at[0] * across, 200 * across);
+    return e;
+  }
+  Eigen::VectorXd move(const Eigen::VectorXd& step) override {
+    trial_ = x_ + step;
+    moving_ = true;
+    return step;
+  }
+  void accept() override {
+    x_ = trial_;
+    moving_ = false;
+  }
+  void reject() override { moving_ = false; }
+
+ private:
+  Eigen::Vector2d x_{-1.2, 1};
+  Eigen::Vector2d trial_{0, 0};
+  bool moving_ = false;
+};
+
+TEST(Minimizer, KeepsWhatItLearnedOfTheCurvatureInAVectorSpace) {
+  const auto iterations = [](MinimizerMethod method) {
+    Valley valley;
+    const auto result = minimize(valley, {.method = method, .gradient_tolerance = 1e-8, .max_iterations = 10'000});
+    EXPECT_EQ(result.stop, MinimizerStop::converged);
+    return result.iterations;
+  };
+  EXPECT_LT(2 * iterations(MinimizerMethod::lbfgs), iterations(MinimizerMethod::gradient_descent));
+}
+
 TEST(MinimizerStops, HaveNames) {
   EXPECT_EQ(to_string(MinimizerStop::converged), "converged");
   EXPECT_EQ(to_string(MinimizerStop::step_too_small), "step_too_small");
