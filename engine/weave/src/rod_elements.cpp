@@ -42,13 +42,20 @@ void SliderSlots::link(const RodModel& model, int first, Links& links) const {
 }
 
 ElementRows::ElementRows(const Links& links) {
-  for (const Link& link : links) rows_.push_back(link.dof);
-  std::ranges::sort(rows_);
-  rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
-  if (rows_.size() > ElementShare::most_rows) throw std::logic_error("an element of a rod has too many unknowns");
-  for (const Link& link : links)
-    links_.push_back({static_cast<std::size_t>(std::ranges::lower_bound(rows_, link.dof) - rows_.begin()),
-                      static_cast<std::size_t>(link.slot), link.coefficient});
+  for (const Link& link : links) {
+    const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(count_);
+    const auto place = std::lower_bound(rows_.begin(), end, link.dof);
+    if (place != end && *place == link.dof) continue;
+    if (count_ == rows_.size()) throw std::logic_error("an element of a rod has too many unknowns");
+    std::copy_backward(place, end, end + 1);
+    *place = link.dof;
+    ++count_;
+  }
+  links_.reserve(links.size());
+  for (const Link& link : links) {
+    const auto row = std::ranges::lower_bound(rows(), link.dof) - rows().begin();
+    links_.push_back({static_cast<std::size_t>(row), static_cast<std::size_t>(link.slot), link.coefficient});
+  }
 }
 
 }  // namespace supple::weave

@@ -56,19 +56,18 @@ struct ElementShare {
 /// The degrees of freedom that an element's slots depend on, each once, in ascending order.
 class ElementRows {
  public:
-  ElementRows() = default;
   explicit ElementRows(const Links& links);
-  std::span<const std::int32_t> rows() const { return rows_; }
+  std::span<const std::int32_t> rows() const { return {rows_.data(), count_}; }
 
   /// The derivatives by the degrees of freedom from those by the slots: gradient[slot], and hessian(i, j) for slots
   /// i >= j.
   template <typename Gradient, typename HessianOf>
   void contract(int order, const Gradient& gradient, const HessianOf& hessian, ElementShare& share) const {
     if (order < 1) return;
-    std::fill_n(share.slope.begin(), rows_.size(), 0.0);
+    std::fill_n(share.slope.begin(), count_, 0.0);
     for (const RowLink& a : links_) share.slope[a.row] += a.coefficient * gradient[a.slot];
     if (order < 2) return;
-    std::fill_n(share.lower.begin(), numerics::HessianEntries::entries_of(rows_.size()), 0.0);
+    std::fill_n(share.lower.begin(), numerics::HessianEntries::entries_of(count_), 0.0);
     for (std::size_t i = 0; i < links_.size(); ++i) {
       const RowLink& a = links_[i];
       for (std::size_t j = 0; j <= i; ++j) {
@@ -88,7 +87,8 @@ class ElementRows {
     std::size_t slot;
     double coefficient;
   };
-  std::vector<std::int32_t> rows_;
+  std::array<std::int32_t, ElementShare::most_rows> rows_{};
+  std::size_t count_ = 0;
   std::vector<RowLink> links_;
 };
 

@@ -65,9 +65,10 @@ SUPPLE_INLINE double quadratic_energy(double weight, const std::array<Jet<n>, co
 
 StretchEnergy::StretchEnergy(const RodModel& model) : model_(model) {
   elements_.reserve(model.edges().size());
+  Links links;
   for (const Edge& edge : model.edges()) {
     RestLength rest(model, edge);
-    Links links;
+    links.clear();
     link_edge(model, edge, 0, links);
     rest.slots().link(model, model.dimension(), links);
     elements_.push_back({&edge, std::move(rest), ElementRows(links)});
@@ -109,10 +110,11 @@ void StretchEnergy::add(const RodState& state, int order, numerics::EnergySum& s
 
 PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, TurnKind kind) : model_(model), kind_(kind) {
   elements_.reserve(model.turns().size());
+  Links links;
   for (const Turn& turn : model.turns()) {
     if (!of_kind(turn, kind)) continue;
     RestTurn rest(model, turn);
-    Links links;
+    links.clear();
     for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 2)}) {
       if (edge >= 0) {
         link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, links);
@@ -193,11 +195,12 @@ void PlanarBendEnergy::add(const RodState& state, int order, numerics::EnergySum
 
 SpatialTurns::SpatialTurns(const RodModel& model, TurnKind kind) : model_(model), kind_(kind) {
   elements_.reserve(model.turns().size());
+  Links links;
   for (std::size_t i = 0; i < model.turns().size(); ++i) {
     const Turn& turn = model.turns()[i];
     if (!of_kind(turn, kind)) continue;
     RestTurn rest(model, turn);
-    Links links;
+    links.clear();
     for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 4)}) {
       if (edge >= 0) {
         link_edge(model, model.edges()[static_cast<std::size_t>(edge)], slot, links);

@@ -61,12 +61,6 @@ int BarrierEnergy::near(const Eigen::VectorXd& x) const {
       std::count_if(elements_.begin(), elements_.end(), [&](const Element& e) { return distance(e, x) < e.range; }));
 }
 
-double BarrierEnergy::smallest(const Eigen::VectorXd& x) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Element& element : elements_) least = std::min(least, distance(element, x));
-  return least;
-}
-
 SlidingLimits::SlidingLimits(const RodModel& model, double range, double stiffness) : BarrierEnergy(stiffness) {
   for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) {
     const Slider& slider = model.sliders()[static_cast<std::size_t>(i)];

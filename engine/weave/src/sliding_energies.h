@@ -23,8 +23,6 @@ class BarrierEnergy : public Energy {
   bool empty() const { return elements_.empty(); }
   /// How many distances are within their barrier's range at x.
   int near(const Eigen::VectorXd& x) const;
-  /// The least distance at x, mm; infinity without any.
-  double smallest(const Eigen::VectorXd& x) const;
 
  protected:
   struct Element {

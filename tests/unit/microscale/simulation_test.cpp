@@ -349,6 +349,19 @@ TEST(Simulator, NamesTheOptionThatItRefuses) {
   EXPECT_EQ(places(error), (std::vector<std::string>{"material/youngs_modulus", "tolerance"}));
 }
 
+TEST(Simulator, TellsWhichShareOfItsStatesIsDone) {
+  struct Shares : ProgressSink {
+    void report(double fraction, std::string_view stage) override {
+      if (stage == "states") told.push_back(fraction);
+    }
+    std::vector<double> told;
+  } shares;
+  Execution execution;
+  execution.progress = &shares;
+  Simulator(stiff_frame(), {}).run(UniaxialLoad{0.2, {1.01, 1.02, 1.03, 1.04}}, execution);
+  EXPECT_EQ(shares.told, (std::vector<double>{0, 0.25, 0.5, 0.75}));
+}
+
 TEST(Simulator, StopsWhereItIsAskedTo) {
   Simulator simulator(stiff_frame(), {});
   Execution execution;

@@ -174,6 +174,22 @@ TEST(GcodeCheck, CountsLinesOfEveryEnding) {
   EXPECT_EQ(report.violations[0].line, 3);
 }
 
+TEST(GcodeCheck, NamesEveryKindOfViolation) {
+  using enum ViolationKind;
+  const std::vector<std::pair<ViolationKind, std::string>> names = {
+      {not_homed, "not_homed"},
+      {outside_bed, "outside_bed"},
+      {y_below_zero, "y_below_zero"},
+      {z_below_zero, "z_below_zero"},
+      {cold_extrusion, "cold_extrusion"},
+      {over_extrusion, "over_extrusion"},
+      {under_extrusion, "under_extrusion"},
+      {travel_without_retraction, "travel_without_retraction"},
+      {too_fast, "too_fast"},
+      {no_speed, "no_speed"}};
+  for (const auto& [kind, name] : names) EXPECT_EQ(to_string(kind), name);
+}
+
 TEST(GcodeCheck, AddsDwellsToTheTime) { EXPECT_NEAR(check_gcode("G4 S30\nG4 P1500").minutes, 31.5 / 60, 1e-12); }
 
 TEST(GcodeCheck, TakesNoLiftedStrandForAChannel) {

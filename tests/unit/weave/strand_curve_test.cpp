@@ -104,6 +104,19 @@ TEST(StrandCurve, HasTheDerivativesOfItsPositions) {
   }
 }
 
+TEST(StrandCurve, GoesStraightOnBeyondItsOpenEnds) {
+  const StrandCurve curve({{0, 0}, {2, 1}, {4, -1}, {7, 0}}, Ends::open);
+  const double whole = curve.length();
+  for (const auto& [end, beyond] : {std::pair(0.0, -1.5), std::pair(whole, whole + 1.5)}) {
+    const auto at = curve.at(end);
+    const auto there = curve.at(beyond);
+    EXPECT_LT((there.position - (at.position + (beyond - end) * at.first)).norm(), 1e-12);
+    EXPECT_EQ(there.first, at.first);
+    EXPECT_EQ(there.second, Eigen::Vector2d(0, 0));
+    EXPECT_EQ(there.third, Eigen::Vector2d(0, 0));
+  }
+}
+
 TEST(StrandCurve, RepeatsWithItsTranslation) {
   const StrandCurve wave({{0, 0}, {1, 1}, {3, -1}}, Ends::periodic, {4, 0.5});
   const auto at = wave.at(0.7);
