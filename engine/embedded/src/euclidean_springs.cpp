@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "spring_energy.h"
+#include "element_energies.h"
 #include "supple/surface/vertex_cone.h"
 
 namespace supple::embedded {
@@ -49,7 +49,7 @@ void EuclideanSprings::add(const NetworkState& state, int order, numerics::Energ
     const Eigen::Vector3d way = positions[to] - positions[from];
     SpringElement element;
     if (const double length = way.norm(); length > 0 || order < 1) {
-      SpringLengthDerivatives derivatives;
+      LengthDerivatives derivatives;
       derivatives.length = length;
       if (order >= 1) {
         const Eigen::Vector3d d = way / length;

@@ -1,6 +1,9 @@
 #include "supple/embedded/network.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "supple/base/faults.h"
@@ -8,36 +11,106 @@
 namespace supple::embedded {
 namespace {
 
-void check_spring(const surface::TriangleMesh& mesh, const Network& network, std::size_t i, Faults& faults,
-                  Faults& unreachable) {
-  const Spring& spring = network.springs[i];
-  const std::string where = "springs/" + std::to_string(i);
-  const auto count = static_cast<std::int64_t>(network.points.size());
-  bool known = true;
-  const auto check_end = [&](std::int32_t end, const std::string& at) {
-    if (end >= 0 && end < count) return;
-    known = false;
-    faults.add(where + at,
-               "is " + std::to_string(end) + ", but points are numbered from 0 to " + std::to_string(count - 1));
-  };
-  check_end(spring.from, "/between/0");
-  check_end(spring.to, "/between/1");
-  if (known && spring.from == spring.to) faults.add(where + "/between", "names one point twice");
-  const auto check_size = [&](double value, const std::string& at) {
+/// The checks that springs and triangles share.
+class ElementCheck {
+ public:
+  ElementCheck(const surface::TriangleMesh& mesh, const Network& network, Faults& faults, Faults& unreachable)
+      : mesh_(mesh), network_(network), faults_(faults), unreachable_(unreachable) {}
+
+  /// Whether all points are known and each is another one; `where` names the list of them.
+  bool points(std::span<const std::int32_t> points, const std::string& where) {
+    const auto count = static_cast<std::int64_t>(network_.points.size());
+    bool known = true;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if (points[k] >= 0 && points[k] < count) continue;
+      known = false;
+      faults_.add(
+          where + "/" + std::to_string(k),
+          "is " + std::to_string(points[k]) + ", but points are numbered from 0 to " + std::to_string(count - 1));
+    }
+    for (std::size_t k = 0; k < points.size() && known; ++k)
+      if (std::count(points.begin(), points.end(), points[k]) > 1) {
+        faults_.add(where, "names one point twice");
+        return false;
+      }
+    return known;
+  }
+
+  void component(std::span<const std::int32_t> points, const std::string& where) {
+    const auto component_of = [&](std::int32_t point) {
+      return mesh_.component(index(network_.points[static_cast<std::size_t>(point)].face));
+    };
+    for (const std::int32_t point : points)
+      if (component_of(point) != component_of(points.front())) {
+        unreachable_.add(where, "joins component " + std::to_string(component_of(points.front())) +
+                                    " of the mesh to component " + std::to_string(component_of(point)));
+        return;
+      }
+  }
+
+  void size(double value, const std::string& where) {
     if (!std::isfinite(value))
-      faults.add(where + at, "is not finite");
+      faults_.add(where, "is not finite");
     else if (value < 0)
-      faults.add(where + at, "is negative");
+      faults_.add(where, "is negative");
+  }
+
+ private:
+  const surface::TriangleMesh& mesh_;
+  const Network& network_;
+  Faults& faults_;
+  Faults& unreachable_;
+};
+
+void check_springs(const surface::TriangleMesh& mesh, const Network& network, Faults& unreachable) {
+  Faults faults;
+  ElementCheck check(mesh, network, faults, unreachable);
+  for (std::size_t i = 0; i < network.springs.size(); ++i) {
+    const Spring& spring = network.springs[i];
+    const std::string where = "springs/" + std::to_string(i);
+    const std::array<std::int32_t, 2> ends{spring.from, spring.to};
+    const bool known = check.points(ends, where + "/between");
+    check.size(spring.rest_length, where + "/rest_length");
+    check.size(spring.weight, where + "/weight");
+    if (known) check.component(ends, where + "/between");
+  }
+  faults.throw_if_any("network.spring");
+}
+
+/// The least height of a triangle at rest, as a share of its longest side.
+constexpr double least_height = 1e-6;
+
+void check_triangles(const surface::TriangleMesh& mesh, const Network& network, Faults& unreachable) {
+  Faults faults;
+  ElementCheck check(mesh, network, faults, unreachable);
+  for (std::size_t i = 0; i < network.triangles.size(); ++i) {
+    const MembraneTriangle& triangle = network.triangles[i];
+    const std::string where = "triangles/" + std::to_string(i);
+    if (check.points(triangle.corners, where)) check.component(triangle.corners, where);
+    const auto& [a, b, c] = triangle.rest_lengths;
+    if (!(a > 0 && b > 0 && c > 0 && std::isfinite(a + b + c))) {
+      faults.add(where, "has rest lengths that are not positive and finite");
+      continue;
+    }
+    // Heron's formula; a negative product is of no triangle.
+    const double longest = std::max({a, b, c});
+    const double product = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c);
+    if (!(product > 0 && std::sqrt(product) / 2 >= least_height * longest * longest))
+      faults.add(where, "has rest lengths of a triangle without area");
+  }
+  faults.throw_if_any("network.triangle");
+}
+
+void check_material(const MembraneMaterial& material) {
+  Faults faults;
+  const auto positive = [&](double value, const std::string& where) {
+    faults.require(value > 0 && std::isfinite(value), where, "must be positive and finite");
   };
-  check_size(spring.rest_length, "/rest_length");
-  check_size(spring.weight, "/weight");
-  if (!known) return;
-  const auto component_of = [&](std::int32_t end) {
-    return mesh.component(index(network.points[static_cast<std::size_t>(end)].face));
-  };
-  if (component_of(spring.from) != component_of(spring.to))
-    unreachable.add(where + "/between", "joins component " + std::to_string(component_of(spring.from)) +
-                                            " of the mesh to component " + std::to_string(component_of(spring.to)));
+  positive(material.youngs_modulus, "membrane/youngs_modulus");
+  positive(material.thickness, "membrane/thickness");
+  faults.require(material.poisson_ratio > -1 && material.poisson_ratio < 0.5, "membrane/poisson_ratio",
+                 "must lie between -1 and 0.5, both excluded");
+  faults.throw_if_any("network.membrane");
 }
 
 }  // namespace
@@ -47,10 +120,10 @@ Network checked_network(const surface::TriangleMesh& mesh, Network network) {
     throw Error("network.no_points", "A network needs at least one point.", {{"points", "is empty"}});
   for (std::size_t i = 0; i < network.points.size(); ++i)
     network.points[i] = surface::checked_point(mesh, network.points[i], "points/" + std::to_string(i));
-  Faults springs;
   Faults unreachable;
-  for (std::size_t i = 0; i < network.springs.size(); ++i) check_spring(mesh, network, i, springs, unreachable);
-  springs.throw_if_any("network.spring");
+  check_springs(mesh, network, unreachable);
+  check_triangles(mesh, network, unreachable);
+  if (!network.triangles.empty()) check_material(network.material);
   Faults fixed;
   const auto count = static_cast<std::int64_t>(network.points.size());
   for (std::size_t i = 0; i < network.fixed_points.size(); ++i) {

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "supple/base/error.h"
+#include "supple/base/faults.h"
 #include "supple/base/random.h"
 #include "supple/surface/exponential_map.h"
 
@@ -225,6 +226,40 @@ Triangulation triangulate(const surface::GeodesicSolver& solver, const std::vect
   result.triangles.reserve(triangles.size());
   for (const auto& [key, corners] : triangles) result.triangles.push_back(corners);
   return result;
+}
+
+std::vector<MembraneTriangle> membrane_at_rest(const surface::GeodesicSolver& solver,
+                                               const std::vector<surface::SurfacePoint>& points,
+                                               const std::vector<std::array<std::int32_t, 3>>& corners, double scale,
+                                               const Execution& execution) {
+  Faults faults;
+  const auto count = static_cast<std::int64_t>(points.size());
+  for (std::size_t t = 0; t < corners.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      faults.require(
+          corners[t][k] >= 0 && corners[t][k] < count, "triangles/" + std::to_string(t) + "/" + std::to_string(k),
+          "is " + std::to_string(corners[t][k]) + ", but points are numbered from 0 to " + std::to_string(count - 1));
+  faults.throw_if_any("network.triangle");
+  // Neighbours share a side.
+  std::map<Pair, std::size_t> sides;
+  std::vector<surface::PointPair> pairs;
+  const auto side = [&](std::size_t t, std::size_t k) {
+    const std::int32_t a = corners[t][k];
+    const std::int32_t b = corners[t][(k + 1) % 3];
+    const auto [entry, is_new] = sides.try_emplace(std::minmax(a, b), pairs.size());
+    if (is_new) pairs.push_back({points[static_cast<std::size_t>(a)], points[static_cast<std::size_t>(b)]});
+    return entry->second;
+  };
+  std::vector<std::array<std::size_t, 3>> sides_of(corners.size());
+  for (std::size_t t = 0; t < corners.size(); ++t) sides_of[t] = {side(t, 0), side(t, 1), side(t, 2)};
+  std::vector<surface::TangentGeodesic> found(pairs.size());
+  solver.tangent_geodesics(pairs, found, false, execution);
+  std::vector<MembraneTriangle> triangles(corners.size());
+  for (std::size_t t = 0; t < corners.size(); ++t) {
+    triangles[t].corners = corners[t];
+    for (std::size_t k = 0; k < 3; ++k) triangles[t].rest_lengths[k] = scale * found[sides_of[t][k]].distance;
+  }
+  return triangles;
 }
 
 }  // namespace supple::embedded

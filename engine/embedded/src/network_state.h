@@ -11,17 +11,17 @@
 
 namespace supple::embedded {
 
-/// The length of a spring with its derivatives by the tangent coordinates of both ends.
-struct SpringLengthDerivatives {
+/// The length of a path with its derivatives by the tangent coordinates of both ends.
+struct LengthDerivatives {
   double length = 0;
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   Eigen::Matrix4d hessian = Eigen::Matrix4d::Zero();
 };
 
-/// What is known of the springs where the points are now: found once for a state, shared by its copies.
+/// What is known of the paths between points where these are now: found once for a state, shared by its copies.
 struct FoundPaths {
   std::vector<surface::TangentGeodesic> geodesics;
-  std::vector<SpringLengthDerivatives> mollified;  ///< empty without the mollifier
+  std::vector<LengthDerivatives> mollified;  ///< empty without the mollifier
 };
 
 /// Points that move on a surface, two tangent coordinates each: of tangent_frame of the point's face or, on the tip of

@@ -6,8 +6,9 @@
 #include <utility>
 
 #include "euclidean_springs.h"
-#include "geodesic_springs.h"
+#include "geodesic_elements.h"
 #include "supple/base/error.h"
+#include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
 #include "supple/numerics/minimizer.h"
 #include "supple/numerics/system.h"
@@ -48,12 +49,12 @@ numerics::MinimizerMethod minimizer_method(RelaxationMethod method) {
   return numerics::MinimizerMethod::gradient_descent;
 }
 
-/// What the network's springs say about its points before anything moves.
+/// What the network's elements say about its points before anything moves.
 struct Holds {
   std::vector<bool> held;  ///< fixed or loose
   std::vector<std::int32_t> loose;
   double largest_weight = 0;
-  double largest_stiffness = 0;  ///< of one point: twice the sum of its springs' weights
+  double largest_stiffness = 0;  ///< of one point: twice the sum of its elements' weights
 };
 
 Holds holds_of(const Network& network) {
@@ -65,6 +66,12 @@ Holds holds_of(const Network& network) {
     stiffness[static_cast<std::size_t>(spring.to)] += 2 * spring.weight;
   }
   holds.held.resize(network.points.size(), false);
+  // By lengths, a triangle's energy bends about as much as springs of this weight.
+  const double membrane = network.material.youngs_modulus * network.material.thickness;
+  for (const MembraneTriangle& triangle : network.triangles) {
+    holds.largest_weight = std::max(holds.largest_weight, membrane);
+    for (const std::int32_t corner : triangle.corners) stiffness[static_cast<std::size_t>(corner)] += 2 * membrane;
+  }
   for (const std::int32_t point : network.fixed_points) holds.held[static_cast<std::size_t>(point)] = true;
   for (std::size_t i = 0; i < stiffness.size(); ++i) {
     holds.largest_stiffness = std::max(holds.largest_stiffness, stiffness[i]);
@@ -133,16 +140,17 @@ class RelaxationRun {
 
   std::shared_ptr<numerics::Term<NetworkState>> make_term(bool mollified) const {
     if (options_.spring_length == SpringLength::euclidean) return std::make_shared<EuclideanSprings>(network_);
-    return std::make_shared<GeodesicSprings>(
+    return std::make_shared<GeodesicElements>(
         solver_, network_, holds_.held,
-        GeodesicSpringsOptions{.kept_strips = keeps_strips(),
-                               .mollifier_length = mollified ? options_.mollifier_length : 0});
+        GeodesicElementsOptions{.kept_strips = keeps_strips(),
+                                .mollifier_length = mollified ? options_.mollifier_length : 0});
   }
 
   numerics::MinimizerStop minimize(bool mollified) {
     NetworkState start(solver_.mesh(), state_.points());
     numerics::System<NetworkState> system(std::move(start), {make_term(mollified)},
                                           numerics::Unknowns(held_coordinates(holds_.held)), {.execution = execution_});
+    if (!std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
     const double diagonal = solver_.mesh().diagonal();
     numerics::MinimizerOptions options;
     options.method = minimizer_method(options_.method);
@@ -167,12 +175,23 @@ class RelaxationRun {
     return found.stop;
   }
 
+  [[noreturn]] void refuse_collapsed(const NetworkState& state) const {
+    const GeodesicElements elements(solver_, network_, holds_.held, {});
+    Faults faults;
+    for (std::size_t t = 0; t < network_.triangles.size(); ++t)
+      if (!std::isfinite(elements.energy_of(t).at(elements.lengths_of(*state.found(), t)).energy))
+        faults.add("triangles/" + std::to_string(t), "has no area where its corners are");
+    faults.throw_if_any("network.collapsed");
+    throw Error("network.collapsed", "The elastic energy is not finite where the points are.");
+  }
+
   void describe(numerics::MinimizerStop stop) {
     result_.points = state_.points();
     result_.loose_points = holds_.loose;
     for (std::size_t i = 0; i < network_.points.size(); ++i)
       if (!holds_.held[i] && state_.on_tip(i)) result_.at_vertices.push_back(static_cast<std::int32_t>(i));
     describe_springs();
+    describe_triangles();
     const auto compressed = static_cast<std::size_t>(std::ranges::count_if(result_.springs, &SpringState::compressed));
     const auto torn = static_cast<std::size_t>(
         std::ranges::count_if(result_.springs, [](const SpringState& s) { return s.compressed && s.at_cut_locus; }));
@@ -189,7 +208,7 @@ class RelaxationRun {
                                  "small motion of the ends lowers the energy along both");
     if (!holds_.loose.empty())
       result_.warnings.push_back(counted(holds_.loose.size(), "point is", "points are") +
-                                 " held by no spring of positive weight and stayed in place");
+                                 " held by no spring of positive weight and no triangle, and stayed in place");
   }
 
   void describe_springs() {
@@ -227,6 +246,17 @@ class RelaxationRun {
     });
   }
 
+  void describe_triangles() {
+    const GeodesicElements elements(solver_, network_, holds_.held, {});
+    for (std::size_t t = 0; t < network_.triangles.size(); ++t) {
+      TriangleState& told = result_.triangles.emplace_back();
+      const Eigen::Vector3d lengths = elements.lengths_of(*state_.found(), t);
+      told.energy = elements.energy_of(t).at(lengths).energy;
+      const Eigen::Vector2d stretches = elements.energy_of(t).stretches(lengths);
+      told.stretches = {stretches[0], stretches[1]};
+    }
+  }
+
   /// A spring at its rest length is compressed by rounding only.
   static constexpr double compression_rounding = 1e-9;
 
@@ -244,6 +274,9 @@ class RelaxationRun {
 Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options,
                  const Execution& execution) {
   check_options(options);
+  if (options.spring_length == SpringLength::euclidean && !network.triangles.empty())
+    throw Error("network.invalid_option", "The sides of triangles are shortest paths: there are no straight ones.",
+                {{"spring_length", "is \"euclidean\", which triangles do not have"}});
   const Network own = checked_network(solver.mesh(), network);
   execution.checkpoint(0, "search");
   Relaxation result = RelaxationRun(solver, own, options, execution).run();

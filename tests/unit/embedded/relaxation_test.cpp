@@ -313,5 +313,43 @@ TEST(Relax, RefusesOptionsOutOfRangeAndStopsWhenAsked) {
   EXPECT_ANY_THROW(relax(solver, network, {}, execution));
 }
 
+TEST(Relax, SpringsWithoutWeightHoldNothing) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  for (const bool first : {true, false}) {
+    Network network;
+    network.points = {{FaceId{0}, {0.2, 0.3, 0.5}}, {FaceId{9}, {0.2, 0.3, 0.5}}, {FaceId{40}, {0.2, 0.3, 0.5}}};
+    network.springs = {{1, 2, 0, 1}, {first ? 0 : 1, first ? 1 : 0, 0.1, 0}};
+    network.fixed_points = {2};
+    EXPECT_EQ(relax(solver, network).loose_points, std::vector<std::int32_t>{0}) << first;
+  }
+}
+
+TEST(Relax, TakesTheSameStepsWhateverTheUnitOfLength) {
+  std::vector<Relaxation> relaxed;
+  for (const double unit : {1.0, 1000.0}) {
+    const TriangleMesh mesh = testing::torus(24, 12, unit, 0.4 * unit);
+    const GeodesicSolver solver(testing::share(mesh));
+    Network network = dual_network(mesh, {0.2, 0.3, 0.5});
+    network.fixed_points = {0};
+    RelaxationOptions options;
+    options.tolerance = 1e-3;
+    relaxed.push_back(relax(solver, network, options));
+    EXPECT_EQ(relaxed.back().stopped, "converged");
+    EXPECT_LE(relaxed.back().gradient_norm, 1e-3 * mesh.diagonal());
+    EXPECT_GT(relaxed.back().history.front().gradient_norm, 1e-3 * mesh.diagonal());
+  }
+  EXPECT_EQ(relaxed[0].iterations, relaxed[1].iterations);
+  EXPECT_NEAR(1e6 * relaxed[0].energy, relaxed[1].energy, 1e-6 * relaxed[1].energy);
+}
+
+TEST(Relax, StraightSpringsHaveNoCutLocus) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  const Relaxation relaxed = relax(solver, dual_network(mesh, {0.2, 0.3, 0.5}),
+                                   {.spring_length = SpringLength::euclidean, .max_iterations = 1});
+  for (const SpringState& spring : relaxed.springs) EXPECT_FALSE(spring.at_cut_locus);
+}
+
 }  // namespace
 }  // namespace supple::embedded

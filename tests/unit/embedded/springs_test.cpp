@@ -4,9 +4,9 @@
 #include <memory>
 #include <numbers>
 
+#include "element_energies.h"
 #include "euclidean_springs.h"
-#include "geodesic_springs.h"
-#include "spring_energy.h"
+#include "geodesic_elements.h"
 #include "support/sampling.h"
 #include "support/shapes.h"
 
@@ -41,7 +41,7 @@ TEST(GeodesicSprings, HaveTheDerivativesOfTheirEnergy) {
     const TriangleMesh mesh = testing::torus(16, 8);
     const GeodesicSolver solver(testing::share(mesh));
     const Network network = random_chain(mesh, 6, rest_length, 1);
-    GeodesicSprings springs(solver, network, none_held(network), {});
+    GeodesicElements springs(solver, network, none_held(network), {});
     const auto check = numerics::check_derivatives(springs, NetworkState(mesh, network.points), small_steps(1e-4));
     EXPECT_LT(check.gradient.error, 1e-7) << check.summary();
     EXPECT_LT(check.hessian.error, 1e-6) << check.summary();
@@ -52,7 +52,7 @@ TEST(GeodesicSprings, HaveTheDerivativesOfAMollifiedEnergyToo) {
   const TriangleMesh mesh = testing::saddle(6);
   const GeodesicSolver solver(testing::share(mesh));
   const Network network = random_chain(mesh, 4, 0.2, 2);
-  GeodesicSprings springs(solver, network, none_held(network), {.kept_strips = true, .mollifier_length = 0.1});
+  GeodesicElements springs(solver, network, none_held(network), {.kept_strips = true, .mollifier_length = 0.1});
   NetworkState state(mesh, network.points);
   const auto check = numerics::check_derivatives(springs, state, small_steps(1e-5));
   EXPECT_LT(check.gradient.error, 1e-6) << check.summary();
@@ -62,9 +62,9 @@ TEST(GeodesicSprings, HaveTheDerivativesOfAMollifiedEnergyToo) {
   const auto energy = [&](double mollifier_length) {
     numerics::System<NetworkState> system(
         state,
-        {std::make_shared<GeodesicSprings>(
+        {std::make_shared<GeodesicElements>(
             solver, network, none_held(network),
-            GeodesicSpringsOptions{.kept_strips = true, .mollifier_length = mollifier_length})},
+            GeodesicElementsOptions{.kept_strips = true, .mollifier_length = mollifier_length})},
         numerics::Unknowns(state.dimension()));
     return system.evaluate(0).value;
   };
@@ -85,7 +85,7 @@ TEST(GeodesicSprings, ASquaredDistanceIsATermThatExistsAtZeroLength) {
   same.barycentric[(across + 1) % 3] = 0.25;
   network.points.push_back(same);
   network.springs = {{0, 1, 0, 1.5}, {2, 3, 0, 0.5}};
-  GeodesicSprings springs(solver, network, none_held(network), {});
+  GeodesicElements springs(solver, network, none_held(network), {});
   const auto check = numerics::check_derivatives(springs, NetworkState(mesh, network.points), small_steps(1e-3));
   EXPECT_LT(check.gradient.error, 1e-9) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-7) << check.summary();
@@ -179,8 +179,8 @@ TEST(GeodesicSprings, PullAPointOffAVertexTheSteepestWay) {
     const AtVertex scene(testing::cone(8, angle));
     ASSERT_TRUE(NetworkState(scene.mesh, scene.network.points).on_tip(0));
     expect_steepest_way_down(scene,
-                             std::make_shared<GeodesicSprings>(scene.solver, scene.network, none_held(scene.network),
-                                                               GeodesicSpringsOptions{}));
+                             std::make_shared<GeodesicElements>(scene.solver, scene.network, none_held(scene.network),
+                                                                GeodesicElementsOptions{}));
   }
 }
 
@@ -198,7 +198,7 @@ TEST(GeodesicSprings, BillHowEachPathWasFound) {
   CostLedger cost;
   numerics::System<NetworkState> system(
       NetworkState(mesh, network.points),
-      {std::make_shared<GeodesicSprings>(solver, network, none_held(network), GeodesicSpringsOptions{})},
+      {std::make_shared<GeodesicElements>(solver, network, none_held(network), GeodesicElementsOptions{})},
       numerics::Unknowns(12), {.execution = {.cost = &cost}});
   system.evaluate(0);
   double found = 0;

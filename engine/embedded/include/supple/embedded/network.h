@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,18 +17,36 @@ struct Spring {
   double weight = 1;       ///< energy per squared mesh unit, not negative
 };
 
-/// An elastic network on a surface: points that slide on it and springs between them.
+/// A triangle of a membrane: three points whose shortest paths are its sides. It counts as flat (thesis 3.4.3): the
+/// smaller it is against the surface's radii of curvature, the better.
+struct MembraneTriangle {
+  std::array<std::int32_t, 3> corners{};  ///< indices of points
+  std::array<double, 3> rest_lengths{};   ///< of the sides (0, 1), (1, 2), (2, 0), mesh units; of a triangle
+};
+
+/// What membranes are made of: compressible neo-Hookean (thesis eq. 3.20) with Lame's constants of space.
+struct MembraneMaterial {
+  double youngs_modulus = 1;   ///< energy per cubed mesh unit, positive
+  double poisson_ratio = 0.3;  ///< in (-1, 0.5)
+  double thickness = 1;        ///< mesh units, positive
+};
+
+/// An elastic system on a surface: points that slide on it, springs and triangles between them.
 struct Network {
   std::vector<surface::SurfacePoint> points;
   std::vector<Spring> springs;
   std::vector<std::int32_t> fixed_points;  ///< indices of points that stay where they are, in any order
+  std::vector<MembraneTriangle> triangles{};
+  MembraneMaterial material{};
 };
 
 /// The network with checked points (surface::checked_point). Throws Error, with one detail for each of the first 20
 /// faulty entries ("springs/7/between/1", "fixed_points/0"; the sentence gives the total): "network.no_points",
 /// "network.spring" (unknown points, one point twice, lengths or weights that are negative or not finite),
-/// "network.fixed_point" (unknown points), "network.unreachable" (springs between components of the mesh), and
-/// "point.*". O(points + springs).
+/// "network.triangle" (unknown points, one point twice, rest lengths that are not positive and finite or of no triangle
+/// of some area), "network.membrane" (a material out of range), "network.fixed_point" (unknown points),
+/// "network.unreachable" (springs or triangles between components of the mesh), and "point.*". O(points + springs +
+/// triangles).
 Network checked_network(const surface::TriangleMesh& mesh, Network network);
 
 }  // namespace supple::embedded

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "supple/base/execution.h"
+#include "supple/embedded/network.h"
 #include "supple/surface/geodesic_solver.h"
 
 namespace supple::embedded {
@@ -40,5 +41,13 @@ struct Triangulation {
 /// smaller than the average may be missed. One distance field over the mesh, then a microsecond for each place.
 Triangulation triangulate(const surface::GeodesicSolver& solver, const std::vector<surface::SurfacePoint>& points,
                           const Execution& execution = {});
+
+/// Triangles that are at rest where the points are now, but for a factor on all rest lengths: below 1 they are
+/// stretched from the start. `corners` are indices of `points`. A search for each side, in parallel. Throws
+/// "network.triangle" for unknown points.
+std::vector<MembraneTriangle> membrane_at_rest(const surface::GeodesicSolver& solver,
+                                               const std::vector<surface::SurfacePoint>& points,
+                                               const std::vector<std::array<std::int32_t, 3>>& corners,
+                                               double scale = 1, const Execution& execution = {});
 
 }  // namespace supple::embedded

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -58,9 +59,16 @@ struct SpringState {
   std::vector<surface::PathPoint> path{};  ///< from `from` to `to`; empty unless asked for
 };
 
+/// What is known of a triangle at the end.
+struct TriangleState {
+  double energy = 0;
+  std::array<double, 2> stretches{};  ///< principal stretches, the greater first
+};
+
 struct Relaxation {
   std::vector<surface::SurfacePoint> points;
   std::vector<SpringState> springs;
+  std::vector<TriangleState> triangles{};
   double energy = 0;
   double gradient_norm = 0;
   int iterations = 0;
@@ -77,15 +85,19 @@ struct Relaxation {
   std::vector<std::string> warnings;
 };
 
-/// Moves the free points of a network to a local minimum of its energy E = sum weight (length - rest_length)^2 (thesis
-/// eq. 3.13) on a rigid surface. E never rises on the way.
+/// Moves the free points of a network to a local minimum of its energy on a rigid surface: E = the sum of weight
+/// (length
+/// - rest_length)^2 over the springs (thesis eq. 3.13) and of the neo-Hookean energies of the triangles (eq. 3.17 to
+/// 3.20; thickness times area at rest times energy density). E never rises on the way.
 ///
 /// Newton's method with exact Hessians (thesis eq. 3.7 to 3.11): one distance with derivatives for each spring and
 /// state, in parallel, and one sparse factorization. lbfgs and gradient_descent use the same evaluations. Bills the
-/// effects "geodesic_springs" or "euclidean_springs", "mollifier" and "kept_strips", the stages "search", "assembly",
-/// "step", and the quantities "same_face", "unfolded" and "searched" (springs by how their path was found).
+/// effects "geodesic_springs" or "euclidean_springs", "membrane" where there are triangles, "mollifier" and
+/// "kept_strips", the stages "search", "assembly", "step", and the quantities "same_face", "unfolded" and "searched"
+/// (springs by how their path was found).
 ///
-/// Throws what checked_network throws and "network.invalid_option" (tolerance, max_iterations, mollifier_length).
+/// Throws what checked_network throws, "network.invalid_option" (tolerance, max_iterations, mollifier_length, triangles
+/// with straight springs) and "network.collapsed" where a triangle has no area at the start, which has no energy.
 Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options = {},
                  const Execution& execution = {});
 

@@ -1,0 +1,91 @@
+#include "element_energies.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace supple::embedded {
+namespace {
+
+/// 16 times the squared area of a triangle with such squared lengths (Heron), and its gradient.
+double sixteen_squared_areas(const Eigen::Vector3d& squares) {
+  const double sum = squares.sum();
+  return sum * sum - 2 * squares.squaredNorm();
+}
+Eigen::Vector3d slope_of_squared_areas(const Eigen::Vector3d& squares) {
+  return Eigen::Vector3d::Constant(2 * squares.sum()) - 4 * squares;
+}
+
+}  // namespace
+
+SpringElement spring_element(const Spring& spring, const LengthDerivatives& length) {
+  SpringElement element({spring.from, spring.to});
+  const double excess = length.length - spring.rest_length;
+  element.value = spring.weight * excess * excess;
+  element.gradient = 2 * spring.weight * excess * length.gradient;
+  element.hessian = 2 * spring.weight * (length.gradient * length.gradient.transpose() + excess * length.hessian);
+  return element;
+}
+
+SpringElement spring_element_at_zero(const Spring& spring, double turn, std::size_t number) {
+  SpringElement element({spring.from, spring.to});
+  element.value = spring.weight * spring.rest_length * spring.rest_length;
+  const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(turn).toRotationMatrix();
+  element.hessian << Eigen::Matrix2d::Identity(), -rotation, -rotation.transpose(), Eigen::Matrix2d::Identity();
+  element.hessian *= 2 * spring.weight;
+  if (spring.rest_length > 0) {
+    const double angle = static_cast<double>(number) * 2 * std::numbers::pi / std::numbers::phi;
+    const Eigen::Vector2d way(std::cos(angle), std::sin(angle));
+    element.gradient << way, -rotation.transpose() * way;
+    element.gradient *= 2 * spring.weight * spring.rest_length;
+  }
+  return element;
+}
+
+TriangleEnergy::TriangleEnergy(const std::array<double, 3>& rest_lengths, const MembraneMaterial& material) {
+  const Eigen::Vector3d squares = Eigen::Vector3d(rest_lengths[0], rest_lengths[1], rest_lengths[2]).cwiseAbs2();
+  rest_ = sixteen_squared_areas(squares);
+  // tr C is the sum of cotangents of the opposite angles times squared lengths, over twice the area.
+  trace_ = 2 * (Eigen::Vector3d::Constant(squares.sum()) - 2 * squares) / rest_;
+  const double volume = material.thickness * std::sqrt(rest_) / 4;
+  mu_ = volume * material.youngs_modulus / (2 * (1 + material.poisson_ratio));
+  lambda_ = mu_ * 2 * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
+}
+
+TriangleEnergy::Value TriangleEnergy::at(const Eigen::Vector3d& lengths) const {
+  Value value;
+  const Eigen::Vector3d squares = lengths.cwiseAbs2();
+  const double area = sixteen_squared_areas(squares);
+  if (!(area > 0)) {
+    value.energy = std::numeric_limits<double>::infinity();
+    return value;
+  }
+  const double log_j = 0.5 * std::log(area / rest_);
+  value.energy = 0.5 * mu_ * (trace_.dot(squares) - 2 - 2 * log_j) + 0.5 * lambda_ * log_j * log_j;
+  // By the squares first: log J has the gradient q / 2 for the logarithmic slope q of the Heron product.
+  const Eigen::Vector3d q = slope_of_squared_areas(squares) / area;
+  const double by_log = lambda_ * log_j - mu_;
+  const Eigen::Vector3d first = 0.5 * mu_ * trace_ + 0.5 * by_log * q;
+  Eigen::Matrix3d bend = Eigen::Matrix3d::Constant(2 / area);
+  bend.diagonal().array() -= 4 / area;
+  const Eigen::Matrix3d second = 0.25 * lambda_ * q * q.transpose() + 0.5 * by_log * (bend - q * q.transpose());
+  value.first = 2 * lengths.cwiseProduct(first);
+  value.second = 4 * lengths.asDiagonal() * second * lengths.asDiagonal();
+  value.second.diagonal() += 2 * first;
+  return value;
+}
+
+Eigen::Vector2d TriangleEnergy::stretches(const Eigen::Vector3d& lengths) const {
+  const Eigen::Vector3d squares = lengths.cwiseAbs2();
+  const double area = sixteen_squared_areas(squares);
+  if (!(area > 0)) return Eigen::Vector2d::Zero();
+  const double trace = trace_.dot(squares);
+  const double determinant = area / rest_;
+  const double root = std::sqrt(std::max(0.0, trace * trace - 4 * determinant));
+  const double greater = 0.5 * (trace + root);
+  return {std::sqrt(greater), std::sqrt(determinant / greater)};
+}
+
+}  // namespace supple::embedded

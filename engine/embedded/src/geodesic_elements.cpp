@@ -1,0 +1,412 @@
+#include "geodesic_elements.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include "supple/numerics/minimizer.h"
+
+namespace supple::embedded {
+namespace {
+
+/// A vertex within this many times the way of a point since the last accepted state may be where it wants to rest.
+constexpr double reach_of_kinks = 2;
+/// Points nearer to a vertex than this, in mean edges, are at it but for rounding.
+constexpr double point_rounding = 1e-13;
+/// Points whose springs exceed what was foretold by less than this share of the worst point's are not in the way; nor
+/// are more than so many worth the time.
+constexpr double share_of_surprise = 0.02;
+constexpr std::size_t most_surprised = 64;
+constexpr std::size_t most_trials = 8;
+/// A point by itself is brought near its minimum, no farther: the others move on.
+constexpr int most_local_iterations = 12;
+constexpr double local_tolerance = 1e-8;
+/// What was found for so many states is kept for others to come.
+constexpr std::size_t most_kept_paths = 8;
+/// A slope above this share of the pulls that make it counts as none.
+constexpr double slope_rounding = 1e-12;
+
+}  // namespace
+
+GeodesicElements::GeodesicElements(const surface::GeodesicSolver& solver, const Network& network,
+                                   std::vector<bool> held, GeodesicElementsOptions options)
+    : solver_(solver),
+      springs_(network.springs),
+      given_triangles_(network.triangles),
+      material_(network.material),
+      springs_at_(network.points.size()),
+      triangles_at_(network.points.size()),
+      held_(std::move(held)),
+      options_(options) {
+  // A side of two triangles, or beside a spring, is one path.
+  std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> known;
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const Spring& spring = springs_[i];
+    paths_.push_back({spring.from, spring.to});
+    known.try_emplace(std::minmax(spring.from, spring.to), i);
+    if (spring.weight <= 0) continue;
+    springs_at_[static_cast<std::size_t>(spring.from)].push_back(static_cast<std::int32_t>(i));
+    springs_at_[static_cast<std::size_t>(spring.to)].push_back(static_cast<std::int32_t>(i));
+  }
+  for (const MembraneTriangle& given : network.triangles) {
+    std::array<Side, 3> sides;
+    for (int k = 0; k < 3; ++k) {
+      int from = k;
+      int to = (k + 1) % 3;
+      const auto corner = [&](int c) { return given.corners[static_cast<std::size_t>(c)]; };
+      const auto [entry, is_new] = known.try_emplace(std::minmax(corner(from), corner(to)), paths_.size());
+      if (is_new) paths_.push_back({corner(from), corner(to)});
+      if (paths_[entry->second].from != corner(from)) std::swap(from, to);
+      sides[static_cast<std::size_t>(k)] = {entry->second, from, to};
+    }
+    for (const std::int32_t corner : given.corners)
+      triangles_at_[static_cast<std::size_t>(corner)].push_back(static_cast<std::int32_t>(triangles_.size()));
+    triangles_.push_back({given.corners, sides, TriangleEnergy(given.rest_lengths, network.material)});
+  }
+  for (std::size_t i = 0; i < held_.size(); ++i)
+    if (!held_[i] && !(springs_at_[i].empty() && triangles_at_[i].empty())) free_.push_back(i);
+}
+
+void GeodesicElements::prepare(NetworkState& state, int /*order*/, const Execution& execution) {
+  if (state.found()) return;
+  const auto& points = state.points();
+  pairs_.resize(paths_.size());
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    pairs_[i].from = points[static_cast<std::size_t>(paths_[i].from)];
+    pairs_[i].to = points[static_cast<std::size_t>(paths_[i].to)];
+  }
+  const StageTimer timer(execution.cost, "search");
+  // Windows are counted; the time that passes is billed once, and progress is the minimization's.
+  CostLedger counted;
+  const Execution own{execution.cancellation, nullptr, execution.cost ? &counted : nullptr};
+  const std::shared_ptr<FoundPaths> found = unused_paths();
+  const bool known = options_.kept_strips && last_;
+  if (known)
+    for (std::size_t i = 0; i < paths_.size(); ++i) found->geodesics[i].strip = last_->geodesics[i].strip;
+  const surface::PathsFound counts = solver_.tangent_geodesics(pairs_, found->geodesics, known, own);
+  if (options_.mollifier_length > 0) find_mollified(*found, own);
+  if (CostLedger* cost = execution.cost) {
+    for (const auto& quantity : counted.quantities()) cost->add_quantity(quantity.name, quantity.value);
+    cost->add_quantity("same_face", static_cast<double>(counts.same_face));
+    cost->add_quantity("unfolded", static_cast<double>(counts.unfolded));
+    cost->add_quantity("searched", static_cast<double>(counts.searched));
+  }
+  last_ = found;
+  state.set_found(found);
+}
+
+std::shared_ptr<FoundPaths> GeodesicElements::unused_paths() {
+  // States come and go; what the ones that went have left is used again, since new memory costs as much as a search.
+  for (const auto& paths : kept_paths_)
+    if (paths.use_count() == 1) return paths;
+  auto paths = std::make_shared<FoundPaths>();
+  paths->geodesics.resize(paths_.size());
+  if (kept_paths_.size() < most_kept_paths) kept_paths_.push_back(paths);
+  return paths;
+}
+
+void GeodesicElements::find_mollified(FoundPaths& found, const Execution& execution) const {
+  surface::GeodesicOptions options;
+  options.derivatives = 2;
+  options.mollifier = options_.mollifier_length;
+  std::vector<surface::Geodesic> geodesics(pairs_.size());
+  solver_.pairs(pairs_, geodesics, options, execution);
+  found.mollified.assign(pairs_.size(), {});
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    if (!geodesics[i].derivatives || !geodesics[i].mollified_distance) continue;
+    found.mollified[i] = {*geodesics[i].mollified_distance, geodesics[i].derivatives->tangent_gradient,
+                          geodesics[i].derivatives->tangent_hessian};
+  }
+}
+
+LengthDerivatives GeodesicElements::length_of(const FoundPaths& found, std::size_t path, bool second) const {
+  if (!found.mollified.empty()) return found.mollified[path];
+  const surface::TangentGeodesic& geodesic = found.geodesics[path];
+  LengthDerivatives result;
+  result.length = geodesic.distance;
+  result.gradient << -geodesic.from_direction, geodesic.to_direction;
+  if (second) result.hessian = geodesic.hessian();
+  return result;
+}
+
+SpringElement GeodesicElements::spring_at(const FoundPaths& found, std::size_t spring, int order) const {
+  const surface::TangentGeodesic& geodesic = found.geodesics[spring];
+  if (geodesic.coincident()) return spring_element_at_zero(springs_[spring], geodesic.turn, spring);
+  return spring_element(springs_[spring], length_of(found, spring, order >= 2));
+}
+
+Eigen::Vector3d GeodesicElements::lengths_of(const FoundPaths& found, std::size_t triangle) const {
+  Eigen::Vector3d lengths;
+  for (int k = 0; k < 3; ++k)
+    lengths[k] = length_of(found, triangles_[triangle].sides[static_cast<std::size_t>(k)].path, false).length;
+  return lengths;
+}
+
+TriangleElement GeodesicElements::triangle_at(const FoundPaths& found, std::size_t triangle, int order) const {
+  const Triangle& own = triangles_[triangle];
+  TriangleElement element(own.corners);
+  const TriangleEnergy::Value energy = own.energy.at(lengths_of(found, triangle));
+  element.value = energy.energy;
+  if (order < 1 || !std::isfinite(energy.energy)) return element;
+  Eigen::Matrix<double, 6, 3> slopes = Eigen::Matrix<double, 6, 3>::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Side& side = own.sides[static_cast<std::size_t>(k)];
+    const LengthDerivatives length = length_of(found, side.path, order >= 2);
+    const int from = 2 * side.from_corner;
+    const int to = 2 * side.to_corner;
+    slopes.block<2, 1>(from, k) = length.gradient.head<2>();
+    slopes.block<2, 1>(to, k) = length.gradient.tail<2>();
+    if (order < 2) continue;
+    element.hessian.block<2, 2>(from, from) += energy.first[k] * length.hessian.topLeftCorner<2, 2>();
+    element.hessian.block<2, 2>(from, to) += energy.first[k] * length.hessian.topRightCorner<2, 2>();
+    element.hessian.block<2, 2>(to, from) += energy.first[k] * length.hessian.bottomLeftCorner<2, 2>();
+    element.hessian.block<2, 2>(to, to) += energy.first[k] * length.hessian.bottomRightCorner<2, 2>();
+  }
+  element.gradient = slopes * energy.first;
+  if (order >= 2) element.hessian += slopes * energy.second * slopes.transpose();
+  return element;
+}
+
+void GeodesicElements::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
+  const FoundPaths& found = *state.found();
+  const auto on_tip = [&](std::int32_t point) { return state.on_tip(static_cast<std::size_t>(point)); };
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    SpringElement element = spring_at(found, i, order);
+    if (order >= 1 && !found.geodesics[i].coincident()) {
+      if (on_tip(springs_[i].from)) element.take_out(0);
+      if (on_tip(springs_[i].to)) element.take_out(1);
+    }
+    element.add_to(sum, order);
+  }
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    TriangleElement element = triangle_at(found, t, order);
+    for (int k = 0; k < 3 && order >= 1; ++k)
+      if (on_tip(triangles_[t].corners[static_cast<std::size_t>(k)])) element.take_out(k);
+    element.add_to(sum, order);
+  }
+  if (order < 1 || !std::isfinite(sum.value)) return;
+  for (const std::size_t point : free_)
+    if (state.on_tip(point)) add_on_tip(state, point, order, sum);
+}
+
+GeodesicElements::Arrivals GeodesicElements::arrivals_at(std::size_t point, const PathOf& path) const {
+  Arrivals arrivals;
+  const auto arrive = [&](const surface::TangentGeodesic& geodesic, std::size_t number, double pull) {
+    if (geodesic.coincident()) return;
+    arrivals.parted = true;
+    const double angle =
+        static_cast<std::size_t>(paths_[number].from) == point ? geodesic.from_angle : geodesic.to_angle;
+    if (std::isfinite(angle)) arrivals.paths.push_back({angle, pull});
+  };
+  for (const std::int32_t s : springs_at_[point]) {
+    const auto i = static_cast<std::size_t>(s);
+    const surface::TangentGeodesic& geodesic = path(i);
+    arrive(geodesic, i, 2 * springs_[i].weight * (geodesic.distance - springs_[i].rest_length));
+    arrivals.stiffness += 2 * springs_[i].weight;
+    // Points in one place rest together, unless their spring pushes them apart.
+    if (geodesic.coincident() && springs_[i].rest_length > 0) arrivals.valid = false;
+  }
+  for (const std::int32_t t : triangles_at_[point]) {
+    const Triangle& triangle = triangles_[static_cast<std::size_t>(t)];
+    Eigen::Vector3d lengths;
+    for (int k = 0; k < 3; ++k) lengths[k] = path(triangle.sides[static_cast<std::size_t>(k)].path).distance;
+    const TriangleEnergy::Value energy = triangle.energy.at(lengths);
+    arrivals.valid = arrivals.valid && std::isfinite(energy.energy);
+    for (int k = 0; k < 3; ++k) {
+      const Side& side = triangle.sides[static_cast<std::size_t>(k)];
+      const Ends& ends = paths_[side.path];
+      if (static_cast<std::size_t>(ends.from) != point && static_cast<std::size_t>(ends.to) != point) continue;
+      arrive(path(side.path), side.path, energy.first[k]);
+      arrivals.stiffness += std::max(0.0, energy.second(k, k));
+    }
+  }
+  return arrivals;
+}
+
+void GeodesicElements::add_on_tip(const NetworkState& state, std::size_t point, int order,
+                                  numerics::EnergySum& sum) const {
+  const FoundPaths& found = *state.found();
+  const Arrivals arrivals =
+      arrivals_at(point, [&](std::size_t path) -> const surface::TangentGeodesic& { return found.geodesics[path]; });
+  // Springs to points in the same place are differentiable there.
+  if (!arrivals.parted) return;
+  const surface::VertexCone cone(state.mesh(), state.vertex_of(point));
+  const auto row = 2 * static_cast<Eigen::Index>(point);
+  if (!arrivals.paths.empty()) {
+    const surface::SteepestDescent descent = surface::steepest_descent(cone, arrivals.paths);
+    double pulls = 0;
+    for (const surface::ArrivingPath& arrival : arrivals.paths) pulls += std::abs(arrival.weight);
+    if (descent.slope < -slope_rounding * pulls)
+      sum.gradient.segment<2>(row) += descent.slope * surface::cone_coordinates(cone, descent.angle);
+  }
+  if (order < 2) return;
+  // The Hessian of flat pieces: the way down is as long as if the surface were flat.
+  for (int k = 0; k < 2; ++k) sum.hessian.add(row + k, row + k, arrivals.stiffness);
+}
+
+bool GeodesicElements::rests_at(const NetworkState& state, std::size_t point, std::int32_t vertex) const {
+  const surface::SurfacePoint at = surface::vertex_point(state.mesh(), VertexId{vertex});
+  const surface::VertexCone cone(state.mesh(), vertex);
+  std::map<std::size_t, surface::TangentGeodesic> from_vertex;
+  const auto path = [&](std::size_t number) -> const surface::TangentGeodesic& {
+    const Ends& ends = paths_[number];
+    const bool starts = static_cast<std::size_t>(ends.from) == point;
+    if (!starts && static_cast<std::size_t>(ends.to) != point) return state.found()->geodesics[number];
+    const auto [entry, is_new] = from_vertex.try_emplace(number);
+    if (is_new) {
+      const auto there = [&](std::int32_t end) { return state.points()[static_cast<std::size_t>(end)]; };
+      const surface::PointPair pair{starts ? at : there(ends.from), starts ? there(ends.to) : at};
+      solver_.tangent_geodesics({&pair, 1}, {&entry->second, 1}, false);
+    }
+    return entry->second;
+  };
+  const Arrivals arrivals = arrivals_at(point, path);
+  return arrivals.valid && !arrivals.paths.empty() && surface::steepest_descent(cone, arrivals.paths).slope >= 0;
+}
+
+namespace {
+
+/// By how much an element's energy after a step exceeds what its derivatives before foretold.
+template <class Element>
+double excess_of(const Element& before, double after, const Eigen::VectorXd& all_steps) {
+  Eigen::Matrix<double, Element::size, 1> step;
+  for (int k = 0; k < Element::size; ++k) step[k] = all_steps[before.rows[static_cast<std::size_t>(k)]];
+  return after - (before.value + before.gradient.dot(step) + 0.5 * step.dot(before.hessian * step));
+}
+
+}  // namespace
+
+std::vector<std::size_t> GeodesicElements::surprised(const NetworkState& current, const NetworkState& whole) const {
+  if (!current.found() || !whole.found() || whole.last_step().size() == 0) return {};
+  std::vector<double> excess(springs_at_.size(), 0);
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const double more =
+        excess_of(spring_at(*current.found(), i, 2), spring_at(*whole.found(), i, 0).value, whole.last_step());
+    for (const std::int32_t end : {springs_[i].from, springs_[i].to}) excess[static_cast<std::size_t>(end)] += more;
+  }
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const double more =
+        excess_of(triangle_at(*current.found(), t, 2), triangle_at(*whole.found(), t, 0).value, whole.last_step());
+    for (const std::int32_t corner : triangles_[t].corners) excess[static_cast<std::size_t>(corner)] += more;
+  }
+  const double most = *std::ranges::max_element(excess);
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < excess.size(); ++i)
+    if (!held_[i] && excess[i] > share_of_surprise * most) points.push_back(i);
+  std::ranges::stable_sort(points, std::ranges::greater(), [&](std::size_t i) { return excess[i]; });
+  if (points.size() > most_surprised) points.resize(most_surprised);
+  return points;
+}
+
+Network GeodesicElements::elements_of(std::size_t point, const NetworkState& state) const {
+  Network own;
+  own.material = material_;
+  std::map<std::int32_t, std::int32_t> number;
+  const auto number_of = [&](std::int32_t other) {
+    const auto [entry, is_new] = number.try_emplace(other, static_cast<std::int32_t>(own.points.size()));
+    if (is_new) own.points.push_back(state.points()[static_cast<std::size_t>(other)]);
+    return entry->second;
+  };
+  number_of(static_cast<std::int32_t>(point));
+  for (const std::int32_t s : springs_at_[point]) {
+    Spring spring = springs_[static_cast<std::size_t>(s)];
+    spring.from = number_of(spring.from);
+    spring.to = number_of(spring.to);
+    own.springs.push_back(spring);
+  }
+  for (const std::int32_t t : triangles_at_[point]) {
+    MembraneTriangle triangle = given_triangles_[static_cast<std::size_t>(t)];
+    for (std::int32_t& corner : triangle.corners) corner = number_of(corner);
+    own.triangles.push_back(triangle);
+  }
+  return own;
+}
+
+void GeodesicElements::settle(NetworkState& state, const std::vector<std::size_t>& points,
+                              const NetworkState& starts) const {
+  for (const std::size_t i : points) {
+    Network own = elements_of(i, state);
+    own.points.front() = starts.points()[i];
+    std::vector<bool> held(own.points.size(), true);
+    held.front() = false;
+    std::vector<bool> held_coordinates(2 * held.size(), true);
+    held_coordinates[0] = held_coordinates[1] = false;
+    numerics::System<NetworkState> system(NetworkState(state.mesh(), own.points),
+                                          {std::make_shared<GeodesicElements>(solver_, own, held, options_)},
+                                          numerics::Unknowns(held_coordinates));
+    // A triangle may be of no area with the others where they are: then there is nothing to settle from.
+    if (!std::isfinite(system.evaluate(0).value)) continue;
+    numerics::MinimizerOptions few;
+    few.max_iterations = most_local_iterations;
+    few.gradient_tolerance = local_tolerance * stiffness_at(i) * state.mesh().mean_edge_length();
+    numerics::minimize(system, few);
+    state.place(i, system.state().points().front());
+  }
+}
+
+double GeodesicElements::stiffness_at(std::size_t point) const {
+  double stiffness = 0;
+  for (const std::int32_t s : springs_at_[point]) stiffness += 2 * springs_[static_cast<std::size_t>(s)].weight;
+  // The second derivative of a triangle's energy by its lengths is about that.
+  return stiffness + material_.youngs_modulus * material_.thickness * static_cast<double>(triangles_at_[point].size());
+}
+
+std::vector<GeodesicElements::Kink> GeodesicElements::kinks_of(std::size_t point, const NetworkState& current,
+                                                               const std::vector<NetworkState>& tried) const {
+  if (current.on_tip(point)) return {};
+  const surface::TriangleMesh& mesh = current.mesh();
+  const Eigen::Vector3d here = surface::position(mesh, current.points()[point]);
+  std::vector<Kink> kinks;
+  const auto look_at_face = [&](FaceId face, double reach) {
+    for (const std::int32_t vertex : mesh.faces()[index(face)]) {
+      const double away = (mesh.positions()[vertex] - here).norm();
+      if (away > reach || std::ranges::find(kinks, vertex, &Kink::id) != kinks.end()) continue;
+      if (!surface::VertexCone(mesh, vertex).bends_paths() || !rests_at(current, point, vertex)) continue;
+      kinks.push_back({current, vertex, away, away <= point_rounding * mesh.mean_edge_length()});
+      kinks.back().state.place(point, surface::vertex_point(mesh, VertexId{vertex}));
+    }
+  };
+  for (const NetworkState& state : tried) {
+    const double way = (surface::position(mesh, state.points()[point]) - here).norm();
+    if (!(way > 0)) continue;
+    look_at_face(state.points()[point].face, reach_of_kinks * way);
+    look_at_face(current.points()[point].face, reach_of_kinks * way);
+  }
+  return kinks;
+}
+
+std::vector<GeodesicElements::Kink> GeodesicElements::kinks(const NetworkState& current,
+                                                            const std::vector<NetworkState>& tried,
+                                                            double /*reach*/) const {
+  if (tried.empty()) return {};
+  if (free_.size() == 1) return kinks_of(free_.front(), current, tried);
+  // After so many trials the way down is no longer blocked by a few points.
+  if (tried.size() > most_trials) return {};
+  const NetworkState& whole = tried.front();
+  const std::vector<std::size_t> points = surprised(current, whole);
+  if (points.empty()) return {};
+  const auto trials = static_cast<std::int64_t>(tried.size());
+  std::vector<Kink> kinks;
+  kinks.push_back({whole, 2 * trials, whole.last_step().norm(), false});
+  settle(kinks.back().state, points, tried.back());
+  // Where these points and the others do not suit each other yet, the last trial with these points settled is better
+  // than the trial.
+  kinks.push_back({tried.back(), 2 * trials + 1, tried.back().last_step().norm(), false});
+  settle(kinks.back().state, points, tried.back());
+  return kinks;
+}
+
+void GeodesicElements::bill(CostLedger& cost, double seconds) const {
+  cost.add_stage("assembly", seconds);
+  const double all = static_cast<double>(springs_.size() + triangles_.size());
+  if (!springs_.empty() || triangles_.empty())
+    cost.add_effect("geodesic_springs", true, "the springs follow shortest paths on the surface", 1,
+                    all > 0 ? seconds * static_cast<double>(springs_.size()) / all : seconds);
+  if (!triangles_.empty())
+    cost.add_effect("membrane", true, "there are triangles, whose sides are shortest paths", 1,
+                    seconds * static_cast<double>(triangles_.size()) / all);
+}
+
+}  // namespace supple::embedded

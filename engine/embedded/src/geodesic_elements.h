@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "element_energies.h"
+#include "network_state.h"
+#include "supple/base/effect_switch.h"
+#include "supple/embedded/network.h"
+#include "supple/numerics/system.h"
+#include "supple/surface/geodesic_solver.h"
+#include "supple/surface/vertex_cone.h"
+
+namespace supple::embedded {
+
+struct GeodesicElementsOptions {
+  bool kept_strips = true;
+  /// Of thesis eq. 3.12, as a fraction of an edge; 0 leaves the mollifier out.
+  double mollifier_length = 0;
+};
+
+/// The energy of all elements that follow shortest paths: springs, weight (g - rest_length)^2 of the length g of one
+/// path (thesis eq. 3.13), and the triangles of membranes, neo-Hookean functions of the lengths of three (eq. 3.17
+/// to 3.20).
+///
+/// A path *pulls* at its ends by the derivative of E by its length, positive under tension. What E is like there: each
+/// smooth piece of a squared distance is convex to second order (see surface::SquaredDistances). Across an edge, and
+/// where a path begins to bend at a saddle vertex, E is continuously differentiable. At a cut locus and at a vertex of
+/// less than 2 pi it is the least of several pieces, never at a minimum. At a saddle or boundary vertex it is like the
+/// tip of a cone, where a point may come to rest whatever small changes the others undergo: there the gradient is the
+/// least slope of all directions, zero at a minimum. Next to one whose excess of angle is small, E bends as sharply
+/// within a narrow wedge behind the vertex, in which paths are held.
+///
+/// A line search cannot bring a point to a vertex by chance, and one point that steps over such a place shortens the
+/// way of all. So where a step was shortened, the points whose elements surprised it are moved by themselves, one after
+/// the other, to their own minima while all others go their whole way; a point that rests at a vertex near by is put
+/// there
+/// (`kinks`).
+class GeodesicElements : public numerics::Term<NetworkState> {
+ public:
+  /// The network is a checked one; `solver` outlives the term. Points that are held are not tried at vertices.
+  GeodesicElements(const surface::GeodesicSolver& solver, const Network& network, std::vector<bool> held,
+                   GeodesicElementsOptions options);
+
+  std::string_view name() const override { return "geodesic_elements"; }
+  void prepare(NetworkState& state, int order, const Execution& execution) override;
+  void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
+  bool has_kinks() const override { return true; }
+  std::vector<Kink> kinks(const NetworkState& current, const std::vector<NetworkState>& tried,
+                          double reach) const override;
+  void bill(CostLedger& cost, double seconds) const override;
+
+  /// Lengths of a triangle's sides where the paths are found.
+  Eigen::Vector3d lengths_of(const FoundPaths& found, std::size_t triangle) const;
+  const TriangleEnergy& energy_of(std::size_t triangle) const { return triangles_[triangle].energy; }
+
+ private:
+  /// The ends of a path: points.
+  struct Ends {
+    std::int32_t from;
+    std::int32_t to;
+  };
+  /// A side of a triangle is a path whose ends are two of the corners.
+  struct Side {
+    std::size_t path;
+    int from_corner;
+    int to_corner;
+  };
+  struct Triangle {
+    std::array<std::int32_t, 3> corners;
+    std::array<Side, 3> sides;
+    TriangleEnergy energy;
+  };
+  /// Paths that end at a point on a tip, with what they pull.
+  struct Arrivals {
+    std::vector<surface::ArrivingPath> paths;
+    double stiffness = 0;  ///< sum of the second derivatives by their lengths, where positive
+    bool parted = false;   ///< some path has a length
+    bool valid = true;
+  };
+  using PathOf = std::function<const surface::TangentGeodesic&(std::size_t path)>;
+
+  std::shared_ptr<FoundPaths> unused_paths();
+  void find_mollified(FoundPaths& found, const Execution& execution) const;
+  LengthDerivatives length_of(const FoundPaths& found, std::size_t path, bool second) const;
+  /// An element's share of the energy at a state whose paths are found.
+  SpringElement spring_at(const FoundPaths& found, std::size_t spring, int order) const;
+  TriangleElement triangle_at(const FoundPaths& found, std::size_t triangle, int order) const;
+  /// What arrives at a point of an elastic system whose paths are these.
+  Arrivals arrivals_at(std::size_t point, const PathOf& path) const;
+  void add_on_tip(const NetworkState& state, std::size_t point, int order, numerics::EnergySum& sum) const;
+  /// The points whose elements make the energy at `whole` exceed most what the derivatives at `current` foretell of it,
+  /// the worst first.
+  std::vector<std::size_t> surprised(const NetworkState& current, const NetworkState& whole) const;
+  /// The elements of one point, which is point 0 of them, with the others at the state.
+  Network elements_of(std::size_t point, const NetworkState& state) const;
+  double stiffness_at(std::size_t point) const;
+  /// Moves points one after the other, each from `starts`, to where its own elements pull it with the others held.
+  void settle(NetworkState& state, const std::vector<std::size_t>& points, const NetworkState& starts) const;
+  /// Of one free point: states that have it at a vertex near by where it rests.
+  std::vector<Kink> kinks_of(std::size_t point, const NetworkState& current,
+                             const std::vector<NetworkState>& tried) const;
+  /// Whether a point would rest at the vertex with all others where they are.
+  bool rests_at(const NetworkState& state, std::size_t point, std::int32_t vertex) const;
+
+  const surface::GeodesicSolver& solver_;
+  std::vector<Spring> springs_;  ///< spring i is along path i
+  std::vector<Triangle> triangles_;
+  std::vector<MembraneTriangle> given_triangles_;
+  MembraneMaterial material_;
+  std::vector<Ends> paths_;
+  std::vector<std::vector<std::int32_t>> springs_at_;    ///< of each point
+  std::vector<std::vector<std::int32_t>> triangles_at_;  ///< of each point
+  std::vector<bool> held_;
+  std::vector<std::size_t> free_;  ///< points that are not held and have elements
+  GeodesicElementsOptions options_;
+  std::vector<surface::PointPair> pairs_;   ///< the paths' ends at the state that was prepared last
+  std::shared_ptr<const FoundPaths> last_;  ///< where strips are taken from
+  std::vector<std::shared_ptr<FoundPaths>> kept_paths_;
+};
+
+}  // namespace supple::embedded
