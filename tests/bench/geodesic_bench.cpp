@@ -17,6 +17,7 @@ void run(const std::filesystem::path& folder, const supple::bench::Settings& set
   Report report(folder, "geodesics", "Geodesics: measured times, memory and accuracy");
   // Memory first, while the process holds nothing else.
   measure_large_mesh(report, settings);
+  measure_memory(report, settings);
   measure_one_to_all(report, settings);
   measure_far_pairs(report, settings);
   measure_near_pairs(report, settings);

@@ -50,7 +50,10 @@ class BucketQueue {
         bucket = current_;
         return true;
       }
-      items.clear();
+      if (items.capacity() > kLargeBucket)
+        std::vector<std::int32_t>().swap(items);
+      else
+        items.clear();
       position_ = 0;
       ++current_;
     }
@@ -66,9 +69,23 @@ class BucketQueue {
   /// No key still queued, or pushed from now on by a monotone search, is below this.
   double least_key() const { return origin_ + current_ * width_; }
 
+  /// Frees all buckets if they hold more than `most_kept` bytes. O(buckets that were ever used).
+  void give_back_memory(std::size_t most_kept) {
+    if (memory_bytes() <= most_kept) return;
+    std::vector<std::vector<std::int32_t>>().swap(buckets_);
+    current_ = used_ = 0;
+  }
+  std::size_t memory_bytes() const {
+    std::size_t bytes = buckets_.capacity() * sizeof(buckets_[0]);
+    for (const std::vector<std::int32_t>& bucket : buckets_) bytes += bucket.capacity() * sizeof(std::int32_t);
+    return bytes;
+  }
+
  private:
   /// More buckets than this are not made; longer distances share the last.
   static constexpr Bucket kMost = 1 << 22;
+  /// Buckets of more items are freed once they are empty: the front of a large search passes through thousands of them.
+  static constexpr std::size_t kLargeBucket = 1 << 12;
 
   std::vector<std::vector<std::int32_t>> buckets_;
   Bucket current_ = 0;

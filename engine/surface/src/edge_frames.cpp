@@ -60,6 +60,11 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::
   first_corner.push_back(static_cast<std::int32_t>(corners.size()));
 }
 
+std::size_t SearchMesh::memory_bytes() const {
+  return frames.capacity() * sizeof(EdgeFrame) + corners.capacity() * sizeof(FanCorner) +
+         first_corner.capacity() * sizeof(std::int32_t) + pins_paths.capacity();
+}
+
 Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side) {
   const double head = barycentric[(side + 1) % 3];
   const double apex = barycentric[(side + 2) % 3];

@@ -31,6 +31,20 @@ struct EdgeFrame {
   /// length - apex_x without cancellation. Divided by right_length it is the right edge's direction, which a difference
   /// of lengths loses where that edge is short.
   double right_x() const { return (offset_from_head ? 0 : length) - apex_offset; }
+
+  /// Unit directions of the halfedges `left` and `right`, in the frame of each of them (ux, uy) as windows that go on
+  /// to them are turned by.
+  struct Direction {
+    double x, y;
+  };
+  Direction left_direction() const {
+    const double scale = 1 / left_length;
+    return {apex_x() * scale, apex_y * scale};
+  }
+  Direction right_direction() const {
+    const double scale = 1 / right_length;
+    return {right_x() * scale, apex_y * scale};
+  }
 };
 static_assert(sizeof(EdgeFrame) == 64);
 
@@ -58,6 +72,9 @@ struct SearchMesh {
   double turn_of_images(std::int32_t vertex) const {
     return mesh->is_boundary(vertex) ? std::numbers::pi : 2 * std::numbers::pi;
   }
+
+  /// Without the mesh.
+  std::size_t memory_bytes() const;
 
   std::shared_ptr<const TriangleMesh> mesh;
   std::vector<EdgeFrame> frames;

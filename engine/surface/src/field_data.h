@@ -17,9 +17,10 @@ struct GeodesicField::Data {
   bool kept = false;
   std::vector<VertexRecord> records;  ///< per vertex; empty unless kept
   LargeVector<Window> windows;        ///< empty unless kept
+  std::vector<Trail> trails;          ///< the full ones that others refer to; empty unless kept
   std::vector<std::int32_t> first;    ///< per halfedge, where the windows that enter its face begin, and the end
 
-  SearchState state() const { return {mesh.get(), windows, records.data(), sources}; }
+  SearchState state() const { return {mesh.get(), trails, records.data(), sources}; }
   /// The target with its best arrival.
   SearchTarget query(const SurfacePoint& point) const;
 };

@@ -11,7 +11,7 @@ SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
   if (arrive_near_vertex(*mesh, sources, target)) return target;
   const std::int32_t face = index(point.face);
   const auto offer_windows = [&](std::int32_t h) {
-    for (std::int32_t i = first[h]; i < first[h + 1]; ++i) offer_window(*mesh, sources, target, h, windows[i], i);
+    for (std::int32_t i = first[h]; i < first[h + 1]; ++i) offer_window(*mesh, sources, target, h, windows[i]);
   };
   const TriangleMesh& m = *mesh->mesh;
   if (target.vertex >= 0) {
@@ -51,7 +51,8 @@ std::int64_t GeodesicField::window_count() const { return data_->window_count; }
 std::int64_t GeodesicField::memory_bytes() const {
   return static_cast<std::int64_t>(
       sizeof(Data) + data_->distances.capacity() * sizeof(double) + data_->records.capacity() * sizeof(VertexRecord) +
-      data_->windows.capacity() * sizeof(Window) + data_->first.capacity() * sizeof(std::int32_t));
+      data_->windows.capacity() * sizeof(Window) + data_->trails.capacity() * sizeof(Trail) +
+      data_->first.capacity() * sizeof(std::int32_t));
 }
 
 }  // namespace supple::surface

@@ -11,7 +11,7 @@ namespace supple::surface {
 namespace {
 
 SearchState state_of(const WindowSearch& search) {
-  return {&search.mesh(), search.pool(), search.records(), search.sources()};
+  return {&search.mesh(), search.trails(), search.records(), search.sources()};
 }
 
 void bill(const WindowSearch& search, const Execution& execution) {
@@ -42,6 +42,13 @@ const std::shared_ptr<const TriangleMesh>& GeodesicSolver::shared_mesh() const {
   return implementation_->search_mesh->mesh;
 }
 
+std::int64_t GeodesicSolver::memory_bytes() const {
+  const std::lock_guard lock(implementation_->mutex);
+  std::size_t bytes = implementation_->search_mesh->memory_bytes();
+  for (const auto& search : implementation_->idle) bytes += search->memory_bytes();
+  return static_cast<std::int64_t>(bytes);
+}
+
 double GeodesicSolver::distance(const SurfacePoint& from, const SurfacePoint& to, const Execution& execution) const {
   return geodesic(from, to, {}, execution).distance;
 }
@@ -59,7 +66,6 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfaceP
   Implementation::Lease search(*implementation_);
   SearchSettings settings;
   settings.goal_directed = true;
-  settings.keep_windows = true;
   if (hints.known_path && hints.known_path->size() > 1 &&
       hints.known_path->front().position == position(mesh(), from) &&
       hints.known_path->back().position == target.position) {
@@ -98,8 +104,7 @@ std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, 
   }
   if (targets.empty()) return results;
   Implementation::Lease search(*implementation_);
-  SearchSettings settings;
-  settings.keep_windows = true;
+  const SearchSettings settings;
   {
     const StageTimer timer(execution.cost, "search");
     search->run({&from, 1}, targets, settings, execution);
@@ -142,7 +147,10 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
     const double distance = search->distance(vertex) < kInfinity ? search->length_of_path(vertex) : kInfinity;
     data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
   }
-  if (options.keep_windows) search->copy_kept(data->records, data->windows, data->first);
+  if (options.keep_windows) {
+    search->take_kept(data->records, data->windows, data->first);
+    data->trails.assign(search->trails().begin(), search->trails().end());
+  }
   data->kept = options.keep_windows;
   return GeodesicField(std::move(data));
 }

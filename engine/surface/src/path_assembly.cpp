@@ -1,6 +1,7 @@
 #include "path_assembly.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 #include "near_vertex.h"
@@ -16,6 +17,8 @@ using Eigen::Vector3d;
 constexpr double kVertexSnap = 1e-12;
 /// Paths whose lengths differ by less, relative, are both shortest.
 constexpr double kTie = 1e-9;
+/// Points of a path a few edges long, for which memory is asked once.
+constexpr std::size_t kShortPath = 10;
 
 Vector2d rotated(const Vector2d& v, double angle) {
   const double c = std::cos(angle);
@@ -58,7 +61,9 @@ std::int32_t corner_halfedge(const SurfacePoint& point, int corner) { return 3 *
 /// Walks a path back from its end to its source.
 class Backtrace {
  public:
-  Backtrace(const SearchState& state, bool record_points) : state_(state), mesh_(*state.mesh), record_(record_points) {}
+  Backtrace(const SearchState& state, bool record_points) : state_(state), mesh_(*state.mesh), record_(record_points) {
+    if (record_) points_.reserve(kShortPath);
+  }
 
   void from_target(const SearchTarget& target) {
     const Arrival& best = target.best;
@@ -85,15 +90,12 @@ class Backtrace {
         }
         return;
       case Arrival::Kind::window: {
-        const Window& window = state_.windows[best.window];
-        Vector2d end;
+        Vector2d end = target.planar[best.halfedge % 3];
         if (target.vertex >= 0) {
-          const EdgeFrame& frame = mesh_.frames[window.halfedge];
+          const EdgeFrame& frame = mesh_.frames[best.halfedge];
           end = {frame.apex_x(), frame.apex_y};
-        } else {
-          end = target.planar[window.halfedge % 3];
         }
-        follow_window(best.window, end);
+        follow_window(best.halfedge, best.trail, best.origin, end, best.crossing);
       }
     }
   }
@@ -193,36 +195,100 @@ class Backtrace {
     finish();
   }
 
-  /// `end` is where the straight piece ends, in the frame of the window's halfedge.
-  void follow_window(std::int32_t i, Vector2d end) {
-    const Window* window = &state_.windows[i];
-    double x = 0;
-    length_to(*window, end.x(), end.y(), x);
-    // An end on the edge that the window crosses is the crossing.
-    bool on_edge_already = end.y() <= kVertexSnap * mesh_.frames[window->halfedge].length;
-    while (true) {
-      if (!on_edge_already) add_crossing(window->halfedge, x);
-      on_edge_already = false;
-      if (window->parent < 0) break;
-      const Window& parent = state_.windows[window->parent];
-      const EdgeFrame& frame = mesh_.frames[parent.halfedge];
-      const bool left = window->halfedge == frame.left;
-      const Vector2d apex(frame.apex_x(), frame.apex_y);
-      const Vector2d origin = left ? Vector2d(0, 0) : apex;
-      const Vector2d direction = left ? Vector2d(apex / frame.left_length)
-                                      : Vector2d(Vector2d(frame.right_x(), -frame.apex_y) / frame.right_length);
-      const Vector2d normal(-direction.y(), direction.x());
-      const Vector2d on_edge = origin + x * direction;
-      end = origin + end.x() * direction + end.y() * normal;
-      length_to(parent, on_edge.x(), std::max(0.0, on_edge.y()), x);
-      window = &parent;
+  /// The edge by which a window goes on to the next one, in the frame of the edge that it has come by: a point of it,
+  /// from which the next window counts, and its unit direction.
+  struct Exit {
+    Exit() = default;
+    Exit(const EdgeFrame& frame, bool left)
+        : origin(left ? Vector2d(0, 0) : Vector2d(frame.apex_x(), frame.apex_y)),
+          direction(left ? Vector2d(Vector2d(frame.apex_x(), frame.apex_y) / frame.left_length)
+                         : Vector2d(Vector2d(frame.right_x(), -frame.apex_y) / frame.right_length)) {}
+    Vector2d origin, direction;
+  };
+
+  /// A window of the straight piece that is followed.
+  struct Waited {
+    std::int32_t halfedge;
+    bool left;  ///< how it went on, as `exit` says
+    Exit exit;
+    WindowSource source;  ///< as it saw it
+  };
+
+  /// Calls visit(h, left) for each window before one that waited at `h`, back to the one that left the (pseudo-)source:
+  /// with the halfedge at which it waited and where it went on.
+  template <typename Visit>
+  void walk_back(std::int32_t h, Trail trail, Visit&& visit) {
+    for (;; trail = state_.trails[trail.before]) {
+      for (std::uint32_t turns = trail.turns; turns > 1; turns >>= 1) {
+        // A window that has turned right waits at the twin of the edge from apex to head, the next one of its face.
+        const bool left = (turns & 1) == 0;
+        const std::int32_t edge = mesh_.mesh->twin(h);
+        h = left ? TriangleMesh::next(edge) : TriangleMesh::previous(edge);
+        visit(h, left);
+      }
+      if (trail.before < 0) return;
     }
-    const Vector2d vector = end - Vector2d(window->source_x, -window->depth);
+  }
+
+  /// Adds the crossings of the windows before one that has crossed its edge at x, the latest first; all have come from
+  /// `first`, as the first of them saw it.
+  void add_crossings(std::span<Waited> windows, const WindowSource& first, double x) {
+    // Where they saw their source: computed from the first one on, as the search has done it, so that rounding is the
+    // same.
+    WindowSource source = first;
+    for (std::size_t i = windows.size(); i-- > 0;) {
+      windows[i].source = source;
+      const EdgeFrame& frame = mesh_.frames[windows[i].halfedge];
+      const EdgeFrame::Direction u = windows[i].left ? frame.left_direction() : frame.right_direction();
+      source = windows[i].left ? seen_from_left(source, u.x, u.y)
+                               : seen_from_right(source, frame.apex_x(), frame.apex_y, u.x, u.y);
+    }
+    for (const Waited& w : windows) {
+      const Vector2d on_edge = w.exit.origin + x * w.exit.direction;
+      // The rays of a window have come through the one before, up to rounding: the ends of that one need not be known.
+      const Window before{0, mesh_.frames[w.halfedge].length, w.source.x, w.source.depth, 0, Trail::none(), -1, -1};
+      length_to(before, on_edge.x(), std::max(0.0, on_edge.y()), x);
+      add_crossing(w.halfedge, x);
+    }
+  }
+
+  /// Room for all windows on a trail but the last one, without asking for memory where they are few.
+  std::span<Waited> room_for_windows(Trail trail) {
+    std::size_t windows = trail.turns_here();
+    for (std::int32_t i = trail.before; i >= 0; i = state_.trails[i].before) windows += state_.trails[i].turns_here();
+    if (windows <= few_.size()) return {few_.data(), windows};
+    many_.resize(windows);
+    return many_;
+  }
+
+  /// Follows the straight piece that a window has brought to `end`, in the frame of the halfedge at which it waited;
+  /// the piece crosses that edge at x.
+  void follow_window(std::int32_t h, Trail trail, std::int32_t window_origin, Vector2d end, double x) {
+    // An end on the edge that the window crosses is the crossing.
+    if (end.y() > kVertexSnap * mesh_.frames[h].length) add_crossing(h, x);
+    std::span<Waited> windows;
+    if (record_) {
+      windows = room_for_windows(trail);
+      const std::size_t points = points_.size() + windows.size() + 2;
+      if (points_.capacity() < points) points_.reserve(std::max(points, 2 * points_.capacity()));
+    }
+    std::int32_t first_halfedge = h;
+    std::size_t place = 0;
+    walk_back(h, trail, [&](std::int32_t before, bool left) {
+      const Exit exit(mesh_.frames[before], left);
+      const Vector2d normal(-exit.direction.y(), exit.direction.x());
+      end = exit.origin + end.x() * exit.direction + end.y() * normal;
+      first_halfedge = before;
+      if (record_) windows[place++] = {before, left, exit, {}};
+    });
+    const WindowSource first = first_source(mesh_, state_.sources, window_origin, first_halfedge);
+    if (record_) add_crossings(windows, first, x);
+    const Vector2d vector = end - Vector2d(first.x, -first.depth);
     // Seen from the face that holds the (pseudo-)source, across the edge.
-    const std::int32_t behind = mesh_.mesh->twin(window->halfedge);
+    const std::int32_t behind = mesh_.mesh->twin(first_halfedge);
     departure_ = Departure{behind, -vector};
-    if (window->origin < 0) {
-      source_ = -1 - window->origin;
+    if (window_origin < 0) {
+      source_ = -1 - window_origin;
       first_length_ = vector.norm();
       finish();
     } else {
@@ -231,7 +297,7 @@ class Backtrace {
       const Vector2d in_face = to_face(mesh_, behind, -vector);
       const Vector2d along = side_direction(mesh_, outgoing);
       departure_ = Departure{outgoing, {in_face.dot(along), -in_face.x() * along.y() + in_face.y() * along.x()}};
-      arrive_at_vertex(window->origin, vector.norm());
+      arrive_at_vertex(window_origin, vector.norm());
     }
   }
 
@@ -264,9 +330,9 @@ class Backtrace {
         departure_ = Departure{outgoing, rotated({length, 0}, m.corner_angle(outgoing))};
       }
       arrive_at_vertex(record.origin, length);
-    } else if (record.window >= 0) {
+    } else if (record.trail.known()) {
       const EdgeFrame& frame = mesh_.frames[record.halfedge];
-      follow_window(record.window, {frame.apex_x(), frame.apex_y});
+      follow_window(record.halfedge, record.trail, record.origin, {frame.apex_x(), frame.apex_y}, record.crossing);
     } else if (record.halfedge >= 0) {
       const EdgeFrame& frame = mesh_.frames[record.halfedge];
       const Vector2d vector(frame.apex_x() - record.source_x, frame.apex_y + record.depth);
@@ -297,6 +363,8 @@ class Backtrace {
   Vector2d direct_ = Vector2d::Zero();
   std::vector<std::int32_t> pins_;
   std::vector<PathPoint> points_;
+  std::array<Waited, kShortPath> few_;
+  std::vector<Waited> many_;
 };
 
 Vector2d arrival_direction(const SearchState& state, const SearchTarget& target) {

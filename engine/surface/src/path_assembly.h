@@ -11,7 +11,7 @@ namespace supple::surface {
 /// What a finished search knows, whether it still sits in its workspace or was moved into a field.
 struct SearchState {
   const SearchMesh* mesh;
-  std::span<const Window> windows;
+  std::span<const Trail> trails;  ///< the full ones that others refer to
   const VertexRecord* records;
   std::span<const SurfacePoint> sources;
 };

@@ -177,10 +177,12 @@ void offer(SearchTarget& target, const Arrival& arrival) {
 }
 
 void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target, std::int32_t h,
-                  const Window& window, std::int32_t window_index) {
+                  const Window& window) {
   Arrival arrival;
   arrival.kind = Arrival::Kind::window;
-  arrival.window = window_index;
+  arrival.halfedge = h;
+  arrival.origin = window.origin;
+  arrival.trail = window.trail;
   if (target.vertex < 0) {
     const int side = h % 3;
     const Eigen::Vector2d& p = target.planar[side];
@@ -188,7 +190,7 @@ void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources,
     if (arrival.length > worst_of_use(target)) return;
     arrival.rank = rank_of(window, p.x(), p.y());
     Eigen::Vector2d relative(window.source_x - p.x(), -window.depth - p.y());
-    if (window.parent < 0 && window.origin < 0) {
+    if (window.trail.at_start() && window.origin < 0) {
       relative.x() = across_edge(mesh, sources[-1 - window.origin], target.point, h);
       if (arrival.rank == 0) arrival.length = window.sigma + relative.norm();
     }

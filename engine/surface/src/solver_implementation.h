@@ -32,6 +32,7 @@ struct GeodesicSolver::Implementation {
       if (!search_) search_ = std::make_unique<WindowSearch>(*owner_.search_mesh);
     }
     ~Lease() {
+      search_->give_back_memory();
       const std::lock_guard lock(owner_.mutex);
       owner_.idle.push_back(std::move(search_));
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "window_trail.h"
+
 namespace supple::surface {
 
 /// A bundle of shortest-path candidates that cross one edge in an interval and come straight from one (pseudo-)source.
@@ -15,12 +17,27 @@ namespace supple::surface {
 struct Window {
   double b0, b1;
   double source_x, depth;
-  double sigma;           ///< distance from the nearest true source to the pseudo-source
-  std::int32_t parent;    ///< pool index of the window that this one continues, -1 if it left the source itself
-  std::int32_t next;      ///< pool index of the next window of the same halfedge
-  std::int32_t origin;    ///< the vertex that is the pseudo-source, or -1 - i for the i-th source point
-  std::int32_t halfedge;  ///< -1 while free
+  double sigma;  ///< distance from the nearest true source to the pseudo-source
+  Trail trail;
+  std::int32_t link;    ///< pool index of the next window of the same halfedge; of a kept window, that halfedge
+  std::int32_t origin;  ///< the vertex that is the pseudo-source, or -1 - i for the i-th source point
 };
+
+/// The (pseudo-)source of a window in the frame of its halfedge.
+struct WindowSource {
+  double x, depth;
+};
+
+/// The same source in the frame of the edge that the window goes on to, whose unit direction is (ux, uy) in the frame
+/// of the edge that it has come by. Used by the search and by whoever follows a path back, so that both see the same
+/// bits.
+inline WindowSource seen_from_left(const WindowSource& source, double ux, double uy) {
+  return {source.x * ux - source.depth * uy, std::max(0.0, source.x * uy + source.depth * ux)};
+}
+inline WindowSource seen_from_right(const WindowSource& source, double apex_x, double apex_y, double ux, double uy) {
+  const double reach = source.depth + apex_y;
+  return {(source.x - apex_x) * ux + reach * uy, std::max(0.0, (apex_x - source.x) * uy + reach * ux)};
+}
 
 /// x moved into [low, high], without branches.
 inline double clamped(double x, double low, double high) { return std::max(low, std::min(x, high)); }

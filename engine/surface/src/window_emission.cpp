@@ -11,7 +11,35 @@ namespace {
 /// is none: the path goes straight on, in a window of its own.
 constexpr double kSectorTolerance = 1e-13;
 
+/// A point p of the frame's face, and its apex, as the face on the other side of the frame's edge sees them.
+WindowSource across_from(const EdgeFrame& frame, const Eigen::Vector2d& p) {
+  return {frame.length - p.x(), std::max(0.0, p.y())};
+}
+WindowSource across_from_apex(const EdgeFrame& frame) { return {frame.right_x(), frame.apex_y}; }
+
+/// A point of a side, seen from the face on the other side: its coordinates swap the ends.
+Eigen::Vector3d across_side(const SurfacePoint& point, int side, std::int32_t across) {
+  Eigen::Vector3d other = Eigen::Vector3d::Zero();
+  other[across % 3] = point.barycentric[(side + 1) % 3];
+  other[(across + 1) % 3] = point.barycentric[side];
+  return other;
+}
+
 }  // namespace
+
+WindowSource first_source(const SearchMesh& mesh, std::span<const SurfacePoint> sources, std::int32_t origin,
+                          std::int32_t h) {
+  const std::int32_t behind = mesh.mesh->twin(h);
+  const EdgeFrame& frame = mesh.frames[behind];
+  if (origin >= 0) return across_from_apex(frame);
+  const SurfacePoint& point = sources[-1 - origin];
+  Eigen::Vector3d barycentric = point.barycentric;
+  if (TriangleMesh::face_of(behind) != index(point.face)) {
+    const int side = side_of(point);
+    barycentric = across_side(point, side, mesh.mesh->twin(3 * index(point.face) + side));
+  }
+  return across_from(frame, planar_point(frame, barycentric, behind % 3));
+}
 
 void WindowSearch::emit_from_source(std::int32_t source) {
   const SurfacePoint& point = sources_[source];
@@ -19,7 +47,7 @@ void WindowSearch::emit_from_source(std::int32_t source) {
   const std::int32_t face = index(point.face);
   const std::int32_t origin = -1 - source;
   if (const int corner = corner_of(point); corner >= 0) {
-    improve_vertex(mesh.faces()[face][corner], 0, 0, 0, 0, -1, -1, origin, -1);
+    improve_vertex(mesh.faces()[face][corner], 0, 0, 0, 0, -1, Trail::none(), origin, -1);
     VertexRecord& record = vertex_record(mesh.faces()[face][corner]);
     record.emits = true;
     queue_vertex(mesh.faces()[face][corner], record);
@@ -34,10 +62,7 @@ void WindowSearch::emit_from_source(std::int32_t source) {
   if (side < 0) return;
   const std::int32_t across = mesh.twin(3 * face + side);
   if (across < 0) return;
-  // The same point of the edge, seen from the other face: its coordinates swap the ends of the side.
-  Eigen::Vector3d other = Eigen::Vector3d::Zero();
-  other[across % 3] = point.barycentric[(side + 1) % 3];
-  other[(across + 1) % 3] = point.barycentric[side];
+  const Eigen::Vector3d other = across_side(point, side, across);
   for (int s = 0; s < 3; ++s) {
     planar[s] = planar_point(mesh_->frames[across - across % 3 + s], other, s);
   }
@@ -53,11 +78,12 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
     const EdgeFrame& frame = mesh_->frames[h];
     const Eigen::Vector2d& p = planar[side];
     // From the frame whose origin is the apex: a source next to it keeps its digits there.
-    improve_vertex(frame.apex, planar[(side + 2) % 3].norm(), 0, p.x(), -p.y(), h, -1, origin, -1);
+    improve_vertex(frame.apex, planar[(side + 2) % 3].norm(), 0, p.x(), -p.y(), h, Trail::none(), origin, -1);
     const std::int32_t across = mesh_->mesh->twin(h);
     if (side == entered_through || across < 0) continue;
-    Window window{0, frame.length, frame.length - p.x(), std::max(0.0, p.y()), 0, -1, -1, origin, across};
-    admit_first(window);
+    const WindowSource behind = across_from(frame, p);
+    Window window{0, frame.length, behind.x, behind.depth, 0, Trail::start(), -1, origin};
+    admit_first(window, across);
   }
 }
 
@@ -79,10 +105,10 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
     const EdgeFrame& frame = mesh_->frames[TriangleMesh::next(corner.halfedge)];  // v is its apex
     const double angle = corner.angle;
     if (low <= 0) {
-      improve_vertex(frame.tail, sigma + frame.left_length, sigma, 0, 0, -1, -1, v, corner.halfedge);
+      improve_vertex(frame.tail, sigma + frame.left_length, sigma, 0, 0, -1, Trail::none(), v, corner.halfedge);
     }
     if (high >= angle) {
-      improve_vertex(frame.head, sigma + frame.right_length, sigma, 0, 0, -1, -1, v,
+      improve_vertex(frame.head, sigma + frame.right_length, sigma, 0, 0, -1, Trail::none(), v,
                      TriangleMesh::previous(corner.halfedge));
     }
     low = std::max(low, 0.0);
@@ -98,9 +124,9 @@ void WindowSearch::emit_from_vertex(std::int32_t v) {
     };
     const double from = low <= 0 ? 0 : meets(low);
     const double to = high >= angle ? frame.length : meets(high);
-    Window window{frame.length - to, frame.length - from, frame.right_x(), frame.apex_y, sigma, -1, -1, v,
-                  corner.across};
-    admit_first(window);
+    const WindowSource behind = across_from_apex(frame);
+    Window window{frame.length - to, frame.length - from, behind.x, behind.depth, sigma, Trail::start(), -1, v};
+    admit_first(window, corner.across);
   };
 
   for (const FanCorner& corner : mesh_->fan(v)) {

@@ -18,8 +18,8 @@ constexpr double kStraight = 1e-13;
 
 }  // namespace
 
-bool WindowSearch::cut_within_error(Window& window) {
-  const EdgeFrame& frame = mesh_->frames[window.halfedge];
+bool WindowSearch::cut_within_error(Window& window, std::int32_t halfedge) {
+  const EdgeFrame& frame = mesh_->frames[halfedge];
   const double shrink = (1 + kDropTolerance) / (1 + settings_.relative_error);
   const auto weight = [&](std::int32_t v) { return distance(v) < kInfinity ? length_of_path(v) * shrink : kInfinity; };
   const Cut result = cut(window, {weight(frame.tail) - window.sigma, weight(frame.head) - window.sigma}, frame.length);
@@ -48,7 +48,7 @@ template <bool plain>
 inline void WindowSearch::admit(Window& window, Exit& exit) {
   if (!(window.b1 - window.b0 > kLeastWidth * exit.length)) return;
   if (cut(window, {exit.tail - window.sigma, exit.head - window.sigma}, exit.length).dead) return;
-  if (!plain && settings_.relative_error > 0 && !cut_within_error(window)) return;
+  if (!plain && settings_.relative_error > 0 && !cut_within_error(window, exit.halfedge)) return;
   if (!plain && settings_.goal_directed) {
     const double key = goal_key(window, exit);
     if (key > bound_) return;
@@ -69,10 +69,10 @@ inline void WindowSearch::admit(Window& window, Exit& exit) {
   slot.source_x = window.source_x;
   slot.depth = window.depth;
   slot.sigma = window.sigma;
-  slot.parent = window.parent;
-  slot.next = exit.pending;
+  slot.trail.turns = window.trail.turns;
+  slot.trail.before = window.trail.before;
+  slot.link = exit.pending;
   slot.origin = window.origin;
-  slot.halfedge = exit.halfedge;
   exit.pending = i;
 }
 
@@ -89,18 +89,19 @@ Eigen::Vector2d WindowSearch::goal_in_frame(std::int32_t tail, std::int32_t head
 }
 
 WindowSearch::Exit WindowSearch::exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head,
-                                              double length, double ux, double uy) {
-  Exit exit{halfedge,      length,        ux,     uy, allowed(tail, length), allowed(head, length), kInfinity,
-            to_goal(tail), to_goal(head), {0, 0}, -1};
+                                              double length, EdgeFrame::Direction direction) {
+  Exit exit{
+      halfedge,      length,        direction.x, direction.y, allowed(tail, length), allowed(head, length), kInfinity,
+      to_goal(tail), to_goal(head), {0, 0},      -1};
   if (halfedge < 0) return exit;
   exit.pending = halfedge_record(halfedge).pending;
   if (settings_.goal_directed) exit.goal = goal_in_frame(tail, head, length);
   return exit;
 }
 
-void WindowSearch::admit_first(Window& window) {
-  const EdgeFrame& frame = mesh_->frames[window.halfedge];
-  Exit exit = exit_towards(window.halfedge, frame.tail, frame.head, frame.length, 1, 0);
+void WindowSearch::admit_first(Window& window, std::int32_t halfedge) {
+  const EdgeFrame& frame = mesh_->frames[halfedge];
+  Exit exit = exit_towards(halfedge, frame.tail, frame.head, frame.length, {1, 0});
   admit<false>(window, exit);
   leave_by(exit);
 }
@@ -112,8 +113,14 @@ void WindowSearch::leave_by(const Exit& exit) {
   queue_halfedge(exit.halfedge, record, exit.key);
 }
 
+Trail WindowSearch::continued(Trail trail) {
+  if (!follows_paths_) return Trail::start();
+  trails_.push_back(trail);
+  return {1, static_cast<std::int32_t>(trails_.size()) - 1};
+}
+
 template <bool plain, bool close>
-void WindowSearch::propagate(const Window& w, std::int32_t i, const Entrance& entrance, Exit& left, Exit& right) {
+void WindowSearch::propagate(const Window& w, const Entrance& entrance, Exit& left, Exit& right) {
   const double length = entrance.length;
   const double ax = entrance.apex_x;
   const double ay = entrance.apex_y;
@@ -125,13 +132,16 @@ void WindowSearch::propagate(const Window& w, std::int32_t i, const Entrance& en
   const double tolerance = kApexTolerance * length * reach;
   if (first <= tolerance && last >= -tolerance) {
     double crossing = 0;
+    const double reached = length_to(w, ax, ay, crossing);
     const double rounding = kStraight * length * reach;
-    if (improve_vertex(entrance.apex, length_to(w, ax, ay, crossing), w.sigma, w.source_x, w.depth, entrance.halfedge,
-                       i, w.origin, -1, first <= rounding && last >= -rounding)) {
+    if (improve_vertex(entrance.apex, reached, w.sigma, w.source_x, w.depth, entrance.halfedge, w.trail, w.origin, -1,
+                       crossing, first <= rounding && last >= -rounding)) {
       left.head = allowed(entrance.apex, left.length);
       right.tail = allowed(entrance.apex, right.length);
     }
   }
+  Trail trail = w.trail;
+  if (trail.full()) trail = continued(trail);
   // A source next to an end of the edge has lost the direction in which it sees that end: the windows on both sides of
   // such a vertex overlap by what rounding may leave open between them.
   const double rounding = close ? kEdgeRounding * length : 0;
@@ -143,12 +153,12 @@ void WindowSearch::propagate(const Window& w, std::int32_t i, const Entrance& en
     const double beyond = close && w.b1 >= length ? rounding : 0;
     const double end = meets(w.b1 + beyond);
     child.b1 = last + beyond * reach < 0 ? std::min(end, left.length) : left.length;
-    child.source_x = w.source_x * left.ux - w.depth * left.uy;
-    child.depth = std::max(0.0, w.source_x * left.uy + w.depth * left.ux);
+    const WindowSource source = seen_from_left({w.source_x, w.depth}, left.ux, left.uy);
+    child.source_x = source.x;
+    child.depth = source.depth;
     child.sigma = w.sigma;
-    child.parent = i;
+    child.trail = trail.after_turn(false);
     child.origin = w.origin;
-    child.halfedge = left.halfedge;
     admit<plain>(child, left);
   }
   if (right.halfedge >= 0 && last > 0) {
@@ -161,12 +171,12 @@ void WindowSearch::propagate(const Window& w, std::int32_t i, const Entrance& en
     const double begin = right.length - meets(w.b0 - before);
     child.b0 = first - before * reach > 0 ? std::max(0.0, begin) : 0;
     child.b1 = right.length - meets(w.b1);
-    child.source_x = (w.source_x - ax) * right.ux + reach * right.uy;
-    child.depth = std::max(0.0, (ax - w.source_x) * right.uy + reach * right.ux);
+    const WindowSource source = seen_from_right({w.source_x, w.depth}, ax, ay, right.ux, right.uy);
+    child.source_x = source.x;
+    child.depth = source.depth;
     child.sigma = w.sigma;
-    child.parent = i;
+    child.trail = trail.after_turn(true);
     child.origin = w.origin;
-    child.halfedge = right.halfedge;
     admit<plain>(child, right);
   }
 }
@@ -177,7 +187,7 @@ void WindowSearch::process(std::int32_t h) {
   batch_.clear();
   // The vertices may have come closer since these windows were cut; cutting them again hardly ever drops one.
   double last = -kInfinity;
-  for (std::int32_t i = record.pending; i >= 0; i = pool_[i].next) {
+  for (std::int32_t i = record.pending; i >= 0; i = pool_[i].link) {
     const double b0 = pool_[i].b0;
     batch_.push_back(i);
     if (b0 >= last) {
@@ -204,12 +214,8 @@ void WindowSearch::process(std::int32_t h) {
       if (window.b1 <= window.b0) break;
     }
   }
-  const double per_left = 1 / frame.left_length;
-  const double per_right = 1 / frame.right_length;
-  Exit left = exit_towards(frame.left, frame.tail, frame.apex, frame.left_length, frame.apex_x() * per_left,
-                           frame.apex_y * per_left);
-  Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length, frame.right_x() * per_right,
-                            frame.apex_y * per_right);
+  Exit left = exit_towards(frame.left, frame.tail, frame.apex, frame.left_length, frame.left_direction());
+  Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length, frame.right_direction());
   const Entrance entrance{h, frame.apex, frame.length, frame.apex_x(), frame.apex_y};
   // Every window has at most two children: with room for them the pool does not move under the loop.
   if (pool_.capacity() < pool_.size() + 2 * batch_.size()) pool_.reserve(2 * pool_.capacity() + 2 * batch_.size());
@@ -224,21 +230,21 @@ void WindowSearch::process(std::int32_t h) {
     }
     if (has_targets) {
       visit_targets(TriangleMesh::face_of(h),
-                    [&](SearchTarget& target) { offer_window(*mesh_, sources_, target, h, window, i); });
+                    [&](SearchTarget& target) { offer_window(*mesh_, sources_, target, h, window); });
     }
     if (plain_) {
-      propagate<true, false>(window, i, entrance, left, right);
+      propagate<true, false>(window, entrance, left, right);
     } else if (!close_) {
-      propagate<false, false>(window, i, entrance, left, right);
+      propagate<false, false>(window, entrance, left, right);
     } else {
-      propagate<false, true>(window, i, entrance, left, right);
+      propagate<false, true>(window, entrance, left, right);
     }
     if (settings_.keep_windows) {
-      pool_[i].next = halfedges_[h].kept;
-      halfedges_[h].kept = i;
-    } else {
-      release(i);
+      pool_[i].link = h;
+      kept_.push(window);
+      ++halfedges_[h].kept;
     }
+    release(i);
   }
   leave_by(left);
   leave_by(right);

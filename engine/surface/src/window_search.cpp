@@ -16,12 +16,14 @@ constexpr std::size_t kPrefetchNear = 2;
 constexpr double kImprovement = 4e-16;
 /// Batches between looks at the cancellation flag (well under a millisecond).
 constexpr std::int64_t kBatchesPerCheckpoint = 2048;
+/// No buffer holds more than this for each window that a search has made, spare room included.
+constexpr std::size_t kBytesPerWindow = 4 * sizeof(Window);
 
 }  // namespace
 
 WindowSearch::WindowSearch(const SearchMesh& mesh) : mesh_(&mesh) {
   const auto halfedges = static_cast<std::size_t>(mesh.mesh->halfedge_count());
-  halfedges_.resize(halfedges, HalfedgeRecord{-1, -1, 0, BucketQueue::kNotQueued});
+  halfedges_.resize(halfedges, HalfedgeRecord{-1, 0, 0, BucketQueue::kNotQueued});
   distances_.resize(static_cast<std::size_t>(mesh.mesh->vertex_count()), Distance{kInfinity, 0});
   vertices_.resize(distances_.size());
   faces_.resize(static_cast<std::size_t>(mesh.mesh->face_count()), FaceRecord{0, -1});
@@ -40,8 +42,7 @@ VertexRecord& WindowSearch::vertex_record(std::int32_t v) {
 }
 
 void WindowSearch::release(std::int32_t window) {
-  pool_[window].halfedge = -1;
-  pool_[window].next = free_;
+  pool_[window].link = free_;
   free_ = window;
 }
 
@@ -63,6 +64,7 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   }
   pool_.clear();
   free_ = -1;
+  trails_.clear();
   hooks_.clear();
   windows_created_ = 0;
   batches_ = 0;
@@ -70,6 +72,7 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   sources_.assign(sources.begin(), sources.end());
   targets_ = targets;
   settings_ = settings;
+  follows_paths_ = settings.keep_windows || !targets.empty();
   bound_ = settings.limit;
   close_ = mesh_->has_needles;
   for (const SurfacePoint& source : sources_) {
@@ -203,33 +206,44 @@ void WindowSearch::prefetch() const {
   }
 }
 
-void WindowSearch::copy_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows,
+void WindowSearch::take_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows,
                              std::vector<std::int32_t>& first) {
-  // A copy, grouped by halfedge: the pool stays with the search, whose next run then needs no new memory.
-  places_.resize(pool_.size());
+  // Sorted by halfedge: each place begins as the end of its halfedge's windows and is counted down to their beginning,
+  // so that the last window comes first.
   first.resize(halfedges_.size() + 1);
-  std::int32_t count = 0;
+  std::int32_t end = 0;
   for (std::size_t h = 0; h < halfedges_.size(); ++h) {
-    first[h] = count;
-    if (halfedges_[h].epoch != epoch_) continue;
-    for (std::int32_t i = halfedges_[h].kept; i >= 0; i = pool_[i].next) places_[i] = count++;
+    if (halfedges_[h].epoch == epoch_) end += halfedges_[h].kept;
+    first[h] = end;
   }
-  first[halfedges_.size()] = count;
+  first[halfedges_.size()] = end;
   const double to_length = 1 + settings_.relative_error;
-  windows.reserve(static_cast<std::size_t>(count));
-  for (std::size_t h = 0; h < halfedges_.size(); ++h) {
-    if (halfedges_[h].epoch != epoch_) continue;
-    for (std::int32_t i = halfedges_[h].kept; i >= 0; i = pool_[i].next) {
-      Window& copy = windows.emplace_back(pool_[i]);
-      copy.sigma *= to_length;
-      if (copy.parent >= 0) copy.parent = places_[copy.parent];
-    }
-  }
+  windows.resize(kept_.size());
+  kept_.drain(kMostKept, [&](const Window& window) {
+    Window& copy = windows[--first[window.link]];
+    copy = window;
+    copy.sigma *= to_length;
+  });
   records.resize(vertices_.size());
-  for (std::size_t v = 0; v < vertices_.size(); ++v) {
-    records[v] = vertex_record(static_cast<std::int32_t>(v));
-    if (records[v].window >= 0) records[v].window = places_[records[v].window];
-  }
+  for (std::size_t v = 0; v < vertices_.size(); ++v) records[v] = vertex_record(static_cast<std::int32_t>(v));
+}
+
+void WindowSearch::give_back_memory() {
+  if (static_cast<std::size_t>(windows_created_) * kBytesPerWindow <= kMostKept && kept_.size() == 0) return;
+  if (pool_.capacity() * sizeof(Window) > kMostKept) LargeVector<Window>().swap(pool_);
+  if (trails_.capacity() * sizeof(Trail) > kMostKept) std::vector<Trail>().swap(trails_);
+  kept_.drain(kMostKept, [](const Window&) {});
+  queue_.give_back_memory(kMostKept);
+}
+
+std::size_t WindowSearch::buffer_bytes() const {
+  return pool_.capacity() * sizeof(Window) + trails_.capacity() * sizeof(Trail) + kept_.memory_bytes() +
+         queue_.memory_bytes();
+}
+
+std::size_t WindowSearch::memory_bytes() const {
+  return buffer_bytes() + halfedges_.capacity() * sizeof(HalfedgeRecord) + distances_.capacity() * sizeof(Distance) +
+         vertices_.capacity() * sizeof(VertexRecord) + faces_.capacity() * sizeof(FaceRecord);
 }
 
 void WindowSearch::queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key) {
@@ -250,8 +264,8 @@ void WindowSearch::queue_vertex(std::int32_t v, VertexRecord& record) {
 }
 
 bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma, double source_x, double depth,
-                                  std::int32_t halfedge, std::int32_t window, std::int32_t origin, std::int32_t along,
-                                  bool straight) {
+                                  std::int32_t halfedge, Trail trail, std::int32_t origin, std::int32_t along,
+                                  double crossing, bool straight) {
   VertexRecord& record = vertex_record(v);
   double& known = distances_[v].value;
   const bool improves = distance < known * (1 - kImprovement);
@@ -271,8 +285,9 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma,
   record.sigma = sigma;
   record.source_x = source_x;
   record.depth = depth;
+  record.crossing = crossing;
+  record.trail = trail;
   record.halfedge = halfedge;
-  record.window = window;
   record.origin = origin;
   record.along = along;
   if (improves && record.everywhere) become_source(v);

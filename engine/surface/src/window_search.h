@@ -13,6 +13,7 @@
 #include "supple/base/large_page_allocator.h"
 #include "supple/surface/surface_point.h"
 #include "window.h"
+#include "window_log.h"
 
 namespace supple::surface {
 
@@ -22,11 +23,12 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct VertexRecord {
   double sigma = 0;  ///< of the pseudo-source, as in a Window
   double source_x = 0;
-  double depth = 0;            ///< the pseudo-source in the frame of `halfedge`, as in a Window
-  std::int32_t halfedge = -1;  ///< whose apex the vertex is; -1 for a path along an edge
-  std::int32_t window = -1;    ///< pool index of the window that covers the vertex, -1 if none
-  std::int32_t origin = -1;    ///< pseudo-source: a vertex, or -1 - i for the i-th source
-  std::int32_t along = -1;     ///< halfedge with the vertex at one end when the path runs along an edge, else -1
+  double depth = 0;             ///< the pseudo-source in the frame of `halfedge`, as in a Window
+  double crossing = 0;          ///< where the path crosses `halfedge`, if a window covers the vertex
+  Trail trail = Trail::none();  ///< of the window that covers the vertex, unknown if none
+  std::int32_t halfedge = -1;   ///< whose apex the vertex is; -1 for a path along an edge
+  std::int32_t origin = -1;     ///< pseudo-source: a vertex, or -1 - i for the i-th source
+  std::int32_t along = -1;      ///< halfedge with the vertex at one end when the path runs along an edge, else -1
   BucketQueue::Bucket queued = BucketQueue::kNotQueued;
   bool emits = false;  ///< sends out windows: pins paths, or stands in for windows that an allowed error has dropped
   bool everywhere = false;  ///< does so in all directions
@@ -36,10 +38,13 @@ struct VertexRecord {
 struct Arrival {
   enum class Kind { none, direct, window, vertex, near_vertex } kind = Kind::none;
   double length = kInfinity;
-  std::int32_t window = -1;  ///< pool index
   std::int32_t vertex = -1;
   std::int32_t source = -1;  ///< for direct arrivals and those near a vertex
-  double crossing = 0;       ///< of the window's edge, in the window's frame
+  // Of arrivals by a window: the halfedge at which it waited, how it came there, and where the path crosses.
+  std::int32_t halfedge = -1;
+  std::int32_t origin = -1;  ///< as in a Window
+  Trail trail = Trail::none();
+  double crossing = 0;
   /// Prefers, of ways of equal length, straight ones (0), then those by a vertex (1), then those bent at a window's
   /// end, which only approach one of the others (2).
   int rank = 0;
@@ -72,7 +77,7 @@ void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, doub
                   const VertexRecord& record);
 /// Offers a window of halfedge `h` as a way to the target.
 void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target, std::int32_t h,
-                  const Window& window, std::int32_t window_index);
+                  const Window& window);
 /// Offers the straight way from a source in the same face, or in a face that shares the edge on which the source lies.
 void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoint& source, int source_index);
 /// Where the target and a source lie close to the same vertex in different faces, makes the path between them, which
@@ -82,15 +87,24 @@ bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> so
 /// Offers an arrival whose image is set.
 void offer(SearchTarget& target, const Arrival& arrival);
 
+/// The (pseudo-)source of a window that has just left it and arrives at halfedge `h`: what the search began with there.
+WindowSource first_source(const SearchMesh& mesh, std::span<const SurfacePoint> sources, std::int32_t origin,
+                          std::int32_t h);
+
 struct SearchSettings {
   bool goal_directed = false;  ///< exactly one target, only its distance matters
-  bool keep_windows = false;   ///< every processed window stays in the pool
+  bool keep_windows = false;   ///< every processed window is logged, for take_kept
   double relative_error = 0;
   double limit = kInfinity;  ///< distances beyond need not be found
   /// With goal_directed: exact distance of each vertex from a point near the target, and that point's from the target.
   std::span<const double> landmark = {};
   double landmark_distance = 0;
 };
+
+/// A search that ends keeps at most this many bytes of each buffer that has grown with its work (windows that wait,
+/// trails, windows on their way into a field, queue): enough for whatever takes a few milliseconds, so that short
+/// searches, of which there are many, allocate nothing.
+inline constexpr std::size_t kMostKept = std::size_t{4} << 20;
 
 /// One continuous-Dijkstra search with all its state, reusable: a search marks what it touches with its number, so that
 /// starting one clears nothing.
@@ -121,18 +135,25 @@ class WindowSearch {
   }
   /// Per vertex; those that the search did not reach are out of date.
   const VertexRecord* records() const { return vertices_.data(); }
-  const LargeVector<Window>& pool() const { return pool_; }
+  /// The full trails that those of windows and records refer to.
+  std::span<const Trail> trails() const { return trails_; }
   /// What point queries need: records of all vertices, the kept windows with true lengths, and per halfedge where its
-  /// windows begin (they end where the next one's begin).
-  void copy_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows, std::vector<std::int32_t>& first);
+  /// windows begin (they end where the next one's begin). Hands the windows over: only the first call gets them.
+  void take_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows, std::vector<std::int32_t>& first);
+  /// Forgets the last search, whose answers must have been read, and frees what its buffers hold beyond kMostKept. To
+  /// be called after every search, one that was cancelled too.
+  void give_back_memory();
+  /// What the buffers hold that grow with a search, and all arrays of the size of the mesh besides.
+  std::size_t buffer_bytes() const;
+  std::size_t memory_bytes() const;
   std::int64_t windows_created() const { return windows_created_; }
   std::int64_t batches() const { return batches_; }
   std::span<const SurfacePoint> sources() const { return sources_; }
 
  private:
   struct HalfedgeRecord {
-    std::int32_t pending;
-    std::int32_t kept;
+    std::int32_t pending;  ///< pool index of the first window that waits
+    std::int32_t kept;     ///< number of logged windows
     std::uint32_t epoch;
     BucketQueue::Bucket queued;
   };
@@ -169,7 +190,7 @@ class WindowSearch {
   void emit_into_face(std::int32_t face, const std::array<Eigen::Vector2d, 3>& planar, std::int32_t origin,
                       int entered_through);
   bool improve_vertex(std::int32_t v, double distance, double sigma, double source_x, double depth,
-                      std::int32_t halfedge, std::int32_t window, std::int32_t origin, std::int32_t along,
+                      std::int32_t halfedge, Trail trail, std::int32_t origin, std::int32_t along, double crossing = 0,
                       bool straight = true);
   /// With an allowed error e: makes the vertex a source of its own, whose sigma is its true distance over 1 + e. A path
   /// that restarts there has not been charged for the error that it may still make, so errors do not add up:
@@ -179,6 +200,8 @@ class WindowSearch {
   void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
 
   void process(std::int32_t h);
+  /// A trail with room for turns after those of a full one, which goes into the list.
+  Trail continued(Trail full);
   /// The edge that a batch of windows enters a face by, and the corner opposite: a copy of what the frame says, which
   /// the compiler need not read again whenever a window has been written.
   struct Entrance {
@@ -196,19 +219,20 @@ class WindowSearch {
     Eigen::Vector2d goal;  ///< where the goal-directed search's target lies at best, in the halfedge's frame
     std::int32_t pending;  ///< the halfedge's list, on which new windows are put
   };
-  Exit exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head, double length, double ux, double uy);
+  Exit exit_towards(std::int32_t halfedge, std::int32_t tail, std::int32_t head, double length,
+                    EdgeFrame::Direction direction);
   /// `plain` searches have no goal, no allowed error and no limit, and are not `close`: their inner loop asks for none.
   template <bool plain, bool close>
-  void propagate(const Window& window, std::int32_t index, const Entrance& entrance, Exit& left, Exit& right);
+  void propagate(const Window& window, const Entrance& entrance, Exit& left, Exit& right);
   /// Cuts a new window against its edge's vertices, and keeps it if anything is left and no bound excludes it.
   template <bool plain>
   [[gnu::always_inline]] void admit(Window& window, Exit& exit);
   /// Hands the windows that left by an exit over to its halfedge, and queues that.
   void leave_by(const Exit& exit);
   /// Cuts with an allowed error: vertices that take over from a window send out windows of their own.
-  bool cut_within_error(Window& window);
-  /// admit for windows that start at a (pseudo-)source, and the halfedge's place in the queue.
-  void admit_first(Window& window);
+  bool cut_within_error(Window& window, std::int32_t halfedge);
+  /// admit for windows that start at a (pseudo-)source and arrive at `halfedge`, and its place in the queue.
+  void admit_first(Window& window, std::int32_t halfedge);
   /// Distance of an end of an edge of the given length, with what a window may be longer before it is dropped for it:
   /// near a source the distance is tiny, and the rounding that counts is that of the edge.
   double allowed(std::int32_t vertex, double length) const {
@@ -238,8 +262,10 @@ class WindowSearch {
   std::vector<HalfedgeRecord> halfedges_;
   std::vector<Distance> distances_;  ///< apart from the records, because every window looks them up
   std::vector<VertexRecord> vertices_;
-  LargeVector<Window> pool_;
+  LargeVector<Window> pool_;  ///< the windows that wait at halfedges
   std::int32_t free_ = -1;
+  std::vector<Trail> trails_;
+  WindowLog kept_;
   BucketQueue queue_;
   std::vector<FaceRecord> faces_;  ///< which faces have targets in this search
   std::uint32_t epoch_ = 0;
@@ -249,13 +275,13 @@ class WindowSearch {
   std::vector<Hook> hooks_;
   SearchSettings settings_;
   bool plain_ = true;
+  bool follows_paths_ = false;  ///< somebody will ask how a place was reached, not only how far it is
   bool close_ = false;  ///< some sources or turning vertices may be much closer to a vertex than their edges are long
   double bound_ = kInfinity;                               ///< keys beyond this are of no use
   std::size_t uncertain_ = 0;                              ///< the targets before this one are certain
   Eigen::Vector3d goal_corner_ = Eigen::Vector3d::Zero();  ///< the corner of its face that the goal lies nearest to
   Eigen::Vector3d goal_offset_ = Eigen::Vector3d::Zero();  ///< of the goal from that corner
   std::vector<std::int32_t> batch_;
-  std::vector<std::int32_t> places_;  ///< of the pool's windows in what copy_kept hands out
   std::int64_t windows_created_ = 0;
   std::int64_t batches_ = 0;
   std::int64_t vertices_reached_ = 0;
@@ -263,7 +289,7 @@ class WindowSearch {
 
 inline WindowSearch::HalfedgeRecord& WindowSearch::halfedge_record(std::int32_t h) {
   HalfedgeRecord& record = halfedges_[h];
-  if (record.epoch != epoch_) record = {-1, -1, epoch_, BucketQueue::kNotQueued};
+  if (record.epoch != epoch_) record = {-1, 0, epoch_, BucketQueue::kNotQueued};
   return record;
 }
 
@@ -271,7 +297,7 @@ inline std::int32_t WindowSearch::allocate() {
   ++windows_created_;
   if (free_ >= 0) {
     const std::int32_t i = free_;
-    free_ = pool_[i].next;
+    free_ = pool_[i].link;
     return i;
   }
   pool_.emplace_back();

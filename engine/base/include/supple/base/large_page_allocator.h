@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <limits>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace supple {
@@ -24,6 +25,17 @@ struct LargePageAllocator {
     return static_cast<T*>(allocate_large(count * sizeof(T)));
   }
   void deallocate(T* memory, std::size_t) noexcept { free_large(memory); }
+
+  /// Elements that nobody gives a value stay as they are: resize() of tens of megabytes that are overwritten at once
+  /// need not fill them first.
+  template <typename U>
+  void construct(U* place) {
+    ::new (static_cast<void*>(place)) U;
+  }
+  template <typename U, typename... Arguments>
+  void construct(U* place, Arguments&&... arguments) {
+    ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+  }
 
   template <typename U>
   bool operator==(const LargePageAllocator<U>&) const {
