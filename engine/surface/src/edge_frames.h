@@ -16,7 +16,7 @@ bool bends_paths(const TriangleMesh& mesh, std::int32_t v);
 
 /// What window propagation reads of one halfedge h: its face laid into the plane with the tail at the origin, the head
 /// on the positive x axis and the apex above, and where windows go from here. One cache line.
-struct EdgeFrame {
+struct alignas(64) EdgeFrame {
   double length;
   double apex_offset;  ///< along h from one of its ends to the apex: from the end that gives the smaller number
   double apex_y;

@@ -218,15 +218,15 @@ class Backtrace {
   /// with the halfedge at which it waited and where it went on.
   template <typename Visit>
   void walk_back(std::int32_t h, Trail trail, Visit&& visit) {
-    for (;; trail = state_.trails[trail.before]) {
-      for (std::uint32_t turns = trail.turns; turns > 1; turns >>= 1) {
+    for (;; trail = state_.trails[trail.before()]) {
+      for (std::uint32_t turns = trail.turns(); turns > 1; turns >>= 1) {
         // A window that has turned right waits at the twin of the edge from apex to head, the next one of its face.
         const bool left = (turns & 1) == 0;
         const std::int32_t edge = mesh_.mesh->twin(h);
         h = left ? TriangleMesh::next(edge) : TriangleMesh::previous(edge);
         visit(h, left);
       }
-      if (trail.before < 0) return;
+      if (trail.before() < 0) return;
     }
   }
 
@@ -255,7 +255,8 @@ class Backtrace {
   /// Room for all windows on a trail but the last one, without asking for memory where they are few.
   std::span<Waited> room_for_windows(Trail trail) {
     std::size_t windows = trail.turns_here();
-    for (std::int32_t i = trail.before; i >= 0; i = state_.trails[i].before) windows += state_.trails[i].turns_here();
+    for (std::int32_t i = trail.before(); i >= 0; i = state_.trails[i].before())
+      windows += state_.trails[i].turns_here();
     if (windows <= few_.size()) return {few_.data(), windows};
     many_.resize(windows);
     return many_;

@@ -69,8 +69,7 @@ inline void WindowSearch::admit(Window& window, Exit& exit) {
   slot.source_x = window.source_x;
   slot.depth = window.depth;
   slot.sigma = window.sigma;
-  slot.trail.turns = window.trail.turns;
-  slot.trail.before = window.trail.before;
+  slot.trail = window.trail;
   slot.link = exit.pending;
   slot.origin = window.origin;
   exit.pending = i;
@@ -116,7 +115,7 @@ void WindowSearch::leave_by(const Exit& exit) {
 Trail WindowSearch::continued(Trail trail) {
   if (!follows_paths_) return Trail::start();
   trails_.push_back(trail);
-  return {1, static_cast<std::int32_t>(trails_.size()) - 1};
+  return Trail::after(static_cast<std::int32_t>(trails_.size()) - 1);
 }
 
 template <bool plain, bool close>

@@ -19,8 +19,8 @@ namespace supple::surface {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// How the best known path reaches a vertex.
-struct VertexRecord {
+/// How the best known path reaches a vertex. One cache line.
+struct alignas(64) VertexRecord {
   double sigma = 0;  ///< of the pseudo-source, as in a Window
   double source_x = 0;
   double depth = 0;             ///< the pseudo-source in the frame of `halfedge`, as in a Window
