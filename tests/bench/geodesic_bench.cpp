@@ -25,6 +25,7 @@ void run(const std::filesystem::path& folder, const supple::bench::Settings& set
   measure_throughput(report, settings);
   measure_accuracy(report, settings);
   measure_effects(report, settings);
+  measure_order(report, settings);
   std::string introduction =
       "This page is generated; how the method works is in [geodesics](../geodesics.md). Measured on: " +
       machine_line() +

@@ -40,6 +40,7 @@ void measure_near_pairs(Report& report, const Settings& settings);
 void measure_springs(Report& report, const Settings& settings);
 void measure_large_mesh(Report& report, const Settings& settings);
 void measure_memory(Report& report, const Settings& settings);
+void measure_order(Report& report, const Settings& settings);
 void measure_throughput(Report& report, const Settings& settings);
 void measure_accuracy(Report& report, const Settings& settings);
 void measure_effects(Report& report, const Settings& settings);
