@@ -71,7 +71,7 @@ StretchEnergy::StretchEnergy(const RodModel& model) : model_(model) {
     links.clear();
     link_edge(model, edge, 0, links);
     rest.slots().link(model, model.dimension(), links);
-    elements_.push_back({&edge, std::move(rest), ElementRows(links)});
+    elements_.push_back({&edge, rest, ElementRows(links)});
   }
 }
 
@@ -123,7 +123,7 @@ PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, TurnKind kind) : model
       }
     }
     rest.slots().link(model, 4, links);
-    elements_.push_back({&turn, rest_frame(model, turn).col(0).head<2>(), std::move(rest), ElementRows(links)});
+    elements_.push_back({&turn, rest_frame(model, turn).col(0).head<2>(), rest, ElementRows(links)});
   }
 }
 
@@ -210,7 +210,7 @@ SpatialTurns::SpatialTurns(const RodModel& model, TurnKind kind) : model_(model)
       }
     }
     rest.slots().link(model, 8, links);
-    elements_.push_back({i, &turn, rest_frame(model, turn), std::move(rest), ElementRows(links)});
+    elements_.push_back({i, &turn, rest_frame(model, turn), rest, ElementRows(links)});
   }
 }
 

@@ -22,6 +22,7 @@ json::DesignModel name_of(const store::LoadedModel& model) {
 std::vector<Model> models_by_family(const Services& services) {
   const auto all = services.models->models();
   std::vector<const neural::Model*> models;
+  models.reserve(all.size());
   for (const Model& model : all) models.push_back(&model->model);
   std::vector<Model> best;
   for (const std::size_t i : neural::best_of_families(models)) best.push_back(all[i]);
