@@ -76,7 +76,7 @@ class BucketQueue {
     current_ = used_ = 0;
   }
   std::size_t memory_bytes() const {
-    std::size_t bytes = buckets_.capacity() * sizeof(buckets_[0]);
+    std::size_t bytes = buckets_.capacity() * sizeof(std::vector<std::int32_t>);
     for (const std::vector<std::int32_t>& bucket : buckets_) bytes += bucket.capacity() * sizeof(std::int32_t);
     return bytes;
   }
