@@ -149,6 +149,20 @@ def test_a_network_is_relaxed_and_written_in_three_forms(supple: Program) -> Non
     np.testing.assert_allclose(answer["positions"][2], [0.25, 0.25, 0], atol=1e-7)
 
 
+def test_a_membrane_is_relaxed_and_written(supple: Program) -> None:
+    file = supple.file("grid.obj", flat_grid(8))
+    membrane = ("relax", file, "v0", "v8", "v80", "v72", "v31", "--triangle", "0,1,4", "--triangle", "1,2,4", "--triangle", "2,3,4",
+                "--triangle", "3,0,4", "--rest-scale", "0.8", "--youngs-modulus", "2", "--poisson-ratio", "0.2", "--thickness", "0.5",
+                "--fixed", "0,1,2,3")
+    text = supple.ok(*membrane, "--obj", "membrane.obj", "--vtu", "membrane.vtu")
+    assert "5 points, 0 springs, 4 triangles stretched 1.25 to 1.25 times" in text and "converged" in text
+    assert len([line for line in (supple.folder / "membrane.obj").read_text().splitlines() if line.startswith("f ")]) == 4
+    assert "greater_stretch" in (supple.folder / "membrane.vtu").read_text()
+    sphere_file = supple.file("sphere.obj", sphere(2))
+    every = json.loads(supple.ok("--json", "relax", sphere_file, "--poisson-disk", "0.6", "--membrane", "--rest-scale", "0.9"))
+    assert len(every["membrane"]) == len(every["triangles"]) > 10 and every["springs"] == []
+
+
 def test_networks_are_built_or_read_from_a_file(supple: Program) -> None:
     file = supple.file("sphere.obj", sphere(2))
     built = json.loads(supple.ok("--json", "relax", file, "--poisson-disk", "0.7", "--seed", "4", "--voronoi-dual",
@@ -170,6 +184,8 @@ def test_networks_are_built_or_read_from_a_file(supple: Program) -> None:
     (["v0", "v1", "--spring", "0"], "is no spring"),
     (["v0", "v1", "--spring", "0,1.5"], "names no point"),
     (["v0", "v1", "--spring", "0,1", "--fixed", "-1"], "names no point"),
+    (["v0", "v1", "--triangle", "0,1"], "is no triangle"),
+    (["v0", "v1", "--triangle", "0,1,2", "--membrane"], "give triangles"),
 ])
 def test_a_network_that_is_not_told_in_full_is_a_usage_error(supple: Program, arguments: "list[str]", message: str) -> None:
     refused = supple.run("relax", supple.file("grid.obj", flat_grid(2)), *arguments)

@@ -44,6 +44,57 @@ def effect(answer: Any, name: str) -> Any:
 # --- equilibria ----------------------------------------------------------------------------------------------------------
 
 
+def test_a_membrane_whose_border_is_stretched_is_stretched_alike_inside(api: Api, grid_mesh: str) -> None:
+    vertices = flat_grid(8)[0]
+    places = np.array([[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75], [0.5, 0.375]])
+    points = at_vertices(*(int(np.argmin(np.linalg.norm(vertices[:, :2] - place, axis=1))) for place in places))
+    request = {"mesh": grid_mesh, "points": points, "springs": [], "fixed_points": [0, 1, 2, 3],
+               "triangles": [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+               "membrane": {"youngs_modulus": 3, "poisson_ratio": 0.4, "thickness": 0.1, "rest_scale": 0.8}}
+    answer = api.ok(NETWORKS, request)
+    assert answer["stopped"] == "converged" and answer["triangles"] == request["triangles"]
+    # Stretched by 1 / 0.8 in both directions from the start, which is an equilibrium.
+    np.testing.assert_allclose(answer["positions"][4], [0.5, 0.375, 0], atol=1e-7)
+    assert [t["stretches"] for t in answer["membrane"]] == [pytest.approx([1.25, 1.25], rel=1e-6)] * 4
+    mu, lame = 3 / 2.8, 3 * 0.4 / (1.4 * 0.2)
+    density = mu / 2 * (2 * 1.25 ** 2 - 2 - 4 * np.log(1.25)) + lame / 2 * (2 * np.log(1.25)) ** 2
+    assert answer["energy"] == pytest.approx(0.1 * 0.25 * 0.64 * density, rel=1e-9)
+    assert answer["terms"] == [{"name": "membrane", "energy": answer["energy"]}]
+    assert effect(answer, "membrane")["ran"] is True
+    assert answer["accuracy"]["gradient_tolerance"] == pytest.approx(1e-9 * 0.3 * np.sqrt(2))
+
+
+def test_a_membrane_from_voronoi_cells_relaxes_with_its_springs(api: Api, sphere_mesh: str) -> None:
+    request = {"mesh": sphere_mesh, "points": {"kind": "poisson_disk", "radius": 0.5}, "springs": {"kind": "voronoi_dual"},
+               "triangles": {"kind": "voronoi_dual"}, "membrane": {"rest_scale": 0.9}, "fixed_points": [0]}
+    answer = api.ok(NETWORKS, request)
+    assert answer["stopped"] == "converged"
+    assert len(answer["membrane"]) == len(answer["triangles"]) > 20
+    terms = {term["name"]: term["energy"] for term in answer["terms"]}
+    assert sum(terms.values()) == pytest.approx(answer["energy"], rel=1e-9)
+    assert terms["membrane"] == pytest.approx(sum(t["energy"] for t in answer["membrane"]), rel=1e-9)
+    assert all(step["energy"] <= before["energy"] * (1 + 1e-12)
+               for before, step in zip(answer["history"], answer["history"][1:]))
+
+
+def test_faults_of_a_membrane_are_pointed_to(api: Api, grid_mesh: str) -> None:
+    request = two_free_points(grid_mesh)
+    response = api.post(NETWORKS, {**request, "triangles": [[0, 4, 5], [0, 4, 4], [0, 1, 99]]}, faulty=True)
+    assert (response.status_code, problem_code(response)) == (422, "network.triangle")
+    assert "/triangles/2/2" in pointers(response)
+    # Three corners of the square's border, on one line.
+    response = api.post(NETWORKS, {**request, "points": at_vertices(0, 4, 8, 72, 31, 50), "triangles": [[0, 1, 2]]},
+                        faulty=True)
+    assert (response.status_code, problem_code(response)) == (422, "network.triangle")
+    assert pointers(response) == ["/triangles/0"]
+    response = api.post(NETWORKS, {**request, "triangles": [[0, 4, 5]], "spring_length": "euclidean"}, faulty=True)
+    assert (response.status_code, problem_code(response)) == (422, "network.invalid_option")
+    response = api.post(NETWORKS, {**request, "triangles": [[0, 4, 5]] * 300_001}, faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.limit_exceeded")
+    assert pointers(response) == ["/triangles"] and response.json()["setting"] == "--max-springs"
+
+
+
 @pytest.mark.parametrize("method", ["newton", "lbfgs", "gradient_descent"])
 @pytest.mark.parametrize("length", ["geodesic", "euclidean"])
 def test_on_a_flat_square_springs_without_rest_length_solve_a_linear_system(

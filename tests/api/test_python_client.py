@@ -121,6 +121,16 @@ def test_a_network_is_relaxed_with_its_paths_history_and_bill(client: supple.Cli
     assert {effect.name for effect in network.effects} >= {"geodesic_springs", "mollifier", "kept_strips"}
 
 
+def test_a_membrane_is_relaxed_with_its_stretches(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*flat_grid(8))
+    membrane = supple.Membrane([(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)], youngs_modulus=2, rest_scale=0.8)
+    answer = mesh.relax_network([0, 8, 80, 72, 31], [], [0, 1, 2, 3], membrane=membrane)
+    assert answer.converged and answer.stretches is not None and answer.triangle_energies is not None
+    np.testing.assert_allclose(answer.stretches, 1.25, rtol=1e-6)
+    assert answer.triangle_energies.sum() == pytest.approx(answer.energy)
+    assert b"greater_stretch" in mesh.relaxed_network_file([0, 8, 80, 72, 31], [], [0, 1, 2, 3], kind="vtu", membrane=membrane)
+
+
 def test_networks_are_built_followed_and_written_as_files(client: supple.Client) -> None:
     mesh = client.upload_arrays(*bumpy_sphere(3))
     dual = mesh.relax_network(supple.PoissonDisk(0.6), supple.VoronoiDual(0.3), options=supple.RelaxationOptions(max_iterations=2))

@@ -132,6 +132,15 @@ void check_network(const json::EmbeddedSystemRequest& request) {
     check_spring(builder.rest_length, builder.weight);
   }
   for (const auto point : request.fixed_points) require(point >= 0);
+  if (const auto* triangles = std::get_if<0>(&request.triangles)) {
+    require(triangles->size() <= limits().max_springs);
+    for (const auto& corners : *triangles)
+      for (const auto corner : corners) require(corner >= 0);
+  }
+  const auto& material = request.material;
+  for (const double size : {material.youngs_modulus, material.thickness, request.rest_scale})
+    require(size > 0 && std::isfinite(size));
+  require(material.poisson_ratio > -1 && material.poisson_ratio < 0.5);
   const auto& options = request.options;
   require(options.tolerance > 0 && options.tolerance <= 1 && options.max_iterations >= 1);
   require(options.mollifier_length > 0 && options.mollifier_length <= 0.5);

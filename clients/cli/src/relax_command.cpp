@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -23,25 +25,31 @@ struct RelaxArguments {
   std::string network_file;
   std::string per_face;
   double poisson_disk = 0;
-  int seed = -1;
   std::vector<std::string> springs;
-  bool adjacent_faces = false;
-  bool voronoi_dual = false;
   double rest_length = -1;
   double weight = -1;
+  std::vector<std::string> triangles;
+  double youngs_modulus = 0;
+  double poisson_ratio = -2;
+  double thickness = 0;
+  double rest_scale = 0;
   std::string fixed;
-  bool euclidean = false;
   std::string method;
   double tolerance = 0;
-  int max_iterations = 0;
   std::string mollifier;
   double mollifier_length = 0;
   std::string kept_strips;
   double deadline = 0;
-  bool history = false;
   std::string obj_file;
   std::string vtu_file;
   std::string plot_file;
+  int seed = -1;
+  int max_iterations = 0;
+  bool adjacent_faces = false;
+  bool voronoi_dual = false;
+  bool membrane = false;
+  bool euclidean = false;
+  bool history = false;
 };
 
 std::int64_t point_index(double number, const std::string& text) {
@@ -85,12 +93,34 @@ void set_points(const RelaxArguments& arguments, nlohmann::json& request) {
   }
 }
 
+void set_triangles(const RelaxArguments& arguments, nlohmann::json& request) {
+  if (static_cast<int>(!arguments.triangles.empty()) + static_cast<int>(arguments.membrane) +
+          static_cast<int>(request.contains("triangles")) >
+      1)
+    throw Failure(ExitCode::usage, "give triangles by one of --triangle, --membrane and --network with triangles");
+  if (arguments.membrane) request["triangles"] = {{"kind", "voronoi_dual"}};
+  for (const auto& text : arguments.triangles) {
+    auto corners = point_indices(text);
+    if (corners.size() != 3) throw Failure(ExitCode::usage, fmt::format("'{}' is no triangle: I,J,K", text));
+    request["triangles"].push_back(std::move(corners));
+  }
+  if (arguments.youngs_modulus > 0) request["membrane"]["youngs_modulus"] = arguments.youngs_modulus;
+  if (arguments.poisson_ratio > -1) request["membrane"]["poisson_ratio"] = arguments.poisson_ratio;
+  if (arguments.thickness > 0) request["membrane"]["thickness"] = arguments.thickness;
+  if (arguments.rest_scale > 0) request["membrane"]["rest_scale"] = arguments.rest_scale;
+}
+
 void set_springs(const RelaxArguments& arguments, nlohmann::json& request) {
   const int ways = static_cast<int>(!arguments.springs.empty()) + static_cast<int>(arguments.adjacent_faces) +
                    static_cast<int>(arguments.voronoi_dual) + static_cast<int>(request.contains("springs"));
+  if (ways == 0 && request.contains("triangles")) {
+    request["springs"] = nlohmann::json::array();
+    return;
+  }
   if (ways != 1) {
     throw Failure(ExitCode::usage,
-                  "give springs by --spring, or one of --adjacent-faces, --voronoi-dual and --network with springs");
+                  "give springs by --spring, or one of --adjacent-faces, --voronoi-dual and --network with springs, or "
+                  "triangles");
   }
   if (!arguments.springs.empty()) {
     request["springs"] = nlohmann::json::array();
@@ -106,6 +136,7 @@ nlohmann::json network_request(const RelaxArguments& arguments) {
   nlohmann::json request = nlohmann::json::object();
   if (!arguments.network_file.empty()) request = object_in_file(arguments.network_file);
   set_points(arguments, request);
+  set_triangles(arguments, request);
   set_springs(arguments, request);
   if (!arguments.fixed.empty()) request["fixed_points"] = point_indices(arguments.fixed);
   if (arguments.euclidean) request["spring_length"] = "euclidean";
@@ -131,7 +162,17 @@ void print_relaxation_history(const nlohmann::json& history) {
 }
 
 void print_relaxation(const nlohmann::json& answer, bool history) {
-  fmt::print("network     {} points, {} springs\n", answer.at("points").size(), answer.at("springs").size());
+  fmt::print("network     {} points, {} springs", answer.at("points").size(), answer.at("springs").size());
+  if (const auto membrane = answer.find("membrane"); membrane != answer.end()) {
+    double greatest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& triangle : *membrane) {
+      greatest = std::max(greatest, triangle.at("stretches").at(0).get<double>());
+      least = std::min(least, triangle.at("stretches").at(1).get<double>());
+    }
+    fmt::print(", {} triangles stretched {:.4g} to {:.4g} times", membrane->size(), least, greatest);
+  }
+  fmt::print("\n");
   fmt::print("energy      {:.12g}{}\n", answer.at("energy").get<double>(),
              answer.at("mollified").get<bool>() ? " (mollified)" : "");
   fmt::print("|gradient|  {:.3e} (asked for {:.3e})\n", answer.at("gradient_norm").get<double>(),
@@ -153,7 +194,14 @@ void run(const GlobalOptions& options, const RelaxArguments& arguments) {
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
   const nlohmann::json answer = session.compute(networks_path, request).json();
-  if (!arguments.obj_file.empty()) write_spring_paths(arguments.obj_file, answer.at("springs"));
+  if (!arguments.obj_file.empty()) {
+    // Paths are in the answer; faces of triangles are in the server's file.
+    if (answer.contains("membrane")) {
+      write_file(arguments.obj_file, session.compute(networks_path, request, "model/obj").body);
+    } else {
+      write_spring_paths(arguments.obj_file, answer.at("springs"));
+    }
+  }
   const std::array<std::pair<const std::string*, const char*>, 2> files{
       {{&arguments.vtu_file, "application/x-vtu+xml"}, {&arguments.plot_file, "image/svg+xml"}}};
   for (const auto& [file, media_type] : files)
@@ -181,6 +229,19 @@ void add_network_options(CLI::App& command, RelaxArguments& arguments) {
       ->check(CLI::NonNegativeNumber);
   command.add_option("--weight", arguments.weight, "Of springs that say none: energy per squared mesh unit (1)")
       ->check(CLI::NonNegativeNumber);
+  command.add_option("--triangle", arguments.triangles, "A triangle I,J,K of a membrane; may be repeated")
+      ->allow_extra_args(false);
+  command.add_flag("--membrane", arguments.membrane, "Triangles of points whose Voronoi cells meet, all of a membrane");
+  command.add_option("--youngs-modulus", arguments.youngs_modulus, "Of the membrane: energy per cubed mesh unit (1)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--poisson-ratio", arguments.poisson_ratio, "Of the membrane (0.3)")
+      ->check(CLI::Range(-0.99, 0.4999));
+  command.add_option("--thickness", arguments.thickness, "Of the membrane, in mesh units (1)")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--rest-scale", arguments.rest_scale,
+                  "Of the membrane: its lengths at rest over those at the start; below 1 it is stretched (1)")
+      ->check(CLI::PositiveNumber);
   command.add_option("-f,--fixed", arguments.fixed, "Points that stay where they are: indices separated by commas");
 }
 
@@ -213,13 +274,15 @@ void add_relax_command(CLI::App& program, const GlobalOptions& options) {
   add_network_options(*command, *arguments);
   add_relaxation_options(*command, *arguments);
   command->add_flag("--history", arguments->history, "Show every iteration");
-  command->add_option("--obj", arguments->obj_file, "Write the springs' paths as OBJ polylines, - for the terminal");
+  command->add_option("--obj", arguments->obj_file,
+                      "Write the springs' paths as OBJ polylines, triangles as faces, - for the terminal");
   command->add_option("--vtu", arguments->vtu_file, "Write the network for ParaView; computes it once more");
   command->add_option("--plot", arguments->plot_file, "Write the convergence as SVG; computes it once more");
   command->footer(
       "Examples:\n  supple relax bunny.obj v0 v300 v900 --spring 0,1 --spring 1,2 --fixed 0,2 --history\n"
       "  supple relax bunny.obj --poisson-disk 0.2 --voronoi-dual --rest-length 0.15 --obj network.obj\n"
-      "  supple relax bunny.obj --per-face 0.3,0.3,0.4 --adjacent-faces --fixed 0,17 --plot convergence.svg");
+      "  supple relax bunny.obj --per-face 0.3,0.3,0.4 --adjacent-faces --fixed 0,17 --plot convergence.svg\n"
+      "  supple relax bunny.obj --poisson-disk 0.2 --membrane --rest-scale 0.9 --vtu membrane.vtu");
   command->callback([&options, arguments] { run(options, *arguments); });
 }
 

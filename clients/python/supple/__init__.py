@@ -82,7 +82,7 @@ from .loads import Biaxial, GreenStrain, Load, Uniaxial
 from .mesh import Mesh
 from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, UniaxialCurve
 from .network_answers import PartialRelaxation, RelaxationStep, RelaxedNetwork
-from .networks import AdjacentFaces, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
+from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
 from .points import PointLike, SurfacePoint, Vertex
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
 from .tilings import CellMesh, Family, Structure, Tile
@@ -151,6 +151,7 @@ __all__ = [
     "KarcherStep",
     "LaidStrand",
     "Load",
+    "Membrane",
     "Mesh",
     "MeshInfo",
     "MeshRepair",

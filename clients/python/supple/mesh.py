@@ -11,7 +11,7 @@ from . import computations, networks
 from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo, MeshRepair
 from .jobs import Job, Progress, run, submit
 from .network_answers import RelaxedNetwork
-from .networks import NetworkPoints, NetworkSprings, RelaxationOptions
+from .networks import Membrane, NetworkPoints, NetworkSprings, RelaxationOptions
 from .points import PointLike
 from .transport import Transport
 
@@ -197,6 +197,7 @@ class Mesh:
         springs: NetworkSprings,
         fixed_points: Sequence[int] = (),
         *,
+        membrane: Optional[Membrane] = None,
         options: Optional[RelaxationOptions] = None,
         paths: bool = False,
         deadline: Optional[float] = None,
@@ -204,20 +205,22 @@ class Mesh:
         progress: Optional[Progress] = None,
     ) -> RelaxedNetwork:
         """The equilibrium of an elastic network whose points slide on the surface: a local minimum of
-        E = sum weight (length - rest_length)^2 near the start.
+        E = sum weight (length - rest_length)^2 near the start, plus the energy of a membrane's triangles.
 
         Args:
             points: where they start, at least one: points one by one, `PointsInFaces` or `PoissonDisk`.
             springs: `Spring` or pairs of indices of points, `AdjacentFaces` or `VoronoiDual`; a spring joins two different
                 points of one component.
             fixed_points: indices of points that stay where they are.
+            membrane: triangles between the points, besides the springs, of which there may then be none.
             options: how the equilibrium is found.
             paths: whether the paths of the springs are returned.
 
         Raises `InvalidNetwork` where points and springs do not fit together, with the codes "network.spring",
-        "network.fixed_point", "network.unreachable" and "network.radius"; `faults` names the entries.
+        "network.triangle", "network.collapsed" (a triangle without area), "network.fixed_point", "network.unreachable" and
+        "network.radius"; `faults` names the entries.
         """
-        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, paths, deadline)
+        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, paths, deadline, membrane)
         return run(self._transport, networks.relaxation(document), timeout, progress)
 
     def start_relax_network(
@@ -226,12 +229,13 @@ class Mesh:
         springs: NetworkSprings,
         fixed_points: Sequence[int] = (),
         *,
+        membrane: Optional[Membrane] = None,
         options: Optional[RelaxationOptions] = None,
         paths: bool = False,
         deadline: Optional[float] = None,
     ) -> Job[RelaxedNetwork]:
         """`relax_network` as a job, whose `status().partial` is the network on its way."""
-        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, paths, deadline)
+        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, paths, deadline, membrane)
         return submit(self._transport, networks.relaxation(document))
 
     def relaxed_network_file(
@@ -240,6 +244,7 @@ class Mesh:
         springs: NetworkSprings,
         fixed_points: Sequence[int] = (),
         *,
+        membrane: Optional[Membrane] = None,
         kind: str = "obj",
         options: Optional[RelaxationOptions] = None,
         deadline: Optional[float] = None,
@@ -248,7 +253,7 @@ class Mesh:
     ) -> bytes:
         """A relaxed network as a file: `kind` is "obj" or "vtu" (a polyline along each spring's path, mesh units), or "svg"
         (energy and gradient norm over the iterations). The arguments are those of `relax_network`."""
-        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, False, deadline)
+        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, False, deadline, membrane)
         return run(self._transport, networks.network_file(document, kind), timeout, progress)
 
     def exponential_map(

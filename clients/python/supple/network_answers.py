@@ -64,8 +64,11 @@ class RelaxedNetwork:
         compressed: springs shorter than their rest length, shape (springs,).
         at_cut_locus: springs for which another path is as short, within 1e-9, relative; shape (springs,).
         paths: of the springs; None where they were not asked for.
-        triangles: triples of points whose Voronoi cells meet, counterclockwise, shape (triangles, 3); None where the springs
-            are not `VoronoiDual`.
+        triangles: the corners of the membrane's triangles; without a membrane triples of points whose Voronoi cells meet,
+            counterclockwise, where the springs are `VoronoiDual`. Shape (triangles, 3), or None.
+        stretches: principal stretches of the membrane's triangles, the greater first, shape (triangles, 2); None without one.
+        triangle_energies: their energies, shape (triangles,); None without one.
+        triangles_at_cut_locus: whether a side that pushes has another shortest path, shape (triangles,); None without one.
         energy: E.
         terms: what it consists of, by name.
         gradient_norm: |grad E|, unit of the weights times mesh units; the bound that was asked for is `gradient_tolerance`.
@@ -74,7 +77,7 @@ class RelaxedNetwork:
         stopped: "converged", "cut_locus", "step_too_small" or "iteration_limit".
         mollified: whether the energy at the end is the mollified one.
         at_vertices: points that came to rest at a vertex where the energy has a kink, ascending.
-        loose_points: free points that no spring of positive weight holds, ascending; they stayed where they were.
+        loose_points: free points that no spring of positive weight and no triangle holds, ascending; they stayed where they were.
         warnings: what deserves attention, one sentence each.
     """
 
@@ -87,6 +90,9 @@ class RelaxedNetwork:
     at_cut_locus: Flags
     paths: Optional[Tuple[Path, ...]]
     triangles: Optional[Indices]
+    stretches: Optional[Array]
+    triangle_energies: Optional[Array]
+    triangles_at_cut_locus: Optional[Flags]
     energy: float
     terms: Dict[str, float]
     gradient_norm: float
@@ -115,6 +121,7 @@ def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:
 def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
     springs = document["springs"]
     triangles = document.get("triangles")
+    membrane = document.get("membrane")
     return RelaxedNetwork(
         points=tuple(point_from_wire(point) for point in document["points"]),
         positions=np.asarray(document["positions"], dtype=np.float64).reshape(-1, 3),
@@ -125,6 +132,9 @@ def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
         at_cut_locus=np.array([spring["at_cut_locus"] for spring in springs], dtype=np.bool_),
         paths=_paths(springs),
         triangles=None if triangles is None else np.array(triangles, dtype=np.int64).reshape(-1, 3),
+        stretches=None if membrane is None else np.array([t["stretches"] for t in membrane], dtype=np.float64).reshape(-1, 2),
+        triangle_energies=None if membrane is None else np.array([t["energy"] for t in membrane], dtype=np.float64),
+        triangles_at_cut_locus=None if membrane is None else np.array([t["at_cut_locus"] for t in membrane], dtype=np.bool_),
         energy=document["energy"],
         terms={term["name"]: float(term["energy"]) for term in document["terms"]},
         gradient_norm=document["gradient_norm"],

@@ -88,6 +88,34 @@ class VoronoiDual:
         return {"kind": "voronoi_dual", "rest_length": float(self.rest_length), "weight": float(self.weight)}
 
 
+@dataclass(frozen=True)
+class Membrane:
+    """Triangles whose sides are shortest paths on the surface: compressible neo-Hookean, at rest where the points start.
+
+    Attributes:
+        triangles: triples of indices of points; None: all triples of points whose geodesic Voronoi cells meet in one place.
+        youngs_modulus: energy per cubed mesh unit, positive; 1 on the server's side.
+        poisson_ratio: in [-0.99, 0.4999]; 0.3 on the server's side.
+        thickness: mesh units, positive; 1 on the server's side.
+        rest_scale: lengths at rest over those at the start, positive: below 1 the membrane is stretched from the start. 1 on
+            the server's side.
+    """
+
+    triangles: Optional[Sequence[Tuple[int, int, int]]] = None
+    youngs_modulus: Optional[float] = None
+    poisson_ratio: Optional[float] = None
+    thickness: Optional[float] = None
+    rest_scale: Optional[float] = None
+
+    def to_wire(self) -> Dict[str, Any]:
+        material = given(youngs_modulus=self.youngs_modulus, poisson_ratio=self.poisson_ratio, thickness=self.thickness,
+                         rest_scale=self.rest_scale)
+        triangles: Any = {"kind": "voronoi_dual"}
+        if self.triangles is not None:
+            triangles = [[int(corner) for corner in corners] for corners in self.triangles]
+        return {"triangles": triangles, **({"membrane": material} if material else {})}
+
+
 NetworkPoints = Union[Sequence[PointLike], PointsInFaces, PoissonDisk]
 """What the calls accept as a network's points: one by one, or what makes them."""
 NetworkSprings = Union[Sequence[Union[Spring, Tuple[int, int]]], AdjacentFaces, VoronoiDual]
@@ -154,12 +182,14 @@ def relaxation_document(
     options: Optional[RelaxationOptions],
     paths: bool,
     deadline: Optional[float],
+    membrane: Optional[Membrane] = None,
 ) -> Dict[str, Any]:
     return {
         "mesh": mesh,
         "points": _points(points),
         "springs": _springs(springs),
         "fixed_points": [int(point) for point in fixed_points],
+        **({} if membrane is None else membrane.to_wire()),
         **({} if options is None else options.to_wire()),
         **given(paths=paths or None, deadline=deadline),
     }

@@ -37,6 +37,26 @@ def test_points_and_springs_one_by_one_become_what_the_contract_says() -> None:
         relaxation_document(MESH, [0, 1], [(0, 1, 2)], [], None, False, None)  # type: ignore[list-item]
 
 
+def test_membranes_become_what_the_contract_says() -> None:
+    membrane = supple.Membrane([(0, 1, np.int64(2))], youngs_modulus=3, rest_scale=0.9)
+    document = relaxation_document(MESH, [0, 1, 2], [], [], None, False, None, membrane)
+    assert document["triangles"] == [[0, 1, 2]] and document["springs"] == []
+    assert document["membrane"] == {"youngs_modulus": 3, "rest_scale": 0.9}
+    every = relaxation_document(MESH, supple.PoissonDisk(0.5), supple.VoronoiDual(), [], None, False, None, supple.Membrane())
+    assert every["triangles"] == {"kind": "voronoi_dual"} and "membrane" not in every
+
+
+def test_an_answer_of_a_membrane_has_its_triangles() -> None:
+    answer = relaxed_network_from_wire({**ANSWER, "triangles": [[0, 1, 2]],
+                                        "membrane": [{"energy": 2, "stretches": [1.5, 0.5], "at_cut_locus": True}]})
+    assert answer.triangles is not None and answer.triangles.tolist() == [[0, 1, 2]]
+    assert answer.stretches is not None and answer.stretches.tolist() == [[1.5, 0.5]]
+    assert answer.triangle_energies is not None and answer.triangle_energies.tolist() == [2]
+    assert answer.triangles_at_cut_locus is not None and answer.triangles_at_cut_locus.tolist() == [True]
+    without = relaxed_network_from_wire(ANSWER)
+    assert without.stretches is None and without.triangle_energies is None
+
+
 def test_builders_and_options_become_what_the_contract_says() -> None:
     options = supple.RelaxationOptions(method="lbfgs", spring_length="euclidean", tolerance=1e-6, max_iterations=5,
                                        mollifier="on", mollifier_length=0.1, kept_strips="off")

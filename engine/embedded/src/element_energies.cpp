@@ -9,13 +9,24 @@
 namespace supple::embedded {
 namespace {
 
-/// 16 times the squared area of a triangle with such squared lengths (Heron), and its gradient.
+/// 16 times the squared area of a triangle with such squared lengths (Heron): a quadratic form, and its gradient.
 double sixteen_squared_areas(const Eigen::Vector3d& squares) {
   const double sum = squares.sum();
   return sum * sum - 2 * squares.squaredNorm();
 }
 Eigen::Vector3d slope_of_squared_areas(const Eigen::Vector3d& squares) {
   return Eigen::Vector3d::Constant(2 * squares.sum()) - 4 * squares;
+}
+
+/// x - log(1 + x) with all digits where x is small, x > -1.
+double beyond_logarithm(double x) {
+  if (std::abs(x) > 0.25) return x - std::log1p(x);
+  // log(1 + x) = 2 artanh(r), and x - 2 r = r x.
+  const double r = x / (2 + x);
+  const double square = r * r;
+  double sum = 0;
+  for (int k = 17; k >= 3; k -= 2) sum = 1.0 / k + square * sum;
+  return r * x - 2 * r * square * sum;
 }
 
 }  // namespace
@@ -44,30 +55,36 @@ SpringElement spring_element_at_zero(const Spring& spring, double turn, std::siz
   return element;
 }
 
-TriangleEnergy::TriangleEnergy(const std::array<double, 3>& rest_lengths, const MembraneMaterial& material) {
-  const Eigen::Vector3d squares = Eigen::Vector3d(rest_lengths[0], rest_lengths[1], rest_lengths[2]).cwiseAbs2();
-  rest_ = sixteen_squared_areas(squares);
-  // tr C is the sum of cotangents of the opposite angles times squared lengths, over twice the area.
-  trace_ = 2 * (Eigen::Vector3d::Constant(squares.sum()) - 2 * squares) / rest_;
+TriangleEnergy::TriangleEnergy(const std::array<double, 3>& rest_lengths, const MembraneMaterial& material)
+    : rest_lengths_(rest_lengths[0], rest_lengths[1], rest_lengths[2]) {
+  rest_ = sixteen_squared_areas(rest_lengths_.cwiseAbs2());
   const double volume = material.thickness * std::sqrt(rest_) / 4;
   mu_ = volume * material.youngs_modulus / (2 * (1 + material.poisson_ratio));
   lambda_ = mu_ * 2 * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
 }
 
+// With the form Q of 16 squared areas, squared lengths s and their changes D from rest s0: tr C - 2 = Q'(s0) D / Q(s0),
+// det C - 1 = tr C - 2 + Q(D) / Q(s0), and Q(D) / Q(s0) = det(C - I). Written so, energies and forces of small strains
+// keep their digits, which tr C - 2 - log det C itself loses.
 TriangleEnergy::Value TriangleEnergy::at(const Eigen::Vector3d& lengths) const {
   Value value;
   const Eigen::Vector3d squares = lengths.cwiseAbs2();
-  const double area = sixteen_squared_areas(squares);
-  if (!(area > 0)) {
+  const Eigen::Vector3d change = (lengths - rest_lengths_).cwiseProduct(lengths + rest_lengths_);
+  const Eigen::Vector3d by_rest = slope_of_squared_areas(rest_lengths_.cwiseAbs2()) / rest_;
+  const double quadratic = sixteen_squared_areas(change) / rest_;
+  const double growth = by_rest.dot(change) + quadratic;  // det C - 1
+  if (!(sixteen_squared_areas(squares) > 0) || !(growth > -1)) {
     value.energy = std::numeric_limits<double>::infinity();
     return value;
   }
-  const double log_j = 0.5 * std::log(area / rest_);
-  value.energy = 0.5 * mu_ * (trace_.dot(squares) - 2 - 2 * log_j) + 0.5 * lambda_ * log_j * log_j;
-  // By the squares first: log J has the gradient q / 2 for the logarithmic slope q of the Heron product.
+  const double log_j = 0.5 * std::log1p(growth);
+  value.energy = 0.5 * mu_ * (beyond_logarithm(growth) - quadratic) + 0.5 * lambda_ * log_j * log_j;
+  // By the squares first: log J has the gradient q / 2 for the logarithmic slope q of Q.
+  const double area = rest_ * (1 + growth);
   const Eigen::Vector3d q = slope_of_squared_areas(squares) / area;
+  const Eigen::Vector3d beside = (growth * by_rest - slope_of_squared_areas(change) / rest_) / (1 + growth);
   const double by_log = lambda_ * log_j - mu_;
-  const Eigen::Vector3d first = 0.5 * mu_ * trace_ + 0.5 * by_log * q;
+  const Eigen::Vector3d first = 0.5 * mu_ * beside + 0.5 * lambda_ * log_j * q;
   Eigen::Matrix3d bend = Eigen::Matrix3d::Constant(2 / area);
   bend.diagonal().array() -= 4 / area;
   const Eigen::Matrix3d second = 0.25 * lambda_ * q * q.transpose() + 0.5 * by_log * (bend - q * q.transpose());
@@ -81,7 +98,7 @@ Eigen::Vector2d TriangleEnergy::stretches(const Eigen::Vector3d& lengths) const 
   const Eigen::Vector3d squares = lengths.cwiseAbs2();
   const double area = sixteen_squared_areas(squares);
   if (!(area > 0)) return Eigen::Vector2d::Zero();
-  const double trace = trace_.dot(squares);
+  const double trace = slope_of_squared_areas(rest_lengths_.cwiseAbs2()).dot(squares) / rest_;
   const double determinant = area / rest_;
   const double root = std::sqrt(std::max(0.0, trace * trace - 4 * determinant));
   const double greater = 0.5 * (trace + root);

@@ -72,9 +72,9 @@ class TriangleEnergy {
   Eigen::Vector2d stretches(const Eigen::Vector3d& lengths) const;
 
  private:
-  Eigen::Vector3d trace_;  ///< tr C = trace . (squared lengths)
-  double rest_ = 0;        ///< 16 times the squared area
-  double mu_ = 0;          ///< times thickness and area
+  Eigen::Vector3d rest_lengths_;
+  double rest_ = 0;  ///< 16 times the squared area at rest
+  double mu_ = 0;    ///< times thickness and area
   double lambda_ = 0;
 };
 

@@ -1,11 +1,14 @@
 #include "supple/embedded/export.h"
 
+#include <array>
+
 #include "supple/base/file_text.h"
 
 namespace supple::embedded {
 namespace {
 
 constexpr int vtk_poly_line = 4;
+constexpr int vtk_triangle = 5;
 
 using Polyline = std::vector<Eigen::Vector3d>;
 
@@ -25,44 +28,95 @@ std::vector<Polyline> spring_lines(const surface::TriangleMesh& mesh, const Netw
   return lines;
 }
 
+/// The network's points, where it has triangles to draw between them.
+Polyline corner_positions(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation) {
+  Polyline corners;
+  if (network.triangles.empty()) return corners;
+  for (const auto& point : relaxation.points) corners.push_back(surface::position(mesh, point));
+  return corners;
+}
+
 }  // namespace
 
 std::string write_obj(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation) {
   const auto lines = spring_lines(mesh, network, relaxation);
   FileText out;
+  std::size_t next = 1;
   for (const auto& line : lines)
     for (const auto& point : line) (out << "v ").point(point);
-  std::size_t next = 1;
+  for (const auto& point : corner_positions(mesh, network, relaxation)) (out << "v ").point(point);
   for (const auto& line : lines) {
     out << "l ";
     for (std::size_t i = 0; i < line.size(); ++i) out.number(next++, i + 1 == line.size() ? '\n' : ' ');
   }
+  for (const auto& triangle : network.triangles) {
+    out << "f ";
+    for (std::size_t k = 0; k < 3; ++k)
+      out.number(next + static_cast<std::size_t>(triangle.corners[k]), k == 2 ? '\n' : ' ');
+  }
   return out.take();
 }
+
+namespace {
+
+/// A cell of a VTU: a spring or a triangle.
+struct Cell {
+  int type = vtk_poly_line;
+  std::vector<std::size_t> points;
+  Spring spring{0, 0, 0, 0};
+  SpringState state{};
+  std::array<double, 2> stretches{};
+};
+
+}  // namespace
 
 std::string write_vtu(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation) {
   const auto lines = spring_lines(mesh, network, relaxation);
   Polyline points;
-  for (const auto& line : lines) points.insert(points.end(), line.begin(), line.end());
+  std::vector<Cell> cells;
+  cells.reserve(lines.size() + network.triangles.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    auto& cell = cells.emplace_back();
+    cell.spring = network.springs[i];
+    cell.state = relaxation.springs[i];
+    for (std::size_t k = 0; k < lines[i].size(); ++k) cell.points.push_back(points.size() + k);
+    points.insert(points.end(), lines[i].begin(), lines[i].end());
+  }
+  const std::size_t first = points.size();
+  const auto corners = corner_positions(mesh, network, relaxation);
+  points.insert(points.end(), corners.begin(), corners.end());
+  for (std::size_t t = 0; t < network.triangles.size(); ++t) {
+    auto& cell = cells.emplace_back();
+    cell.type = vtk_triangle;
+    for (const std::int32_t corner : network.triangles[t].corners)
+      cell.points.push_back(first + static_cast<std::size_t>(corner));
+    cell.state.energy = relaxation.triangles[t].energy;
+    cell.stretches = relaxation.triangles[t].stretches;
+  }
   FileText out;
   out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n";
   (out << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"").number(points.size(), '"') << " NumberOfCells=\"";
-  out.number(lines.size(), '"') << ">\n<CellData Scalars=\"length\">\n";
-  out.array("Float64", "length", relaxation.springs, [](const SpringState& spring) { return spring.length; })
-      .array("Float64", "energy", relaxation.springs, [](const SpringState& spring) { return spring.energy; })
-      .array("Float64", "rest_length", network.springs, [](const Spring& spring) { return spring.rest_length; })
-      .array("Float64", "weight", network.springs, [](const Spring& spring) { return spring.weight; })
-      .array("UInt8", "compressed", relaxation.springs, [](const SpringState& s) { return s.compressed ? 1 : 0; })
-      .array("UInt8", "at_cut_locus", relaxation.springs, [](const SpringState& s) { return s.at_cut_locus ? 1 : 0; });
+  out.number(cells.size(), '"') << ">\n<CellData Scalars=\"energy\">\n";
+  out.array("Float64", "length", cells, [](const Cell& cell) { return cell.state.length; })
+      .array("Float64", "energy", cells, [](const Cell& cell) { return cell.state.energy; })
+      .array("Float64", "rest_length", cells, [](const Cell& cell) { return cell.spring.rest_length; })
+      .array("Float64", "weight", cells, [](const Cell& cell) { return cell.spring.weight; })
+      .array("UInt8", "compressed", cells, [](const Cell& cell) { return cell.state.compressed ? 1 : 0; })
+      .array("UInt8", "at_cut_locus", cells, [](const Cell& cell) { return cell.state.at_cut_locus ? 1 : 0; });
+  if (!network.triangles.empty())
+    out.array("Float64", "greater_stretch", cells, [](const Cell& cell) { return cell.stretches[0]; })
+        .array("Float64", "lesser_stretch", cells, [](const Cell& cell) { return cell.stretches[1]; });
   out << "</CellData>\n<Points>\n"
       << "<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"ascii\">\n";
   for (const auto& point : points) out.point(point);
   out << "</DataArray>\n</Points>\n<Cells>\n";
-  std::size_t next = 0;
+  out.open_array("Int64", "connectivity");
+  for (const Cell& cell : cells)
+    for (const std::size_t point : cell.points) out.number(point);
+  out.close_array();
   std::size_t end = 0;
-  out.array("Int64", "connectivity", points, [&](const Eigen::Vector3d&) { return next++; })
-      .array("Int64", "offsets", lines, [&](const Polyline& line) { return end += line.size(); })
-      .array("UInt8", "types", lines, [](const Polyline&) { return vtk_poly_line; });
+  out.array("Int64", "offsets", cells, [&](const Cell& cell) { return end += cell.points.size(); })
+      .array("UInt8", "types", cells, [](const Cell& cell) { return cell.type; });
   out << "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   return out.take();
 }

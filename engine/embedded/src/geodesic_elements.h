@@ -56,6 +56,10 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   /// Lengths of a triangle's sides where the paths are found.
   Eigen::Vector3d lengths_of(const FoundPaths& found, std::size_t triangle) const;
   const TriangleEnergy& energy_of(std::size_t triangle) const { return triangles_[triangle].energy; }
+  /// Whether a side of a triangle is the only shortest path between its ends.
+  bool side_is_unique(const FoundPaths& found, std::size_t triangle, int side) const {
+    return found.geodesics[triangles_[triangle].sides[static_cast<std::size_t>(side)].path].unique;
+  }
 
  private:
   /// The ends of a path: points.

@@ -115,6 +115,12 @@ void check_material(const MembraneMaterial& material) {
 
 }  // namespace
 
+double largest_weight(const Network& network) {
+  double largest = network.triangles.empty() ? 0 : network.material.youngs_modulus * network.material.thickness;
+  for (const Spring& spring : network.springs) largest = std::max(largest, spring.weight);
+  return largest;
+}
+
 Network checked_network(const surface::TriangleMesh& mesh, Network network) {
   if (network.points.empty())
     throw Error("network.no_points", "A network needs at least one point.", {{"points", "is empty"}});

@@ -38,10 +38,10 @@ class Builder {
     return poisson_disk_points(solver_, rule.radius, rule.seed, limits_.points, execution);
   }
 
-  void add_springs(const std::vector<Spring>& given, BuiltNetwork& built, const Execution&) const {
+  void add_springs(const std::vector<Spring>& given, BuiltNetwork& built, const Execution&) {
     built.network.springs = given;
   }
-  void add_springs(const NeighbourSprings& rule, BuiltNetwork& built, const Execution& execution) const {
+  void add_springs(const NeighbourSprings& rule, BuiltNetwork& built, const Execution& execution) {
     const StageTimer timer(execution.cost, "springs");
     const auto& points = built.network.points;
     std::vector<Pair> pairs;
@@ -54,9 +54,24 @@ class Builder {
       check("springs", dual.edges.size(), limits_.springs);
       pairs = std::move(dual.edges);
       built.triangles = std::move(dual.triangles);
+      from_dual_ = true;
     }
     built.network.springs.reserve(pairs.size());
     for (const auto& [from, to] : pairs) built.network.springs.push_back({from, to, rule.rest_length, rule.weight});
+  }
+
+  void add_membrane(const NetworkPlan& plan, BuiltNetwork& built, const Execution& execution) {
+    if (!plan.has_membrane()) return;
+    const StageTimer timer(execution.cost, "triangles");
+    const auto& points = built.network.points;
+    if (const auto* given = std::get_if<0>(&plan.triangles)) {
+      built.triangles = *given;
+    } else if (!from_dual_) {
+      built.triangles = triangulate(solver_, points, execution).triangles;
+    }
+    check("triangles", built.triangles->size(), limits_.triangles);
+    built.network.triangles = membrane_at_rest(solver_, points, *built.triangles, plan.rest_scale, execution);
+    built.network.material = plan.material;
   }
 
  private:
@@ -66,22 +81,27 @@ class Builder {
 
   const surface::GeodesicSolver& solver_;
   const NetworkLimits& limits_;
+  bool from_dual_ = false;  ///< the triangles are made already, with the springs
 };
 
 }  // namespace
 
 BuiltNetwork build_network(const surface::GeodesicSolver& solver, const NetworkPlan& plan, const NetworkLimits& limits,
                            const Execution& execution) {
-  const Builder builder(solver, limits);
+  Builder builder(solver, limits);
   BuiltNetwork built;
   built.network.fixed_points = plan.fixed_points;
-  const PartOfExecution first(execution, 0, 0.5);
+  constexpr double share = 1.0 / 3;
+  const PartOfExecution first(execution, 0, share);
   first.execution().checkpoint(0, "points");
   built.network.points =
       std::visit([&](const auto& points) { return builder.points(points, first.execution()); }, plan.points);
-  const PartOfExecution second(execution, 0.5, 0.5);
+  const PartOfExecution second(execution, share, share);
   second.execution().checkpoint(0, "springs");
   std::visit([&](const auto& springs) { builder.add_springs(springs, built, second.execution()); }, plan.springs);
+  const PartOfExecution third(execution, 2 * share, share);
+  third.execution().checkpoint(0, "triangles");
+  builder.add_membrane(plan, built, third.execution());
   return built;
 }
 

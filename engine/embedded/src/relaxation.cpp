@@ -53,7 +53,6 @@ numerics::MinimizerMethod minimizer_method(RelaxationMethod method) {
 struct Holds {
   std::vector<bool> held;  ///< fixed or loose
   std::vector<std::int32_t> loose;
-  double largest_weight = 0;
   double largest_stiffness = 0;  ///< of one point: twice the sum of its elements' weights
 };
 
@@ -61,7 +60,6 @@ Holds holds_of(const Network& network) {
   Holds holds;
   std::vector<double> stiffness(network.points.size(), 0);
   for (const Spring& spring : network.springs) {
-    holds.largest_weight = std::max(holds.largest_weight, spring.weight);
     stiffness[static_cast<std::size_t>(spring.from)] += 2 * spring.weight;
     stiffness[static_cast<std::size_t>(spring.to)] += 2 * spring.weight;
   }
@@ -69,7 +67,6 @@ Holds holds_of(const Network& network) {
   // By lengths, a triangle's energy bends about as much as springs of this weight.
   const double membrane = network.material.youngs_modulus * network.material.thickness;
   for (const MembraneTriangle& triangle : network.triangles) {
-    holds.largest_weight = std::max(holds.largest_weight, membrane);
     for (const std::int32_t corner : triangle.corners) stiffness[static_cast<std::size_t>(corner)] += 2 * membrane;
   }
   for (const std::int32_t point : network.fixed_points) holds.held[static_cast<std::size_t>(point)] = true;
@@ -154,7 +151,7 @@ class RelaxationRun {
     const double diagonal = solver_.mesh().diagonal();
     numerics::MinimizerOptions options;
     options.method = minimizer_method(options_.method);
-    options.gradient_tolerance = options_.tolerance * holds_.largest_weight * diagonal;
+    options.gradient_tolerance = options_.tolerance * largest_weight(network_) * diagonal;
     options.step_tolerance = shortest_step * diagonal;
     options.max_backtracks = most_backtracks;
     options.max_iterations = options_.max_iterations - result_.iterations;
@@ -195,8 +192,10 @@ class RelaxationRun {
     const auto compressed = static_cast<std::size_t>(std::ranges::count_if(result_.springs, &SpringState::compressed));
     const auto torn = static_cast<std::size_t>(
         std::ranges::count_if(result_.springs, [](const SpringState& s) { return s.compressed && s.at_cut_locus; }));
+    const auto torn_triangles =
+        static_cast<std::size_t>(std::ranges::count_if(result_.triangles, &TriangleState::at_cut_locus));
     result_.stopped = std::string(numerics::to_string(stop));
-    if (stop == numerics::MinimizerStop::step_too_small && torn > 0) result_.stopped = "cut_locus";
+    if (stop == numerics::MinimizerStop::step_too_small && torn + torn_triangles > 0) result_.stopped = "cut_locus";
     if (compressed > 0)
       result_.warnings.push_back(
           counted(compressed, "spring is", "springs are") +
@@ -206,6 +205,11 @@ class RelaxationRun {
       result_.warnings.push_back(counted(torn, "spring", "springs") +
                                  " under compression reached such a place: two shortest paths are equally long, and no "
                                  "small motion of the ends lowers the energy along both");
+    if (torn_triangles > 0)
+      result_.warnings.push_back(
+          counted(torn_triangles, "triangle has", "triangles have") +
+          " a side that pushes and has another shortest path: no small motion of its ends lowers "
+          "the energy along both");
     if (!holds_.loose.empty())
       result_.warnings.push_back(counted(holds_.loose.size(), "point is", "points are") +
                                  " held by no spring of positive weight and no triangle, and stayed in place");
@@ -254,6 +258,10 @@ class RelaxationRun {
       told.energy = elements.energy_of(t).at(lengths).energy;
       const Eigen::Vector2d stretches = elements.energy_of(t).stretches(lengths);
       told.stretches = {stretches[0], stretches[1]};
+      const auto pushes_at_cut_locus = [&](int side) {
+        return elements.energy_of(t).at(lengths).first[side] < 0 && !elements.side_is_unique(*state_.found(), t, side);
+      };
+      told.at_cut_locus = pushes_at_cut_locus(0) || pushes_at_cut_locus(1) || pushes_at_cut_locus(2);
     }
   }
 

@@ -7,12 +7,6 @@
 namespace supple::json {
 namespace {
 
-double largest_weight(const embedded::Network& network) {
-  double largest = 0;
-  for (const auto& spring : network.springs) largest = std::max(largest, spring.weight);
-  return largest;
-}
-
 void write_positions(JsonWriter& out, const surface::TriangleMesh& mesh,
                      std::span<const surface::SurfacePoint> points) {
   out.key("positions").begin_array();
@@ -47,6 +41,22 @@ void write_relaxation_history(JsonWriter& out, const std::vector<embedded::Relax
   out.end_array();
 }
 
+void write_terms(JsonWriter& out, const embedded::RelaxationOptions& options, const embedded::Network& network,
+                 const embedded::Relaxation& relaxation) {
+  double membrane = 0;
+  for (const auto& triangle : relaxation.triangles) membrane += triangle.energy;
+  out.field("energy", relaxation.energy).key("terms").begin_array();
+  const auto write = [&](std::string_view name, double energy) {
+    out.begin_object().field("name", name).field("energy", energy).end_object();
+  };
+  const bool geodesic = options.spring_length == embedded::SpringLength::geodesic;
+  // Without triangles the springs are all there is, even where there are none.
+  if (relaxation.triangles.empty() || !network.springs.empty())
+    write(geodesic ? "geodesic_springs" : "euclidean_springs", std::max(0.0, relaxation.energy - membrane));
+  if (!relaxation.triangles.empty()) write("membrane", network.springs.empty() ? relaxation.energy : membrane);
+  out.end_array();
+}
+
 void write_point_indices(JsonWriter& out, std::string_view name, std::span<const std::int32_t> indices) {
   out.key(name).begin_array();
   for (const auto i : indices) out.integer(i);
@@ -77,10 +87,18 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
     }
     out.end_array();
   }
-  const bool geodesic = options.spring_length == embedded::SpringLength::geodesic;
-  out.field("energy", relaxation.energy).key("terms").begin_array().begin_object();
-  out.field("name", geodesic ? "geodesic_springs" : "euclidean_springs").field("energy", relaxation.energy);
-  out.end_object().end_array();
+  if (!relaxation.triangles.empty()) {
+    out.key("membrane").begin_array();
+    for (const auto& triangle : relaxation.triangles)
+      out.begin_object()
+          .field("energy", triangle.energy)
+          .key("stretches")
+          .numbers(triangle.stretches)
+          .field("at_cut_locus", triangle.at_cut_locus)
+          .end_object();
+    out.end_array();
+  }
+  write_terms(out, options, network, relaxation);
   out.field("gradient_norm", relaxation.gradient_norm).field("iterations", relaxation.iterations);
   write_relaxation_history(out, relaxation.history);
   out.field("stopped", relaxation.stopped).field("mollified", relaxation.mollified);
@@ -92,7 +110,7 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
   out.key("accuracy")
       .begin_object()
       .field("tolerance", options.tolerance)
-      .field("gradient_tolerance", options.tolerance * largest_weight(network) * mesh.diagonal())
+      .field("gradient_tolerance", options.tolerance * embedded::largest_weight(network) * mesh.diagonal())
       .field("gradient_norm", relaxation.gradient_norm)
       .field("mollifier_length", options.mollifier_length)
       .end_object();

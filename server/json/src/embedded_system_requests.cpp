@@ -88,6 +88,40 @@ void read_springs(Fields& fields, const Limits& limits, EmbeddedSystemRequest& r
   }
 }
 
+void read_triangles(Fields& fields, const Limits& limits, EmbeddedSystemRequest& request) {
+  if (is_builder(fields, "triangles")) {
+    return read_builder(fields, "triangles", [&](Fields& builder) {
+      enum class Kind { voronoi_dual } kind = Kind::voronoi_dual;
+      builder.choice("kind", kind, {"voronoi_dual"});
+      request.triangles.emplace<embedded::DualTriangles>();
+    });
+  }
+  const auto* entries = fields.array("triangles", false, 0, limits.max_springs, "--max-springs");
+  if (!entries) return;
+  auto& triangles = request.triangles.emplace<0>();
+  triangles.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const auto& entry = (*entries)[i];
+    const auto at = fields.at("triangles") + "/" + std::to_string(i);
+    if (!entry.is_array() || entry.size() != 3) {
+      fields.faults().add(at, "must be an array of the indices of 3 points");
+      continue;
+    }
+    auto& corners = triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = read_array_index(entry[k], at + "/" + std::to_string(k), fields.faults());
+  }
+}
+
+void read_membrane(Fields& fields, EmbeddedSystemRequest& request) {
+  nested(fields, "membrane", [&](Fields& membrane) {
+    membrane.number("youngs_modulus", request.material.youngs_modulus, 0, any, true);
+    membrane.number("poisson_ratio", request.material.poisson_ratio, -0.99, 0.4999);
+    membrane.number("thickness", request.material.thickness, 0, any, true);
+    membrane.number("rest_scale", request.rest_scale, 0, any, true);
+  });
+}
+
 void read_fixed_points(Fields& fields, const Limits& limits, std::vector<std::int32_t>& fixed) {
   const auto* entries = fields.array("fixed_points", false, 0, limits.max_points, "--max-points");
   if (!entries) return;
@@ -131,6 +165,8 @@ EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits&
   fields.mesh_id(request.mesh);
   read_network_points(fields, limits, request);
   read_springs(fields, limits, request);
+  read_triangles(fields, limits, request);
+  read_membrane(fields, request);
   read_fixed_points(fields, limits, request.fixed_points);
   read_host(fields);
   read_relaxation_options(fields, request.options);

@@ -44,11 +44,16 @@ embedded::NetworkLimits network_limits(const json::Limits& limits) {
                          static_cast<double>(count), points ? "--max-points" : "--max-springs",
                          "/" + std::string(field));
   };
-  return {limits.max_points, limits.max_springs, refuse};
+  return {limits.max_points, limits.max_springs, limits.max_springs, refuse};
 }
 
 embedded::NetworkPlan plan_of(const EmbeddedSystemRequest& request, const surface::TriangleMesh& mesh) {
-  embedded::NetworkPlan plan{{}, request.springs, request.fixed_points};
+  embedded::NetworkPlan plan;
+  plan.springs = request.springs;
+  plan.fixed_points = request.fixed_points;
+  plan.triangles = request.triangles;
+  plan.rest_scale = request.rest_scale;
+  plan.material = request.material;
   if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&request.points)) {
     plan.points = resolve(mesh, *given, "/points");
   } else if (const auto* in_faces = std::get_if<embedded::PointsInFaces>(&request.points)) {

@@ -59,6 +59,27 @@ TEST(NetworkExport, GivesEachPolylineOfAVtuWhatIsKnownOfItsSpring) {
   EXPECT_TRUE(has_array("types", "4 4 "));
 }
 
+TEST(NetworkExport, HasTheTrianglesOfAMembraneAfterTheSprings) {
+  ExportedNetwork small;
+  small.network.triangles = {{{0, 1, 2}, {1, 1, 1}}};
+  small.relaxation.triangles = {{7, {1.5, 0.5}, false}};
+  EXPECT_EQ(write_obj(small.mesh, small.network, small.relaxation),
+            "v 0 0 0\nv 1 0.1 0\nv 2 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nv 0 2 0\nl 1 2 3\nl 4 5\nf 6 7 8\n");
+  const auto vtu = write_vtu(small.mesh, small.network, small.relaxation);
+  const auto has_array = [&](const std::string& name, const std::string& values) {
+    return contains(vtu, "Name=\"" + name + "\" NumberOfComponents=\"1\" format=\"ascii\">\n" + values + "\n");
+  };
+  EXPECT_TRUE(contains(vtu, "<Piece NumberOfPoints=\"8\" NumberOfCells=\"3\">"));
+  EXPECT_TRUE(has_array("energy", "9 0.25 7 "));
+  EXPECT_TRUE(has_array("weight", "4 1 0 "));
+  EXPECT_TRUE(has_array("greater_stretch", "0 0 1.5 "));
+  EXPECT_TRUE(has_array("lesser_stretch", "0 0 0.5 "));
+  EXPECT_TRUE(has_array("connectivity", "0 1 2 3 4 5 6 7 "));
+  EXPECT_TRUE(has_array("offsets", "3 5 8 "));
+  EXPECT_TRUE(has_array("types", "4 4 5 "));
+  EXPECT_FALSE(contains(write_vtu(small.mesh, ExportedNetwork().network, small.relaxation), "stretch"));
+}
+
 TEST(NetworkExport, DrawsConvergenceOnLogarithmicAxesAndLeavesZerosOut) {
   const std::vector<RelaxationStep> history{{100, 10, 0, 0}, {10, 1e-3, 1, 0}, {1, 0, 1, 0}};
   const auto svg = write_convergence_svg(history);

@@ -22,7 +22,7 @@ class NetworkPlans : public ::testing::Test {
       throw Error("request.limit_exceeded", told);
     };
     try {
-      build_network(solver, plan, {points, springs, refuse});
+      build_network(solver, plan, {points, springs, 300'000, refuse});
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), "request.limit_exceeded");
     }
@@ -62,10 +62,39 @@ TEST_F(NetworkPlans, TakeWhatIsGivenAsItIs) {
   const NetworkPlan plan{points, std::vector<Spring>{{0, 1, 0.5, 3}}};
   EXPECT_FALSE(plan.builds());
   CostLedger bill;
-  const auto built = build_network(solver, plan, {1, 0, {}}, {.cost = &bill});
+  const auto built = build_network(solver, plan, {1, 0, 0, {}}, {.cost = &bill});
   EXPECT_EQ(built.network.points.size(), points.size()) << "limits are those of rules";
   EXPECT_EQ(built.network.springs.size(), 1U);
   EXPECT_TRUE(bill.stages().empty());
+}
+
+TEST_F(NetworkPlans, MeasureMembranesWhereThePointsAre) {
+  NetworkPlan plan{PoissonDiskPoints{0.5, 7}, NeighbourSprings{Kind::voronoi_dual, 0, 1}};
+  plan.triangles = DualTriangles{};
+  plan.rest_scale = 0.9;
+  plan.material.youngs_modulus = 5;
+  CostLedger bill;
+  const auto both = build_network(solver, plan, {}, {.cost = &bill});
+  ASSERT_FALSE(both.network.triangles.empty());
+  EXPECT_EQ(both.network.material.youngs_modulus, 5);
+  EXPECT_EQ(both.triangles->size(), both.network.triangles.size());
+  const auto& first = both.network.triangles.front();
+  EXPECT_NEAR(first.rest_lengths[1],
+              0.9 * solver.distance(both.network.points[static_cast<std::size_t>(first.corners[1])],
+                                    both.network.points[static_cast<std::size_t>(first.corners[2])]),
+              1e-12);
+  EXPECT_EQ(bill.stages().back().name, "triangles");
+
+  plan.springs = std::vector<Spring>{};
+  const auto alone = build_network(solver, plan, {});
+  EXPECT_EQ(*alone.triangles, *both.triangles);
+  EXPECT_TRUE(alone.network.springs.empty());
+  plan.triangles = std::vector<std::array<std::int32_t, 3>>{first.corners};
+  const auto one = build_network(solver, plan, {});
+  ASSERT_EQ(one.network.triangles.size(), 1U);
+  EXPECT_EQ(one.network.triangles[0].rest_lengths, first.rest_lengths);
+  plan.triangles = std::vector<std::array<std::int32_t, 3>>{};
+  EXPECT_FALSE(build_network(solver, plan, {}).triangles.has_value());
 }
 
 TEST_F(NetworkPlans, AreRefusedBeyondTheLimits) {

@@ -75,6 +75,22 @@ TEST(EmbeddedSystemAnswers, HavePathsTrianglesAndTheTermThatWereAskedFor) {
   EXPECT_EQ(answer.at("terms").at(0).at("name"), "euclidean_springs");
 }
 
+TEST(EmbeddedSystemAnswers, TellTheMembraneAndItsShareOfTheEnergy) {
+  SmallNetwork small;
+  small.network.triangles = {{{0, 1, 2}, {1, 1, 1}}};
+  small.network.material = {20, 0.3, 0.5};
+  small.relaxation.triangles = {{6, {1.5, 0.75}, true}};
+  const std::vector<std::array<std::int32_t, 3>> corners{{0, 1, 2}};
+  const auto both = small.written(&corners);
+  EXPECT_EQ(both.at("membrane"), nlohmann::json::parse(R"([{"energy":6,"stretches":[1.5,0.75],"at_cut_locus":true}])"));
+  EXPECT_EQ(both.at("terms"),
+            nlohmann::json::parse(R"([{"name":"geodesic_springs","energy":10},{"name":"membrane","energy":6}])"));
+  EXPECT_DOUBLE_EQ(both.at("accuracy").at("gradient_tolerance"), 0.5 * 10 * std::sqrt(8.0));
+  small.network.springs.clear();
+  small.relaxation.springs.clear();
+  EXPECT_EQ(small.written(&corners).at("terms"), nlohmann::json::parse(R"([{"name":"membrane","energy":16}])"));
+}
+
 TEST(EmbeddedSystemAnswers, AreRefusedWhereANumberIsNotFinite) {
   SmallNetwork small;
   small.relaxation.energy = std::numeric_limits<double>::infinity();

@@ -88,6 +88,35 @@ TEST(EmbeddedSystemRequests, ReadBuildersInPlaceOfArrays) {
   EXPECT_EQ(std::get<embedded::NeighbourSprings>(random.springs).weight, 1);
 }
 
+TEST(EmbeddedSystemRequests, ReadMembranes) {
+  const auto none = parse_embedded_system(two_points_and(""), {});
+  EXPECT_TRUE(std::get<0>(none.triangles).empty());
+  EXPECT_EQ(none.material.youngs_modulus, 1);
+  EXPECT_EQ(none.material.poisson_ratio, 0.3);
+  EXPECT_EQ(none.material.thickness, 1);
+  EXPECT_EQ(none.rest_scale, 1);
+  const auto given = parse_embedded_system(two_points_and(R"("triangles":[[0,1,2],[2,1,3]],
+                     "membrane":{"youngs_modulus":7,"poisson_ratio":-0.5,"thickness":0.1,"rest_scale":0.9})"),
+                                           {});
+  EXPECT_EQ(std::get<0>(given.triangles), (std::vector<std::array<std::int32_t, 3>>{{0, 1, 2}, {2, 1, 3}}));
+  EXPECT_EQ(given.material.youngs_modulus, 7);
+  EXPECT_EQ(given.material.poisson_ratio, -0.5);
+  EXPECT_EQ(given.material.thickness, 0.1);
+  EXPECT_EQ(given.rest_scale, 0.9);
+  EXPECT_EQ(parse_embedded_system(two_points_and(R"("triangles":{"kind":"voronoi_dual"})"), {}).triangles.index(), 1U);
+}
+
+TEST(EmbeddedSystemRequests, PointToEachFaultyFieldOfAMembrane) {
+  EXPECT_EQ(faults_of_network(two_points_and(R"("triangles":[[0,1],7,[0,1,-2]])")),
+            (Where{"/triangles/0", "/triangles/1", "/triangles/2/2"}));
+  EXPECT_EQ(faults_of_network(two_points_and(R"("triangles":{"kind":"delaunay"})")), Where{"/triangles/kind"});
+  EXPECT_EQ(faults_of_network(two_points_and(R"("triangles":{})")), Where{"/triangles/kind"});
+  EXPECT_EQ(faults_of_network(two_points_and(
+                R"("membrane":{"youngs_modulus":0,"poisson_ratio":0.5,"thickness":-1,"rest_scale":0,"mass":1})")),
+            (Where{"/membrane/youngs_modulus", "/membrane/poisson_ratio", "/membrane/thickness", "/membrane/rest_scale",
+                   "/membrane/mass"}));
+}
+
 TEST(EmbeddedSystemRequests, PointToEachFaultyEntry) {
   const auto springs = [](const std::string& entries) {
     return network_body(R"("points":[{"vertex":0},{"vertex":1}],"springs":[)" + entries + "]");

@@ -40,6 +40,10 @@ struct Network {
   MembraneMaterial material{};
 };
 
+/// The largest weight of its springs; a membrane counts with Young's modulus times thickness, by which its triangles'
+/// energies bend over their lengths. What tolerances of the gradient are relative to.
+double largest_weight(const Network& network);
+
 /// The network with checked points (surface::checked_point). Throws Error, with one detail for each of the first 20
 /// faulty entries ("springs/7/between/1", "fixed_points/0"; the sentence gives the total): "network.no_points",
 /// "network.spring" (unknown points, one point twice, lengths or weights that are negative or not finite),

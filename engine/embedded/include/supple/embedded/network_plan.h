@@ -33,32 +33,42 @@ struct NeighbourSprings {
   double weight = 1;       ///< energy per squared mesh unit
 };
 
-/// A network whose points and springs are given one by one, or by a rule.
+/// The triangles of `triangulate`.
+struct DualTriangles {};
+
+/// A network whose points, springs and triangles are given one by one, or by a rule.
 struct NetworkPlan {
   std::variant<std::vector<surface::SurfacePoint>, PointsInFaces, PoissonDiskPoints> points;
   std::variant<std::vector<Spring>, NeighbourSprings> springs;
   std::vector<std::int32_t> fixed_points{};
+  /// Corners of triangles that are at rest where the points are, but for the factor on all lengths.
+  std::variant<std::vector<std::array<std::int32_t, 3>>, DualTriangles> triangles{};
+  double rest_scale = 1;
+  MembraneMaterial material{};
 
-  /// Whether a rule is followed.
-  bool builds() const { return points.index() > 0 || springs.index() > 0; }
+  /// Whether a rule is followed, or triangles are measured.
+  bool builds() const { return points.index() > 0 || springs.index() > 0 || has_membrane(); }
+  bool has_membrane() const { return triangles.index() > 0 || !std::get<0>(triangles).empty(); }
 };
 
-/// How many points and springs a rule may make.
+/// How many points, springs and triangles a rule may make.
 struct NetworkLimits {
   std::size_t points = 100'000;
   std::size_t springs = 300'000;
-  /// Called with "points" or "springs" and their number where a rule makes more than that, mostly before it has made
-  /// them; throws.
+  std::size_t triangles = 300'000;
+  /// Called with "points", "springs" or "triangles" and their number where a rule makes more than that, mostly before
+  /// it has made them; throws.
   std::function<void(std::string_view field, std::size_t count)> refuse;
 };
 
 struct BuiltNetwork {
   Network network;
-  /// Indices of points, where the springs are those of a triangulation.
+  /// Indices of points: corners of the network's triangles, or of those of the triangulation that springs are made of.
   std::optional<std::vector<std::array<std::int32_t, 3>>> triangles;
 };
 
-/// Throws what the rules throw and what `limits.refuse` throws. Bills the stages "points" and "springs".
+/// Throws what the rules throw and what `limits.refuse` throws. Bills the stages "points", "springs" and
+/// "triangles".
 BuiltNetwork build_network(const surface::GeodesicSolver& solver, const NetworkPlan& plan, const NetworkLimits& limits,
                            const Execution& execution = {});
 

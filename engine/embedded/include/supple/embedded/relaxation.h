@@ -63,6 +63,8 @@ struct SpringState {
 struct TriangleState {
   double energy = 0;
   std::array<double, 2> stretches{};  ///< principal stretches, the greater first
+  /// A side that pushes is where another path is as short (within 1e-9, relative): see SpringState::at_cut_locus.
+  bool at_cut_locus = false;
 };
 
 struct Relaxation {
@@ -73,8 +75,8 @@ struct Relaxation {
   double gradient_norm = 0;
   int iterations = 0;
   std::vector<RelaxationStep> history;  ///< the start and every iteration
-  /// "converged"; "cut_locus" (no step lowers the energy and a spring under compression is at its cut locus, where its
-  /// length is not differentiable); "step_too_small"; or "iteration_limit".
+  /// "converged"; "cut_locus" (no step lowers the energy and a spring or a triangle's side that pushes is at its cut
+  /// locus, where its length is not differentiable); "step_too_small"; or "iteration_limit".
   std::string stopped;
   bool mollified = false;  ///< whether the energy at the end is the mollified one
   /// Points that came to rest exactly at a vertex where the energy has a kink and no direction descends, ascending.

@@ -21,6 +21,9 @@ struct EmbeddedSystemRequest {
   std::variant<std::vector<PointSpec>, embedded::PointsInFaces, embedded::PoissonDiskPoints> points;
   std::variant<std::vector<embedded::Spring>, embedded::NeighbourSprings> springs;
   std::vector<std::int32_t> fixed_points;
+  std::variant<std::vector<std::array<std::int32_t, 3>>, embedded::DualTriangles> triangles{};
+  embedded::MembraneMaterial material{};
+  double rest_scale = 1;                ///< of the triangles' lengths at the start
   embedded::RelaxationOptions options;  ///< without an observer
   double deadline = 0;                  ///< seconds; set also where the request leaves it out
 };
