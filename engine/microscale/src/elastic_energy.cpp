@@ -73,13 +73,14 @@ struct ElasticEnergy::Kernel {
   struct Evaluated {
     bool valid;
     ElasticBatch local;
-    double block[lanes][block_entries];  ///< the nodal stiffness of each lane (order 2)
   };
 
-  static void add_stiffness(const Batch& batch, const CellCoordinates& coordinates, const Evaluated& evaluated,
-                            int lane, Entries& entries) {
-    const ElasticBatch& local = evaluated.local;
-    entries.add_block(rows(batch, lane), evaluated.block[lane]);
+  static void add_stiffness(const Batch& batch, const CellCoordinates& coordinates, const ElasticBatch& local, int lane,
+                            Entries& entries) {
+    constexpr double plus[6] = {1, 1, 1, 1, 1, 1};
+    double block[block_entries];
+    nodal_stiffness(batch, local, lane, plus, block);
+    entries.add_block(rows(batch, lane), block);
     // F's components in the order of the coordinates: (row i, column k - 6) at 2 i + k - 6.
     const auto* first = &local.stiffness[6 * 7 / 2];
     const auto* second = &local.stiffness[7 * 8 / 2];
@@ -147,13 +148,8 @@ std::string_view ElasticEnergy::name() const { return to_string(law_.law); }
 void ElasticEnergy::add(const CellState& state, int order, numerics::EnergySum& sum) const {
   const Eigen::VectorXd& x = state.x;
   const auto evaluate = [&](std::size_t b, Kernel::Evaluated& evaluated) {
-    constexpr double plus[6] = {1, 1, 1, 1, 1, 1};
-    const Batch& batch = batches_[b];
-    Kernel::gather(batch, x, evaluated.local);
+    Kernel::gather(batches_[b], x, evaluated.local);
     evaluated.valid = integrate(law_, order, evaluated.local);
-    if (order < 2 || !evaluated.valid) return;
-    for (int lane = 0; lane < lanes; ++lane)
-      Kernel::nodal_stiffness(batch, evaluated.local, lane, plus, evaluated.block[lane]);
   };
   const auto add = [&](std::size_t b, const Kernel::Evaluated& evaluated) {
     const Batch& batch = batches_[b];
@@ -168,7 +164,8 @@ void ElasticEnergy::add(const CellState& state, int order, numerics::EnergySum& 
         for (int lane = 0; lane < lanes; ++lane)
           sum.gradient[Kernel::index(batch, coordinates_, k, i, lane)] += evaluated.local.force[k][i][lane];
     if (order < 2) return true;
-    for (int lane = 0; lane < lanes; ++lane) Kernel::add_stiffness(batch, coordinates_, evaluated, lane, sum.hessian);
+    for (int lane = 0; lane < lanes; ++lane)
+      Kernel::add_stiffness(batch, coordinates_, evaluated.local, lane, sum.hessian);
     return true;
   };
   numerics::add_elements<Kernel::Evaluated>(batches_.size(), batches_per_task, evaluate, add);
