@@ -274,8 +274,9 @@ void add_relax_command(CLI::App& program, const GlobalOptions& options) {
   add_network_options(*command, *arguments);
   add_relaxation_options(*command, *arguments);
   command->add_flag("--history", arguments->history, "Show every iteration");
-  command->add_option("--obj", arguments->obj_file,
-                      "Write the springs' paths as OBJ polylines, triangles as faces, - for the terminal");
+  command->add_option(
+      "--obj", arguments->obj_file,
+      "Write the springs' paths as OBJ polylines, triangles as faces (computes it once more), - for the terminal");
   command->add_option("--vtu", arguments->vtu_file, "Write the network for ParaView; computes it once more");
   command->add_option("--plot", arguments->plot_file, "Write the convergence as SVG; computes it once more");
   command->footer(

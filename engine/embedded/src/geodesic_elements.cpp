@@ -34,7 +34,6 @@ GeodesicElements::GeodesicElements(const surface::GeodesicSolver& solver, const 
                                    std::vector<bool> held, GeodesicElementsOptions options)
     : solver_(solver),
       springs_(network.springs),
-      given_triangles_(network.triangles),
       material_(network.material),
       springs_at_(network.points.size()),
       triangles_at_(network.points.size()),
@@ -45,7 +44,7 @@ GeodesicElements::GeodesicElements(const surface::GeodesicSolver& solver, const 
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const Spring& spring = springs_[i];
     paths_.push_back({spring.from, spring.to});
-    known.try_emplace(std::minmax(spring.from, spring.to), i);
+    if (!network.triangles.empty()) known.try_emplace(std::minmax(spring.from, spring.to), i);
     if (spring.weight <= 0) continue;
     springs_at_[static_cast<std::size_t>(spring.from)].push_back(static_cast<std::int32_t>(i));
     springs_at_[static_cast<std::size_t>(spring.to)].push_back(static_cast<std::int32_t>(i));
@@ -63,7 +62,7 @@ GeodesicElements::GeodesicElements(const surface::GeodesicSolver& solver, const 
     }
     for (const std::int32_t corner : given.corners)
       triangles_at_[static_cast<std::size_t>(corner)].push_back(static_cast<std::int32_t>(triangles_.size()));
-    triangles_.push_back({given.corners, sides, TriangleEnergy(given.rest_lengths, network.material)});
+    triangles_.push_back({given, sides, TriangleEnergy(given.rest_lengths, network.material)});
   }
   for (std::size_t i = 0; i < held_.size(); ++i)
     if (!held_[i] && !(springs_at_[i].empty() && triangles_at_[i].empty())) free_.push_back(i);
@@ -146,7 +145,7 @@ Eigen::Vector3d GeodesicElements::lengths_of(const FoundPaths& found, std::size_
 
 TriangleElement GeodesicElements::triangle_at(const FoundPaths& found, std::size_t triangle, int order) const {
   const Triangle& own = triangles_[triangle];
-  TriangleElement element(own.corners);
+  TriangleElement element(own.given.corners);
   const TriangleEnergy::Value energy = own.energy.at(lengths_of(found, triangle));
   element.value = energy.energy;
   if (order < 1 || !std::isfinite(energy.energy)) return element;
@@ -183,7 +182,7 @@ void GeodesicElements::add(const NetworkState& state, int order, numerics::Energ
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     TriangleElement element = triangle_at(found, t, order);
     for (int k = 0; k < 3 && order >= 1; ++k)
-      if (on_tip(triangles_[t].corners[static_cast<std::size_t>(k)])) element.take_out(k);
+      if (on_tip(triangles_[t].given.corners[static_cast<std::size_t>(k)])) element.take_out(k);
     element.add_to(sum, order);
   }
   if (order < 1 || !std::isfinite(sum.value)) return;
@@ -289,7 +288,7 @@ std::vector<std::size_t> GeodesicElements::surprised(const NetworkState& current
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const double more =
         excess_of(triangle_at(*current.found(), t, 2), triangle_at(*whole.found(), t, 0).value, whole.last_step());
-    for (const std::int32_t corner : triangles_[t].corners) excess[static_cast<std::size_t>(corner)] += more;
+    for (const std::int32_t corner : triangles_[t].given.corners) excess[static_cast<std::size_t>(corner)] += more;
   }
   const double most = *std::ranges::max_element(excess);
   std::vector<std::size_t> points;
@@ -317,7 +316,7 @@ Network GeodesicElements::elements_of(std::size_t point, const NetworkState& sta
     own.springs.push_back(spring);
   }
   for (const std::int32_t t : triangles_at_[point]) {
-    MembraneTriangle triangle = given_triangles_[static_cast<std::size_t>(t)];
+    MembraneTriangle triangle = triangles_[static_cast<std::size_t>(t)].given;
     for (std::int32_t& corner : triangle.corners) corner = number_of(corner);
     own.triangles.push_back(triangle);
   }

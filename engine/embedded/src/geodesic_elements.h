@@ -74,7 +74,7 @@ class GeodesicElements : public numerics::Term<NetworkState> {
     int to_corner;
   };
   struct Triangle {
-    std::array<std::int32_t, 3> corners;
+    MembraneTriangle given;
     std::array<Side, 3> sides;
     TriangleEnergy energy;
   };
@@ -113,7 +113,6 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   const surface::GeodesicSolver& solver_;
   std::vector<Spring> springs_;  ///< spring i is along path i
   std::vector<Triangle> triangles_;
-  std::vector<MembraneTriangle> given_triangles_;
   MembraneMaterial material_;
   std::vector<Ends> paths_;
   std::vector<std::vector<std::int32_t>> springs_at_;    ///< of each point

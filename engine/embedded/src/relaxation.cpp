@@ -147,7 +147,7 @@ class RelaxationRun {
     NetworkState start(solver_.mesh(), state_.points());
     numerics::System<NetworkState> system(std::move(start), {make_term(mollified)},
                                           numerics::Unknowns(held_coordinates(holds_.held)), {.execution = execution_});
-    if (!std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
+    if (!network_.triangles.empty() && !std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
     const double diagonal = solver_.mesh().diagonal();
     numerics::MinimizerOptions options;
     options.method = minimizer_method(options_.method);
@@ -172,14 +172,14 @@ class RelaxationRun {
     return found.stop;
   }
 
-  [[noreturn]] void refuse_collapsed(const NetworkState& state) const {
+  /// Other energies that are not finite are the minimizer's to refuse.
+  void refuse_collapsed(const NetworkState& state) const {
     const GeodesicElements elements(solver_, network_, holds_.held, {});
     Faults faults;
     for (std::size_t t = 0; t < network_.triangles.size(); ++t)
       if (!std::isfinite(elements.energy_of(t).at(elements.lengths_of(*state.found(), t)).energy))
         faults.add("triangles/" + std::to_string(t), "has no area where its corners are");
     faults.throw_if_any("network.collapsed");
-    throw Error("network.collapsed", "The elastic energy is not finite where the points are.");
   }
 
   void describe(numerics::MinimizerStop stop) {
@@ -251,17 +251,18 @@ class RelaxationRun {
   }
 
   void describe_triangles() {
+    if (network_.triangles.empty()) return;
     const GeodesicElements elements(solver_, network_, holds_.held, {});
     for (std::size_t t = 0; t < network_.triangles.size(); ++t) {
       TriangleState& told = result_.triangles.emplace_back();
       const Eigen::Vector3d lengths = elements.lengths_of(*state_.found(), t);
-      told.energy = elements.energy_of(t).at(lengths).energy;
+      const TriangleEnergy::Value energy = elements.energy_of(t).at(lengths);
+      told.energy = energy.energy;
       const Eigen::Vector2d stretches = elements.energy_of(t).stretches(lengths);
       told.stretches = {stretches[0], stretches[1]};
-      const auto pushes_at_cut_locus = [&](int side) {
-        return elements.energy_of(t).at(lengths).first[side] < 0 && !elements.side_is_unique(*state_.found(), t, side);
-      };
-      told.at_cut_locus = pushes_at_cut_locus(0) || pushes_at_cut_locus(1) || pushes_at_cut_locus(2);
+      for (int side = 0; side < 3; ++side)
+        told.at_cut_locus =
+            told.at_cut_locus || (energy.first[side] < 0 && !elements.side_is_unique(*state_.found(), t, side));
     }
   }
 

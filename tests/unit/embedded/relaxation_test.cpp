@@ -343,6 +343,20 @@ TEST(Relax, TakesTheSameStepsWhateverTheUnitOfLength) {
   EXPECT_NEAR(1e6 * relaxed[0].energy, relaxed[1].energy, 1e-6 * relaxed[1].energy);
 }
 
+TEST(Relax, RefusesSpringsOfInfiniteEnergyAsThatAndNotAsCollapsedTriangles) {
+  const TriangleMesh mesh = testing::torus(24, 12, 100, 40);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network;
+  network.points = {{FaceId{0}, {0.2, 0.3, 0.5}}, {FaceId{200}, {0.2, 0.3, 0.5}}};
+  network.springs = {{0, 1, 0, 1.7e308}};
+  try {
+    relax(solver, network);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "minimizer.not_finite");
+  }
+}
+
 TEST(Relax, StraightSpringsHaveNoCutLocus) {
   const TriangleMesh mesh = testing::icosphere(2);
   const GeodesicSolver solver(testing::share(mesh));
