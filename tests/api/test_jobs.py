@@ -91,9 +91,9 @@ def test_an_unfinished_job_has_no_result_yet_and_says_when_to_ask_again(api: Api
 
 
 def test_events_show_rising_progress_and_end_with_the_finished_job(api: Api, sphere_mesh: str) -> None:
-    # 600 starts, one search each: a second or so together.
-    pairs = [{"from": {"vertex": start}, "to": {"vertex": (start + 64 * hop) % 642}}
-             for start in range(600) for hop in range(1, 10)]
+    # Every answer of 642 searches with their paths and derivatives: progress is told ten times a second, and this takes longer.
+    pairs = [{"from": {"vertex": start}, "to": {"vertex": (start + 16 * hop) % 642}}
+             for start in range(642) for hop in range(1, 40)]
     job = start_job(api, "/v1/geodesics", {"mesh": sphere_mesh, "pairs": pairs, "derivatives": 2, "paths": True})
     seen: List[Tuple[str, Dict[str, Any]]] = list(events(api, job))
     assert len(seen) >= 3

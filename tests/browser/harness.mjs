@@ -148,6 +148,16 @@ export async function picture(page, name) {
   await page.screenshot({ path: path.join(SCREENS, `${name}.png`) });
 }
 
+/** From now on keeps what a screen reader is given to say, however soon the next sentences follow; calling the result gives all of it. */
+export async function announcements(page) {
+  await page.evaluate(() => {
+    const region = document.getElementById("announcements");
+    window.heard = [];
+    new MutationObserver(() => window.heard.push(region.textContent)).observe(region, { childList: true, characterData: true, subtree: true });
+  });
+  return () => page.evaluate(() => window.heard);
+}
+
 /** Waits until check() gives something true, and returns it. */
 export async function until(check, what, wait = WAIT_MS) {
   const end = Date.now() + wait;

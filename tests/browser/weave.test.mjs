@@ -1,7 +1,7 @@
 // The weave page: patterns, crossings that are clicked, profiles that follow, strands that are drawn.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
-import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+import { announcements, browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { WeavePage } from "./weave_page.mjs";
 
 setUp();
@@ -96,9 +96,10 @@ describe("a crossing", () => {
   it("is changed by keys, keeps the focus, and a screen reader hears of it", async () => {
     const weave = await WeavePage.open(browser, server.url, "pattern=regular&type=1&pitch=4&radius=0.25&strain=0.1");
     const { page } = weave;
+    const heard = await announcements(page);
     await weave.crossings.nth(1).focus();
     await page.keyboard.press("Enter");
-    await until(async () => /^Crossing 2: strand \d slides\.$/.test(await page.locator("#announcements").textContent()), "the announcement");
+    await until(async () => (await heard()).some((sentences) => /^Crossing 2: strand \d slides\./.test(sentences)), "the announcement");
     assert.match(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), /^Crossing 2 .*slides/);
     await page.keyboard.press("Control+z");
     await until(async () => /: fused$/.test(await weave.words(1)), "the undone step");

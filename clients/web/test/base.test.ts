@@ -3,6 +3,7 @@ import { digits, fixed, percent, plain, seconds } from "../src/base/format";
 import { History } from "../src/base/history";
 import { late } from "../src/base/late";
 import { Latest } from "../src/base/latest";
+import { Sentences } from "../src/base/sentences";
 import { EventReader } from "../src/contract/jobs";
 import { heightDomain, radialDomain, widthDomain } from "../src/base/domains";
 
@@ -18,6 +19,17 @@ describe("numbers", () => {
     expect(percent(0.0123)).toBe("1.2 %");
     expect(seconds(0.0321)).toBe("32 ms");
     expect(plain(0.1 + 0.2)).toBe("0.3");
+  });
+});
+
+describe("sentences that wait to be said", () => {
+  it("are the last of each topic, so that an outcome does not silence what led to it", () => {
+    const waiting = new Sentences();
+    waiting.set("outcome", "Young’s modulus 1.");
+    waiting.set("change", "Crossing 2: strand 1 slides.");
+    waiting.set("outcome", "Young’s modulus 2.");
+    expect(waiting.take()).toBe("Crossing 2: strand 1 slides. Young’s modulus 2.");
+    expect(waiting.take()).toBe("");
   });
 });
 

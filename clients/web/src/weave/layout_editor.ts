@@ -101,7 +101,7 @@ export class LayoutEditor {
       mark.querySelector(".slide-line")?.setAttribute("d", lines.join(""));
       mark.querySelector("title")?.replaceChildren(crossingWords(crossing, k));
     });
-    if (this.cycled !== null && all[this.cycled]) announce(`Crossing ${this.cycled + 1}: ${connectionWords(all[this.cycled])}.`);
+    if (this.cycled !== null && all[this.cycled]) announce(`Crossing ${this.cycled + 1}: ${connectionWords(all[this.cycled])}.`, "change");
     this.cycled = null;
   }
 
@@ -141,7 +141,7 @@ export class LayoutEditor {
     const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
     const point: Point = event.altKey ? [Number(x.toFixed(3)), Number(y.toFixed(3))] : snapped([x, y]);
     this.draft.add(point);
-    announce(`Point at ${digits(point[0])}, ${digits(point[1])}.`);
+    announce(`Point at ${digits(point[0])}, ${digits(point[1])}.`, "change");
   }
 }
 
