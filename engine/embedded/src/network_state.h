@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "supple/numerics/state.h"
+#include "supple/surface/geodesic_solver.h"
 #include "supple/surface/retraction.h"
 #include "supple/surface/tangent_geodesic.h"
 
@@ -25,17 +26,36 @@ struct FoundPaths {
 };
 
 /// Points that move on a surface, two tangent coordinates each: of tangent_frame of the point's face or, on the tip of
-/// a cone (a vertex), of surface::cone_coordinates.
+/// a cone (a vertex), of surface::cone_coordinates. On a host that gives way, its nodes follow, three coordinates each:
+/// the first of them are the vertices of the surface, on which points keep their barycentric coordinates when nodes
+/// move.
 class NetworkState {
  public:
-  /// `mesh` outlives the state.
+  /// On a rigid surface. `mesh` outlives the state.
   NetworkState(const surface::TriangleMesh& mesh, std::vector<surface::SurfacePoint> points);
+  /// On a surface that gives way. `nodes` has three coordinates for each node, as many nodes as the surface has
+  /// vertices or more, and the surface's are where its vertices are.
+  NetworkState(std::shared_ptr<const surface::GeodesicSolver> surface, std::vector<surface::SurfacePoint> points,
+               Eigen::VectorXd nodes);
 
-  const surface::TriangleMesh& mesh() const { return *mesh_; }
+  /// The surface as it is now.
+  const surface::TriangleMesh& mesh() const { return surface_ ? surface_->mesh() : *mesh_; }
+  /// Of a surface that gives way; null on a rigid one.
+  const std::shared_ptr<const surface::GeodesicSolver>& surface() const { return surface_; }
   const std::vector<surface::SurfacePoint>& points() const { return points_; }
   bool on_tip(std::size_t point) const { return on_tip_[point] != 0; }
   /// The vertex that a point on a tip is at.
   std::int32_t vertex_of(std::size_t point) const;
+
+  /// Coordinates of the host's nodes, three for each; empty on a rigid surface.
+  const Eigen::VectorXd& nodes() const { return nodes_; }
+  Eigen::Vector3d node(std::int32_t number) const { return nodes_.segment<3>(3 * static_cast<Eigen::Index>(number)); }
+  /// The first of a node's three rows.
+  std::int32_t node_row(std::int32_t number) const {
+    return static_cast<std::int32_t>(2 * points_.size()) + 3 * number;
+  }
+  /// Whether a face of the surface has lost its area: no path is then known, and the state has no energy.
+  bool collapsed() const { return collapsed_; }
 
   /// The same with one point elsewhere.
   void place(std::size_t point, const surface::SurfacePoint& at);
@@ -49,8 +69,9 @@ class NetworkState {
   void set_found(std::shared_ptr<const FoundPaths> found) { found_ = std::move(found); }
 
   static constexpr std::string_view motion = "motion";
-  Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
-  /// Each point walks its own straightest path, and is stopped by a boundary by itself.
+  Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()) + nodes_.size(); }
+  /// Each point walks its own straightest path, and is stopped by a boundary by itself; then the nodes move, and carry
+  /// the points with them.
   Eigen::VectorXd move(const Eigen::VectorXd& step);
   void take_frame() {}
   /// Turns each point's part as its way turned it. The way to or from a tip has no transport: there coordinates stay,
@@ -58,7 +79,12 @@ class NetworkState {
   bool transport(Eigen::VectorXd& tangent) const;
 
  private:
+  void move_nodes(const Eigen::VectorXd& step);
+
   const surface::TriangleMesh* mesh_;
+  std::shared_ptr<const surface::GeodesicSolver> surface_;
+  Eigen::VectorXd nodes_;
+  bool collapsed_ = false;
   std::vector<surface::SurfacePoint> points_;
   std::vector<std::uint8_t> on_tip_;
   Eigen::VectorXd last_step_;
