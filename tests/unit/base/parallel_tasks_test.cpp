@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "supple/base/error.h"
+#include "supple/base/threads.h"
 
 namespace supple {
 namespace {
@@ -61,6 +63,32 @@ TEST(ParallelTasks, StopWhereTheyAreCancelledAndPassExceptionsOn) {
                                 if (i == 7) throw Error("a.fault", "It failed.");
                               }),
                Error);
+}
+
+TEST(ParallelTasks, BillWhatWasDoneBeforeOneOfThemFailed) {
+  set_thread_count(1);
+  for (const bool returned : {true, false}) {
+    CostLedger cost;
+    std::vector<int> began;
+    const auto work = [&](int i, const Execution& own) {
+      began.push_back(i);
+      own.cost->add_quantity("number " + std::to_string(i), 1);
+      if (began.size() == 5) throw Error("a.fault", "It failed.");
+      own.cost->add_stage("task", 0.5);
+    };
+    if (returned)
+      EXPECT_THROW(parallel_bills(10, {{}, nullptr, &cost}, "work", work), Error);
+    else
+      EXPECT_THROW(parallel_tasks(10, {{}, nullptr, &cost}, "work", work), Error);
+    ASSERT_EQ(began.size(), 5U);
+    ASSERT_EQ(cost.quantities().size(), 5U) << "also that of the task that failed";
+    std::sort(began.begin(), began.end());
+    for (std::size_t k = 0; k < 5; ++k)
+      EXPECT_EQ(cost.quantities()[k].name, "number " + std::to_string(began[k])) << "in the order of the tasks";
+    ASSERT_EQ(cost.stages().size(), 1U);
+    EXPECT_EQ(cost.stages()[0].count, 4);
+  }
+  set_thread_count(0);
 }
 
 }  // namespace

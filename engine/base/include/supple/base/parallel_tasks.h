@@ -10,7 +10,8 @@ namespace supple {
 
 /// Runs task(i, execution of its own) for i in [0, n), in parallel within the counted threads. Returns a bill for each,
 /// in order, so that what is merged does not depend on which thread was first. Looks for a stop request before each
-/// task and reports the share of tasks that are done. Of several exceptions one reaches the caller.
+/// task and reports the share of tasks that are done. Of several exceptions one reaches the caller; what was billed
+/// until then is merged into the execution's bill, in order, since nothing is returned.
 std::vector<CostLedger> parallel_bills(int n, const Execution& execution, std::string_view stage,
                                        const std::function<void(int, const Execution&)>& task);
 
