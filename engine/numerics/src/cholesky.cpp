@@ -40,6 +40,10 @@ struct ShiftedCholesky::Implementation {
   Eigen::MatrixXd border;
   Eigen::MatrixXd core_inverse_border;
   Eigen::LLT<Eigen::MatrixXd> schur;
+  // Of what is of low rank, L: the inverse of the rest times L, and I + L^T times that.
+  Eigen::MatrixXd low_rank;
+  Eigen::MatrixXd inverse_low_rank;
+  Eigen::LLT<Eigen::MatrixXd> capacitance;
 
   bool factorize_dense(Eigen::MatrixXd matrix, double shift) {
     matrix.diagonal().array() += shift;
@@ -71,12 +75,38 @@ struct ShiftedCholesky::Implementation {
   bool factorize_bordered(const BorderedMatrix& matrix, double shift) {
     if (!matrix.border.allFinite() || !matrix.corner.allFinite() || !factorize_core(matrix.core, shift)) return false;
     border = matrix.border;
-    if (border.cols() == 0) return true;
-    core_inverse_border = solve_core(border);
-    Eigen::MatrixXd complement = matrix.corner - border.transpose() * core_inverse_border;
-    complement.diagonal().array() += shift;
-    schur.compute(complement);
-    return schur.info() == Eigen::Success;
+    if (border.cols() > 0) {
+      core_inverse_border = solve_core(border);
+      Eigen::MatrixXd complement = matrix.corner - border.transpose() * core_inverse_border;
+      complement.diagonal().array() += shift;
+      schur.compute(complement);
+      if (schur.info() != Eigen::Success) return false;
+    }
+    if (matrix.low_rank.size() == 0) return true;
+    if (!matrix.low_rank.allFinite()) return false;
+    inverse_low_rank = solve_bordered(matrix.low_rank);
+    low_rank = matrix.low_rank;
+    Eigen::MatrixXd sum = low_rank.transpose() * inverse_low_rank;
+    sum.diagonal().array() += 1;
+    capacitance.compute(sum);
+    return capacitance.info() == Eigen::Success;
+  }
+
+  /// Without what is of low rank.
+  Eigen::MatrixXd solve_bordered(const Eigen::MatrixXd& b) const {
+    if (border.cols() == 0) return solve_core(b);
+    Eigen::MatrixXd x(b.rows(), b.cols());
+    x.topRows(border.rows()) = solve_core(b.topRows(border.rows()));
+    x.bottomRows(border.cols()) =
+        schur.solve(b.bottomRows(border.cols()) - border.transpose() * x.topRows(border.rows()));
+    x.topRows(border.rows()) -= core_inverse_border * x.bottomRows(border.cols());
+    return x;
+  }
+
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const {
+    const Eigen::VectorXd x = solve_bordered(b);
+    if (low_rank.size() == 0) return x;
+    return x - inverse_low_rank * capacitance.solve(low_rank.transpose() * x);
   }
 
   Eigen::MatrixXd solve_core(const Eigen::MatrixXd& b) const {
@@ -93,6 +123,7 @@ ShiftedCholesky::~ShiftedCholesky() = default;
 bool ShiftedCholesky::factorize(const Hessian& hessian, double shift) {
   const StageTimer timer(implementation_->cost, "factorization");
   implementation_->border.resize(0, 0);
+  implementation_->low_rank.resize(0, 0);
   if (const auto* bordered = std::get_if<std::shared_ptr<const BorderedMatrix>>(&hessian))
     return implementation_->factorize_bordered(**bordered, shift);
   if (const auto* dense = std::get_if<Eigen::MatrixXd>(&hessian))
@@ -104,14 +135,7 @@ bool ShiftedCholesky::factorize(const Hessian& hessian, double shift) {
 
 Eigen::VectorXd ShiftedCholesky::solve(const Eigen::VectorXd& b) const {
   const StageTimer timer(implementation_->cost, "solve");
-  const Eigen::MatrixXd& border = implementation_->border;
-  if (border.cols() == 0) return implementation_->solve_core(b);
-  Eigen::VectorXd x(b.size());
-  x.head(border.rows()) = implementation_->solve_core(b.head(border.rows()));
-  x.tail(border.cols()) =
-      implementation_->schur.solve(b.tail(border.cols()) - border.transpose() * x.head(border.rows()));
-  x.head(border.rows()) -= implementation_->core_inverse_border * x.tail(border.cols());
-  return x;
+  return implementation_->solve(b);
 }
 
 Eigen::MatrixXd ShiftedCholesky::solve_core(const Eigen::MatrixXd& b) const {

@@ -79,6 +79,7 @@ struct ToDense {
     dense.topRightCorner(n, m) = bordered->border;
     dense.bottomLeftCorner(m, n) = bordered->border.transpose();
     dense.bottomRightCorner(m, m) = bordered->corner;
+    if (bordered->low_rank.size() > 0) dense += bordered->low_rank * bordered->low_rank.transpose();
     return dense;
   }
 };

@@ -49,6 +49,33 @@ TEST(ShiftedCholesky, AnalysesAPatternOnceForAllItsValues) {
   EXPECT_EQ(cholesky.analyses(), 2);
 }
 
+TEST(ShiftedCholesky, SolvesWithWhatIsOfLowRankLikeTheDenseOne) {
+  for (const int n : {10, 200}) {
+    for (const Eigen::Index border : {0, 2}) {
+      auto matrix = std::make_shared<BorderedMatrix>();
+      matrix->core = chain_hessian(n).triangularView<Eigen::Lower>();
+      matrix->border = 0.1 * Eigen::MatrixXd::Ones(n, border);
+      matrix->corner = 30 * Eigen::MatrixXd::Identity(border, border);
+      matrix->low_rank.resize(n + border, 2);
+      for (Eigen::Index i = 0; i < n + border; ++i) matrix->low_rank.row(i) << 5 * std::cos(2.0 * i), 1e3;
+      const Eigen::MatrixXd full = dense(*matrix);
+      const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n + border, -1, 2);
+      for (const double shift : {0.0, 0.7}) {
+        ShiftedCholesky cholesky;
+        ASSERT_TRUE(cholesky.factorize(std::shared_ptr<const BorderedMatrix>(matrix), shift));
+        const Eigen::VectorXd x = cholesky.solve(b);
+        EXPECT_LT((full * x + shift * x - b).norm(), 1e-13 * full.norm() * x.norm()) << n << " " << border;
+        // Nothing of it stays for the next matrix.
+        ASSERT_TRUE(cholesky.factorize(chain_hessian(n), shift));
+        const Eigen::VectorXd y = cholesky.solve(b.head(n));
+        EXPECT_LT((chain_hessian(n) * y + shift * y - b.head(n)).norm(), 1e-10 * b.norm());
+      }
+      matrix->low_rank(0, 0) = std::numeric_limits<double>::quiet_NaN();
+      EXPECT_FALSE(ShiftedCholesky().factorize(std::shared_ptr<const BorderedMatrix>(matrix), 0));
+    }
+  }
+}
+
 TEST(ShiftedCholesky, SaysWhereTheMatrixIsNotPositiveDefiniteAndTheShiftMendsIt) {
   for (const int n : {10, 200}) {
     SparseMatrix matrix = chain_hessian(n);

@@ -87,6 +87,37 @@ TEST(System, HasTheDerivativesByTheUnknownsOfHeldOnesAndOfABorder) {
   EXPECT_LT(check_derivatives(system).hessian.error, 1e-9);
 }
 
+/// (sum of x - 1)^2 / 2 times the weight: couples all degrees of freedom.
+class KeptSum : public Term<VectorState> {
+ public:
+  explicit KeptSum(double weight) : weight_(weight) {}
+  std::string_view name() const override { return "kept_sum"; }
+  void add(const VectorState& state, int order, EnergySum& sum) const override {
+    const double excess = state.x.sum() - 1;
+    sum.value += 0.5 * weight_ * excess * excess;
+    if (order >= 1) sum.gradient.array() += weight_ * excess;
+    if (order >= 2) sum.rank_one.emplace_back(Eigen::VectorXd::Constant(state.x.size(), std::sqrt(weight_)));
+  }
+
+ private:
+  double weight_;
+};
+
+TEST(System, KeepsWhatCouplesAllDegreesOfFreedomApartFromTheSparseMatrix) {
+  const auto term = std::make_shared<Quadratic>(7);
+  Eigen::MatrixXd directions(2, 1);
+  directions << 0.6, 0.8;
+  const Unknowns unknowns({true, false, false, true, false}, directions);
+  System<VectorState> system({Eigen::VectorXd::LinSpaced(7, -1, 2)}, {term, std::make_shared<KeptSum>(1e3)}, unknowns);
+  const auto matrix = std::get<std::shared_ptr<const BorderedMatrix>>(system.evaluate(2).hessian);
+  EXPECT_EQ(matrix->low_rank.cols(), 1);
+  EXPECT_LT(matrix->core.coeff(1, 0), 7) << "the sparse part is without it";
+  EXPECT_LT(check_derivatives(system).hessian.error, 1e-9);
+  const MinimizerResult found = minimize(system);
+  EXPECT_EQ(found.stop, MinimizerStop::converged);
+  EXPECT_EQ(found.iterations, 1) << "a quadratic function";
+}
+
 TEST(System, LeavesHeldDegreesOfFreedomWhereTheyAre) {
   const auto term = std::make_shared<Quadratic>(4);
   System<VectorState> system({Eigen::Vector4d(1, 2, 3, 4)}, {term}, Unknowns(std::vector{true, false, false, true}));

@@ -17,6 +17,7 @@ inline Eigen::MatrixXd dense(const BorderedMatrix& matrix) {
   Eigen::MatrixXd all(n + m, n + m);
   all << Eigen::MatrixXd(matrix.core).selfadjointView<Eigen::Lower>().toDenseMatrix(), matrix.border,
       matrix.border.transpose(), matrix.corner;
+  if (matrix.low_rank.size() > 0) all += matrix.low_rank * matrix.low_rank.transpose();
   return all;
 }
 

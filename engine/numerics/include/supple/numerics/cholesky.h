@@ -15,7 +15,8 @@ inline constexpr Eigen::Index dense_cholesky_limit = 64;
 /// Cholesky factorization of H + shift I. Dense matrices and small ones by Eigen's LLT, O(n^3); sparse ones by a
 /// multifrontal method on CHOLMOD's ordering and supernodes (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic
 /// analysis is kept for as long as the pattern stays. Of a bordered matrix the core is factorized so, and the corner's
-/// Schur complement as a dense matrix.
+/// Schur complement as a dense matrix; what is of low rank comes in by the formula of Sherman, Morrison and Woodbury
+/// (1950), and the rest has to be positive definite without it.
 class ShiftedCholesky {
  public:
   ShiftedCholesky();

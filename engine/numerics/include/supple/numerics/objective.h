@@ -11,11 +11,13 @@ namespace supple::numerics {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// The symmetric matrix [core border; border^T corner]: a sparse matrix with a few dense rows and columns at its end.
+/// The symmetric matrix [core border; border^T corner] + low_rank low_rank^T: a sparse matrix with a few dense rows and
+/// columns at its end, and a few dense products besides.
 struct BorderedMatrix {
-  SparseMatrix core;       ///< n x n, the lower triangle only
-  Eigen::MatrixXd border;  ///< n x m
-  Eigen::MatrixXd corner;  ///< m x m, both triangles; m is small and may be 0
+  SparseMatrix core;         ///< n x n, the lower triangle only
+  Eigen::MatrixXd border;    ///< n x m
+  Eigen::MatrixXd corner;    ///< m x m, both triangles; m is small and may be 0
+  Eigen::MatrixXd low_rank;  ///< (n + m) x k; k is small, and empty stands for 0
 };
 
 /// A symmetric matrix of second derivatives: none, dense or sparse with both triangles filled, or bordered. A bordered

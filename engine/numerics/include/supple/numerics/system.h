@@ -179,8 +179,8 @@ class System : public Objective {
     sum_up(1);
     return sums_->gradient;
   }
-  // Of the last evaluation of order 2: the core of the unknowns, and the border for all of the border's degrees of
-  // freedom, not only along the directions.
+  // Of the last evaluation of order 2, without what is of low rank: the core of the unknowns, and the border for all of
+  // the border's degrees of freedom, not only along the directions.
   const SparseMatrix& core() const { return hessian_->core; }
   const Eigen::MatrixXd& border() const { return border_; }
   const Eigen::MatrixXd& corner() const { return corner_; }
@@ -233,6 +233,9 @@ class System : public Objective {
     const Eigen::MatrixXd& directions = unknowns_.directions();
     hessian_->border = border_ * directions;
     hessian_->corner = directions.transpose() * corner_ * directions;
+    hessian_->low_rank.resize(dimension(), static_cast<Eigen::Index>(sums_->rank_one.size()));
+    for (Eigen::Index k = 0; k < hessian_->low_rank.cols(); ++k)
+      hessian_->low_rank.col(k) = unknowns_.restrict(sums_->rank_one[static_cast<std::size_t>(k)]);
   }
 
   using Clock = std::chrono::steady_clock;

@@ -20,12 +20,16 @@ struct EnergySum {
   double value = 0;
   Eigen::VectorXd gradient{};  ///< one entry per degree of freedom; empty for order 0
   HessianEntries hessian{};    ///< unused below order 2
+  /// What couples all degrees of freedom with each other: each column a adds a a^T to the Hessian (order 2).
+  std::vector<Eigen::VectorXd> rank_one{};
 
   /// Makes the sum zero, for n degrees of freedom and derivatives up to `order`.
   void clear(Eigen::Index n, int order) {
     value = 0;
     if (order >= 1) gradient.setZero(n);
-    if (order >= 2) hessian.clear();
+    if (order < 2) return;
+    hessian.clear();
+    rank_one.clear();
   }
 
   /// Adds the share of an element of the degrees of freedom `rows`: its gradient (order 1) and the lower triangle of
