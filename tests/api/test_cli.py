@@ -132,6 +132,14 @@ def test_a_weighted_mean_is_found_and_its_history_shown(supple: Program) -> None
     assert "converged" in text and "step" in text
 
 
+def test_of_several_starts_the_one_that_led_to_the_mean_is_named(supple: Program) -> None:
+    mean = ("karcher", supple.file("sphere.obj", sphere(2)), "v11", "v133", "v30")
+    won = json.loads(supple.ok("--json", *mean, "--starts", "4"))["start"]
+    assert won > 0
+    assert re.search(rf"^start +{won} led here, of 4 counted from 0$", supple.ok(*mean, "--starts", "4"), re.MULTILINE)
+    assert "led here" not in supple.ok(*mean)
+
+
 def test_a_network_is_relaxed_and_written_in_three_forms(supple: Program) -> None:
     file = supple.file("grid.obj", flat_grid(8))
     network = ("relax", file, "v0", "v80", "v40", "--spring", "0,2,0,3", "-s", "1,2", "--fixed", "0,1")

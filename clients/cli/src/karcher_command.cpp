@@ -32,7 +32,7 @@ void print_history(const nlohmann::json& history) {
   }
 }
 
-void print_karcher_mean(const nlohmann::json& answer, bool history) {
+void print_karcher_mean(const nlohmann::json& answer, int starts, bool history) {
   const auto& position = answer.at("position");
   fmt::print("mean        {}\n", describe_surface_point(answer.at("mean")));
   fmt::print("position    {} {} {}\n", position.at(0).get<double>(), position.at(1).get<double>(),
@@ -42,6 +42,7 @@ void print_karcher_mean(const nlohmann::json& answer, bool history) {
              answer.at("accuracy").at("gradient_tolerance").get<double>());
   fmt::print("stopped     {} after {} iterations, {:.4g} s\n", answer.at("stopped").get<std::string>(),
              answer.at("iterations").get<int>(), answer.at("cost").at("seconds").get<double>());
+  if (starts > 1) fmt::print("start       {} led here, of {} counted from 0\n", answer.at("start").get<int>(), starts);
   if (history) print_history(answer.at("history"));
 }
 
@@ -57,7 +58,7 @@ void run(const GlobalOptions& options, const KarcherMeanArguments& arguments) {
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
   const nlohmann::json answer = session.compute("/v1/karcher-means", request).json();
-  session.json() ? print_json(answer) : print_karcher_mean(answer, arguments.history);
+  session.json() ? print_json(answer) : print_karcher_mean(answer, arguments.starts, arguments.history);
 }
 
 }  // namespace
