@@ -148,6 +148,23 @@ export async function picture(page, name) {
   await page.screenshot({ path: path.join(SCREENS, `${name}.png`) });
 }
 
+/**
+ * Answers requests to `path` that `holds` is true of by a job that never ends and is as far as the test says: `tell(progress, stage)`
+ * before the first of them and whenever it goes on. Pages ask after it, since it has no events.
+ */
+export async function heldJob(page, path, holds = () => true) {
+  const job = { id: "held", kind: "designs", state: "running", progress: 0, stage: "", created: "2026-01-01T00:00:00Z", deadline: 600 };
+  const problem = { type: "urn:supple:error:server.too_many_event_streams", title: "Too many event streams", status: 503, detail: "Ask after the job instead.", code: "server.too_many_event_streams" };
+  await page.route(`**${path}`, (route) => (holds(route.request()) ? route.fulfill({ status: 202, json: job }) : route.fallback()));
+  await page.route("**/v1/jobs/held", (route) => route.fulfill({ status: 200, json: job }));
+  await page.route("**/v1/jobs/held/events", (route) => route.fulfill({ status: 503, contentType: "application/problem+json", json: problem }));
+  return {
+    tell(progress, stage) {
+      Object.assign(job, { progress, stage });
+    },
+  };
+}
+
 /** From now on keeps what a screen reader is given to say, however soon the next sentences follow; calling the result gives all of it. */
 export async function announcements(page) {
   await page.evaluate(() => {

@@ -3,6 +3,7 @@ import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h, replace, svg } from "../base/dom";
 import { percent } from "../base/format";
+import { Working } from "../base/working";
 import { CartesianPlot } from "./cartesian_plot";
 import type { Pins } from "./pins";
 import type { PlotView, PlotWishes } from "./plot";
@@ -21,6 +22,7 @@ export class PlotPanel {
   private readonly stage = h("div", { class: "stage" });
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
   private readonly status = h("div", { class: "status" });
+  private readonly working = new Working("Progress of the search", () => this.session.cancel());
   private readonly cartesian: ProfilePlot;
   private readonly polar: ProfilePlot;
   private readonly remove = button("", () => this.removeSelected(), { icon: "minus", title: "Remove the selected control point" });
@@ -192,10 +194,7 @@ export class PlotPanel {
       announce(activity.sentence);
       replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.retry()));
     } else if (activity.kind === "busy" && activity.effort === "search") {
-      const bar = h("progress", { max: 1, "aria-label": "Progress of the search" });
-      if (activity.progress !== null) bar.value = activity.progress;
-      const words = activity.stage ? `Searching: ${activity.stage}` : "Searching";
-      replace(this.status, h("div", { class: "working" }, h("span", {}, words), bar, button("Cancel", () => session.cancel())));
+      this.working.show(this.status, activity.stage ? `Searching: ${activity.stage}` : "Searching", activity.progress);
     } else if (activity.kind === "idle") {
       replace(this.status);
       this.tellOutcome();

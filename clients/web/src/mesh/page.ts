@@ -1,8 +1,8 @@
 // The mesh page, put together.
 import sampleUrl from "../../../../api/examples/meshes/trefoil-knot.obj?url";
 import { announce } from "../base/announce";
-import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
+import { Working } from "../base/working";
 import type { Page, Surroundings } from "../page";
 import { findings } from "./findings";
 import { readMeshLink, writeMeshLink } from "./link";
@@ -96,11 +96,8 @@ export function meshPage({ client, link }: Surroundings): Page {
     isRelaxing = now;
   });
 
-  // One element for all of the work: a button that is replaced with each word of progress cannot be pressed.
-  const doing = h("span");
-  const bar = h("progress", { max: 1, "aria-label": "Progress" });
   let stop = () => {};
-  const working = h("div", { class: "working" }, doing, bar, button("Cancel", () => stop()));
+  const working = new Working("Progress", () => stop());
 
   function showActivity(): void {
     const [activity, cancel]: [MeshActivity, () => void] =
@@ -108,12 +105,7 @@ export function meshPage({ client, link }: Surroundings): Page {
     stop = cancel;
     if (activity.kind === "idle") replace(status);
     else if (activity.kind === "failed") replace(status, h("p", { class: "note", role: "alert" }, activity.sentence));
-    else {
-      doing.textContent = activity.words;
-      if (activity.progress === null) bar.removeAttribute("value");
-      else bar.value = activity.progress;
-      if (working.parentElement !== status) replace(status, working);
-    }
+    else working.show(status, activity.words, activity.progress);
   }
   for (const part of [session.activity, network.activity, session.tool]) part.watch(showActivity);
 

@@ -4,6 +4,7 @@ import { button, Segments, Slider } from "../base/controls";
 import type { Curve } from "../base/curve";
 import { h, replace, svg } from "../base/dom";
 import { degrees, digits } from "../base/format";
+import { Working } from "../base/working";
 import type { DeformedCell } from "./deformed_cell";
 import type { Pins } from "./pins";
 import { type ChartView, PolarChart } from "./polar_chart";
@@ -21,6 +22,7 @@ export class ProfileCard {
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
   private readonly notes = h("div", { class: "notes" });
   private readonly status = h("div", { class: "status" });
+  private readonly working = new Working("Progress", () => this.session.cancel());
   private logarithmic = false;
   private scheduled = false;
   private announced = "";
@@ -128,9 +130,7 @@ export class ProfileCard {
       announce(activity.sentence);
       replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.retry()));
     } else if (activity.kind === "busy") {
-      const bar = h("progress", { max: 1, "aria-label": "Progress" });
-      if (activity.progress !== null) bar.value = activity.progress;
-      replace(this.status, h("div", { class: "working" }, h("span", {}, `${activity.directions} directions`), bar, button("Cancel", () => session.cancel())));
+      this.working.show(this.status, `${activity.directions} directions`, activity.progress);
     } else {
       replace(this.status);
       this.tellOutcome();

@@ -4,6 +4,7 @@ import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { digits, percent, seconds } from "../base/format";
+import { Working } from "../base/working";
 import type { WeaveToolpath } from "../contract/types";
 import { STOP_WORDS } from "./profile";
 import type { WeaveSession } from "./session";
@@ -17,6 +18,7 @@ export function sheetCard(session: WeaveSession, sheet: SheetSession): HTMLEleme
   const body = h("div", { class: "sheet-body", hidden: true });
   const stale = h("p", { class: "note", hidden: true }, "The weave or its load has changed since: simulate again.");
   const status = h("div", { class: "status" });
+  const working = new Working("Progress of the simulation", () => sheet.cancel());
   const printed = h("p", { class: "note", hidden: true });
   let view: SheetView | null = null;
 
@@ -39,9 +41,7 @@ export function sheetCard(session: WeaveSession, sheet: SheetSession): HTMLEleme
       announce(activity.sentence);
       return replace(status, h("p", { class: "note" }, activity.sentence));
     }
-    const bar = h("progress", { max: 1, "aria-label": "Progress of the simulation" });
-    if (activity.progress !== null) bar.value = activity.progress;
-    replace(status, h("div", { class: "working" }, h("span", {}, activity.words), bar, button("Cancel", () => sheet.cancel())));
+    working.show(status, activity.words, activity.progress);
   });
   return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, printed), status, printed, stale, body);
 }
