@@ -33,6 +33,13 @@ describe("the mesh page", () => {
     await page.getByLabel("Mean", { exact: true }).check();
     await until(async () => /converged|kink|descent/.test((await page.locator('[aria-label="Result"]').textContent()) ?? ""), "the mean");
     await picture(page, "mesh-mean");
+    const asked = page.waitForRequest((request) => request.url().endsWith("/v1/karcher-means"));
+    await page.getByLabel("Searches from different starts, as a number").fill("3");
+    await page.getByLabel("Searches from different starts, as a number").press("Enter");
+    assert.equal((await asked).postDataJSON().starts, 3);
+    await until(async () => /^[123] of 3$/.test((await fact(page, "Start")) ?? ""), "the start that led to the mean");
+    await page.getByLabel("Path", { exact: true }).check();
+    assert.equal(await page.getByLabel("Searches from different starts, as a number").isVisible(), false);
     await closePage(page);
   });
 

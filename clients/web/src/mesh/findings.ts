@@ -46,6 +46,7 @@ export const findings: Answers = {
 
   mean(mean, geodesics) {
     const { notes, paths } = pathsOf(geodesics);
+    const further = mean.effects.find((effect) => effect.name === "multi_start")?.count ?? 0;
     return {
       ...NOTHING,
       paths,
@@ -54,6 +55,7 @@ export const findings: Answers = {
         ["Objective", digits(mean.objective, 6)],
         ["Gradient", digits(mean.gradient_norm, 2)],
         ["Iterations", `${mean.iterations}, ${STOP_WORDS[mean.stopped]}`],
+        ...(further > 0 ? [["Start", `${mean.start + 1} of ${further + 1}`] as const] : []),
         ["Position", mean.position.map((value) => digits(value, 4)).join(", ")],
         ["Time", seconds(mean.cost.seconds)],
       ],

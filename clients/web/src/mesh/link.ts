@@ -2,7 +2,7 @@
 import type { SurfacePoint } from "../contract/types";
 import type { NetworkState } from "./network_state";
 import { readNetwork, writeNetwork } from "./network_text";
-import { type Tool, TOOLS } from "./session";
+import { MOST_STARTS, type Tool, TOOLS } from "./session";
 
 const MOST_POINTS = 200;
 
@@ -10,13 +10,15 @@ export interface MeshLink {
   mesh: string;
   tool: Tool;
   points: SurfacePoint[];
+  /** Of a mean, where there are several. */
+  starts?: number;
   /** Where the tool is the network. */
   network: NetworkState | null;
 }
 
-export function writeMeshLink({ mesh, tool, points, network }: MeshLink): string {
+export function writeMeshLink({ mesh, tool, points, starts = 1, network }: MeshLink): string {
   const places = points.map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
-  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}${network && tool === "network" ? `&${writeNetwork(network)}` : ""}`;
+  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}${tool === "mean" && starts > 1 ? `&starts=${starts}` : ""}${network && tool === "network" ? `&${writeNetwork(network)}` : ""}`;
 }
 
 /** Null where the text is no such link; points that are none are left out. */
@@ -26,7 +28,10 @@ export function readMeshLink(text: string): MeshLink | null {
   if (!/^[0-9a-f]{64}$/.test(mesh)) return null;
   const places = (fields.get("points") ?? "").split(";").slice(0, MOST_POINTS);
   const points = places.map(readPoint).filter((point): point is SurfacePoint => point !== null);
-  return { mesh, tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path", points, network: readNetwork(fields, points.length) };
+  const starts = /^\d{1,3}$/.test(fields.get("starts") ?? "") ? Math.min(MOST_STARTS, Number(fields.get("starts"))) : 1;
+  return {
+    mesh, tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path", points, ...(starts > 1 && { starts }), network: readNetwork(fields, points.length),
+  };
 }
 
 /** A vertex as "v12", a point of a face as "12:0.2,0.3,0.5". */

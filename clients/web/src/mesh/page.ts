@@ -111,9 +111,9 @@ export function meshPage({ client, link }: Surroundings): Page {
 
   function writeLink(): void {
     const loaded = session.mesh.get();
-    if (loaded) link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...session.points.get()], network: network.state.get() }));
+    if (loaded) link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...session.points.get()], starts: session.starts.get(), network: network.state.get() }));
   }
-  for (const part of [session.mesh, session.points, session.tool, network.state]) part.watch(writeLink);
+  for (const part of [session.mesh, session.points, session.tool, session.starts, network.state]) part.watch(writeLink);
   stage.addEventListener("dragover", (event) => event.preventDefault());
   stage.addEventListener("drop", (event) => {
     event.preventDefault();
@@ -128,6 +128,7 @@ export function meshPage({ client, link }: Surroundings): Page {
       const linked = readMeshLink(text);
       if (linked && linked.mesh !== session.mesh.get()?.info.id) {
         session.setTool(linked.tool);
+        session.setStarts(linked.starts ?? 1);
         await session.open(linked.mesh, linked.points);
         if (linked.network && session.mesh.get()?.info.id === linked.mesh) network.restore(linked.network);
       } else writeLink();

@@ -1,5 +1,5 @@
 // Everything beside the surface: which mesh, which tool, the points, what was found.
-import { button, Checkbox, Segments, Select } from "../base/controls";
+import { button, Checkbox, Segments, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import type { Mesh } from "../contract/types";
@@ -7,7 +7,7 @@ import { pointWords, readPoint } from "./link";
 import { networkPanel } from "./network_panel";
 import type { NetworkSession } from "./network_session";
 import { ordered, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
-import type { MeshSession, Tool } from "./session";
+import { type MeshSession, MOST_STARTS, type Tool } from "./session";
 import { cssGradient } from "./spring_colours";
 import { RAMP } from "./surface_material";
 
@@ -77,11 +77,16 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   const words: Record<Tool, string> = {
     path: "Shortest paths from point to point.",
     distance: "Distance to the nearest point, with isolines.",
-    mean: "The point of least mean squared distance, and the paths to it.",
+    mean: "The point of least mean squared distance, and the paths to it. There may be several minima: further searches may find a lower one.",
     network: "An elastic network whose points slide on the surface until its springs are at rest.",
   };
   const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, { value: "network", words: "Network" }], (value) => session.setTool(value));
   const help = h("p", { class: "muted" });
+  const starts = new Slider({
+    label: "Searches from different starts", lower: 1, upper: MOST_STARTS, step: 1, digits: 0,
+    changed: (value, done) => done && session.setStarts(Math.round(value)),
+  });
+  session.starts.watch((value) => (starts.value = value));
   const list = h("ol", { class: "points" });
   const id = uniqueId("point");
   const entry = h("input", { class: "number", id, placeholder: "v120 or 7:0.2,0.3,0.5" });
@@ -111,6 +116,7 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   session.tool.watch((value) => {
     tool.value = value;
     help.textContent = words[value];
+    starts.element.hidden = value !== "mean";
   });
   let shown = "";
   for (const part of [session.tool, session.points, network.state]) {
@@ -120,7 +126,7 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
       shown = now;
     });
   }
-  return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, list, form, clear);
+  return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, starts.element, list, form, clear);
 }
 
 function findingCard(session: MeshSession): HTMLElement {

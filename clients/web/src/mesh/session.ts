@@ -10,6 +10,9 @@ import { helpAgainst, ordered, uploadPath } from "./repair";
 export type Tool = "path" | "distance" | "mean" | "network";
 export const TOOLS: readonly Tool[] = ["path", "distance", "mean", "network"];
 
+/** Searches for a mean that a person may ask for, each as long as the first. */
+export const MOST_STARTS = 50;
+
 /** Tools whose answer follows the points by itself; a network is relaxed when a person says so. */
 type Following = Exclude<Tool, "network">;
 
@@ -50,6 +53,8 @@ export class MeshSession {
   readonly mesh = new Observable<Loaded | null>(null);
   readonly points = new Observable<readonly SurfacePoint[]>([]);
   readonly tool = new Observable<Tool>("path");
+  /** Places that the search for a mean starts from; the lowest minimum is shown. */
+  readonly starts = new Observable(1);
   readonly finding = new Observable<Finding>(NOTHING);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
   readonly known = new Observable<readonly Mesh[]>([]);
@@ -135,6 +140,11 @@ export class MeshSession {
     this.compute();
   }
 
+  setStarts(starts: number): void {
+    this.starts.set(starts);
+    if (this.tool.get() === "mean") this.compute();
+  }
+
   cancel(): void {
     this.requests.cancel();
     this.activity.set({ kind: "idle" });
@@ -210,7 +220,7 @@ export class MeshSession {
       const pairs = points.slice(1).map((to, k) => ({ from: points[k], to }));
       return this.read.path(await run<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
     }
-    const mean = await run<KarcherMean>("/v1/karcher-means", { mesh, points });
+    const mean = await run<KarcherMean>("/v1/karcher-means", { mesh, points, starts: this.starts.get() });
     const pairs = points.map((to) => ({ from: mean.mean, to }));
     return this.read.mean(mean, await run<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
   }
