@@ -5,8 +5,8 @@
 #include <cstring>
 #include <utility>
 
-#include "gmsh_owner.h"
 #include "solid_patch.h"
+#include "supple/meshing/planar_mesh.h"
 
 namespace supple::tiling {
 namespace {
@@ -54,7 +54,7 @@ std::string write_stl(const Structure& structure, const ExportOptions& options) 
   // Caps need no fine triangles; their corners are those of the walls.
   const double size =
       options.first * structure.tiling.lattice.col(0).norm() + options.second * structure.tiling.lattice.col(1).norm();
-  const PlanarMesh caps = triangulate(faces, [size](const Eigen::Vector2d&) { return size; });
+  const meshing::PlanarMesh caps = meshing::triangulate(faces, [size](const Eigen::Vector2d&) { return size; });
   for (const auto& [a, b, c] : caps.triangles) {
     const auto &p = caps.points[a], &q = caps.points[b], &r = caps.points[c];
     writer.add(at(p, height), at(q, height), at(r, height));

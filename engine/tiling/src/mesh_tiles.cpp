@@ -4,6 +4,7 @@
 
 #include "cell_meshes.h"
 #include "polygon.h"
+#include "supple/meshing/planar_mesh.h"
 
 namespace supple::tiling {
 namespace {
@@ -31,7 +32,7 @@ Polygon divided_hole(const Polygon& hole, const SizeField& size) {
 
 TriangleSoup mesh_by_tiles(const Structure& structure, SizeField size) {
   const std::vector<Placement>& placements = structure.tiling.placements;
-  std::vector<PlanarMesh> rings;
+  std::vector<meshing::PlanarMesh> rings;
   std::vector<std::size_t> outline_points;
   for (std::size_t tile = 0; tile < structure.tiling.tiles.size(); ++tile) {
     const auto first = std::find_if(placements.begin(), placements.end(),
@@ -48,11 +49,11 @@ TriangleSoup mesh_by_tiles(const Structure& structure, SizeField size) {
     Face ring = {divided_outline(structure.tiling.tiles[tile], size.largest())};
     for (const Polygon& hole : holes) ring.push_back(divided_hole(hole, size));
     outline_points.push_back(ring[0].size());
-    rings.push_back(triangulate({ring}, size));
+    rings.push_back(meshing::triangulate({ring}, size));
   }
   TriangleSoup soup;
   for (const Placement& placement : structure.tiling.placements) {
-    const PlanarMesh& ring = rings[placement.tile];
+    const meshing::PlanarMesh& ring = rings[placement.tile];
     const int first = static_cast<int>(soup.points.size());
     for (std::size_t k = 0; k < ring.points.size(); ++k) {
       soup.points.emplace_back(placement.linear * ring.points[k] + placement.offset);

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "gmsh_owner.h"
+#include "beams.h"
 #include "supple/tiling/mesh.h"
 
 namespace supple::tiling {

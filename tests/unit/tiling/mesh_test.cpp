@@ -212,5 +212,18 @@ TEST(Mesh, TheEstimateOfNodesIsOfTheRightSize) {
   }
 }
 
+TEST(Mesh, ThreadsThatMeshAtOnceGetWhatTheyGetAlone) {
+  const Structure one = testing::preset_structure("IH01"), two = testing::preset_structure("IH22");
+  const PeriodicMesh first = mesh_structure(one), second = mesh_structure(two);
+  std::vector<int> same(2, 0);
+  const auto repeat_meshing = [&same](int thread, const Structure& structure, const PeriodicMesh& expected) {
+    for (int k = 0; k < 5; ++k) same[thread] += testing::identical(mesh_structure(structure), expected);
+  };
+  std::thread other([&] { repeat_meshing(1, two, second); });
+  repeat_meshing(0, one, first);
+  other.join();
+  EXPECT_EQ(same, (std::vector<int>{5, 5}));
+}
+
 }  // namespace
 }  // namespace supple::tiling

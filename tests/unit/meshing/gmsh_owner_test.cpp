@@ -1,22 +1,26 @@
-#include "gmsh_owner.h"
-
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <string>
 #include <thread>
 
-#include "designs.h"
-#include "polygon.h"
+#include "supple/meshing/planar_mesh.h"
+#include "supple/meshing/tetrahedral_mesh.h"
 #include "support/expect_error.h"
+#include "support/shapes.h"
 
-namespace supple::tiling {
+namespace supple::meshing {
 namespace {
 
 using supple::testing::expect_error;
 
+using Polygon = std::vector<Eigen::Vector2d>;
+using Face = PlanarFace;
+
 const Polygon square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
 const Polygon hole = {{1, 1}, {1, 3}, {3, 3}, {3, 1}};
 
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 double constant(const Eigen::Vector2d&) { return 0.5; }
 
 TEST(GmshOwner, TrianglesFillAFaceAndItsBoundaryPointsComeFirst) {
@@ -70,17 +74,25 @@ TEST(GmshOwner, PrintsNothingAndLeavesSignalsAlone) {
 }
 
 TEST(GmshOwner, ThreadsThatMeshAtOnceGetWhatTheyGetAlone) {
-  const Structure one = testing::preset_structure("IH01"), two = testing::preset_structure("IH22");
-  const PeriodicMesh first = mesh_structure(one), second = mesh_structure(two);
-  std::vector<int> same(2, 0);
-  const auto repeat_meshing = [&same](int thread, const Structure& structure, const PeriodicMesh& expected) {
-    for (int k = 0; k < 5; ++k) same[thread] += testing::identical(mesh_structure(structure), expected);
-  };
-  std::thread other([&] { repeat_meshing(1, two, second); });
-  repeat_meshing(0, one, first);
+  const surface::TriangleMesh sphere = testing::icosphere(2);
+  const auto plane = [] { return triangulate({{square, hole}}, [](const Eigen::Vector2d&) { return 0.1; }); };
+  const auto solid = [&] { return fill(sphere.positions(), sphere.faces(), {.element_size = 0.2}); };
+  const PlanarMesh flat = plane();
+  const TetrahedralMesh full = solid();
+  std::array<int, 2> same{};
+  std::thread other([&] {
+    for (int k = 0; k < 5; ++k) {
+      const TetrahedralMesh again = solid();
+      same[1] += again.nodes == full.nodes && again.tetrahedra == full.tetrahedra;
+    }
+  });
+  for (int k = 0; k < 5; ++k) {
+    const PlanarMesh again = plane();
+    same[0] += again.points == flat.points && again.triangles == flat.triangles;
+  }
   other.join();
-  EXPECT_EQ(same, (std::vector<int>{5, 5}));
+  EXPECT_EQ(same, (std::array<int, 2>{5, 5}));
 }
 
 }  // namespace
-}  // namespace supple::tiling
+}  // namespace supple::meshing

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "supple/base/execution.h"
+
+namespace supple::meshing {
+
+using SurfaceTriangle = std::array<std::int32_t, 3>;
+using Tetrahedron = std::array<std::int32_t, 4>;
+
+/// Linear tetrahedra inside a closed surface.
+struct TetrahedralMesh {
+  std::vector<Eigen::Vector3d> nodes;     ///< first the surface's vertices, in their order, then those inside
+  std::vector<Tetrahedron> tetrahedra{};  ///< positive: (b - a, c - a, d - a) is a right-handed frame
+  std::int32_t surface_vertices = 0;      ///< nodes that are vertices of the surface
+
+  /// Sum of the tetrahedra's volumes.
+  double volume() const;
+};
+
+/// One sixth of det(b - a, c - a, d - a): a tetrahedron's volume, negative where it is turned inside out.
+double tetrahedron_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                          const Eigen::Vector3d& d);
+
+struct FillOptions {
+  /// Wanted length of edges inside, in the unit of the positions; 0 for the mean edge of the surface. Lengths far below
+  /// those of the surface are not reached: its triangles stay, and so do the tetrahedra that stand on large ones.
+  double element_size = 0;
+  /// By how much the wanted length grows per length away from finer parts of the surface; positive. Greater values give
+  /// fewer and less regular tetrahedra.
+  double grading = 0.5;
+  std::int64_t max_tetrahedra = 2'000'000;
+};
+
+/// Fills a closed surface with tetrahedra by gmsh's Delaunay refinement, followed by its optimization of bad elements.
+///
+/// The surface stays as it is: node i is vertex i, bit by bit, and every triangle is the face of exactly one
+/// tetrahedron. Vertices that no triangle uses stay nodes, of no tetrahedron. Several components are one solid each, or
+/// a cavity where they lie inside of an odd number of others: which way triangles are turned does not matter, as long
+/// as neighbours agree. The same input gives the same mesh, bit by bit.
+///
+/// Waits for other users of gmsh. A stop request is followed at the next tetrahedra that are made; progress is reported
+/// before and after, since gmsh tells none. About 25 us for each tetrahedron.
+///
+/// Throws Error
+/// - "solid.open_surface": edges without two triangles that agree about their direction, with one detail for each of
+///   the first 20 ("edge 3 8");
+/// - "solid.too_many_elements": more than `max_tetrahedra`, foretold from the volume where that is possible; the detail
+///   "element_size" gives limit and number;
+/// - "solid.not_filled": the surface crosses or touches itself, or encloses nothing; the detail "surface" is gmsh's
+///   message.
+/// Throws std::invalid_argument for an option out of range and for indices of no vertex.
+TetrahedralMesh fill(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
+                     const FillOptions& options = {}, const Execution& execution = {});
+
+}  // namespace supple::meshing

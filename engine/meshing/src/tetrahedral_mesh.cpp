@@ -1,0 +1,273 @@
+#include "supple/meshing/tetrahedral_mesh.h"
+
+#include <gmsh.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "closed_surface.h"
+#include "gmsh_owner.h"
+#include "graded_size.h"
+#include "supple/base/error.h"
+
+namespace supple::meshing {
+namespace {
+
+/// gmsh's number of the Delaunay algorithm. HXT, number 10, takes a tenth of the time and gives another mesh each time.
+constexpr int delaunay = 1;
+/// gmsh's numbers of elements.
+constexpr int linear_triangle = 2;
+constexpr int linear_tetrahedron = 4;
+
+/// Tetrahedra of edges of length 1 in a unit volume: between 4.6 and 5 are counted in gmsh's meshes.
+constexpr double tetrahedra_in_unit_volume = 4.5;
+
+/// gmsh asks for the size at most so often for each tetrahedron of the finished mesh.
+constexpr double questions_of_a_tetrahedron = 60;
+
+/// Tetrahedra fill a surface if the volumes agree to this relative error: it is the rounding of their sums.
+constexpr double volume_tolerance = 1e-11;
+
+[[noreturn]] void throw_too_many(double number, const FillOptions& options) {
+  const auto counted = std::to_string(static_cast<std::int64_t>(std::min(number, 1e18)));
+  const std::string limit = std::to_string(options.max_tetrahedra);
+  throw Error("solid.too_many_elements",
+              "The solid would take " + counted + " tetrahedra or more; the limit is " + limit + ".",
+              {{"element_size", "gives " + counted + " tetrahedra or more, limit " + limit}});
+}
+
+[[noreturn]] void throw_not_filled(const std::string& reason) {
+  throw Error("solid.not_filled",
+              "The surface cannot be filled with tetrahedra: it crosses or touches itself, or encloses nothing.",
+              {{"surface", reason}});
+}
+
+GradedSize wanted_size(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
+                       const FillOptions& options) {
+  std::vector<double> sums(positions.size(), 0);
+  std::vector<int> counts(positions.size(), 0);
+  double all = 0;
+  for (const SurfaceTriangle& face : faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto a = static_cast<std::size_t>(face[k]);
+      const auto b = static_cast<std::size_t>(face[(k + 1) % 3]);
+      const double length = (positions[a] - positions[b]).norm();
+      all += length;
+      for (const std::size_t end : {a, b}) {
+        sums[end] += length;
+        ++counts[end];
+      }
+    }
+  std::vector<GradedSize::Source> sources;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (counts[i] > 0) sources.push_back({positions[i], sums[i] / counts[i]});
+  const double mean = all / (3 * static_cast<double>(faces.size()));
+  return GradedSize(std::move(sources), options.element_size > 0 ? options.element_size : mean, options.grading);
+}
+
+/// Tells gmsh lengths, until there is a reason to come to an end: no exception gets through gmsh alive, but where it is
+/// told that any length will do it makes no more tetrahedra.
+class SizeAnswers {
+ public:
+  SizeAnswers(const GradedSize& size, const FillOptions& options, const CancellationToken& cancellation)
+      : size_(size),
+        cancellation_(cancellation),
+        most_(questions_of_a_tetrahedron * static_cast<double>(options.max_tetrahedra)) {}
+
+  double operator()(const Eigen::Vector3d& point) {
+    ++questions_;
+    return too_many() || cancellation_.requested() ? any_length : size_(point);
+  }
+  bool too_many() const { return static_cast<double>(questions_) > most_; }
+
+ private:
+  static constexpr double any_length = 1e22;
+  const GradedSize& size_;
+  const CancellationToken& cancellation_;
+  double most_;
+  std::int64_t questions_ = 0;
+};
+
+/// What gmsh made of one solid.
+struct Filling {
+  std::vector<Eigen::Vector3d> inner;
+  /// Vertices of the surface by their numbers, then inner nodes from `vertices` on.
+  std::vector<Tetrahedron> tetrahedra;
+};
+
+/// Vertices are nodes tagged by their number, from 1; each component is a surface of its own.
+void add_surfaces(std::span<const Eigen::Vector3d> positions, const ClosedSurface& surface, const Solid& solid) {
+  std::vector<int> loops;
+  std::vector<bool> added(positions.size(), false);
+  for (const std::size_t number : solid) {
+    const int entity = gmsh::model::addDiscreteEntity(2);
+    std::vector<std::size_t> tags, corners;
+    std::vector<double> coordinates;
+    for (const SurfaceTriangle& face : surface.components()[number])
+      for (const std::int32_t vertex : face) {
+        const auto i = static_cast<std::size_t>(vertex);
+        corners.push_back(i + 1);
+        if (added[i]) continue;
+        added[i] = true;
+        tags.push_back(i + 1);
+        coordinates.insert(coordinates.end(), positions[i].data(), positions[i].data() + 3);
+      }
+    gmsh::model::mesh::addNodes(2, entity, tags, coordinates);
+    gmsh::model::mesh::addElementsByType(entity, linear_triangle, {}, corners);
+    loops.push_back(gmsh::model::geo::addSurfaceLoop({entity}));
+  }
+  gmsh::model::geo::addVolume(loops);
+  gmsh::model::geo::synchronize();
+}
+
+/// Throws std::out_of_range for a node that is neither a vertex nor inside.
+Filling read_filling(std::size_t vertices) {
+  Filling filling;
+  std::vector<std::size_t> tags;
+  std::vector<double> coordinates, parametric;
+  gmsh::model::mesh::getNodes(tags, coordinates, parametric, 3);
+  std::unordered_map<std::size_t, std::int32_t> inner;
+  for (std::size_t k = 0; k < tags.size(); ++k) {
+    inner.emplace(tags[k], static_cast<std::int32_t>(vertices + filling.inner.size()));
+    filling.inner.emplace_back(coordinates[3 * k], coordinates[3 * k + 1], coordinates[3 * k + 2]);
+  }
+  std::vector<std::size_t> elements, corners;
+  gmsh::model::mesh::getElementsByType(linear_tetrahedron, elements, corners);
+  const auto node = [&](std::size_t tag) {
+    const auto found = inner.find(tag);
+    if (found != inner.end()) return found->second;
+    if (tag < 1 || tag > vertices) throw std::out_of_range("a node on the surface that is no vertex");
+    return static_cast<std::int32_t>(tag - 1);
+  };
+  filling.tetrahedra.reserve(corners.size() / 4);
+  for (std::size_t k = 0; k + 3 < corners.size(); k += 4)
+    filling.tetrahedra.push_back({node(corners[k]), node(corners[k + 1]), node(corners[k + 2]), node(corners[k + 3])});
+  return filling;
+}
+
+SurfaceTriangle sorted(SurfaceTriangle triangle) {
+  std::ranges::sort(triangle);
+  return triangle;
+}
+
+/// Whether every triangle of the solid's surface is the face of exactly one tetrahedron, and no other triangle is.
+bool keeps_surface(const std::vector<Tetrahedron>& tetrahedra, const ClosedSurface& surface, const Solid& solid) {
+  std::vector<SurfaceTriangle> faces;
+  faces.reserve(4 * tetrahedra.size());
+  for (const auto& [a, b, c, d] : tetrahedra)
+    for (const SurfaceTriangle& face : {SurfaceTriangle{a, b, c}, {a, b, d}, {a, c, d}, {b, c, d}})
+      faces.push_back(sorted(face));
+  std::ranges::sort(faces);
+  std::vector<SurfaceTriangle> outer;
+  for (std::size_t first = 0, end = 0; first < faces.size(); first = end) {
+    while (end < faces.size() && faces[end] == faces[first]) ++end;
+    if (end - first == 1) outer.push_back(faces[first]);
+    if (end - first > 2) return false;
+  }
+  std::vector<SurfaceTriangle> wanted;
+  for (const std::size_t number : solid)
+    for (const SurfaceTriangle& face : surface.components()[number]) wanted.push_back(sorted(face));
+  std::ranges::sort(wanted);
+  return outer == wanted;
+}
+
+/// Empty where the mesh has filled the solid, else what is wrong.
+std::string fault_of(const TetrahedralMesh& mesh, std::size_t first, const ClosedSurface& surface, const Solid& solid) {
+  const std::vector<Tetrahedron> own(mesh.tetrahedra.begin() + static_cast<std::ptrdiff_t>(first),
+                                     mesh.tetrahedra.end());
+  if (own.empty()) return "no tetrahedra";
+  double volume = 0;
+  for (const auto& [a, b, c, d] : own) {
+    const double part =
+        tetrahedron_volume(mesh.nodes[static_cast<std::size_t>(a)], mesh.nodes[static_cast<std::size_t>(b)],
+                           mesh.nodes[static_cast<std::size_t>(c)], mesh.nodes[static_cast<std::size_t>(d)]);
+    if (!(part > 0)) return "a tetrahedron of no volume";
+    volume += part;
+  }
+  if (!keeps_surface(own, surface, solid)) return "the tetrahedra do not end at the surface";
+  const double wanted = surface.volume(solid);
+  if (!(std::abs(volume - wanted) <= volume_tolerance * wanted)) return "the tetrahedra do not fill the volume";
+  return {};
+}
+
+}  // namespace
+
+double tetrahedron_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                          const Eigen::Vector3d& d) {
+  return (b - a).dot((c - a).cross(d - a)) / 6;
+}
+
+double TetrahedralMesh::volume() const {
+  double sum = 0;
+  for (const auto& [a, b, c, d] : tetrahedra)
+    sum += tetrahedron_volume(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)],
+                              nodes[static_cast<std::size_t>(c)], nodes[static_cast<std::size_t>(d)]);
+  return sum;
+}
+
+TetrahedralMesh fill(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
+                     const FillOptions& options, const Execution& execution) {
+  if (!(options.element_size >= 0) || !(options.grading > 0) || options.max_tetrahedra < 1)
+    throw std::invalid_argument("fill: element_size is 0 or more, grading and max_tetrahedra are positive");
+  execution.checkpoint(0, "meshing");
+  if (faces.empty()) throw_not_filled("it has no faces");
+  const ClosedSurface surface(positions, faces);
+  const GradedSize size = wanted_size(positions, faces, options);
+  double volume = 0;
+  for (const Solid& solid : surface.solids()) volume += surface.volume(solid);
+  const double foretold = tetrahedra_in_unit_volume * volume / std::pow(size.largest(), 3);
+  if (foretold > static_cast<double>(options.max_tetrahedra)) throw_too_many(foretold, options);
+
+  TetrahedralMesh mesh;
+  mesh.nodes.assign(positions.begin(), positions.end());
+  mesh.surface_vertices = static_cast<std::int32_t>(positions.size());
+  const StageTimer timer(execution.cost, "meshing");
+  const GmshSession session;
+  SizeAnswers answers(size, options, execution.cancellation);
+  for (std::size_t s = 0; s < surface.solids().size(); ++s) {
+    const Solid& solid = surface.solids()[s];
+    execution.checkpoint(static_cast<double>(s) / static_cast<double>(surface.solids().size()), "meshing");
+    Filling filling;
+    try {
+      const GmshModel model(session);
+      gmsh::option::setNumber("Mesh.Algorithm3D", delaunay);
+      // Inside, lengths are those that are told.
+      gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
+      // Nodes keep the tags by which they are known.
+      gmsh::option::setNumber("Mesh.Renumber", 0);
+      gmsh::model::mesh::setSizeCallback(
+          [&answers](int, int, double x, double y, double z) { return answers(Eigen::Vector3d(x, y, z)); });
+      add_surfaces(positions, surface, solid);
+      gmsh::model::mesh::generate(3);
+      filling = read_filling(positions.size());
+    } catch (...) {  // gmsh throws strings, integers and exceptions
+      execution.cancellation.throw_if_requested();
+      throw_not_filled("no mesh: " + last_gmsh_error(session));
+    }
+    execution.cancellation.throw_if_requested();
+    const std::size_t first = mesh.tetrahedra.size();
+    const auto shift = static_cast<std::int32_t>(mesh.nodes.size() - positions.size());
+    mesh.nodes.insert(mesh.nodes.end(), filling.inner.begin(), filling.inner.end());
+    for (Tetrahedron& tetrahedron : filling.tetrahedra) {
+      for (std::int32_t& corner : tetrahedron)
+        if (corner >= mesh.surface_vertices) corner += shift;
+      mesh.tetrahedra.push_back(tetrahedron);
+    }
+    if (answers.too_many() || static_cast<std::int64_t>(mesh.tetrahedra.size()) > options.max_tetrahedra)
+      throw_too_many(
+          std::max(static_cast<double>(mesh.tetrahedra.size()), static_cast<double>(options.max_tetrahedra) + 1),
+          options);
+    if (const std::string fault = fault_of(mesh, first, surface, solid); !fault.empty())
+      throw_not_filled(fault + ": " + last_gmsh_error(session));
+  }
+  execution.checkpoint(1, "meshing");
+  return mesh;
+}
+
+}  // namespace supple::meshing
