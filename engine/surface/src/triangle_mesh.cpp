@@ -67,7 +67,7 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
 
 TriangleMesh TriangleMesh::with_positions(std::vector<Eigen::Vector3d> positions) const {
   if (positions.size() != positions_.size()) {
-    throw Error("mesh.index_out_of_range", "The mesh cannot take another number of vertices.",
+    throw Error("mesh.position_count", "The mesh cannot take another number of vertices.",
                 {{"vertices",
                   "are " + std::to_string(positions.size()) + "; the mesh has " + std::to_string(positions_.size())}});
   }

@@ -42,7 +42,7 @@ class TriangleMesh {
   /// mesh are about its connectivity, and vertices that come to coincide are not looked for.
   ///
   /// Throws what `build` throws for positions: "mesh.non_finite" and "mesh.degenerate_face", with the same details; and
-  /// "mesh.index_out_of_range" (detail "vertices") for another number of positions than vertex_count().
+  /// "mesh.position_count" (detail "vertices") for another number of positions than vertex_count().
   TriangleMesh with_positions(std::vector<Eigen::Vector3d> positions) const;
 
   std::int32_t vertex_count() const { return static_cast<std::int32_t>(positions_.size()); }
