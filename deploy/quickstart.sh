@@ -2,7 +2,7 @@
 # From a bare Debian 12 with git and root to a running server and its first answers.
 #
 #   deploy/quickstart.sh           installs packages, builds, starts the server with its web editor, designs a structure
-#                                  and proves it by simulation, runs a geodesic and a Karcher mean
+#                                  and proves it by simulation, runs a geodesic, a Karcher mean and an elastic network
 #   deploy/quickstart.sh --stop    stops the server that it started (its meshes and finished jobs stay on disk)
 #
 # May be run again at any time: what is done already is not done twice.
@@ -130,13 +130,14 @@ show mesh add "$sample"
 show geodesic "$sample" v0 v700 --path "$data/geodesic.obj"
 show karcher "$sample" v0 v150 v300 v450 v600 --history
 show field "$sample" v0 --output "$data/distances.ply"
+show relax "$sample" --poisson-disk 0.6 --voronoi-dual --rest-length 0.5 --obj "$data/network.obj"
 
 cat <<END
 
 The server keeps running at $url: open it in a browser for the editor.
   supple:     $build/clients/cli/supple --help
   pictures:   $data/design.svg and $data/structure.svg open in a browser,
-              $data/geodesic.obj and $data/distances.ply open in MeshLab or Blender
+              $data/geodesic.obj, $data/distances.ply and $data/network.obj open in MeshLab or Blender
   contract:   curl $url/openapi.yaml
   log:        $log_file
   stop it:    deploy/quickstart.sh --stop
