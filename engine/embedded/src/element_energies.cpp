@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "beyond_logarithm.h"
+
 namespace supple::embedded {
 namespace {
 
@@ -16,17 +18,6 @@ double sixteen_squared_areas(const Eigen::Vector3d& squares) {
 }
 Eigen::Vector3d slope_of_squared_areas(const Eigen::Vector3d& squares) {
   return Eigen::Vector3d::Constant(2 * squares.sum()) - 4 * squares;
-}
-
-/// x - log(1 + x) with all digits where x is small, x > -1.
-double beyond_logarithm(double x) {
-  if (std::abs(x) > 0.25) return x - std::log1p(x);
-  // log(1 + x) = 2 artanh(r), and x - 2 r = r x.
-  const double r = x / (2 + x);
-  const double square = r * r;
-  double sum = 0;
-  for (int k = 17; k >= 3; k -= 2) sum = 1.0 / k + square * sum;
-  return r * x - 2 * r * square * sum;
 }
 
 }  // namespace
@@ -66,7 +57,7 @@ TriangleEnergy::TriangleEnergy(const std::array<double, 3>& rest_lengths, const 
 // With the form Q of 16 squared areas, squared lengths s and their changes D from rest s0: tr C - 2 = Q'(s0) D / Q(s0),
 // det C - 1 = tr C - 2 + Q(D) / Q(s0), and Q(D) / Q(s0) = det(C - I). Written so, energies and forces of small strains
 // keep their digits, which tr C - 2 - log det C itself loses.
-TriangleEnergy::Value TriangleEnergy::at(const Eigen::Vector3d& lengths) const {
+TriangleEnergy::Value TriangleEnergy::by_squares(const Eigen::Vector3d& lengths) const {
   Value value;
   const Eigen::Vector3d squares = lengths.cwiseAbs2();
   const Eigen::Vector3d change = (lengths - rest_lengths_).cwiseProduct(lengths + rest_lengths_);
@@ -79,17 +70,24 @@ TriangleEnergy::Value TriangleEnergy::at(const Eigen::Vector3d& lengths) const {
   }
   const double log_j = 0.5 * std::log1p(growth);
   value.energy = 0.5 * mu_ * (beyond_logarithm(growth) - quadratic) + 0.5 * lambda_ * log_j * log_j;
-  // By the squares first: log J has the gradient q / 2 for the logarithmic slope q of Q.
+  // log J has the gradient q / 2 for the logarithmic slope q of Q.
   const double area = rest_ * (1 + growth);
   const Eigen::Vector3d q = slope_of_squared_areas(squares) / area;
   const Eigen::Vector3d beside = (growth * by_rest - slope_of_squared_areas(change) / rest_) / (1 + growth);
   const double by_log = lambda_ * log_j - mu_;
-  const Eigen::Vector3d first = 0.5 * mu_ * beside + 0.5 * lambda_ * log_j * q;
+  value.first = 0.5 * mu_ * beside + 0.5 * lambda_ * log_j * q;
   Eigen::Matrix3d bend = Eigen::Matrix3d::Constant(2 / area);
   bend.diagonal().array() -= 4 / area;
-  const Eigen::Matrix3d second = 0.25 * lambda_ * q * q.transpose() + 0.5 * by_log * (bend - q * q.transpose());
+  value.second = 0.25 * lambda_ * q * q.transpose() + 0.5 * by_log * (bend - q * q.transpose());
+  return value;
+}
+
+TriangleEnergy::Value TriangleEnergy::at(const Eigen::Vector3d& lengths) const {
+  Value value = by_squares(lengths);
+  if (!std::isfinite(value.energy)) return value;
+  const Eigen::Vector3d first = value.first;
   value.first = 2 * lengths.cwiseProduct(first);
-  value.second = 4 * lengths.asDiagonal() * second * lengths.asDiagonal();
+  value.second = 4 * (lengths.asDiagonal() * value.second * lengths.asDiagonal()).eval();
   value.second.diagonal() += 2 * first;
   return value;
 }

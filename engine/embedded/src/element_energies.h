@@ -67,6 +67,8 @@ class TriangleEnergy {
     Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   };
   Value at(const Eigen::Vector3d& lengths) const;
+  /// The same with derivatives by the squared lengths.
+  Value by_squares(const Eigen::Vector3d& lengths) const;
 
   /// Principal stretches, the greater first; zero where the lengths are of no triangle.
   Eigen::Vector2d stretches(const Eigen::Vector3d& lengths) const;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
+#include <span>
 #include <utility>
 
+#include "supple/base/parallel_tasks.h"
 #include "supple/numerics/minimizer.h"
 
 namespace supple::embedded {
@@ -23,6 +26,8 @@ constexpr std::size_t most_trials = 8;
 /// A point by itself is brought near its minimum, no farther: the others move on.
 constexpr int most_local_iterations = 12;
 constexpr double local_tolerance = 1e-8;
+/// Paths whose derivatives by the host's nodes one task works out.
+constexpr std::size_t paths_of_a_task = 4;
 /// What was found for so many states is kept for others to come.
 constexpr std::size_t most_kept_paths = 8;
 /// A slope above this share of the pulls that make it counts as none.
@@ -68,8 +73,14 @@ GeodesicElements::GeodesicElements(const surface::GeodesicSolver& solver, const 
     if (!held_[i] && !(springs_at_[i].empty() && triangles_at_[i].empty())) free_.push_back(i);
 }
 
-void GeodesicElements::prepare(NetworkState& state, int /*order*/, const Execution& execution) {
-  if (state.found()) return;
+void GeodesicElements::prepare(NetworkState& state, int order, const Execution& execution) {
+  if (state.collapsed()) return;
+  if (!state.found()) find_paths(state, execution);
+  if (order >= 1 && state.surface() && !(state.host_lengths() && state.host_lengths()->order >= order))
+    find_host_lengths(state, order, execution);
+}
+
+void GeodesicElements::find_paths(NetworkState& state, const Execution& execution) {
   const auto& points = state.points();
   pairs_.resize(paths_.size());
   for (std::size_t i = 0; i < paths_.size(); ++i) {
@@ -84,7 +95,10 @@ void GeodesicElements::prepare(NetworkState& state, int /*order*/, const Executi
   const bool known = options_.kept_strips && last_;
   if (known)
     for (std::size_t i = 0; i < paths_.size(); ++i) found->geodesics[i].strip = last_->geodesics[i].strip;
-  const surface::PathsFound counts = solver_.tangent_geodesics(pairs_, found->geodesics, known, own);
+  // What pulls on nodes is known by the path itself.
+  if (state.surface()) found->paths.resize(paths_.size());
+  const surface::PathsFound counts =
+      solver_of(state).tangent_geodesics(pairs_, found->geodesics, known, own, found->paths);
   if (options_.mollifier_length > 0) find_mollified(*found, own);
   if (CostLedger* cost = execution.cost) {
     for (const auto& quantity : counted.quantities()) cost->add_quantity(quantity.name, quantity.value);
@@ -94,6 +108,22 @@ void GeodesicElements::prepare(NetworkState& state, int /*order*/, const Executi
   }
   last_ = found;
   state.set_found(found);
+}
+
+void GeodesicElements::find_host_lengths(NetworkState& state, int order, const Execution& execution) const {
+  const StageTimer timer(execution.cost, "host_derivatives");
+  const auto lengths = std::make_shared<HostLengths>();
+  lengths->order = order;
+  lengths->lengths.resize(paths_.size());
+  const std::size_t tasks = (paths_.size() + paths_of_a_task - 1) / paths_of_a_task;
+  const Execution quiet{execution.cancellation, nullptr, nullptr};
+  parallel_tasks(static_cast<int>(tasks), quiet, "host_derivatives", [&](int task, const Execution&) {
+    const std::size_t begin = static_cast<std::size_t>(task) * paths_of_a_task;
+    for (std::size_t i = begin; i < std::min(paths_.size(), begin + paths_of_a_task); ++i)
+      if (!state.found()->geodesics[i].coincident())
+        lengths->lengths[i] = surface::host_derivatives(state.mesh(), state.found()->paths[i], order);
+  });
+  state.set_host_lengths(lengths);
 }
 
 std::shared_ptr<FoundPaths> GeodesicElements::unused_paths() {
@@ -168,7 +198,44 @@ TriangleElement GeodesicElements::triangle_at(const FoundPaths& found, std::size
   return element;
 }
 
+HostLength GeodesicElements::host_length_at(const NetworkState& state, std::size_t path, int order) const {
+  return host_length(state, state.host_lengths()->lengths[path], paths_[path].from, paths_[path].to, order);
+}
+
+HostElement GeodesicElements::host_spring_at(const NetworkState& state, std::size_t spring, int order) const {
+  const Spring& own = springs_[spring];
+  const double excess = state.found()->geodesics[spring].distance - own.rest_length;
+  if (order < 1) return {own.weight * excess * excess};
+  const HostLength length = host_length_at(state, spring, order);
+  return element_of_lengths(own.weight * excess * excess, Eigen::VectorXd::Constant(1, 2 * own.weight * excess),
+                            Eigen::MatrixXd::Constant(1, 1, 2 * own.weight), {&length, 1}, order);
+}
+
+HostElement GeodesicElements::host_triangle_at(const NetworkState& state, std::size_t triangle, int order) const {
+  const Triangle& own = triangles_[triangle];
+  const TriangleEnergy::Value energy = own.energy.at(lengths_of(*state.found(), triangle));
+  if (order < 1 || !std::isfinite(energy.energy)) return {energy.energy};
+  std::array<HostLength, 3> lengths;
+  for (std::size_t k = 0; k < 3; ++k) lengths[k] = host_length_at(state, own.sides[k].path, order);
+  return element_of_lengths(energy.energy, energy.first, energy.second, lengths, order);
+}
+
 void GeodesicElements::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
+  if (state.collapsed()) {
+    sum.value = std::numeric_limits<double>::infinity();
+    return;
+  }
+  if (state.surface()) {
+    add_on_host(state, order, sum);
+  } else {
+    add_on_rigid_host(state, order, sum);
+  }
+  if (order < 1 || !std::isfinite(sum.value)) return;
+  for (const std::size_t point : free_)
+    if (state.on_tip(point)) add_on_tip(state, point, order, sum);
+}
+
+void GeodesicElements::add_on_rigid_host(const NetworkState& state, int order, numerics::EnergySum& sum) const {
   const FoundPaths& found = *state.found();
   const auto on_tip = [&](std::int32_t point) { return state.on_tip(static_cast<std::size_t>(point)); };
   for (std::size_t i = 0; i < springs_.size(); ++i) {
@@ -185,9 +252,31 @@ void GeodesicElements::add(const NetworkState& state, int order, numerics::Energ
       if (on_tip(triangles_[t].given.corners[static_cast<std::size_t>(k)])) element.take_out(k);
     element.add_to(sum, order);
   }
-  if (order < 1 || !std::isfinite(sum.value)) return;
-  for (const std::size_t point : free_)
-    if (state.on_tip(point)) add_on_tip(state, point, order, sum);
+}
+
+void GeodesicElements::add_on_host(const NetworkState& state, int order, numerics::EnergySum& sum) const {
+  const auto without_tips = [&](HostElement element, std::span<const std::int32_t> points) {
+    for (const std::int32_t point : points)
+      if (order >= 1 && state.on_tip(static_cast<std::size_t>(point))) element.take_out(point);
+    return element;
+  };
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    if (state.found()->geodesics[i].coincident()) {
+      // One place of the material stays one place, however the host moves.
+      spring_at(*state.found(), i, order).add_to(sum, order);
+      continue;
+    }
+    const std::array<std::int32_t, 2> ends{springs_[i].from, springs_[i].to};
+    without_tips(host_spring_at(state, i, order), ends).add_to(sum, order);
+  }
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const HostElement element = host_triangle_at(state, t, order);
+    if (!std::isfinite(element.value)) {
+      sum.value = element.value;
+      return;
+    }
+    without_tips(element, triangles_[t].given.corners).add_to(sum, order);
+  }
 }
 
 GeodesicElements::Arrivals GeodesicElements::arrivals_at(std::size_t point, const PathOf& path) const {
@@ -257,7 +346,7 @@ bool GeodesicElements::rests_at(const NetworkState& state, std::size_t point, st
     if (is_new) {
       const auto there = [&](std::int32_t end) { return state.points()[static_cast<std::size_t>(end)]; };
       const surface::PointPair pair{starts ? at : there(ends.from), starts ? there(ends.to) : at};
-      solver_.tangent_geodesics({&pair, 1}, {&entry->second, 1}, false);
+      solver_of(state).tangent_geodesics({&pair, 1}, {&entry->second, 1}, false);
     }
     return entry->second;
   };
@@ -270,8 +359,8 @@ namespace {
 /// By how much an element's energy after a step exceeds what its derivatives before foretold.
 template <class Element>
 double excess_of(const Element& before, double after, const Eigen::VectorXd& all_steps) {
-  Eigen::Matrix<double, Element::size, 1> step;
-  for (int k = 0; k < Element::size; ++k) step[k] = all_steps[before.rows[static_cast<std::size_t>(k)]];
+  auto step = before.gradient;
+  for (Eigen::Index k = 0; k < step.size(); ++k) step[k] = all_steps[before.rows[static_cast<std::size_t>(k)]];
   return after - (before.value + before.gradient.dot(step) + 0.5 * step.dot(before.hessian * step));
 }
 
@@ -279,15 +368,19 @@ double excess_of(const Element& before, double after, const Eigen::VectorXd& all
 
 std::vector<std::size_t> GeodesicElements::surprised(const NetworkState& current, const NetworkState& whole) const {
   if (!current.found() || !whole.found() || whole.last_step().size() == 0) return {};
+  const bool gives_way = current.host_lengths() && current.host_lengths()->order >= 2;
   std::vector<double> excess(springs_at_.size(), 0);
   for (std::size_t i = 0; i < springs_.size(); ++i) {
-    const double more =
-        excess_of(spring_at(*current.found(), i, 2), spring_at(*whole.found(), i, 0).value, whole.last_step());
+    const double after = spring_at(*whole.found(), i, 0).value;
+    const bool parted = !current.found()->geodesics[i].coincident();
+    const double more = gives_way && parted ? excess_of(host_spring_at(current, i, 2), after, whole.last_step())
+                                            : excess_of(spring_at(*current.found(), i, 2), after, whole.last_step());
     for (const std::int32_t end : {springs_[i].from, springs_[i].to}) excess[static_cast<std::size_t>(end)] += more;
   }
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const double more =
-        excess_of(triangle_at(*current.found(), t, 2), triangle_at(*whole.found(), t, 0).value, whole.last_step());
+    const double after = triangle_at(*whole.found(), t, 0).value;
+    const double more = gives_way ? excess_of(host_triangle_at(current, t, 2), after, whole.last_step())
+                                  : excess_of(triangle_at(*current.found(), t, 2), after, whole.last_step());
     for (const std::int32_t corner : triangles_[t].given.corners) excess[static_cast<std::size_t>(corner)] += more;
   }
   const double most = *std::ranges::max_element(excess);
@@ -333,7 +426,7 @@ void GeodesicElements::settle(NetworkState& state, const std::vector<std::size_t
     std::vector<bool> held_coordinates(2 * held.size(), true);
     held_coordinates[0] = held_coordinates[1] = false;
     numerics::System<NetworkState> system(NetworkState(state.mesh(), own.points),
-                                          {std::make_shared<GeodesicElements>(solver_, own, held, options_)},
+                                          {std::make_shared<GeodesicElements>(solver_of(state), own, held, options_)},
                                           numerics::Unknowns(held_coordinates));
     // A triangle may be of no area with the others where they are: then there is nothing to settle from.
     if (!std::isfinite(system.evaluate(0).value)) continue;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "element_energies.h"
+#include "host_element.h"
 #include "network_state.h"
 #include "supple/base/effect_switch.h"
 #include "supple/embedded/network.h"
@@ -24,7 +25,7 @@ struct GeodesicElementsOptions {
 
 /// The energy of all elements that follow shortest paths: springs, weight (g - rest_length)^2 of the length g of one
 /// path (thesis eq. 3.13), and the triangles of membranes, neo-Hookean functions of the lengths of three (eq. 3.17
-/// to 3.20).
+/// to 3.20). On a host that gives way they pull on its nodes too (eq. 3.21 and 3.22).
 ///
 /// A path *pulls* at its ends by the derivative of E by its length, positive under tension. What E is like there: each
 /// smooth piece of a squared distance is convex to second order (see surface::SquaredDistances). Across an edge, and
@@ -41,7 +42,8 @@ struct GeodesicElementsOptions {
 /// (`kinks`).
 class GeodesicElements : public numerics::Term<NetworkState> {
  public:
-  /// The network is a checked one; `solver` outlives the term. Points that are held are not tried at vertices.
+  /// The network is a checked one; `solver` outlives the term, and is that of the surface as it is at first, where the
+  /// host gives way. Points that are held are not tried at vertices.
   GeodesicElements(const surface::GeodesicSolver& solver, const Network& network, std::vector<bool> held,
                    GeodesicElementsOptions options);
 
@@ -87,12 +89,23 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   };
   using PathOf = std::function<const surface::TangentGeodesic&(std::size_t path)>;
 
+  const surface::GeodesicSolver& solver_of(const NetworkState& state) const {
+    return state.surface() ? *state.surface() : solver_;
+  }
+  void find_paths(NetworkState& state, const Execution& execution);
+  void find_host_lengths(NetworkState& state, int order, const Execution& execution) const;
   std::shared_ptr<FoundPaths> unused_paths();
   void find_mollified(FoundPaths& found, const Execution& execution) const;
   LengthDerivatives length_of(const FoundPaths& found, std::size_t path, bool second) const;
   /// An element's share of the energy at a state whose paths are found.
   SpringElement spring_at(const FoundPaths& found, std::size_t spring, int order) const;
   TriangleElement triangle_at(const FoundPaths& found, std::size_t triangle, int order) const;
+  /// The same with the nodes' share, on a host that gives way, where the lengths' derivatives are known.
+  HostElement host_spring_at(const NetworkState& state, std::size_t spring, int order) const;
+  HostElement host_triangle_at(const NetworkState& state, std::size_t triangle, int order) const;
+  HostLength host_length_at(const NetworkState& state, std::size_t path, int order) const;
+  void add_on_rigid_host(const NetworkState& state, int order, numerics::EnergySum& sum) const;
+  void add_on_host(const NetworkState& state, int order, numerics::EnergySum& sum) const;
   /// What arrives at a point of an elastic system whose paths are these.
   Arrivals arrivals_at(std::size_t point, const PathOf& path) const;
   void add_on_tip(const NetworkState& state, std::size_t point, int order, numerics::EnergySum& sum) const;

@@ -36,12 +36,12 @@ void NetworkState::place(std::size_t point, const surface::SurfacePoint& at) {
   points_[point] = at;
   on_tip_[point] = surface::on_cone_tip(mesh(), at) ? 1 : 0;
   turns_[point] = 0;
-  found_.reset();
+  forget_paths();
 }
 
 Eigen::VectorXd NetworkState::move(const Eigen::VectorXd& step) {
   Eigen::VectorXd travelled = Eigen::VectorXd::Zero(dimension());
-  found_.reset();
+  forget_paths();
   last_step_ = step;
   const auto move_point = [&](std::size_t i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
@@ -68,6 +68,11 @@ Eigen::VectorXd NetworkState::move(const Eigen::VectorXd& step) {
     move_nodes(step.tail(nodes_.size()));
   }
   return travelled;
+}
+
+void NetworkState::forget_paths() {
+  found_.reset();
+  host_lengths_.reset();
 }
 
 void NetworkState::move_nodes(const Eigen::VectorXd& step) {

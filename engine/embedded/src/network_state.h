@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "supple/numerics/state.h"
+#include "supple/surface/geodesic_derivatives.h"
 #include "supple/surface/geodesic_solver.h"
 #include "supple/surface/retraction.h"
 #include "supple/surface/tangent_geodesic.h"
@@ -22,7 +23,14 @@ struct LengthDerivatives {
 /// What is known of the paths between points where these are now: found once for a state, shared by its copies.
 struct FoundPaths {
   std::vector<surface::TangentGeodesic> geodesics;
-  std::vector<LengthDerivatives> mollified;  ///< empty without the mollifier
+  std::vector<LengthDerivatives> mollified;            ///< empty without the mollifier
+  std::vector<std::vector<surface::PathPoint>> paths;  ///< the paths themselves, on a host that gives way; else empty
+};
+
+/// The lengths' derivatives by points and nodes at one state.
+struct HostLengths {
+  int order = 0;
+  std::vector<surface::HostDerivatives> lengths;
 };
 
 /// Points that move on a surface, two tangent coordinates each: of tangent_frame of the point's face or, on the tip of
@@ -68,6 +76,10 @@ class NetworkState {
   const std::shared_ptr<const FoundPaths>& shared_found() const { return found_; }
   void set_found(std::shared_ptr<const FoundPaths> found) { found_ = std::move(found); }
 
+  /// On a host that gives way; null before they are worked out.
+  const HostLengths* host_lengths() const { return host_lengths_.get(); }
+  void set_host_lengths(std::shared_ptr<const HostLengths> lengths) { host_lengths_ = std::move(lengths); }
+
   static constexpr std::string_view motion = "motion";
   Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()) + nodes_.size(); }
   /// Each point walks its own straightest path, and is stopped by a boundary by itself; then the nodes move, and carry
@@ -80,6 +92,7 @@ class NetworkState {
 
  private:
   void move_nodes(const Eigen::VectorXd& step);
+  void forget_paths();
 
   const surface::TriangleMesh* mesh_;
   std::shared_ptr<const surface::GeodesicSolver> surface_;
@@ -90,6 +103,7 @@ class NetworkState {
   Eigen::VectorXd last_step_;
   std::vector<double> turns_;  ///< of each point's coordinates along the last move
   std::shared_ptr<const FoundPaths> found_;
+  std::shared_ptr<const HostLengths> host_lengths_;
 };
 
 }  // namespace supple::embedded

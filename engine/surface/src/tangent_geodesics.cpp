@@ -27,9 +27,9 @@ double turn_between(const SearchMesh& mesh, std::int32_t from_face, std::int32_t
 }
 
 TangentGeodesic searched(const GeodesicSolver& solver, const SearchMesh& search_mesh, const PointPair& pair,
-                         const Execution& execution) {
+                         const Execution& execution, std::vector<PathPoint>* keep) {
   const TriangleMesh& mesh = solver.mesh();
-  const Geodesic geodesic =
+  Geodesic geodesic =
       solver.geodesic(pair.from, pair.to, {.derivatives = 1, .path = true}, execution, {.known_path = pair.known_path});
   TangentGeodesic found;
   found.distance = geodesic.distance;
@@ -69,6 +69,7 @@ TangentGeodesic searched(const GeodesicSolver& solver, const SearchMesh& search_
     found.from_angle = leaving_angle(mesh, pair.from, path[1].point);
     found.to_angle = leaving_angle(mesh, pair.to, path[path.size() - 2].point);
   }
+  if (keep) *keep = std::move(geodesic.path);
   return found;
 }
 
@@ -77,9 +78,12 @@ bool on_vertex(const PointPair& pair) { return corner_of(pair.from) >= 0 || corn
 }  // namespace
 
 PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, std::span<TangentGeodesic> found,
-                                             bool strips_known, const Execution& execution) const {
+                                             bool strips_known, const Execution& execution,
+                                             std::span<std::vector<PathPoint>> paths) const {
   const SearchMesh& search_mesh = *implementation_->search_mesh;
-  const auto find = [&](const PointPair& pair, const Strip& known, const Execution& own, PathsFound& counts) {
+  const auto find = [&](const PointPair& pair, const Strip& known, const Execution& own, PathsFound& counts,
+                        std::vector<PathPoint>* path) {
+    if (path) path->clear();
     const std::int32_t from_face = index(pair.from.face);
     const std::int32_t to_face = index(pair.to.face);
     if (from_face == to_face) {
@@ -88,10 +92,11 @@ PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, s
       if (!straight.coincident()) {
         straight.from_angle = leaving_angle(mesh(), pair.from, pair.to);
         straight.to_angle = leaving_angle(mesh(), pair.to, pair.from);
+        if (path) *path = {{pair.from, position(mesh(), pair.from)}, {pair.to, position(mesh(), pair.to)}};
       }
       return straight;
     }
-    if (!on_vertex(pair)) {
+    if (!path && !on_vertex(pair)) {
       const Strip strip = adjusted_strip(mesh(), strips_known ? known : Strip{}, from_face, to_face);
       if (strip.known()) {
         if (auto straight = within_strip(search_mesh, pair.from, pair.to, strip)) {
@@ -101,7 +106,7 @@ PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, s
       }
     }
     ++counts.searched;
-    return searched(*this, search_mesh, pair, own);
+    return searched(*this, search_mesh, pair, own, path);
   };
 
   const std::size_t tasks = (pairs.size() + pairs_of_a_task - 1) / pairs_of_a_task;
@@ -113,7 +118,7 @@ PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, s
     CostLedger windows;
     const Execution quiet{own.cancellation, nullptr, own.cost ? &windows : nullptr};
     for (std::size_t i = task * pairs_of_a_task; i < end; ++i)
-      found[i] = find(pairs[i], found[i].strip, quiet, counts[task]);
+      found[i] = find(pairs[i], found[i].strip, quiet, counts[task], paths.empty() ? nullptr : &paths[i]);
     for (const auto& quantity : windows.quantities()) own.cost->add_quantity(quantity.name, quantity.value);
   });
   PathsFound total;

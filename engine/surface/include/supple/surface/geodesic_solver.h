@@ -67,10 +67,11 @@ class GeodesicSolver {
   /// Many pairs again and again while their points move a little, in parallel, into memory that the caller owns: what
   /// springs between them need. found[i].strip, where `strips_known`, is the strip of pairs[i] before its ends moved:
   /// it is unfolded and kept where no other path can be as short, which takes a fraction of a search. Never changes
-  /// the answer. A few numbers for each pair that was not searched: about 0.3 microseconds. Throws what `geodesic`
-  /// throws.
+  /// the answer. A few numbers for each pair that was not searched: about 0.3 microseconds. With `paths`, one for each
+  /// pair, these receive the paths themselves, and every pair between two faces is searched; that of ends in one place
+  /// is empty. Throws what `geodesic` throws.
   PathsFound tangent_geodesics(std::span<const PointPair> pairs, std::span<TangentGeodesic> found, bool strips_known,
-                               const Execution& execution = {}) const;
+                               const Execution& execution = {}, std::span<std::vector<PathPoint>> paths = {}) const;
 
   /// Distances from one or several sources to every vertex, and, if `options.keep_windows`, to every point.
   GeodesicField field(std::span<const SurfacePoint> sources, const FieldOptions& options = {},
