@@ -95,6 +95,12 @@ describe("the mesh page with a network on a small screen", () => {
     assert.deepEqual(await violations(page), []);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
     await picture(page, "network-small");
+    await page.getByRole("radio", { name: "Membrane", exact: true }).check();
+    await page.getByRole("button", { name: "Relax", exact: true }).click();
+    await page.locator(".relaxation .stop", { hasText: "at rest" }).waitFor();
+    assert.deepEqual(await violations(page), []);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
+    await picture(page, "membrane-small");
     await closePage(page);
   });
 });

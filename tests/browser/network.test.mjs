@@ -1,7 +1,7 @@
 // Networks on the mesh page: made, fixed, relaxed before one's eyes, saved.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
-import { browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
+import { announcements, browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
 import { saved } from "./weave_page.mjs";
 
 setUp({ webgl: true });
@@ -165,6 +165,83 @@ describe("a network on a surface", () => {
     const energy = Number(await fact(page, "Energy"));
     await button(page, "Go on from here").click();
     await until(async () => Number(await fact(page, "Energy")) < energy, "less energy");
+    await closePage(page);
+  });
+
+  it("is a membrane whose triangles are seen by their stretches, on the way and at the end, and saved as it came to rest", async () => {
+    const page = await sample();
+    await enter(page, "Least distance of two points", 0.35);
+    await page.getByRole("radio", { name: "Membrane", exact: true }).check();
+    assert.equal(await page.getByRole("combobox", { name: "Springs", exact: true }).isVisible(), false);
+    await enter(page, "Rest scale", 0.92);
+    await enter(page, "Young’s modulus", 4);
+    await enter(page, "Poisson’s ratio", 0.7);
+    await button(page, "Make the network").click();
+    await until(() => button(page, "Make the network").isDisabled(), "the membrane");
+    assert.deepEqual(page.relaxations[0].springs, []);
+    assert.deepEqual(page.relaxations[0].triangles, { kind: "voronoi_dual" });
+    await picture(page, "membrane-made");
+    await page.getByText("Accuracy, method and effects").click();
+    assert.equal(await page.getByLabel("Length of a spring").isVisible(), false, "sides are shortest paths");
+    await enter(page, "Most iterations", 30);
+    const heard = await announcements(page);
+    await button(page, "Relax").click();
+    await until(async () => (await page.locator(".relaxation .facts").textContent()).includes("≈"), "stretches on the way");
+    await picture(page, "membrane-running");
+    await page.locator(".relaxation .stop", { hasText: /at rest|limit|equally short/ }).waitFor();
+    const request = page.relaxations[1];
+    assert.deepEqual(request.membrane, { youngs_modulus: 4, poisson_ratio: 0.49, thickness: 1, rest_scale: 0.92 }, "no more than the page offers");
+    assert.equal(Number((await fact(page, "Triangles")).replace(",", "")), request.triangles.length);
+    const [least, greatest] = [Number(await fact(page, "Least stretch")), Number(await fact(page, "Greatest stretch"))];
+    assert.ok(least > 0 && least < greatest, `${least} to ${greatest}`);
+    await until(async () => (await heard()).some((words) => words.includes("Greatest stretch: ")), "words about the end");
+    assert.equal(await page.getByLabel("Colour of the springs").isVisible(), false);
+    const ends = page.locator(".ramp-choice:visible .ramp-words span");
+    const most = Number(await ends.nth(1).textContent());
+    assert.ok(Math.abs(most - greatest) <= 0.006 * greatest, `the legend ends at ${most}, the stretches at ${greatest}`);
+    await picture(page, "membrane-relaxed");
+    await page.getByLabel("Colour of the triangles").selectOption("density");
+    await until(async () => Number(await ends.nth(1).textContent()) !== most, "another legend");
+    await picture(page, "membrane-energy");
+    await enter(page, "Iteration that is seen", 0);
+    await until(async () => (await fact(page, "Greatest stretch")) === "≈ 1.087", "the start");
+    const vtu = await saved(page, () => button(page, "VTU").click());
+    const stretches = /Name="greater_stretch"[^>]*>([^<]*)</.exec(vtu.text)[1].trim().split(/\s+/).map(Number);
+    assert.equal(stretches.length, request.triangles.length);
+    assert.equal(Number(Math.max(...stretches).toPrecision(4)), greatest, "the file has the membrane at rest, not at its start");
+    assert.match((await saved(page, () => button(page, "OBJ").click())).text, /^f \d+ \d+ \d+/m);
+    await closePage(page);
+  });
+
+  it("has springs beside a membrane, each with colours of its own", async () => {
+    const page = await square();
+    await page.getByRole("combobox", { name: "Points", exact: true }).selectOption("picked");
+    for (const name of ["v0", "v1", "v2", "v3", "0:0.3,0.4,0.3"]) {
+      await page.getByLabel("Add a point").fill(name);
+      await page.getByLabel("Add a point").press("Enter");
+    }
+    await page.getByRole("radio", { name: "Both", exact: true }).check();
+    await page.getByRole("combobox", { name: "Springs", exact: true }).selectOption("drawn");
+    await page.getByLabel("Springs between points").fill("0-4");
+    await page.getByLabel("Springs between points").press("Enter");
+    await page.getByLabel("Fixed points").fill("0, 1, 2, 3");
+    await page.getByLabel("Fixed points").press("Enter");
+    await enter(page, "Rest scale", 1);
+    await button(page, "Relax").click();
+    await rested(page);
+    assert.equal(await fact(page, "Springs"), "1");
+    assert.equal(await fact(page, "Triangles"), "2", "the other two would be obtuse at the border");
+    assert.ok(Number(await fact(page, "Least stretch")) < 1 && Number(await fact(page, "Greatest stretch")) > 1, "the spring pulls one point");
+    for (const name of ["Colour of the springs", "Colour of the triangles"]) assert.equal(await page.getByLabel(name).isVisible(), true);
+    await page.emulateMedia({ colorScheme: "dark" });
+    await page.waitForTimeout(300);
+    await picture(page, "membrane-both");
+    const other = await openPage(browser, page.url());
+    await until(() => other.getByRole("radio", { name: "Both", exact: true }).isChecked(), "the membrane of the link");
+    await button(other, "Relax").click();
+    await rested(other);
+    assert.equal(await fact(other, "Energy"), await fact(page, "Energy"));
+    await closePage(other);
     await closePage(page);
   });
 

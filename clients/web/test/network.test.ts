@@ -14,6 +14,7 @@ const network: Network = {
   points: [{ vertex: 0 }, { vertex: 1 }, { face: 0, barycentric: [0.2, 0.3, 0.5] }],
   positions: [[0, 0, 0], [3, 4, 0], [3, 4, 2]],
   pairs: [[0, 1], [1, 2]],
+  triangles: [],
 };
 
 describe("a network’s state", () => {
@@ -24,6 +25,12 @@ describe("a network’s state", () => {
     expect(changed(made, { springs: "adjacent_faces", restLength: 0.1 }).fixed).toEqual([3, 5]);
     expect(changed(made, { points: "picked" }).springs).toBe("voronoi_dual");
     expect(changed(picked, { points: "poisson_disk" }).springs).toBe("voronoi_dual");
+  });
+
+  it("has springs along shortest paths beside a membrane, whose sides are", () => {
+    const straight = changed(picked, { springLength: "euclidean" });
+    expect(changed(straight, { elements: "both" }).springLength).toBe("geodesic");
+    expect(changed(straight, { restLength: 1 }).springLength).toBe("euclidean");
   });
 
   it("fixes a point or lets it go, and draws a spring or takes it away", () => {

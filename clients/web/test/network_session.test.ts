@@ -20,6 +20,7 @@ function answerTo(request: EmbeddedSystemRequest): EmbeddedSystem {
     springs: springs.map(({ between }) => ({ between, length: 1, energy: 0.25, compressed: false, at_cut_locus: false, path: [{ position: [0, 0, 0] }, { position: [0.5, 0.1, 0] }, { position: [1, 0, 0] }] })),
     energy: 0.5, terms: [], gradient_norm: 1e-12, iterations: 2,
     history: [3, 1e-3, 1e-12].map((gradient_norm, k) => ({ energy: 2 - k, gradient_norm, step_length: 0, regularization: 0 })),
+    ...(request.triangles && { triangles: [[0, 1, 2]], membrane: [{ energy: 0.5, stretches: [1.5, 0.75], at_cut_locus: false }] }),
     stopped: "converged", mollified: false, at_vertices: [], loose_points: [], warnings: [],
     accuracy: { tolerance: 1e-9, gradient_tolerance: 2e-9, gradient_norm: 1e-12, mollifier_length: 1e-6 }, effects: [], cost: { seconds: 0.1, stages: [], quantities: {} },
   } as unknown as EmbeddedSystem;
@@ -159,5 +160,46 @@ describe("a network session", () => {
     tell?.("finished");
     await further;
     expect(network.isStale).toBe(false);
+  });
+
+  it("shows a membrane’s stretches by straight sides while it relaxes, exactly in the end, and goes on from where it is at rest", async () => {
+    const { network, view } = await begun();
+    network.change({ elements: "membrane", restScale: 0.5 });
+    const relaxed = network.relax();
+    await telling();
+    expect(asked[0]).toMatchObject({ springs: [], triangles: { kind: "voronoi_dual" } });
+    expect(asked[1]).toMatchObject({ triangles: [[0, 1, 2]], membrane: { rest_scale: 0.5 } });
+    expect(view.stretches.get()).toEqual({ least: 2, most: 2, exact: false });
+    tell?.("progress", { ...moved(1), positions: [[0, 0, 0], [2, 0, 0], [0, 1, 0]] });
+    await vi.waitFor(() => expect(view.stretches.get()).toEqual({ least: 2, most: 4, exact: false }));
+    expect(network.relaxing.get()?.gradientTolerance).toBeCloseTo(2e-9, 15);
+    tell?.("finished");
+    await relaxed;
+    expect(view.stretches.get()).toEqual({ least: 0.75, most: 1.5, exact: true });
+    expect(view.picture.get()?.triangles).toEqual([[0, 1, 2]]);
+    expect(view.triangleRange.get()).toEqual({ least: 1.5, most: 1.5 });
+    view.triangleColourBy.set("density");
+    expect(view.triangleRange.get().most).not.toBe(1.5);
+    stopTelling();
+    const further = network.relax(true);
+    await telling();
+    expect(asked.at(-1)).toEqual({ ...asked[1], max_iterations: 202 });
+    tell?.("finished");
+    await further;
+    expect(network.isStale).toBe(false);
+    network.change({ youngsModulus: 3 });
+    expect(network.isStale).toBe(true);
+  });
+
+  it("asks for the triangles of picked points too", async () => {
+    const { mesh, network, view } = await begun();
+    network.change({ points: "picked", springs: "drawn", elements: "both" });
+    mesh.setPoints([{ vertex: 0 }, { vertex: 1 }, { vertex: 2 }]);
+    expect(network.isMade).toBe(false);
+    expect(view.picture.get()?.positions).toEqual(PLACES);
+    await network.make();
+    expect(asked[0]).toMatchObject({ springs: [], triangles: { kind: "voronoi_dual" } });
+    expect(network.isMade).toBe(true);
+    expect(view.picture.get()?.triangles).toEqual([[0, 1, 2]]);
   });
 });

@@ -1,29 +1,34 @@
 // A network that was made, the requests that make, relax and save it, and what is known of its springs on the way.
 import type { EmbeddedSystem, EmbeddedSystemRequest, NetworkSpring, SurfacePoint } from "../contract/types";
+import { energyDensity, type MembraneMaterial, straightSides, type Stretches, stretchesOf, type Triple } from "./membrane";
 import type { Vector } from "./mesh_data";
-import type { NetworkState, Pair } from "./network_state";
+import { hasMembrane, hasSprings, type NetworkState, type Pair } from "./network_state";
 
-/** Points and springs by which a network is drawn and relaxed. */
+/** Points, springs and triangles by which a network is drawn and relaxed. */
 export interface Network {
   readonly points: readonly SurfacePoint[];
   readonly positions: readonly Vector[];
   readonly pairs: readonly Pair[];
+  /** Of a membrane; none where the network is of springs alone. */
+  readonly triangles: readonly Triple[];
 }
 
-/** All that points and springs depend on, fixed points and values of springs not. */
+/** All that points, springs and triangles depend on; fixed points, values of springs and the membrane's material not. */
 export function networkKey(mesh: string, state: NetworkState, picked: readonly SurfacePoint[]): string {
   const points = state.points === "picked" ? picked : state.points === "poisson_disk" ? [state.radius, state.seed] : [];
-  return JSON.stringify([mesh, state.points, points, state.springs, state.springs === "drawn" && state.drawn.map(({ between }) => between)]);
+  const springs = hasSprings(state) && [state.springs, state.springs === "drawn" && state.drawn.map(({ between }) => between)];
+  return JSON.stringify([mesh, state.points, points, springs, hasMembrane(state)]);
 }
 
 /**
- * Asks for the points and springs alone: springs without weight move nothing, so that the answer is the network as its
- * builders make it.
+ * Asks for the points, springs and triangles alone: springs without weight and triangles at rest move nothing, so that the
+ * answer is the network as its builders make it.
  */
 export function makingRequest(mesh: string, state: NetworkState, picked: readonly SurfacePoint[]): EmbeddedSystemRequest {
-  const springs: EmbeddedSystemRequest["springs"] =
-    state.springs === "drawn" ? state.drawn.map(({ between }) => ({ between: [...between], weight: 0 })) : { kind: state.springs, weight: 0 };
-  return { mesh, points: startOf(state, picked), springs, max_iterations: 1 } as EmbeddedSystemRequest;
+  const { springs: source } = state;
+  const springs: EmbeddedSystemRequest["springs"] = !hasSprings(state) ? [] : source === "drawn" ? state.drawn.map(({ between }) => ({ between: [...between], weight: 0 })) : { kind: source, weight: 0 };
+  const triangles = hasMembrane(state) && { triangles: { kind: "voronoi_dual" } };
+  return { mesh, points: startOf(state, picked), springs, ...triangles, max_iterations: 1 } as EmbeddedSystemRequest;
 }
 
 function startOf(state: NetworkState, picked: readonly SurfacePoint[]): EmbeddedSystemRequest["points"] {
@@ -41,12 +46,16 @@ export function springsOf(state: NetworkState, pairs: readonly Pair[]): NetworkS
   });
 }
 
-/** Asks for the network at rest, from `start`. */
+/** Asks for the network at rest, from `start`; a membrane is at rest where it starts, but for its factor. */
 export function relaxationRequest(mesh: string, state: NetworkState, network: Network, start: readonly SurfacePoint[] = network.points): EmbeddedSystemRequest {
   return {
     mesh,
     points: [...start],
     springs: springsOf(state, network.pairs),
+    ...(hasMembrane(state) && {
+      triangles: network.triangles.map((corners) => [...corners]),
+      membrane: { youngs_modulus: state.youngsModulus, poisson_ratio: state.poissonRatio, thickness: state.thickness, rest_scale: state.restScale },
+    }),
     fixed_points: state.fixed.filter((point) => point < start.length),
     method: state.method,
     spring_length: state.springLength,
@@ -57,8 +66,12 @@ export function relaxationRequest(mesh: string, state: NetworkState, network: Ne
   };
 }
 
-/** Asks for a file of a network as it is: with all points held, nothing moves. */
+/**
+ * Asks for a file of a network as it is: with all points held, nothing moves. A membrane would be at rest there: it is relaxed
+ * once more from where it started, with the same result.
+ */
 export function fileRequest(request: EmbeddedSystemRequest, points: readonly SurfacePoint[]): EmbeddedSystemRequest {
+  if (request.triangles) return request;
   return { ...request, points: [...points], fixed_points: points.map((_, point) => point), max_iterations: 1 };
 }
 
@@ -75,4 +88,31 @@ export function straightValues(positions: readonly Vector[], springs: readonly N
 
 export function exactValues(answer: EmbeddedSystem): SpringValues {
   return { lengths: answer.springs.map((spring) => spring.length), energies: answer.springs.map((spring) => spring.energy) };
+}
+
+export interface TriangleValues {
+  readonly stretches: readonly Stretches[];
+  /** Energy per area at rest. */
+  readonly densities: readonly number[];
+  /** Of shortest paths instead of segments through space. */
+  readonly exact: boolean;
+}
+
+/** Of triangles with straight sides, against straight sides at rest: what is known of them on the way. */
+export function straightTriangles({ positions: start, triangles }: Network, positions: readonly Vector[], material: MembraneMaterial, restScale: number): TriangleValues {
+  const stretches = triangles.map((corners): Stretches => {
+    const [greater, lesser] = stretchesOf(straightSides(start, corners), straightSides(positions, corners));
+    return [greater / restScale, lesser / restScale];
+  });
+  return { stretches, densities: stretches.map((pair) => energyDensity(pair, material)), exact: false };
+}
+
+export function exactTriangles({ membrane = [] }: EmbeddedSystem, material: MembraneMaterial): TriangleValues {
+  const stretches = membrane.map((triangle): Stretches => [triangle.stretches[0], triangle.stretches[1]]);
+  return { stretches, densities: stretches.map((pair) => energyDensity(pair, material)), exact: true };
+}
+
+/** What triangles of a request are made of, or would be of the state. */
+export function materialOf({ membrane }: Pick<EmbeddedSystemRequest, "membrane">): MembraneMaterial & { readonly rest_scale: number } {
+  return { youngs_modulus: 1, poisson_ratio: 0.3, thickness: 1, rest_scale: 1, ...membrane };
 }

@@ -3,6 +3,7 @@ import * as THREE from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import type { Triple } from "./membrane";
 import type { Vector } from "./mesh_data";
 import type { Rgb } from "./spring_colours";
 
@@ -14,6 +15,9 @@ export interface NetworkPicture {
   /** A line of at least two places for each spring, and its colour. */
   readonly lines: readonly (readonly Vector[])[];
   readonly colours: readonly Rgb[];
+  /** Of a membrane, and their colours. */
+  readonly triangles: readonly Triple[];
+  readonly triangleColours: readonly Rgb[];
   /** Springs are straight through space instead of on the surface. */
   readonly straight: boolean;
 }

@@ -4,13 +4,15 @@ import { h, uniqueId } from "../base/dom";
 import type { EffectSwitch } from "../contract/types";
 import type { ClickMode, NetworkSession } from "./network_session";
 import {
-  type Method, METHODS, MOLLIFIER_LENGTHS, MOST_ITERATIONS, MOST_SEED, MOST_WEIGHT, type NetworkState, type PointSource, radiusLimits, type SpringLength, type SpringSource, TOLERANCES, within,
+  type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS, MODULUS_LIMITS, MOLLIFIER_LENGTHS, MOST_ITERATIONS, MOST_SEED, MOST_WEIGHT, type NetworkState, type PointSource, POISSON_LIMITS, radiusLimits,
+  REST_SCALE_LIMITS, type SpringLength, type SpringSource, THICKNESS_LIMITS, TOLERANCES, within,
 } from "./network_state";
 import { readFixed, readSprings, writeFixed, writeSprings } from "./network_text";
 import type { MeshSession } from "./session";
 
 const POINT_WORDS: Record<PointSource, string> = { poisson_disk: "Random, evenly spread", per_face: "One in each face", picked: "Picked by hand" };
 const SPRING_WORDS: Record<SpringSource, string> = { voronoi_dual: "Neighbours (Voronoi cells that meet)", adjacent_faces: "Across each edge of the mesh", drawn: "Drawn between points" };
+const ELEMENT_WORDS: Record<Elements, string> = { springs: "Springs", membrane: "Membrane", both: "Both" };
 const METHOD_WORDS: Record<Method, string> = { newton: "Newton, exact Hessians", lbfgs: "L-BFGS", gradient_descent: "Gradient descent" };
 const CLICK_WORDS: Record<ClickMode, string> = { add: "Adds", join: "Joins", fix: "Fixes" };
 const SWITCHES: readonly Choice<EffectSwitch>[] = [{ value: "automatic", words: "Automatic" }, { value: "on", words: "On" }, { value: "off", words: "Off" }];
@@ -20,7 +22,7 @@ const powers = (values: readonly number[]): Choice<string>[] => values.map((valu
 
 export function networkPanel(mesh: MeshSession, network: NetworkSession): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Network" },
-    pointControls(mesh, network), springControls(mesh, network), fixedField(network), moreControls(network), actions(mesh, network));
+    pointControls(mesh, network), elementControls(network), springControls(mesh, network), membraneControls(network), fixedField(network), moreControls(network), actions(mesh, network));
   mesh.tool.watch((tool) => (element.hidden = tool !== "network"));
   return element;
 }
@@ -38,12 +40,12 @@ function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement 
   });
   const help = h("p", { class: "muted" });
   const tell = () => {
-    const { points, springs } = network.state.get();
+    const { points, springs, elements } = network.state.get();
     const chosen = network.chosen.get();
     mode.element.hidden = points !== "picked";
     const picked: Record<ClickMode, string> = {
       add: "Adds a point of the network.",
-      join: springs !== "drawn" ? "Springs are made, not drawn: choose “Drawn between points” to join them." : chosen === null ? "Choose a point, then the one that it is joined to; once more takes the spring away." : `Point ${chosen} is chosen: now the other one.`,
+      join: elements === "membrane" ? "A membrane has no springs to draw." : springs !== "drawn" ? "Springs are made, not drawn: choose “Drawn between points” to join them." : chosen === null ? "Choose a point, then the one that it is joined to; once more takes the spring away." : `Point ${chosen} is chosen: now the other one.`,
       fix: "Fixes a point, or lets it go.",
     };
     help.textContent = points === "picked" ? picked[network.mode.get()] : "Make the network, then click on points to fix them or let them go.";
@@ -62,6 +64,31 @@ function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement 
   });
   network.chosen.watch(tell);
   return h("div", { class: "parameters" }, source.element, radius.element, seed.element, mode.element, help);
+}
+
+function elementControls(network: NetworkSession): HTMLElement {
+  const elements = new Segments<Elements>("Made of", chooseFrom(ELEMENT_WORDS, ELEMENTS), (value) => network.change({ elements: value }));
+  network.state.watch((state) => (elements.value = state.elements));
+  return elements.element;
+}
+
+function membraneControls(network: NetworkSession): HTMLElement {
+  const slider = (label: string, [lower, upper]: readonly [number, number], digits: number, change: (value: number) => Partial<NetworkState>) =>
+    new Slider({ label, lower, upper, digits, changed: (value, done) => done && network.change(change(value)) });
+  const modulus = slider("Young’s modulus", MODULUS_LIMITS, 4, (youngsModulus) => ({ youngsModulus }));
+  const poisson = slider("Poisson’s ratio", POISSON_LIMITS, 4, (poissonRatio) => ({ poissonRatio }));
+  const thickness = slider("Thickness", THICKNESS_LIMITS, 4, (value) => ({ thickness: value }));
+  const scale = slider("Rest scale", REST_SCALE_LIMITS, 4, (restScale) => ({ restScale }));
+  const help = h("p", { class: "muted" }, "Triangles of points whose Voronoi cells meet. They are at rest where they start, or on lengths that the rest scale makes longer or shorter: below 1 they are stretched.");
+  const element = h("div", { class: "parameters" }, help, scale.element, modulus.element, poisson.element, thickness.element);
+  network.state.watch((state) => {
+    element.hidden = !hasMembrane(state);
+    modulus.value = state.youngsModulus;
+    poisson.value = state.poissonRatio;
+    thickness.value = state.thickness;
+    scale.value = state.restScale;
+  });
+  return element;
 }
 
 function springControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
@@ -83,7 +110,9 @@ function springControls(mesh: MeshSession, network: NetworkSession): HTMLElement
     rest.value = state.restLength;
     weight.value = state.weight;
   });
-  return h("div", { class: "parameters" }, source.element, drawn.element, rest.element, weight.element);
+  const element = h("div", { class: "parameters" }, source.element, drawn.element, rest.element, weight.element);
+  network.state.watch((state) => (element.hidden = !hasSprings(state)));
+  return element;
 }
 
 function fixedField(network: NetworkSession): HTMLElement {
@@ -136,6 +165,7 @@ function moreControls(network: NetworkSession): HTMLElement {
   network.state.watch((state) => {
     method.value = state.method;
     length.value = state.springLength;
+    length.element.hidden = hasMembrane(state);
     offer(tolerance, TOLERANCES, state.tolerance);
     iterations.value = state.maxIterations;
     mollifier.value = state.mollifier;

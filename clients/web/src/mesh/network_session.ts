@@ -4,9 +4,10 @@ import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { EmbeddedSystem, EmbeddedSystemRequest, Job, SurfacePoint } from "../contract/types";
 import type { Vector } from "./mesh_data";
-import { fileRequest, makingRequest, type Network, networkKey, relaxationRequest } from "./network";
+import type { Triple } from "./membrane";
+import { fileRequest, makingRequest, materialOf, type Network, networkKey, relaxationRequest } from "./network";
 import { type Frame, Frames } from "./network_frames";
-import { changed, DEFAULT_NETWORK, onAnotherMesh, type NetworkState, withFixed, within, withoutPoint, withSpring } from "./network_state";
+import { changed, DEFAULT_NETWORK, hasMembrane, hasSprings, onAnotherMesh, type NetworkState, withFixed, within, withoutPoint, withSpring } from "./network_state";
 import type { MeshActivity, MeshSession } from "./session";
 
 export interface Step {
@@ -18,6 +19,8 @@ export interface Step {
 /** A relaxation that runs or has ended. */
 export interface Relaxing {
   readonly request: EmbeddedSystemRequest;
+  /** What the settings ask for where nothing goes on from an earlier relaxation. */
+  readonly asked: EmbeddedSystemRequest;
   readonly network: Network;
   /** The start and what came of it so far. */
   readonly steps: readonly Step[];
@@ -102,9 +105,7 @@ export class NetworkSession {
   get isStale(): boolean {
     const relaxing = this.relaxing.get();
     if (!relaxing?.answer) return false;
-    const { request, network } = relaxing;
-    const { points } = request;
-    return JSON.stringify({ ...relaxationRequest(this.mesh, this.state.get(), network), points }) !== JSON.stringify({ ...request, points });
+    return JSON.stringify(relaxationRequest(this.mesh, this.state.get(), relaxing.network)) !== JSON.stringify(relaxing.asked);
   }
 
   make(): Promise<void> {
@@ -113,13 +114,18 @@ export class NetworkSession {
     });
   }
 
-  /** Relaxes the network from where its points were made, or goes on from where the last relaxation ended. */
+  /**
+   * Relaxes the network from where its points were made, or goes on from where the last relaxation ended. A membrane, which is at
+   * rest where it starts, goes the same way once more and then further.
+   */
   relax(goOn = false): Promise<void> {
     const start = goOn ? this.relaxing.get()?.answer : null;
     return this.attempt("Making the network", async (signal) => {
       const network = this.isMade ? (this.network.get() as Network) : await this.made(signal);
-      const request = relaxationRequest(this.mesh, this.state.get(), network, start?.points);
-      await this.follows(request, network, (start?.positions as unknown as Vector[] | undefined) ?? network.positions, signal);
+      const asked = relaxationRequest(this.mesh, this.state.get(), network);
+      if (!start) return this.follows(asked, asked, network, network.positions, signal);
+      if (asked.triangles) return this.follows({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
+      await this.follows({ ...asked, points: start.points }, asked, network, start.positions as unknown as Vector[], signal);
     });
   }
 
@@ -154,14 +160,16 @@ export class NetworkSession {
 
   /** A network that is picked and drawn by hand needs no server; any other is out of date until it is made again. */
   private follow(): void {
-    const { points, springs, drawn } = this.state.get();
+    const state = this.state.get();
+    const { points, springs, drawn } = state;
     if (this.isMade) return;
     this.forget();
     const picked = this.session.points.get();
     if (points !== "picked" || !this.session.mesh.get() || picked.length === 0) return;
-    const pairs = springs === "drawn" ? within(this.state.get(), picked.length).drawn.map(({ between }) => between) : [];
-    this.network.set({ points: picked, positions: picked.map((point) => this.session.position(point)), pairs });
-    if (springs === "drawn" && drawn.length === pairs.length) this.key = this.keyNow();
+    const isDrawn = springs === "drawn" && hasSprings(state);
+    const pairs = isDrawn ? within(this.state.get(), picked.length).drawn.map(({ between }) => between) : [];
+    this.network.set({ points: picked, positions: picked.map((point) => this.session.position(point)), pairs, triangles: [] });
+    if (isDrawn && !hasMembrane(state) && drawn.length === pairs.length) this.key = this.keyNow();
   }
 
   private keyNow(): string {
@@ -176,6 +184,7 @@ export class NetworkSession {
       points: answer.points as SurfacePoint[],
       positions: answer.positions as unknown as Vector[],
       pairs: answer.springs.map(({ between }) => [between[0], between[1]] as const),
+      triangles: request.triangles ? ((answer.triangles ?? []) as unknown as Triple[]) : [],
     };
     if (signal.aborted) return network;
     this.key = key;
@@ -185,23 +194,24 @@ export class NetworkSession {
     return network;
   }
 
-  private async follows(request: EmbeddedSystemRequest, network: Network, start: readonly Vector[], signal: AbortSignal): Promise<void> {
+  private async follows(request: EmbeddedSystemRequest, asked: EmbeddedSystemRequest, network: Network, start: readonly Vector[], signal: AbortSignal): Promise<void> {
     const frames = new Frames();
     frames.add({ iteration: 0, positions: start });
     const steps: Step[] = [];
-    const weight = (request.springs as { weight?: number }[]).reduce((most, spring) => Math.max(most, spring.weight ?? 1), 0);
+    const { youngs_modulus, thickness } = materialOf(request);
+    const weight = (request.springs as { weight?: number }[]).reduce((most, spring) => Math.max(most, spring.weight ?? 1), request.triangles ? youngs_modulus * thickness : 0);
     const diagonal = this.session.mesh.get()?.info.bounding_box.diagonal ?? 0;
     const gradientTolerance = (request.accuracy?.tolerance ?? 0) * weight * diagonal;
-    this.relaxing.set({ request, network, steps, frames: frames.all, gradientTolerance, answer: null });
+    this.relaxing.set({ request, asked, network, steps, frames: frames.all, gradientTolerance, answer: null });
     const answer = await this.compute(request, "Relaxing", signal, ({ partial }) => {
       if (!partial || !("gradient_norm" in partial) || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
       steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
       if (partial.positions && partial.iteration > 0) frames.add({ iteration: partial.iteration, positions: partial.positions as unknown as Vector[] });
-      this.relaxing.set({ request, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
+      this.relaxing.set({ request, asked, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
     });
     if (signal.aborted) return;
     const history = answer.history.map(({ energy, gradient_norm }, iteration): Step => ({ iteration, energy, gradient: gradient_norm }));
-    this.relaxing.set({ request, network, steps: history, frames: frames.all, gradientTolerance: answer.accuracy.gradient_tolerance, answer });
+    this.relaxing.set({ request, asked, network, steps: history, frames: frames.all, gradientTolerance: answer.accuracy.gradient_tolerance, answer });
   }
 
   private compute(request: EmbeddedSystemRequest, words: string, signal: AbortSignal, hear: (job: Job) => void = () => {}): Promise<EmbeddedSystem> {

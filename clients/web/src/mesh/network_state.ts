@@ -3,6 +3,8 @@ import type { EffectSwitch, EmbeddedSystemRequest, Mesh } from "../contract/type
 
 export type PointSource = "poisson_disk" | "per_face" | "picked";
 export type SpringSource = "voronoi_dual" | "adjacent_faces" | "drawn";
+/** What joins the points. */
+export type Elements = "springs" | "membrane" | "both";
 export type Method = NonNullable<EmbeddedSystemRequest["method"]>;
 export type SpringLength = NonNullable<EmbeddedSystemRequest["spring_length"]>;
 
@@ -19,12 +21,19 @@ export interface DrawnSpring {
 /** Lengths are in mesh units. */
 export interface NetworkState {
   readonly points: PointSource;
+  readonly elements: Elements;
   readonly radius: number;
   readonly seed: number;
   readonly springs: SpringSource;
   readonly drawn: readonly DrawnSpring[];
   readonly restLength: number;
   readonly weight: number;
+  /** Energy per cubed mesh unit. */
+  readonly youngsModulus: number;
+  readonly poissonRatio: number;
+  readonly thickness: number;
+  /** Lengths at rest over those at the start. */
+  readonly restScale: number;
   /** Ascending. */
   readonly fixed: readonly number[];
   readonly method: Method;
@@ -38,19 +47,26 @@ export interface NetworkState {
 
 export const POINT_SOURCES: readonly PointSource[] = ["poisson_disk", "per_face", "picked"];
 export const SPRING_SOURCES: readonly SpringSource[] = ["voronoi_dual", "adjacent_faces", "drawn"];
+export const ELEMENTS: readonly Elements[] = ["springs", "membrane", "both"];
 export const METHODS: readonly Method[] = ["newton", "lbfgs", "gradient_descent"];
 export const TOLERANCES: readonly number[] = [1e-3, 1e-6, 1e-9, 1e-12];
 export const MOLLIFIER_LENGTHS: readonly number[] = [1e-6, 1e-4, 1e-2, 0.1];
 export const MOST_ITERATIONS = 2000;
 export const MOST_WEIGHT = 100;
 export const MOST_SEED = 999;
+/** What the page offers, within what the server takes. */
+export const MODULUS_LIMITS = [0.01, 100] as const;
+export const POISSON_LIMITS = [-0.9, 0.49] as const;
+export const THICKNESS_LIMITS = [0.001, 10] as const;
+export const REST_SCALE_LIMITS = [0.2, 2] as const;
 /** Random points that a mesh has at first, about. */
 const POINTS_AT_FIRST = 250;
 /** Discs of half the radius that lie apart cover about this share of a surface. */
 const COVERED = 0.7;
 
 export const DEFAULT_NETWORK: NetworkState = {
-  points: "poisson_disk", radius: 1, seed: 1, springs: "voronoi_dual", drawn: [], restLength: 0, weight: 1, fixed: [],
+  points: "poisson_disk", elements: "springs", radius: 1, seed: 1, springs: "voronoi_dual", drawn: [], restLength: 0, weight: 1, fixed: [],
+  youngsModulus: 1, poissonRatio: 0.3, thickness: 1, restScale: 0.9,
   method: "newton", springLength: "geodesic", tolerance: 1e-9, maxIterations: 200, mollifier: "automatic", mollifierLength: 1e-6, keptStrips: "automatic",
 };
 
@@ -73,8 +89,17 @@ export function onAnotherMesh(state: NetworkState, { area }: Pick<Mesh, "area">)
 export function changed(state: NetworkState, change: Partial<NetworkState>): NetworkState {
   const next = { ...state, ...change };
   const renumbered = next.points !== state.points || (next.points === "poisson_disk" && (next.radius !== state.radius || next.seed !== state.seed));
-  if (renumbered && !change.fixed) return { ...next, fixed: [], springs: suitable(next) };
-  return { ...next, springs: suitable(next) };
+  const fixed = renumbered && !change.fixed ? [] : next.fixed;
+  // The sides of triangles are shortest paths: springs beside them are too.
+  return { ...next, fixed, springs: suitable(next), springLength: hasMembrane(next) ? "geodesic" : next.springLength };
+}
+
+export function hasMembrane({ elements }: Pick<NetworkState, "elements">): boolean {
+  return elements !== "springs";
+}
+
+export function hasSprings({ elements }: Pick<NetworkState, "elements">): boolean {
+  return elements !== "membrane";
 }
 
 /** Springs are drawn between picked points only. */

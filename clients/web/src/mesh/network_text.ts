@@ -1,7 +1,7 @@
 // Numbers of points and springs as they are written by hand, and all of a network in a link.
 import { plain } from "../base/format";
 import type { EffectSwitch } from "../contract/types";
-import { DEFAULT_NETWORK, type DrawnSpring, METHODS, MOST_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, within } from "./network_state";
+import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MOST_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, within } from "./network_state";
 
 const MOST_POINTS = 100_000;
 const SWITCHES: readonly EffectSwitch[] = ["automatic", "on", "off"];
@@ -46,8 +46,9 @@ function splitList(text: string): string[] {
 
 /** The fields of a network in a link. */
 export function writeNetwork(state: NetworkState): string {
-  const { points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips } = state;
-  const fields = [points, plain(radius), seed, springs, plain(restLength), plain(weight), method, springLength, plain(tolerance), maxIterations, mollifier, plain(mollifierLength), keptStrips];
+  const { points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips, elements } = state;
+  const membrane = [elements, ...[state.youngsModulus, state.poissonRatio, state.thickness, state.restScale].map(plain)];
+  const fields = [points, plain(radius), seed, springs, plain(restLength), plain(weight), method, springLength, plain(tolerance), maxIterations, mollifier, plain(mollifierLength), keptStrips, ...(hasMembrane(state) ? membrane : [])];
   const lists = [state.fixed.length > 0 && `fixed=${state.fixed.join(",")}`, state.drawn.length > 0 && `springs=${writeSprings(state.drawn).replace(/ /g, "")}`];
   return [`network=${fields.join(",")}`, ...lists.filter((text) => text !== false)].join("&");
 }
@@ -56,7 +57,7 @@ export function writeNetwork(state: NetworkState): string {
 export function readNetwork(fields: ReadonlyMap<string, string>, picked: number): NetworkState | null {
   const values = fields.get("network")?.split(",");
   if (!values) return null;
-  const [points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips] = values;
+  const [points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips, elements, youngsModulus, poissonRatio, thickness, restScale] = values;
   const standard = DEFAULT_NETWORK;
   const number = (text: string | undefined, lower: number, upper: number, otherwise: number) => {
     const value = Number(text);
@@ -70,7 +71,12 @@ export function readNetwork(fields: ReadonlyMap<string, string>, picked: number)
     restLength: number(restLength, 0, 1e12, standard.restLength),
     weight: number(weight, 0, 1e12, standard.weight),
     method: oneOf(METHODS, method, standard.method),
-    springLength: springLength === "euclidean" ? "euclidean" : "geodesic",
+    elements: oneOf(ELEMENTS, elements, standard.elements),
+    youngsModulus: number(youngsModulus, 1e-12, 1e12, standard.youngsModulus),
+    poissonRatio: number(poissonRatio, -0.99, 0.4999, standard.poissonRatio),
+    thickness: number(thickness, 1e-12, 1e12, standard.thickness),
+    restScale: number(restScale, 1e-6, 1e6, standard.restScale),
+    springLength: springLength === "euclidean" && !hasMembrane({ elements: oneOf(ELEMENTS, elements, "springs") }) ? "euclidean" : "geodesic",
     tolerance: number(tolerance, 1e-16, 1, standard.tolerance),
     maxIterations: Math.round(number(maxIterations, 1, MOST_ITERATIONS, standard.maxIterations)),
     mollifier: oneOf(SWITCHES, mollifier, "automatic"),

@@ -78,7 +78,7 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
     path: "Shortest paths from point to point.",
     distance: "Distance to the nearest point, with isolines.",
     mean: "The point of least mean squared distance, and the paths to it. There may be several minima: further searches may find a lower one.",
-    network: "An elastic network whose points slide on the surface until its springs are at rest.",
+    network: "An elastic network or membrane whose points slide on the surface until it is at rest.",
   };
   const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, { value: "network", words: "Network" }], (value) => session.setTool(value));
   const help = h("p", { class: "muted" });

@@ -9,12 +9,13 @@ import type { Cost, Effect, EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
 import { frameAt } from "./network_frames";
 import type { FileKind, NetworkSession, Relaxing } from "./network_session";
-import type { ColourBy, NetworkView } from "./network_view";
-import { cssGradient, SPRING_RAMP } from "./spring_colours";
+import type { ColourBy, NetworkView, StretchRange, TriangleColourBy } from "./network_view";
+import { cssGradient, type Range, type Rgb, SPRING_RAMP } from "./spring_colours";
+import { RAMP } from "./surface_material";
 
 export const STOP_SENTENCES: Record<EmbeddedSystem["stopped"], string> = {
   converged: "The network is at rest: the gradient is below the tolerance.",
-  cut_locus: "No step lowers the energy any more: a compressed spring is where two paths are equally short.",
+  cut_locus: "No step lowers the energy any more: a compressed spring, or a side of a triangle that pushes, is where two paths are equally short.",
   step_too_small: "The network is at rest as far as rounding allows: no step lowers the energy any more.",
   iteration_limit: "The limit of iterations came first: the network is not at rest yet.",
 };
@@ -33,10 +34,11 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const notes = h("div", { class: "notes" });
   const slider = h("div");
   const colours = new Select<ColourBy>("Colour of the springs", [{ value: "energy", words: "Energy" }, { value: "length", words: "Length" }], (value) => view.colourBy.set(value));
-  const bar = h("div", { class: "ramp", "aria-hidden": "true" });
-  bar.style.background = cssGradient(SPRING_RAMP);
-  const [least, most] = [h("span"), h("span")];
-  const scale = h("div", {}, bar, h("div", { class: "ramp-words" }, least, most));
+  const scale = legend(SPRING_RAMP);
+  const triangleColours = new Select<TriangleColourBy>("Colour of the triangles", [{ value: "stretch", words: "Greater principal stretch" }, { value: "density", words: "Energy per area at rest" }], (value) => view.triangleColourBy.set(value));
+  const triangleScale = legend(RAMP);
+  const ofSprings = h("div", { class: "ramp-choice" }, colours.element, scale.element);
+  const ofTriangles = h("div", { class: "ramp-choice" }, triangleColours.element, triangleScale.element);
   const goOn = button("Go on from here", () => void network.relax(true));
   const file = (kind: FileKind) =>
     button(kind.toUpperCase(), () => void network.file(kind, (text) => download(`network.${kind}`, kind === "obj" ? "model/obj" : "application/xml", text)), { icon: "download", title: `Save the network as ${kind.toUpperCase()}` });
@@ -44,7 +46,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const history = button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" });
   const request = button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" });
   const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
-  const side = h("div", { class: "relaxation-side" }, colours.element, scale, slider, h("div", { class: "row" }, ...files, history, request));
+  const side = h("div", { class: "relaxation-side" }, ofTriangles, ofSprings, slider, h("div", { class: "row" }, ...files, history, request));
   const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true },
     h("h2", {}, "Relaxation"), sentence, stale, notes, goOn, h("div", { class: "relaxation-body" }, stage, facts, side), bill);
 
@@ -58,7 +60,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     if (!relaxing) return;
     const frame = view.frame.get();
     plot.update({ steps: relaxing.steps, tolerance: relaxing.gradientTolerance, current: frame?.iteration ?? relaxing.steps.at(-1)?.iteration ?? null });
-    replace(facts, ...factsOf(relaxing, frame?.iteration ?? null).flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+    replace(facts, ...factsOf(relaxing, frame?.iteration ?? null, view.stretches.get()).flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
   }
 
   function showSlider({ frames, answer }: Relaxing): void {
@@ -79,6 +81,8 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     card.hidden = !relaxing;
     if (!relaxing) return;
     const { answer } = relaxing;
+    ofTriangles.hidden = relaxing.network.triangles.length === 0;
+    ofSprings.hidden = relaxing.network.pairs.length === 0 && !ofTriangles.hidden;
     sentence.textContent = answer ? STOP_SENTENCES[answer.stopped] : relaxing.network.points.length > MOST_SEEN ? "The network is relaxing. It has too many points to be seen on its way." : "The network is relaxing.";
     replace(notes, ...(answer ? notesOf(answer) : []).map((words) => h("p", { class: "note" }, words)));
     for (const part of [...files, history, request, goOn]) part.disabled = !answer;
@@ -87,30 +91,51 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     showSlider(relaxing);
     if (answer) {
       replace(bill, h("summary", {}, "Effects, bill and history"), effectTable(answer.effects), ...billTables(answer.cost), historyTable(answer));
-      announce([STOP_SENTENCES[answer.stopped], ...factsOf(relaxing, null).map(([term, value]) => `${term}: ${value}`)].join(" "));
+      announce([STOP_SENTENCES[answer.stopped], ...factsOf(relaxing, null, view.stretches.get()).map(([term, value]) => `${term}: ${value}`)].join(" "));
     }
     draw();
   });
   view.frame.watch(draw);
   view.colourBy.watch((value) => (colours.value = value));
-  view.range.watch((range) => {
-    least.textContent = digits(range.least, 3);
-    most.textContent = digits(range.most, 3);
-  });
+  view.triangleColourBy.watch((value) => (triangleColours.value = value));
+  view.range.watch((range) => scale.show(range));
+  view.triangleRange.watch((range) => triangleScale.show(range));
   for (const part of [network.state, network.network, network.relaxing]) part.watch(() => (stale.hidden = !network.isStale));
   return card;
 }
 
-function factsOf({ answer, steps, network }: Relaxing, iteration: number | null): [string, string][] {
+/** A ramp of colours with the least and the greatest value at its ends. */
+function legend(ramp: readonly Rgb[]): { element: HTMLElement; show: (range: Range) => void } {
+  const bar = h("div", { class: "ramp", "aria-hidden": "true" });
+  bar.style.background = cssGradient(ramp);
+  const [least, most] = [h("span"), h("span")];
+  return {
+    element: h("div", {}, bar, h("div", { class: "ramp-words" }, least, most)),
+    show(range) {
+      least.textContent = digits(range.least, 3);
+      most.textContent = digits(range.most, 3);
+    },
+  };
+}
+
+function factsOf({ answer, steps, network }: Relaxing, iteration: number | null, stretches: StretchRange | null): [string, string][] {
   const step = iteration === null ? steps.at(-1) : steps.find((one) => one.iteration === iteration);
   const rows: [string, string][] = [
     ["Points", network.points.length.toLocaleString("en")],
-    ["Springs", network.pairs.length.toLocaleString("en")],
+    ...(network.pairs.length > 0 || network.triangles.length === 0 ? [["Springs", network.pairs.length.toLocaleString("en")] as [string, string]] : []),
+    ...(network.triangles.length > 0 ? [["Triangles", network.triangles.length.toLocaleString("en")] as [string, string]] : []),
   ];
   if (step) rows.push(["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration", answer ? `${step.iteration} of ${answer.iterations}` : String(step.iteration)]);
+  if (stretches) {
+    const about = stretches.exact ? "" : "≈ ";
+    rows.push(["Least stretch", about + digits(stretches.least, 4)], ["Greatest stretch", about + digits(stretches.most, 4)]);
+  }
   if (!answer) return rows;
-  const compressed = answer.springs.filter((spring) => spring.compressed).length;
-  return [...rows, ["Under compression", compressed === 0 ? "none" : String(compressed)], ["Time", seconds(answer.cost.seconds)]];
+  if (network.pairs.length > 0 || network.triangles.length === 0) {
+    const compressed = answer.springs.filter((spring) => spring.compressed).length;
+    rows.push(["Under compression", compressed === 0 ? "none" : String(compressed)]);
+  }
+  return [...rows, ["Time", seconds(answer.cost.seconds)]];
 }
 
 function notesOf(answer: EmbeddedSystem): string[] {

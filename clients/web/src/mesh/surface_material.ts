@@ -6,6 +6,16 @@ export const RAMP: readonly (readonly [number, number, number])[] = [
   [0.05, 0.2, 0.27], [0.04, 0.43, 0.41], [0.33, 0.65, 0.54], [0.76, 0.83, 0.6], [0.99, 0.92, 0.74],
 ];
 
+/** Light on a surface or on what covers it: lit(colour, normal, place seen from the eye). */
+export const lightOfSurface = /* glsl */ `
+  vec3 lit(vec3 base, vec3 towards, vec3 view) {
+    vec3 normal = normalize(gl_FrontFacing ? towards : -towards);
+    vec3 toEye = normalize(-view);
+    float light = 0.62 + 0.33 * max(dot(normal, normalize(vec3(0.4, 0.7, 0.9))), 0.0) + 0.1 * normal.y;
+    float gloss = 0.12 * pow(max(dot(normal, normalize(toEye + vec3(0.3, 0.6, 0.6))), 0.0), 40.0);
+    return base * light + gloss;
+  }`;
+
 const vertexShader = /* glsl */ `
   attribute float distance0;
   varying float vDistance;
@@ -27,6 +37,7 @@ const fragmentShader = /* glsl */ `
   varying float vDistance;
   varying vec3 vNormal;
   varying vec3 vView;
+  ${lightOfSurface}
   void main() {
     vec3 base = plain;
     if (largest > 0.0 && vDistance >= 0.0) {
@@ -37,11 +48,7 @@ const fragmentShader = /* glsl */ `
       float away = abs(fract(turn - 0.5) - 0.5) / fwidth(turn);
       base = mix(base * 0.35, base, smoothstep(0.4, 1.4, away));
     }
-    vec3 normal = normalize(gl_FrontFacing ? vNormal : -vNormal);
-    vec3 toEye = normalize(-vView);
-    float light = 0.62 + 0.33 * max(dot(normal, normalize(vec3(0.4, 0.7, 0.9))), 0.0) + 0.1 * normal.y;
-    float gloss = 0.12 * pow(max(dot(normal, normalize(toEye + vec3(0.3, 0.6, 0.6))), 0.0), 40.0);
-    gl_FragColor = vec4(base * light + gloss, 1.0);
+    gl_FragColor = vec4(lit(base, vNormal, vView), 1.0);
     #include <colorspace_fragment>
   }`;
 

@@ -5,7 +5,10 @@ import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { dark } from "../base/theme";
 import { SceneView } from "../scene/scene_view";
+import { drape, type Drape } from "./membrane_drape";
+import { MembraneDrawing } from "./membrane_drawing";
 import { barycentricOf, type MeshData, roundStep, type Vector } from "./mesh_data";
+import { SurfaceGrid } from "./nearest_on_surface";
 import { NetworkDrawing, type NetworkPicture } from "./network_drawing";
 import { surfaceMaterial } from "./surface_material";
 
@@ -33,6 +36,10 @@ export class MeshViewer {
   private readonly marks = new THREE.Group();
   private readonly lines = new THREE.Group();
   private readonly network = new NetworkDrawing();
+  private readonly membrane = new MembraneDrawing();
+  /** Of the mesh, once a membrane lies on it. */
+  private grid: SurfaceGrid | null = null;
+  private draped: { positions: NetworkPicture["positions"]; triangles: NetworkPicture["triangles"]; drape: Drape } | null = null;
   private picture: NetworkPicture | null = null;
   private readonly lineMaterial = new LineMaterial({ linewidth: 5 });
   private surface: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
@@ -45,8 +52,9 @@ export class MeshViewer {
     this.view.resized = (width, height) => {
       this.lineMaterial.resolution.set(width, height);
       this.network.resized(width, height, this.view.pixelRatio);
+      this.membrane.resized(width, height);
     };
-    this.view.scene.add(this.marks, this.lines, this.network.group);
+    this.view.scene.add(this.marks, this.lines, this.membrane.group, this.network.group);
     this.listen();
     dark.watch((isDark) => {
       this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
@@ -62,6 +70,7 @@ export class MeshViewer {
     this.surface?.geometry.dispose();
     this.surface?.removeFromParent();
     this.data = data;
+    [this.grid, this.draped] = [null, null];
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(data.positions), 3));
     geometry.setIndex(new THREE.BufferAttribute(data.faces, 1));
@@ -128,7 +137,20 @@ export class MeshViewer {
     const colour = pageColours();
     const names = { free: "--solid", fixed: "--target", chosen: "--simulated", rim: "--surface" };
     this.network.show(picture, (kind) => colour(names[kind]));
+    this.membrane.show(this.drapeOf(picture), picture?.triangleColours ?? [], colour("--solid"));
     this.view.draw();
+  }
+
+  /** Where only colours change, the drape stays. */
+  private drapeOf(picture: NetworkPicture | null): Drape | null {
+    if (!picture || picture.triangles.length === 0 || !this.data || !this.surface) return null;
+    const { positions, triangles } = picture;
+    if (this.draped?.positions !== positions || this.draped.triangles !== triangles) {
+      this.grid ??= new SurfaceGrid(this.data);
+      const normals = this.surface.geometry.getAttribute("normal").array;
+      this.draped = { positions, triangles, drape: drape(this.data, this.grid, normals, positions, triangles) };
+    }
+    return this.draped.drape;
   }
 
   private listen(): void {

@@ -1,0 +1,77 @@
+// A membrane in space: its triangles, coloured, and their sides as thin lines. Knows three.js and nothing of the server.
+import * as THREE from "three";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+import type { Drape } from "./membrane_drape";
+import type { Rgb } from "./spring_colours";
+import { lightOfSurface } from "./surface_material";
+
+/** How much nearer triangles and their sides come than the surface that they lie on, in smallest steps of depth. */
+const TRIANGLES_NEARER = 150;
+const SIDES_NEARER = 260;
+
+const vertexShader = /* glsl */ `
+  attribute vec3 colour;
+  varying vec3 vColour;
+  varying vec3 vNormal;
+  varying vec3 vView;
+  void main() {
+    vColour = colour;
+    vNormal = normalMatrix * normal;
+    vec4 view = modelViewMatrix * vec4(position, 1.0);
+    vView = view.xyz;
+    gl_Position = projectionMatrix * view;
+  }`;
+
+const fragmentShader = /* glsl */ `
+  varying vec3 vColour;
+  varying vec3 vNormal;
+  varying vec3 vView;
+  ${lightOfSurface}
+  void main() {
+    gl_FragColor = vec4(lit(vColour, vNormal, vView), 1.0);
+    #include <colorspace_fragment>
+  }`;
+
+export class MembraneDrawing {
+  readonly group = new THREE.Group();
+  private readonly material = new THREE.ShaderMaterial({ vertexShader, fragmentShader, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -TRIANGLES_NEARER });
+  private readonly lineMaterial = new LineMaterial({ linewidth: 1.4, polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -SIDES_NEARER });
+  private drape: Drape | null = null;
+  private triangles: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
+  private sides: LineSegments2 | null = null;
+
+  resized(width: number, height: number): void {
+    this.lineMaterial.resolution.set(width, height);
+  }
+
+  /** Null takes the membrane away; `colours` has one for each of its triangles. */
+  show(drape: Drape | null, colours: readonly Rgb[], sides: THREE.Color): void {
+    if (drape !== this.drape) this.lay(drape);
+    this.lineMaterial.color = sides;
+    if (!drape || !this.triangles) return;
+    const values = new Float32Array(drape.positions.length);
+    colours.forEach((colour, k) => {
+      for (let corner = 0; corner < 3 * drape.perTriangle; ++corner) values.set(colour, 3 * (3 * drape.perTriangle * k + corner));
+    });
+    this.triangles.geometry.setAttribute("colour", new THREE.BufferAttribute(values, 3));
+  }
+
+  private lay(drape: Drape | null): void {
+    this.drape = drape;
+    for (const part of [this.triangles, this.sides]) part?.geometry.dispose();
+    this.group.clear();
+    [this.triangles, this.sides] = [null, null];
+    if (!drape || drape.positions.length === 0) return;
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(drape.positions, 3));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(drape.normals, 3));
+    this.triangles = new THREE.Mesh(geometry, this.material);
+    const lines = new LineSegmentsGeometry();
+    lines.setPositions(drape.sides);
+    this.sides = new LineSegments2(lines, this.lineMaterial);
+    this.triangles.frustumCulled = this.sides.frustumCulled = false;
+    this.group.add(this.triangles, this.sides);
+  }
+}
