@@ -1,0 +1,87 @@
+#include "first_inversion.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace supple::embedded {
+namespace {
+
+constexpr double lost_volume = 1e-12;     ///< of the volume at the start
+constexpr double root_tolerance = 1e-12;  ///< relative
+/// Halvings of an interval before its lower end is taken for the root.
+constexpr int most_halvings = 1100;
+/// Beyond this, in lengths of the step, nobody looks.
+constexpr double farthest = 1e100;
+
+/// 1 + a t + b t^2 + c t^3.
+struct Cubic {
+  double a;
+  double b;
+  double c;
+
+  double operator()(double t) const { return 1 + t * (a + t * (b + t * c)); }
+
+  /// Whether no term can bring it down to 0 before t.
+  bool stays_positive(double t) const { return t * (std::abs(a) + t * (std::abs(b) + t * std::abs(c))) < 0.999; }
+
+  /// Its positive extrema, ascending; infinity for those that are missing.
+  std::array<double, 2> extrema() const {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    std::array<double, 2> at{none, none};
+    const double discriminant = b * b - 3 * a * c;
+    if (!(discriminant >= 0)) return at;
+    const double q = -(b + std::copysign(std::sqrt(discriminant), b));
+    at = {q / (3 * c), a / q};
+    for (double& t : at)
+      if (!(t > 0)) t = none;
+    if (at[1] < at[0]) std::swap(at[0], at[1]);
+    return at;
+  }
+
+  bool falls_in_the_end() const { return c != 0 ? c < 0 : b != 0 ? b < 0 : a < 0; }
+};
+
+/// Where the cubic, monotone between `low` and `high`, loses its value.
+double halve(const Cubic& cubic, double low, double high) {
+  for (int k = 0; k < most_halvings && high - low > root_tolerance * high; ++k) {
+    const double middle = low + 0.5 * (high - low);
+    (cubic(middle) > lost_volume ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+double first_inversion(const Eigen::Matrix3d& edges, const Eigen::Matrix3d& change, double limit) {
+  const Eigen::Vector3d across_edges = edges.col(1).cross(edges.col(2));
+  const double volume = edges.col(0).dot(across_edges);
+  if (!(volume > 0)) return 0;
+  const Eigen::Vector3d across_change = change.col(1).cross(change.col(2));
+  const Eigen::Vector3d mixed = edges.col(1).cross(change.col(2)) + change.col(1).cross(edges.col(2));
+  const Cubic cubic{(change.col(0).dot(across_edges) + edges.col(0).dot(mixed)) / volume,
+                    (edges.col(0).dot(across_change) + change.col(0).dot(mixed)) / volume,
+                    change.col(0).dot(across_change) / volume};
+  const double end = std::min(limit, farthest);
+  if (cubic.stays_positive(end)) return std::numeric_limits<double>::infinity();
+  double low = 0;
+  for (const double extremum : cubic.extrema()) {
+    if (!(extremum < end)) break;
+    if (!(cubic(extremum) > lost_volume)) return halve(cubic, low, extremum);
+    low = extremum;
+  }
+  if (limit < farthest)
+    return cubic(limit) > lost_volume ? std::numeric_limits<double>::infinity() : halve(cubic, low, limit);
+  if (!cubic.falls_in_the_end()) return std::numeric_limits<double>::infinity();
+  double high = std::max(low, 1.0);
+  while (cubic(high) > lost_volume) {
+    low = high;
+    high *= 2;
+    if (high > farthest) return std::numeric_limits<double>::infinity();
+  }
+  return halve(cubic, low, high);
+}
+
+}  // namespace supple::embedded

@@ -1,0 +1,229 @@
+#include "solid_elements.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "beyond_logarithm.h"
+#include "first_inversion.h"
+#include "supple/base/cost_ledger.h"
+#include "supple/numerics/element_loop.h"
+
+namespace supple::embedded {
+namespace {
+
+/// Of the way to an inversion that a step may go.
+constexpr double inversion_safety = 0.9;
+
+/// Elements that are one task.
+constexpr std::size_t tetrahedra_of_a_task = 128;
+
+/// Squared norm of Green's strain up to which the energy is written by invariants of the strain alone.
+constexpr double small_strain = 1.0 / 16;
+
+Eigen::VectorXd coordinates_of(const std::vector<Eigen::Vector3d>& nodes) {
+  Eigen::VectorXd coordinates(3 * static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t i = 0; i < nodes.size(); ++i) coordinates.segment<3>(3 * static_cast<Eigen::Index>(i)) = nodes[i];
+  return coordinates;
+}
+
+/// Edges from node 0.
+Eigen::Matrix3d edges_of(const std::array<std::int32_t, 4>& nodes, const auto& coordinates) {
+  const auto at = [&](std::int32_t node) {
+    return Eigen::Vector3d(coordinates.template segment<3>(3 * static_cast<Eigen::Index>(node)));
+  };
+  const Eigen::Vector3d first = at(nodes[0]);
+  Eigen::Matrix3d edges;
+  edges << at(nodes[1]) - first, at(nodes[2]) - first, at(nodes[3]) - first;
+  return edges;
+}
+
+/// det A A^-T.
+Eigen::Matrix3d cofactors_of(const Eigen::Matrix3d& a) {
+  Eigen::Matrix3d cofactors;
+  cofactors << a.col(1).cross(a.col(2)), a.col(2).cross(a.col(0)), a.col(0).cross(a.col(1));
+  return cofactors;
+}
+
+double youngs_modulus_at(const Eigen::Vector3d& center, const SolidHost& solid) {
+  double modulus = solid.youngs_modulus;
+  for (const SolidRegion& region : solid.regions)
+    if ((center.array() >= region.lower.array()).all() && (center.array() <= region.upper.array()).all())
+      modulus = region.youngs_modulus;
+  return modulus;
+}
+
+/// The energy density and its derivatives by F, of an element whose displacements have this gradient.
+struct NeoHookean {
+  double value = std::numeric_limits<double>::infinity();
+  Eigen::Matrix3d inverse_transpose;  ///< F^-T
+  Eigen::Matrix3d stress;             ///< the first Piola-Kirchhoff stress
+  double log_j = 0;
+
+  NeoHookean(const Eigen::Matrix3d& displacement_gradient, double mu, double lambda) {
+    const Eigen::Matrix3d& h = displacement_gradient;
+    const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + h;
+    const Eigen::Matrix3d cofactors = cofactors_of(f);
+    const double j = f.col(0).dot(cofactors.col(0));
+    if (!(j > 0)) return;
+    const Eigen::Matrix3d strain = 0.5 * (h + h.transpose() + h.transpose() * h);
+    const double trace = strain.trace();
+    const double square = strain.squaredNorm();
+    if (square <= small_strain) {
+      // With tr C - 3 = 2 tr G and J^2 - 1 = 2 tr G + q, terms of the first order are gone:
+      // psi = mu / 2 (J^2 - 1 - log J^2 - q) + lambda / 2 log(J)^2.
+      const double q = 2 * (trace * trace - square) + 8 * strain.determinant();
+      const double growth = 2 * trace + q;
+      log_j = 0.5 * std::log1p(growth);
+      value = 0.5 * mu * (beyond_logarithm(growth) - q);
+    } else {
+      log_j = std::log(j);
+      value = mu * (trace - log_j);
+    }
+    value += 0.5 * lambda * log_j * log_j;
+    inverse_transpose = cofactors / j;
+    // mu (F - F^-T) + lambda log J F^-T, in which F - F^-T = F^-T (C - 1).
+    Eigen::Matrix3d pulled = 2 * mu * strain;
+    pulled.diagonal().array() += lambda * log_j;
+    stress.noalias() = inverse_transpose * pulled;
+  }
+};
+
+}  // namespace
+
+struct SolidElements::Evaluated {
+  static constexpr int size = 12;
+  double value;
+  double gradient[size];
+  double lower[numerics::HessianEntries::entries_of(size)];
+};
+
+SolidElements::SolidElements(const meshing::TetrahedralMesh& rest, const SolidHost& solid)
+    : rest_(coordinates_of(rest.nodes)) {
+  elements_.reserve(rest.tetrahedra.size());
+  for (const meshing::Tetrahedron& nodes : rest.tetrahedra) {
+    Element element;
+    element.nodes = nodes;
+    const Eigen::Matrix3d edges = edges_of(nodes, rest_);
+    const double determinant = edges.determinant();
+    if (!(determinant > 0)) throw std::invalid_argument("a tetrahedron of the solid has no volume");
+    element.volume = determinant / 6;
+    element.gradients = cofactors_of(edges) / determinant;
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    for (const std::int32_t node : nodes) center += rest.nodes[static_cast<std::size_t>(node)] / 4;
+    const double modulus = youngs_modulus_at(center, solid);
+    const double nu = solid.poisson_ratio;
+    element.mu = modulus / (2 * (1 + nu));
+    element.lambda = modulus * nu / ((1 + nu) * (1 - 2 * nu));
+    elements_.push_back(element);
+  }
+}
+
+// By displacements: differences of places lose the digits of small strains.
+Eigen::Matrix3d SolidElements::displacement_gradient(const Element& element, const NetworkState& state) const {
+  const auto displacement = [&](std::int32_t node) -> Eigen::Vector3d {
+    return state.nodes().segment<3>(3 * static_cast<Eigen::Index>(node)) -
+           rest_.segment<3>(3 * static_cast<Eigen::Index>(node));
+  };
+  const Eigen::Vector3d first = displacement(element.nodes[0]);
+  Eigen::Matrix3d changes;
+  changes << displacement(element.nodes[1]) - first, displacement(element.nodes[2]) - first,
+      displacement(element.nodes[3]) - first;
+  return changes * element.gradients.transpose();
+}
+
+void SolidElements::evaluate(const Element& element, const NetworkState& state, int order, Evaluated& to) const {
+  const NeoHookean law(displacement_gradient(element, state), element.mu, element.lambda);
+  to.value = element.volume * law.value;
+  if (order < 1 || !std::isfinite(law.value)) return;
+  Eigen::Map<Eigen::Matrix<double, 3, 4>> gradient(to.gradient);
+  gradient.rightCols<3>().noalias() = element.volume * law.stress * element.gradients;
+  gradient.col(0) = -gradient.rightCols<3>().rowwise().sum();
+  if (order < 2) return;
+  // With gradients b of the barycentric coordinates by the place at rest and c = F^-T b by the place now, the block of
+  // nodes k and l is V (mu (b_k.b_l) 1 + (mu - lambda log J) c_l c_k^T + lambda c_k c_l^T).
+  Eigen::Matrix<double, 3, 4> b;
+  b.rightCols<3>() = element.gradients;
+  b.col(0) = -element.gradients.rowwise().sum();
+  const Eigen::Matrix<double, 3, 4> c = law.inverse_transpose * b;
+  const double straight = element.volume * element.lambda;
+  const double crossed = element.volume * (element.mu - element.lambda * law.log_j);
+  double* entry = to.lower;
+  for (int k = 0; k < 4; ++k)
+    for (int i = 0; i < 3; ++i)
+      for (int l = 0; l <= k; ++l) {
+        const double same = element.volume * element.mu * b.col(k).dot(b.col(l));
+        for (int j = 0; j < (l == k ? i + 1 : 3); ++j)
+          *entry++ = (i == j ? same : 0) + straight * c(i, k) * c(j, l) + crossed * c(i, l) * c(j, k);
+      }
+}
+
+void SolidElements::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
+  const auto evaluate_one = [&](std::size_t e, Evaluated& to) { evaluate(elements_[e], state, order, to); };
+  const auto add_one = [&](std::size_t e, const Evaluated& from) {
+    if (!std::isfinite(from.value)) {
+      sum.value = std::numeric_limits<double>::infinity();
+      return false;
+    }
+    std::array<std::int32_t, Evaluated::size> rows;
+    for (std::size_t k = 0; k < 4; ++k)
+      for (std::size_t i = 0; i < 3; ++i)
+        rows[3 * k + i] = state.node_row(elements_[e].nodes[k]) + static_cast<std::int32_t>(i);
+    sum.add_element(rows, order, from.value, from.gradient, from.lower);
+    return true;
+  };
+  numerics::add_elements<Evaluated>(elements_.size(), tetrahedra_of_a_task, evaluate_one, add_one);
+}
+
+double SolidElements::largest_step(const NetworkState& state, const Eigen::VectorXd& step) const {
+  const auto changes = step.tail(state.nodes().size());
+  double first = std::numeric_limits<double>::infinity();
+  for (const Element& element : elements_)
+    first = std::min(first,
+                     first_inversion(edges_of(element.nodes, state.nodes()), edges_of(element.nodes, changes), first));
+  return inversion_safety * first;
+}
+
+void SolidElements::bill(CostLedger& cost, double seconds) const {
+  cost.add_stage("assembly", seconds);
+  cost.add_effect(name(), true, "the surface is that of an elastic solid", 1, seconds);
+}
+
+double SolidElements::volume(const NetworkState& state) const {
+  double volume = 0;
+  for (const Element& element : elements_) volume += edges_of(element.nodes, state.nodes()).determinant() / 6;
+  return volume;
+}
+
+double SolidElements::least_volume_ratio(const NetworkState& state) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Element& element : elements_)
+    least = std::min(least, edges_of(element.nodes, state.nodes()).determinant() / (6 * element.volume));
+  return least;
+}
+
+Gravity::Gravity(const meshing::TetrahedralMesh& rest, const Eigen::Vector3d& force)
+    : rest_(coordinates_of(rest.nodes)), weights_(rest.nodes.size(), 0), force_(force) {
+  for (const meshing::Tetrahedron& nodes : rest.tetrahedra)
+    for (const std::int32_t node : nodes)
+      weights_[static_cast<std::size_t>(node)] += edges_of(nodes, rest_).determinant() / 24;
+}
+
+void Gravity::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    const auto at = 3 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d weight = weights_[i] * force_;
+    sum.value -= weight.dot(state.nodes().segment<3>(at) - rest_.segment<3>(at));
+    if (order >= 1) sum.gradient.segment<3>(state.node_row(static_cast<std::int32_t>(i))) -= weight;
+  }
+}
+
+void Gravity::bill(CostLedger& cost, double seconds) const {
+  cost.add_stage("assembly", seconds);
+  cost.add_effect(name(), true, "the solid has a weight", 1, seconds);
+}
+
+}  // namespace supple::embedded
