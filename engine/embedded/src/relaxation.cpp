@@ -1,12 +1,15 @@
 #include "supple/embedded/relaxation.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
+#include <variant>
 
 #include "euclidean_springs.h"
 #include "geodesic_elements.h"
+#include "host_model.h"
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
@@ -21,6 +24,9 @@ constexpr double shortest_step = 1e-16;
 constexpr int most_backtracks = 40;
 /// Directions of negative curvature are left by steps that are doubled up to this often, in length.
 constexpr double longest_expansion = 64;
+/// Forces of a host are known to this share of its stiffness times the mesh diagonal: where the network is that much
+/// weaker, the tolerance is this.
+constexpr double host_rounding = 1e-14;
 /// Springs whose final paths one task describes.
 constexpr std::size_t springs_of_a_task = 64;
 
@@ -89,6 +95,17 @@ std::string counted(std::size_t count, const std::string& one, const std::string
   return count == 1 ? "One " + one : std::to_string(count) + " " + many;
 }
 
+/// Of a closed surface; 0 for others.
+double enclosed_volume(const surface::TriangleMesh& mesh) {
+  for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h)
+    if (mesh.twin(h) < 0) return 0;
+  const Eigen::Vector3d origin = mesh.positions()[mesh.faces().front()[0]];
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.faces())
+    volume += (mesh.positions()[a] - origin).dot((mesh.positions()[b] - origin).cross(mesh.positions()[c] - origin));
+  return volume / 6;
+}
+
 class RelaxationRun {
  public:
   RelaxationRun(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options,
@@ -98,14 +115,16 @@ class RelaxationRun {
         options_(options),
         execution_(execution),
         holds_(holds_of(network)),
-        state_(solver.mesh(), network.points) {}
+        host_(solver.mesh(), options.host, execution),
+        state_(first_state()) {}
 
   Relaxation run() {
     const bool geodesic = options_.spring_length == SpringLength::geodesic;
     const bool mollified = geodesic && options_.mollifier == Switch::on;
     numerics::MinimizerStop stop = minimize(mollified);
-    if (geodesic && options_.mollifier == Switch::automatic && stop != numerics::MinimizerStop::converged &&
-        result_.iterations < options_.max_iterations && some_path_is_pinned()) {
+    if (geodesic && !host_.gives_way() && options_.mollifier == Switch::automatic &&
+        stop != numerics::MinimizerStop::converged && result_.iterations < options_.max_iterations &&
+        some_path_is_pinned()) {
       result_.mollified = true;
       stop = minimize(true);
     }
@@ -117,6 +136,8 @@ class RelaxationRun {
           "kept_strips", keeps_strips(),
           keeps_strips() ? "a strip is unfolded again wherever no other path can be as short" : "asked not to",
           keeps_strips() ? 1 : 0);
+    if (execution_.cost && host_.gives_way())
+      execution_.cost->add_effect("self_contact", false, "a host does not notice where it touches itself", 0);
     describe(stop);
     return std::move(result_);
   }
@@ -127,6 +148,7 @@ class RelaxationRun {
   std::string why_mollified() const {
     if (options_.mollifier == Switch::on) return "asked for";
     if (options_.mollifier == Switch::off) return "asked not to";
+    if (host_.gives_way()) return "there is none on a host that gives way";
     return result_.mollified ? "the search without it did not converge, and a path passes through a vertex"
                              : "the search without it did not call for it";
   }
@@ -143,33 +165,88 @@ class RelaxationRun {
                                 .mollifier_length = mollified ? options_.mollifier_length : 0});
   }
 
+  NetworkState first_state() const {
+    if (!host_.gives_way()) return {solver_.mesh(), network_.points};
+    // The caller's, who keeps it.
+    return {std::shared_ptr<const surface::GeodesicSolver>(std::shared_ptr<void>(), &solver_), network_.points,
+            host_.nodes()};
+  }
+
+  /// Of the surface as it is now.
+  const surface::GeodesicSolver& solver() const { return state_.surface() ? *state_.surface() : solver_; }
+
+  std::vector<bool> held() const {
+    std::vector<bool> coordinates = held_coordinates(holds_.held);
+    coordinates.insert(coordinates.end(), host_.held().begin(), host_.held().end());
+    return coordinates;
+  }
+
   numerics::MinimizerStop minimize(bool mollified) {
-    NetworkState start(solver_.mesh(), state_.points());
-    numerics::System<NetworkState> system(std::move(start), {make_term(mollified)},
-                                          numerics::Unknowns(held_coordinates(holds_.held)), {.execution = execution_});
+    NetworkState start = host_.gives_way() ? first_state() : NetworkState(solver_.mesh(), state_.points());
+    numerics::System<NetworkState>::Terms terms{make_term(mollified)};
+    terms.insert(terms.end(), host_.terms().begin(), host_.terms().end());
+    numerics::System<NetworkState> system(std::move(start), terms, numerics::Unknowns(held()),
+                                          {.execution = execution_});
     if (!network_.triangles.empty() && !std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
     const double diagonal = solver_.mesh().diagonal();
     numerics::MinimizerOptions options;
     options.method = minimizer_method(options_.method);
-    options.gradient_tolerance = options_.tolerance * largest_weight(network_) * diagonal;
+    options.gradient_tolerance =
+        std::max(options_.tolerance * largest_weight(network_), host_rounding * host_.stiffness()) * diagonal;
     options.step_tolerance = shortest_step * diagonal;
     options.max_backtracks = most_backtracks;
     options.max_iterations = options_.max_iterations - result_.iterations;
     options.longest_expansion = longest_expansion;
     // The length of a first step without curvature: that of a point which all others leave alone.
-    if (holds_.largest_stiffness > 0) options.first_step = 1 / holds_.largest_stiffness;
+    if (const double stiffness = std::max(holds_.largest_stiffness, host_.stiffness()); stiffness > 0)
+      options.first_step = 1 / stiffness;
     const bool again = !result_.history.empty();
     options.after_step = [&](const numerics::MinimizerStep& step) {
       result_.history.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
-      if (options_.observer) options_.observer(result_.history.back(), system.state().points());
+      if (options_.observer) options_.observer(result_.history.back(), system.state().points(), system.state().mesh());
     };
     const numerics::MinimizerResult found = numerics::minimize(system, options, execution_);
     result_.iterations += found.iterations + (again ? 1 : 0);
     result_.energy = found.value;
     result_.gradient_norm = found.gradient_norm;
+    result_.gradient_tolerance = options.gradient_tolerance;
     system.evaluate(0);
     state_ = system.state();
+    describe_energies(terms);
     return found.stop;
+  }
+
+  void describe_energies(const numerics::System<NetworkState>::Terms& terms) {
+    result_.host.terms.clear();
+    for (const auto& term : terms) {
+      numerics::EnergySum own;
+      term->add(state_, 0, own);
+      if (term == terms.front()) {
+        result_.network_energy = own.value;
+      } else {
+        result_.host.terms.push_back({std::string(term->name()), own.value});
+      }
+    }
+  }
+
+  void describe_host() {
+    if (!host_.gives_way()) return;
+    HostState& host = result_.host;
+    const surface::TriangleMesh& rest = solver_.mesh();
+    const Eigen::Index nodes = state_.nodes().size() / 3;
+    for (Eigen::Index i = 0; i < nodes; ++i) {
+      const Eigen::Vector3d at = state_.nodes().segment<3>(3 * i);
+      (i < rest.vertex_count() ? host.vertices : host.inside).push_back(at);
+      host.largest_displacement = std::max(host.largest_displacement, (at - host_.nodes().segment<3>(3 * i)).norm());
+    }
+    host.tetrahedra = host_.tetrahedra().tetrahedra;
+    const double before = enclosed_volume(rest);
+    if (before != 0) host.volume_ratio = enclosed_volume(state_.mesh()) / before;
+    if (host_.supports() > 0)
+      result_.warnings.push_back(
+          "No fixed vertices hold " + std::string(host_.supports() == 1 ? "the host" : "parts of the host") +
+          " as a whole: three of its vertices are held just enough that it cannot drift or turn, "
+          "which takes no force");
   }
 
   /// Other energies that are not finite are the minimizer's to refuse.
@@ -189,6 +266,7 @@ class RelaxationRun {
       if (!holds_.held[i] && state_.on_tip(i)) result_.at_vertices.push_back(static_cast<std::int32_t>(i));
     describe_springs();
     describe_triangles();
+    describe_host();
     const auto compressed = static_cast<std::size_t>(std::ranges::count_if(result_.springs, &SpringState::compressed));
     const auto torn = static_cast<std::size_t>(
         std::ranges::count_if(result_.springs, [](const SpringState& s) { return s.compressed && s.at_cut_locus; }));
@@ -226,13 +304,13 @@ class RelaxationRun {
       if (geodesic) {
         surface::Geodesic path;
         const bool ask = options_.paths || !state_.found();
-        if (ask) path = solver_.geodesic(from, to, {.path = options_.paths}, own);
+        if (ask) path = solver().geodesic(from, to, {.path = options_.paths}, own);
         told.length = ask ? path.distance : state_.found()->geodesics[i].distance;
         told.at_cut_locus = !(ask ? path.unique : state_.found()->geodesics[i].unique);
         told.path = std::move(path.path);
       } else {
-        const Eigen::Vector3d start = surface::position(solver_.mesh(), from);
-        const Eigen::Vector3d end = surface::position(solver_.mesh(), to);
+        const Eigen::Vector3d start = surface::position(state_.mesh(), from);
+        const Eigen::Vector3d end = surface::position(state_.mesh(), to);
         told.length = (end - start).norm();
         if (options_.paths) told.path = {{from, start}, {to, end}};
       }
@@ -252,7 +330,7 @@ class RelaxationRun {
 
   void describe_triangles() {
     if (network_.triangles.empty()) return;
-    const GeodesicElements elements(solver_, network_, holds_.held, {});
+    const GeodesicElements elements(solver(), network_, holds_.held, {});
     for (std::size_t t = 0; t < network_.triangles.size(); ++t) {
       TriangleState& told = result_.triangles.emplace_back();
       const Eigen::Vector3d lengths = elements.lengths_of(*state_.found(), t);
@@ -274,6 +352,7 @@ class RelaxationRun {
   const RelaxationOptions& options_;
   const Execution& execution_;
   Holds holds_;
+  HostModel host_;
   NetworkState state_;
   Relaxation result_;
 };
@@ -286,6 +365,14 @@ Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, 
   if (options.spring_length == SpringLength::euclidean && !network.triangles.empty())
     throw Error("network.invalid_option", "The sides of triangles are shortest paths: there are no straight ones.",
                 {{"spring_length", "is \"euclidean\", which triangles do not have"}});
+  if (!std::holds_alternative<RigidHost>(options.host)) {
+    if (options.spring_length == SpringLength::euclidean)
+      throw Error("network.invalid_option", "On a host that gives way springs follow shortest paths.",
+                  {{"spring_length", "is \"euclidean\", which only a rigid host has"}});
+    if (options.mollifier == Switch::on)
+      throw Error("network.invalid_option", "On a host that gives way paths are not mollified.",
+                  {{"effects/mollifier", "is \"on\", which only a rigid host has"}});
+  }
   const Network own = checked_network(solver.mesh(), network);
   execution.checkpoint(0, "search");
   Relaxation result = RelaxationRun(solver, own, options, execution).run();

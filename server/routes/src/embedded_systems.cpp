@@ -67,18 +67,18 @@ embedded::NetworkPlan plan_of(const EmbeddedSystemRequest& request, const surfac
 /// Publishes the states on the way, as often as anyone can see them.
 class StatePublisher {
  public:
-  StatePublisher(const surface::TriangleMesh& mesh, ProgressSink& sink) : mesh_(mesh), sink_(sink) {}
+  explicit StatePublisher(ProgressSink& sink) : sink_(sink) {}
 
-  void operator()(const embedded::RelaxationStep& step, std::span<const surface::SurfacePoint> points) {
+  void operator()(const embedded::RelaxationStep& step, std::span<const surface::SurfacePoint> points,
+                  const surface::TriangleMesh& surface) {
     const int iteration = iteration_++;
     const auto now = std::chrono::steady_clock::now();
     if (iteration > 0 && now - last_ < state_period) return;
     last_ = now;
-    sink_.publish(json::write_partial_relaxation(iteration, step, mesh_, points));
+    sink_.publish(json::write_partial_relaxation(iteration, step, surface, points));
   }
 
  private:
-  const surface::TriangleMesh& mesh_;
   ProgressSink& sink_;
   int iteration_ = 0;
   std::chrono::steady_clock::time_point last_{};
@@ -103,7 +103,7 @@ store::Result compute(const EmbeddedSystemRequest& request, const store::LoadedM
     built = embedded::build_network(mesh.solver, plan, network_limits(limits), building.execution());
     auto options = request.options;
     options.paths = options.paths || file == NetworkFile::obj || file == NetworkFile::vtu;
-    if (execution.progress) options.observer = StatePublisher(mesh.mesh(), *execution.progress);
+    if (execution.progress) options.observer = StatePublisher(*execution.progress);
     const PartOfExecution relaxing(execution, first, 1 - first);
     relaxation = embedded::relax(mesh.solver, built.network, options, relaxing.execution());
     if (file != NetworkFile::none) {

@@ -240,7 +240,7 @@ TEST(Relax, TellsEveryStateOnTheWay) {
   std::size_t points = 0;
   RelaxationOptions options;
   options.paths = true;
-  options.observer = [&](const RelaxationStep& step, std::span<const SurfacePoint> at) {
+  options.observer = [&](const RelaxationStep& step, std::span<const SurfacePoint> at, const surface::TriangleMesh&) {
     energies.push_back(step.energy);
     points = at.size();
   };

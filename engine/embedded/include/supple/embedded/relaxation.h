@@ -9,6 +9,7 @@
 
 #include "supple/base/effect_switch.h"
 #include "supple/base/execution.h"
+#include "supple/embedded/host.h"
 #include "supple/embedded/network.h"
 #include "supple/surface/geodesic_solver.h"
 
@@ -29,6 +30,9 @@ struct RelaxationStep {
 };
 
 struct RelaxationOptions {
+  /// What carries the network. On a shell or a solid its nodes are unknowns besides the points (thesis eq. 3.22):
+  /// springs are geodesic, and there is no mollifier.
+  Host host = RigidHost{};
   RelaxationMethod method = RelaxationMethod::newton;
   SpringLength spring_length = SpringLength::geodesic;
   /// Converged once |grad E| <= tolerance * (largest weight) * (mesh diagonal).
@@ -42,8 +46,11 @@ struct RelaxationOptions {
   /// Whether the faces that a spring crossed in the state before are unfolded first, and searched for a shorter path
   /// only where that cannot be excluded. Never changes the answer. automatic: on.
   Switch kept_strips = Switch::automatic;
-  /// Called with the start and the state after every iteration, on the thread of the caller.
-  std::function<void(const RelaxationStep& step, std::span<const surface::SurfacePoint> points)> observer{};
+  /// Called with the start and the state after every iteration, on the thread of the caller, with the surface as it is
+  /// then.
+  std::function<void(const RelaxationStep& step, std::span<const surface::SurfacePoint> points,
+                     const surface::TriangleMesh& surface)>
+      observer{};
   /// Whether the paths of the springs are wanted in the answer.
   bool paths = false;
 };
@@ -67,12 +74,29 @@ struct TriangleState {
   bool at_cut_locus = false;
 };
 
+/// A host that gave way.
+struct HostState {
+  struct Term {
+    std::string name;  ///< "shell_membrane", "shell_bending", "shell_volume", "solid" or "gravity"
+    double energy = 0;
+  };
+  std::vector<Term> terms;
+  std::vector<Eigen::Vector3d> vertices;                ///< where the surface's vertices are
+  std::vector<Eigen::Vector3d> inside;                  ///< where the other nodes of a solid are
+  std::vector<std::array<std::int32_t, 4>> tetrahedra;  ///< of a solid: nodes, the surface's vertices first
+  double largest_displacement = 0;                      ///< of a node, mesh units
+  double volume_ratio = 0;  ///< the volume that a closed surface encloses over that at rest; 0 for an open one
+};
+
 struct Relaxation {
   std::vector<surface::SurfacePoint> points;
   std::vector<SpringState> springs;
   std::vector<TriangleState> triangles{};
-  double energy = 0;
+  double energy = 0;          ///< of all
+  double network_energy = 0;  ///< of springs and triangles
+  HostState host{};           ///< empty on a rigid host
   double gradient_norm = 0;
+  double gradient_tolerance = 0;  ///< what the norm is compared with
   int iterations = 0;
   std::vector<RelaxationStep> history;  ///< the start and every iteration
   /// "converged"; "cut_locus" (no step lowers the energy and a spring or a triangle's side that pushes is at its cut
@@ -98,8 +122,16 @@ struct Relaxation {
 /// "kept_strips", the stages "search", "assembly", "step", and the quantities "same_face", "unfolded" and "searched"
 /// (springs by how their path was found).
 ///
+/// On a host that gives way, the host's energy counts too, and points and nodes move together (eq. 3.21 and 3.22): a
+/// step then costs a search for each path, O(m^2) for the derivatives by the vertices along a path of m faces, and the
+/// factorization of a matrix of all unknowns. Parts of the host that nothing holds stay where they are as a whole. A
+/// host does not notice where it touches itself, which the effect "self_contact" says. Bills "shell_membrane",
+/// "shell_bending", "shell_volume", "solid" and "gravity", and the stages "tetrahedra" and "host_derivatives".
+///
 /// Throws what checked_network throws, "network.invalid_option" (tolerance, max_iterations, mollifier_length, triangles
-/// with straight springs) and "network.collapsed" where a triangle has no area at the start, which has no energy.
+/// with straight springs, a mollifier or straight springs on a host that gives way), "network.collapsed" where a
+/// triangle has no area at the start, which has no energy, and of the host "host.invalid", "host.fixed_vertex",
+/// "host.open_surface", "host.unsupported", and what meshing::fill throws.
 Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options = {},
                  const Execution& execution = {});
 

@@ -1,0 +1,219 @@
+#include "host_model.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "shell_elements.h"
+#include "solid_elements.h"
+#include "supple/base/error.h"
+#include "supple/base/faults.h"
+
+namespace supple::embedded {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Fixed vertices count as lying on one line where they span less of an area than this share of their squared extent.
+constexpr double least_area_share = 1e-6;
+
+void require_positive(Faults& faults, const std::string& where, double value) {
+  faults.require(std::isfinite(value) && value > 0, where, "is " + std::to_string(value) + ", but must be positive");
+}
+
+void check_material(Faults& faults, double youngs_modulus, double poisson_ratio) {
+  require_positive(faults, "host/youngs_modulus", youngs_modulus);
+  faults.require(poisson_ratio > -1 && poisson_ratio < 0.5, "host/poisson_ratio",
+                 "is " + std::to_string(poisson_ratio) + ", but must be above -1 and below 0.5");
+}
+
+void check(const ShellHost& shell) {
+  Faults faults;
+  require_positive(faults, "host/thickness", shell.thickness);
+  check_material(faults, shell.youngs_modulus, shell.poisson_ratio);
+  faults.require(std::isfinite(shell.volume_weight) && shell.volume_weight >= 0, "host/volume_weight",
+                 "is " + std::to_string(shell.volume_weight) + ", but must not be negative");
+  require_positive(faults, "host/volume_scale", shell.volume_scale);
+  faults.throw_if_any("host.invalid", "The host");
+}
+
+void check(const SolidHost& solid) {
+  Faults faults;
+  check_material(faults, solid.youngs_modulus, solid.poisson_ratio);
+  faults.require(std::isfinite(solid.element_size) && solid.element_size >= 0, "host/element_size",
+                 "is " + std::to_string(solid.element_size) + ", but must not be negative");
+  faults.require(solid.gravity.allFinite(), "host/gravity", "is not finite");
+  for (std::size_t i = 0; i < solid.regions.size(); ++i) {
+    const std::string where = "host/regions/" + std::to_string(i);
+    const SolidRegion& region = solid.regions[i];
+    require_positive(faults, where + "/youngs_modulus", region.youngs_modulus);
+    faults.require((region.lower.array() <= region.upper.array()).all(), where + "/lower",
+                   "is not below the upper corner");
+  }
+  faults.throw_if_any("host.invalid", "The host");
+}
+
+void check_fixed(const surface::TriangleMesh& mesh, const std::vector<std::int32_t>& fixed) {
+  Faults faults;
+  for (std::size_t i = 0; i < fixed.size(); ++i)
+    faults.require(fixed[i] >= 0 && fixed[i] < mesh.vertex_count(), "host/fixed_vertices/" + std::to_string(i),
+                   "is " + std::to_string(fixed[i]) + ", but vertices are numbered from 0 to " +
+                       std::to_string(mesh.vertex_count() - 1));
+  faults.throw_if_any("host.fixed_vertex");
+}
+
+/// Numbers the parts that elements join nodes to; -1 for nodes of no element.
+template <class Element>
+std::vector<std::int32_t> parts_of(std::size_t nodes, const std::vector<Element>& elements, std::int32_t& count) {
+  std::vector<std::int32_t> parent(nodes);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::int32_t node) {
+    while (parent[static_cast<std::size_t>(node)] != node) {
+      std::int32_t& up = parent[static_cast<std::size_t>(node)];
+      up = parent[static_cast<std::size_t>(up)];
+      node = up;
+    }
+    return node;
+  };
+  std::vector<bool> used(nodes, false);
+  for (const Element& element : elements) {
+    for (const std::int32_t node : element) {
+      used[static_cast<std::size_t>(node)] = true;
+      parent[static_cast<std::size_t>(root(node))] = root(element[0]);
+    }
+  }
+  std::vector<std::int32_t> number(nodes, -1);
+  std::vector<std::int32_t> part(nodes, -1);
+  count = 0;
+  for (std::size_t i = 0; i < nodes; ++i) {
+    if (!used[i]) continue;
+    std::int32_t& own = number[static_cast<std::size_t>(root(static_cast<std::int32_t>(i)))];
+    if (own < 0) own = count++;
+    part[i] = own;
+  }
+  return part;
+}
+
+Eigen::Index largest_entry(const Vector3d& v) {
+  Eigen::Index at = 0;
+  v.cwiseAbs().maxCoeff(&at);
+  return at;
+}
+
+}  // namespace
+
+HostModel::HostModel(const surface::TriangleMesh& mesh, const Host& host, const Execution& execution) {
+  if (const auto* shell = std::get_if<ShellHost>(&host)) make_shell(mesh, *shell);
+  if (const auto* solid = std::get_if<SolidHost>(&host)) make_solid(mesh, *solid, execution);
+}
+
+void HostModel::make_shell(const surface::TriangleMesh& mesh, const ShellHost& shell) {
+  check(shell);
+  check_fixed(mesh, shell.fixed_vertices);
+  terms_.push_back(std::make_shared<ShellMembrane>(mesh, shell));
+  if (shell.bending) terms_.push_back(std::make_shared<ShellHinges>(mesh, shell));
+  if (shell.volume_weight > 0) terms_.push_back(std::make_shared<ShellVolume>(mesh, shell));
+  place_nodes(mesh.positions());
+  hold(shell.fixed_vertices);
+  support(mesh.faces(), false);
+  stiffness_ = shell.youngs_modulus * shell.thickness;
+}
+
+void HostModel::make_solid(const surface::TriangleMesh& mesh, const SolidHost& solid, const Execution& execution) {
+  check(solid);
+  check_fixed(mesh, solid.fixed_vertices);
+  {
+    const StageTimer timer(execution.cost, "tetrahedra");
+    tetrahedra_ = meshing::fill(mesh.positions(), mesh.faces(), {.element_size = solid.element_size}, execution);
+  }
+  terms_.push_back(std::make_shared<SolidElements>(tetrahedra_, solid));
+  if (!solid.gravity.isZero(0)) terms_.push_back(std::make_shared<Gravity>(tetrahedra_, solid.gravity));
+  place_nodes(tetrahedra_.nodes);
+  hold(solid.fixed_vertices);
+  support(tetrahedra_.tetrahedra, !solid.gravity.isZero(0));
+  stiffness_ = solid.youngs_modulus;
+  for (const SolidRegion& region : solid.regions) stiffness_ = std::max(stiffness_, region.youngs_modulus);
+  stiffness_ *= mesh.mean_edge_length();
+}
+
+void HostModel::place_nodes(std::span<const Vector3d> positions) {
+  nodes_.resize(3 * static_cast<Eigen::Index>(positions.size()));
+  for (std::size_t i = 0; i < positions.size(); ++i) nodes_.segment<3>(3 * static_cast<Eigen::Index>(i)) = positions[i];
+  held_.assign(static_cast<std::size_t>(nodes_.size()), false);
+}
+
+void HostModel::hold(const std::vector<std::int32_t>& fixed) {
+  for (const std::int32_t vertex : fixed)
+    for (std::size_t k = 0; k < 3; ++k) held_[3 * static_cast<std::size_t>(vertex) + k] = true;
+}
+
+// Three nodes that are not on a line, held to three, two and one directions, are what a body needs to stay where it is
+// and no more: they carry nothing where forces and moments sum to zero, as those of networks and hosts do.
+template <class Element>
+void HostModel::support(const std::vector<Element>& elements, bool loaded) {
+  const auto count = static_cast<std::size_t>(nodes_.size() / 3);
+  std::int32_t parts = 0;
+  const std::vector<std::int32_t> part = parts_of(count, elements, parts);
+  const auto place = [&](std::size_t node) -> Vector3d {
+    return nodes_.segment<3>(3 * static_cast<Eigen::Index>(node));
+  };
+  const auto fixed = [&](std::size_t node) { return held_[3 * node] && held_[3 * node + 1] && held_[3 * node + 2]; };
+  // What no element moves stays where it is.
+  for (std::size_t i = 0; i < count; ++i)
+    if (part[i] < 0) hold({static_cast<std::int32_t>(i)});
+  for (std::int32_t p = 0; p < parts; ++p) {
+    std::vector<std::size_t> own;
+    for (std::size_t i = 0; i < count; ++i)
+      if (part[i] == p) own.push_back(i);
+    // Fixed nodes go first wherever there are any.
+    const auto best = [&](const auto& worth) {
+      std::size_t chosen = own.front();
+      double most = -1;
+      for (const bool among_fixed : {true, false}) {
+        for (const std::size_t i : own) {
+          if (fixed(i) != among_fixed || !(worth(i) > most)) continue;
+          most = worth(i);
+          chosen = i;
+        }
+        if (most > 0) break;
+      }
+      return chosen;
+    };
+    Vector3d low = place(own.front());
+    Vector3d high = low;
+    for (const std::size_t i : own) {
+      low = low.cwiseMin(place(i));
+      high = high.cwiseMax(place(i));
+    }
+    const double least = least_area_share * (high - low).squaredNorm();
+    const std::size_t first = best([&](std::size_t) { return 1.0; });
+    const std::size_t second = best([&](std::size_t i) {
+      return (place(i) - place(first)).squaredNorm() > least ? (place(i) - place(first)).norm() : 0;
+    });
+    const Vector3d axis = place(second) - place(first);
+    const std::size_t third = best([&](std::size_t i) {
+      const double area = axis.cross(place(i) - place(first)).norm();
+      return area > least ? area : 0;
+    });
+    const bool rests = fixed(first) && fixed(second) && fixed(third);
+    if (rests) continue;
+    if (loaded)
+      throw Error("host.unsupported",
+                  "A solid under gravity has to be held by at least three fixed vertices that are not on one line.",
+                  {{"host/fixed_vertices", "leave a part of the solid free to move as a whole"}});
+    ++supports_;
+    if (!fixed(first)) hold({static_cast<std::int32_t>(first)});
+    if (!fixed(second)) {
+      const auto along = static_cast<std::size_t>(largest_entry(axis));
+      for (std::size_t k = 0; k < 3; ++k)
+        if (k != along) held_[3 * second + k] = true;
+    }
+    const auto turns = static_cast<std::size_t>(largest_entry(axis.cross(place(third) - place(first))));
+    held_[3 * third + turns] = true;
+  }
+}
+
+}  // namespace supple::embedded
