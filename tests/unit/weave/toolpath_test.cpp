@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "layouts.h"
 #include "supple/weave/gcode.h"
@@ -287,6 +288,35 @@ TEST(Toolpath, DrawsEachMoveInItsPicture) {
   for (std::size_t at = svg.find("<path"); at != std::string::npos; at = svg.find("<path", at + 1)) ++drawn;
   EXPECT_EQ(drawn, path.moves.size());
   EXPECT_NE(svg.find("class=\"channel\""), std::string::npos);
+}
+
+TEST(Toolpath, DrawsEachKindOfMoveInAColourOfItsOwnAsWideAsItsBead) {
+  Toolpath path;
+  const std::vector<MoveKind> kinds{MoveKind::strand, MoveKind::lifted, MoveKind::channel, MoveKind::support,
+                                    MoveKind::travel};
+  for (const MoveKind kind : kinds) {
+    Move move;
+    move.kind = kind;
+    move.area = std::numbers::pi / 4;
+    move.points = {{1, 2, 0}, {4, 6, 0}};
+    path.moves.push_back(move);
+  }
+  const std::string svg = to_svg(path);
+  std::set<std::string> colours;
+  for (const MoveKind kind : kinds) {
+    const std::string shown =
+        std::string("<path class=\"") + std::string(to_string(kind)) + "\" fill=\"none\" stroke=\"";
+    const auto at = svg.find(shown);
+    ASSERT_NE(at, std::string::npos) << to_string(kind);
+    const std::string colour = svg.substr(at + shown.size(), 7);
+    EXPECT_EQ(colour.find_first_not_of("#0123456789abcdef"), std::string::npos) << colour;
+    EXPECT_TRUE(colours.insert(colour).second) << colour;
+    const std::string rest = svg.substr(at + shown.size() + 7, svg.find('\n', at) - at - shown.size() - 7);
+    EXPECT_EQ(rest, std::string("\" stroke-width=\"") + (kind == MoveKind::travel ? "0.080" : "1.000") +
+                        "\" d=\"M1.000 -2.000L4.000 -6.000\"/>");
+  }
+  EXPECT_NE(svg.find("viewBox=\"-1.000 -8.000 7.000 8.000\" width=\"7.000mm\" height=\"8.000mm\""), std::string::npos)
+      << "two millimetres around";
 }
 
 TEST(Gcode, OfWavyStrandsThatSlidePassesTheCheckAndIsTheSameEachTime) {
