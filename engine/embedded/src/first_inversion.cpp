@@ -24,8 +24,10 @@ struct Cubic {
 
   double operator()(double t) const { return 1 + t * (a + t * (b + t * c)); }
 
-  /// Whether no term can bring it down to 0 before t.
-  bool stays_positive(double t) const { return t * (std::abs(a) + t * (std::abs(b) + t * std::abs(c))) < 0.999; }
+  /// Whether even its falling terms alone do not bring it down to 0 before t.
+  bool stays_positive(double t) const {
+    return t * (std::max(0.0, -a) + t * (std::max(0.0, -b) + t * std::max(0.0, -c))) < 0.999;
+  }
 
   /// Its positive extrema, ascending; infinity for those that are missing.
   std::array<double, 2> extrema() const {

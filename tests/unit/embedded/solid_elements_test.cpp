@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -176,6 +178,49 @@ TEST(SolidElements, SmallStrainsKeepTheirDigits) {
   EXPECT_NEAR(energy_at(elements, scene.state(place)) / (size * size * linear), 1, 6 * size);
 }
 
+/// The unit cube as six tetrahedra without inner nodes.
+SolidScene cube_of_six() {
+  SolidScene scene(testing::cube(1));
+  scene.solid.nodes.resize(8);
+  scene.solid.tetrahedra.clear();
+  const auto node = [&](const Eigen::Vector3d& at) {
+    std::int32_t found = 0;
+    while (scene.solid.nodes[static_cast<std::size_t>(found)] != at) ++found;
+    return found;
+  };
+  std::array<int, 3> axes{0, 1, 2};
+  do {
+    const Eigen::Vector3d a = Eigen::Vector3d::Unit(axes[0]);
+    const Eigen::Vector3d b = a + Eigen::Vector3d::Unit(axes[1]);
+    meshing::Tetrahedron corners{node(Eigen::Vector3d::Zero()), node(a), node(b), node(Eigen::Vector3d::Ones())};
+    if (a.cross(b).dot(Eigen::Vector3d::Ones()) < 0) std::swap(corners[1], corners[2]);
+    scene.solid.tetrahedra.push_back(corners);
+  } while (std::ranges::next_permutation(axes).found);
+  return scene;
+}
+
+TEST(SolidElements, HaveAllDigitsOfStrainsWherePlacesDo) {
+  const SolidScene scene = cube_of_six();
+  Eigen::Matrix3d gradient;
+  gradient << 3, 1, -2, 0, -1, 4, 2, 5, 1;
+  const Eigen::Matrix3d strain = 0.5 * (gradient + gradient.transpose());
+  for (const double nu : {0.0, 0.3, 0.4999}) {
+    SolidHost host;
+    host.poisson_ratio = nu;
+    const SolidElements elements(scene.solid, host);
+    const Lame lame(host);
+    const double linear = lame.mu * strain.squaredNorm() + lame.lambda / 2 * strain.trace() * strain.trace();
+    const double size = 0x1p-40;
+    // Whole multiples of powers of two: sums of places and displacements are exact. Of two opposite displacements the
+    // mean has no third order.
+    const auto energy = [&](double way) {
+      return energy_at(elements,
+                       scene.state([&](const Eigen::Vector3d& x) { return Eigen::Vector3d(x + way * gradient * x); }));
+    };
+    EXPECT_NEAR((energy(size) + energy(-size)) / (2 * size * size * linear), 1, 1e-13) << nu;
+  }
+}
+
 TEST(SolidElements, AnAffineMotionOfTheSurfaceIsTheInnerNodesEquilibrium) {
   const SolidScene scene(testing::icosphere(2), {.element_size = 0.25});
   ASSERT_GT(scene.solid.nodes.size(), scene.surface->positions().size() + 100);
@@ -315,6 +360,13 @@ TEST(FirstInversion, FindsRootsOfEvenOrderAndNoneWhereThereIsNone) {
   EXPECT_NEAR(first_inversion(one, diagonal(-1, -1, 0)), 1, 2e-6);
   EXPECT_NEAR(first_inversion(one, diagonal(-1, -1, -1)), 1, 2e-4);
   EXPECT_NEAR(first_inversion(one, diagonal(-1, -1, 5)), 1, 2e-6);
+  // The same from and to anywhere: rounding alone decides on which side of 0 the least volume is.
+  RandomStream random("double_roots", 1);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Eigen::Matrix3d left = random_matrix(random, 1);
+    const Eigen::Matrix3d right = left.determinant() > 0 ? one : diagonal(-1, 1, 1);
+    EXPECT_NEAR(first_inversion(left * right, left * diagonal(-1, -1, 0.5) * right), 1, 1e-5) << trial;
+  }
   EXPECT_EQ(first_inversion(one, diagonal(1, 2, 0)), never);
   EXPECT_EQ(first_inversion(one, Eigen::Matrix3d::Zero()), never);
   EXPECT_EQ(first_inversion(diagonal(1, 1, -1), one), 0);
