@@ -181,6 +181,27 @@ TEST(GeodesicDerivatives, OfTheTridiagonalFormEqualTheClosedForms) {
   }
 }
 
+TEST(GeodesicDerivatives, OfTheTridiagonalFormEqualTheClosedFormsWithinAFace) {
+  const auto mesh = share(testing::bumpy_cube(8));
+  const GeodesicSolver solver(mesh);
+  RandomStream stream("tridiagonal", 26);
+  for (int i = 0; i < 40; ++i) {
+    const SurfacePoint a = testing::random_point(*mesh, stream);
+    const double x = stream.uniform(0.05, 0.45);
+    const double y = stream.uniform(0.05, 0.45);
+    const SurfacePoint b{a.face, {x, y, 1 - x - y}};
+    const Geodesic g = solver.geodesic(a, b, {.derivatives = 2, .path = true});
+    ASSERT_EQ(g.path.size(), 2U);
+    if (g.distance < 0.1 * mesh->mean_edge_length()) continue;
+    const PathLength general = path_length(*mesh, g.path);
+    EXPECT_NEAR(general.length, g.distance, 1e-14);
+    EXPECT_LT((general.derivatives.tangent_gradient - g.derivatives->tangent_gradient).norm(), 1e-12) << i;
+    EXPECT_LT((general.derivatives.tangent_hessian - g.derivatives->tangent_hessian).norm(),
+              1e-11 * (1 + g.derivatives->tangent_hessian.norm()))
+        << i;
+  }
+}
+
 TEST(Mollifier, IsTheIdentityInTheMiddleAndFlatAtTheEnds) {
   for (const double epsilon : {1e-6, 1e-2, 0.5}) {
     EXPECT_EQ(mollify(0, epsilon).value, 0);

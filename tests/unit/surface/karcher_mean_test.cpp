@@ -272,6 +272,21 @@ TEST(KarcherMean, BillsSearchDerivativesAndSteps) {
   ASSERT_FALSE(cost.quantities().empty());
 }
 
+TEST(KarcherMean, LooksAroundOnlyWhereALowerPlaceCanBeNextToIt) {
+  Scene scene(testing::flat_grid(12, 9));
+  KarcherProblem problem = random_problem(*scene.mesh, 7, 1);
+  problem.kept_fields = KarcherProblem::KeptFields::off;
+  CostLedger cost;
+  Execution execution;
+  execution.cost = &cost;
+  const KarcherMean mean = karcher_mean(scene.solver, problem, execution);
+  ASSERT_EQ(mean.stopped, "converged");
+  const auto search = std::find_if(cost.stages().begin(), cost.stages().end(),
+                                   [](const CostLedger::Stage& stage) { return stage.name == "search"; });
+  ASSERT_NE(search, cost.stages().end());
+  EXPECT_EQ(search->count, mean.iterations + 2) << "one for the choice of the start, one for each state";
+}
+
 TEST(KarcherMean, IsTheSameToTheLastBitOnEveryRun) {
   Scene scene(testing::bumpy_cube(22, 4));
   ASSERT_GT(scene.mesh->face_count(), 5000) << "the case should be large enough for threads";
