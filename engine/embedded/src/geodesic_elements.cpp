@@ -198,26 +198,32 @@ TriangleElement GeodesicElements::triangle_at(const FoundPaths& found, std::size
   return element;
 }
 
-HostLength GeodesicElements::host_length_at(const NetworkState& state, std::size_t path, int order) const {
-  return host_length(state, state.host_lengths()->lengths[path], paths_[path].from, paths_[path].to, order);
+HostLength GeodesicElements::host_length_at(const NetworkState& state, std::size_t path, int order, bool convex) const {
+  const surface::HostDerivatives& exact = state.host_lengths()->lengths[path];
+  if (!convex) return host_length(state, exact, paths_[path].from, paths_[path].to, order);
+  surface::HostDerivatives near = exact;
+  near.hessian = surface::convex_host_hessian(state.mesh(), state.found()->paths[path], exact.vertices);
+  return host_length(state, near, paths_[path].from, paths_[path].to, order);
 }
 
-HostElement GeodesicElements::host_spring_at(const NetworkState& state, std::size_t spring, int order) const {
+HostElement GeodesicElements::host_spring_at(const NetworkState& state, std::size_t spring, int order,
+                                             bool convex) const {
   const Spring& own = springs_[spring];
   const double excess = state.found()->geodesics[spring].distance - own.rest_length;
   if (order < 1) return {own.weight * excess * excess};
-  const HostLength length = host_length_at(state, spring, order);
+  const HostLength length = host_length_at(state, spring, order, convex);
   return element_of_lengths(own.weight * excess * excess, Eigen::VectorXd::Constant(1, 2 * own.weight * excess),
-                            Eigen::MatrixXd::Constant(1, 1, 2 * own.weight), {&length, 1}, order);
+                            Eigen::MatrixXd::Constant(1, 1, 2 * own.weight), {&length, 1}, order, convex);
 }
 
-HostElement GeodesicElements::host_triangle_at(const NetworkState& state, std::size_t triangle, int order) const {
+HostElement GeodesicElements::host_triangle_at(const NetworkState& state, std::size_t triangle, int order,
+                                               bool convex) const {
   const Triangle& own = triangles_[triangle];
   const TriangleEnergy::Value energy = own.energy.at(lengths_of(*state.found(), triangle));
   if (order < 1 || !std::isfinite(energy.energy)) return {energy.energy};
   std::array<HostLength, 3> lengths;
-  for (std::size_t k = 0; k < 3; ++k) lengths[k] = host_length_at(state, own.sides[k].path, order);
-  return element_of_lengths(energy.energy, energy.first, energy.second, lengths, order);
+  for (std::size_t k = 0; k < 3; ++k) lengths[k] = host_length_at(state, own.sides[k].path, order, convex);
+  return element_of_lengths(energy.energy, energy.first, energy.second, lengths, order, convex);
 }
 
 void GeodesicElements::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
@@ -267,10 +273,10 @@ void GeodesicElements::add_on_host(const NetworkState& state, int order, numeric
       continue;
     }
     const std::array<std::int32_t, 2> ends{springs_[i].from, springs_[i].to};
-    without_tips(host_spring_at(state, i, order), ends).add_to(sum, order);
+    without_tips(host_spring_at(state, i, order, sum.convex), ends).add_to(sum, order);
   }
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const HostElement element = host_triangle_at(state, t, order);
+    const HostElement element = host_triangle_at(state, t, order, sum.convex);
     if (!std::isfinite(element.value)) {
       sum.value = element.value;
       return;
@@ -373,13 +379,13 @@ std::vector<std::size_t> GeodesicElements::surprised(const NetworkState& current
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const double after = spring_at(*whole.found(), i, 0).value;
     const bool parted = !current.found()->geodesics[i].coincident();
-    const double more = gives_way && parted ? excess_of(host_spring_at(current, i, 2), after, whole.last_step())
+    const double more = gives_way && parted ? excess_of(host_spring_at(current, i, 2, false), after, whole.last_step())
                                             : excess_of(spring_at(*current.found(), i, 2), after, whole.last_step());
     for (const std::int32_t end : {springs_[i].from, springs_[i].to}) excess[static_cast<std::size_t>(end)] += more;
   }
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const double after = triangle_at(*whole.found(), t, 0).value;
-    const double more = gives_way ? excess_of(host_triangle_at(current, t, 2), after, whole.last_step())
+    const double more = gives_way ? excess_of(host_triangle_at(current, t, 2, false), after, whole.last_step())
                                   : excess_of(triangle_at(*current.found(), t, 2), after, whole.last_step());
     for (const std::int32_t corner : triangles_[t].given.corners) excess[static_cast<std::size_t>(corner)] += more;
   }

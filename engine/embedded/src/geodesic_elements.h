@@ -48,6 +48,8 @@ class GeodesicElements : public numerics::Term<NetworkState> {
                    GeodesicElementsOptions options);
 
   std::string_view name() const override { return "geodesic_elements"; }
+  /// On a host that gives way: see surface::convex_host_hessian.
+  bool has_convex_hessian() const override { return true; }
   void prepare(NetworkState& state, int order, const Execution& execution) override;
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
   bool has_kinks() const override { return true; }
@@ -101,9 +103,9 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   SpringElement spring_at(const FoundPaths& found, std::size_t spring, int order) const;
   TriangleElement triangle_at(const FoundPaths& found, std::size_t triangle, int order) const;
   /// The same with the nodes' share, on a host that gives way, where the lengths' derivatives are known.
-  HostElement host_spring_at(const NetworkState& state, std::size_t spring, int order) const;
-  HostElement host_triangle_at(const NetworkState& state, std::size_t triangle, int order) const;
-  HostLength host_length_at(const NetworkState& state, std::size_t path, int order) const;
+  HostElement host_spring_at(const NetworkState& state, std::size_t spring, int order, bool convex) const;
+  HostElement host_triangle_at(const NetworkState& state, std::size_t triangle, int order, bool convex) const;
+  HostLength host_length_at(const NetworkState& state, std::size_t path, int order, bool convex) const;
   void add_on_rigid_host(const NetworkState& state, int order, numerics::EnergySum& sum) const;
   void add_on_host(const NetworkState& state, int order, numerics::EnergySum& sum) const;
   /// What arrives at a point of an elastic system whose paths are these.

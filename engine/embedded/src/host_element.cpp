@@ -1,5 +1,6 @@
 #include "host_element.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -17,6 +18,11 @@ Eigen::Matrix<double, 3, 2> barycentrics_by_tangents(const surface::TriangleMesh
   change.bottomRows<2>() = sides.inverse();
   change.row(0) = -change.row(1) - change.row(2);
   return change;
+}
+
+Eigen::MatrixXd without_negative_curvature(const Eigen::MatrixXd& curvature) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(curvature);
+  return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
 }
 
 }  // namespace
@@ -69,7 +75,7 @@ void HostElement::take_out(std::int32_t point) {
 }
 
 HostElement element_of_lengths(double value, const Eigen::VectorXd& first, const Eigen::MatrixXd& second,
-                               std::span<const HostLength> lengths, int order) {
+                               std::span<const HostLength> lengths, int order, bool convex) {
   HostElement element;
   element.value = value;
   if (order < 1) return element;
@@ -88,10 +94,12 @@ HostElement element_of_lengths(double value, const Eigen::VectorXd& first, const
     for (const std::int32_t row : length.rows)
       places.push_back(std::ranges::lower_bound(element.rows, row) - element.rows.begin());
     slopes(places, k) = length.gradient;
-    if (order >= 2) element.hessian(places, places) += first[k] * length.hessian;
+    if (order < 2) continue;
+    if (!convex || first[k] > 0) element.hessian(places, places) += first[k] * length.hessian;
   }
   element.gradient = slopes * first;
-  if (order >= 2) element.hessian += slopes * second * slopes.transpose();
+  if (order >= 2)
+    element.hessian += slopes * (convex ? without_negative_curvature(second) : second) * slopes.transpose();
   return element;
 }
 

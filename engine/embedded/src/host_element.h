@@ -37,8 +37,9 @@ struct HostElement {
   void take_out(std::int32_t point);
 };
 
-/// E(l_1, ..., l_n) of lengths that have derivatives, where E has these.
+/// E(l_1, ..., l_n) of lengths that have derivatives, where E has these. `convex`: with a positive semidefinite matrix
+/// near the Hessian, where the lengths' second derivatives are such matrices; paths that push add none.
 HostElement element_of_lengths(double value, const Eigen::VectorXd& first, const Eigen::MatrixXd& second,
-                               std::span<const HostLength> lengths, int order);
+                               std::span<const HostLength> lengths, int order, bool convex);
 
 }  // namespace supple::embedded

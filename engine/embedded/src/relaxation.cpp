@@ -183,8 +183,9 @@ class RelaxationRun {
 
   numerics::MinimizerStop minimize(bool mollified) {
     NetworkState start = host_.gives_way() ? first_state() : NetworkState(solver_.mesh(), state_.points());
-    numerics::System<NetworkState>::Terms terms{make_term(mollified)};
-    terms.insert(terms.end(), host_.terms().begin(), host_.terms().end());
+    // The network last: where its paths lead over other faces, only its own places in the Hessian are new.
+    numerics::System<NetworkState>::Terms terms = host_.terms();
+    terms.push_back(make_term(mollified));
     numerics::System<NetworkState> system(std::move(start), terms, numerics::Unknowns(held()),
                                           {.execution = execution_});
     if (!network_.triangles.empty() && !std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
@@ -221,7 +222,7 @@ class RelaxationRun {
     for (const auto& term : terms) {
       numerics::EnergySum own;
       term->add(state_, 0, own);
-      if (term == terms.front()) {
+      if (term == terms.back()) {
         result_.network_energy = own.value;
       } else {
         result_.host.terms.push_back({std::string(term->name()), own.value});

@@ -1,5 +1,6 @@
 #include "shell_elements.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
@@ -48,6 +49,14 @@ Matrix3d cross_matrix(const Vector3d& v) {
   Matrix3d matrix;
   matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
   return matrix;
+}
+
+/// The nearest positive semidefinite matrix: of its eigenvalues the negative ones become zero.
+template <class Matrix>
+Matrix without_negative_curvature(const Matrix& curvature) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> modes(curvature);
+  if (modes.eigenvalues()[0] >= 0) return curvature;
+  return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
 }
 
 /// The constants with which the law of space gives that of plane stress: E / 2 (1 + nu) stays, and lambda becomes
@@ -156,6 +165,7 @@ void ShellMembrane::add(const NetworkState& state, int order, numerics::EnergySu
       }
     }
     if (order >= 2) curvature += slopes * energy.second * slopes.transpose();
+    if (order >= 2 && sum.convex) curvature = without_negative_curvature(curvature);
     share.write(slopes * energy.first, curvature, order);
   };
   numerics::add_elements<Share>(faces_.size(), faces_of_a_task, evaluate, [&](std::size_t i, const Share& share) {
@@ -202,7 +212,8 @@ void ShellHinges::add(const NetworkState& state, int order, numerics::EnergySum&
     if (order < 1) return;
     const double slope = 2 * hinge.weight * change;
     Eigen::Matrix<double, 12, 12> curvature;
-    if (order >= 2) curvature = slope * at.hessian + 2 * hinge.weight * at.gradient * at.gradient.transpose();
+    if (order >= 2) curvature = 2 * hinge.weight * at.gradient * at.gradient.transpose();
+    if (order >= 2 && !sum.convex) curvature += slope * at.hessian;
     share.write(slope * at.gradient, curvature, order);
   };
   numerics::add_elements<Share>(hinges_.size(), hinges_of_a_task, evaluate, [&](std::size_t i, const Share& share) {
@@ -252,7 +263,9 @@ void ShellVolume::add(const NetworkState& state, int order, numerics::EnergySum&
     Eigen::Matrix<double, 9, 9> curvature = Eigen::Matrix<double, 9, 9>::Zero();
     for (int k = 0; k < 3; ++k) {
       const int next = (k + 1) % 3;
-      const Matrix3d block = -pressure * cross_matrix(corners[static_cast<std::size_t>((k + 2) % 3)]);
+      // Nothing of it is convex; the places stay the same.
+      const Matrix3d block =
+          (sum.convex ? 0 : -pressure) * cross_matrix(corners[static_cast<std::size_t>((k + 2) % 3)]);
       curvature.block<3, 3>(3 * k, 3 * next) += block;
       curvature.block<3, 3>(3 * next, 3 * k) += block.transpose();
     }

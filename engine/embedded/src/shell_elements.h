@@ -20,6 +20,7 @@ class ShellMembrane : public numerics::Term<NetworkState> {
   ShellMembrane(const surface::TriangleMesh& rest, const ShellHost& shell);
 
   std::string_view name() const override { return "shell_membrane"; }
+  bool has_convex_hessian() const override { return true; }
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
   void bill(CostLedger& cost, double seconds) const override;
 
@@ -43,6 +44,7 @@ class ShellHinges : public numerics::Term<NetworkState> {
   ShellHinges(const surface::TriangleMesh& rest, const ShellHost& shell);
 
   std::string_view name() const override { return "shell_bending"; }
+  bool has_convex_hessian() const override { return true; }
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
   void bill(CostLedger& cost, double seconds) const override;
 
@@ -63,6 +65,7 @@ class ShellVolume : public numerics::Term<NetworkState> {
   ShellVolume(const surface::TriangleMesh& rest, const ShellHost& shell);
 
   std::string_view name() const override { return "shell_volume"; }
+  bool has_convex_hessian() const override { return true; }
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
   void bill(CostLedger& cost, double seconds) const override;
 

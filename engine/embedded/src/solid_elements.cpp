@@ -1,10 +1,12 @@
 #include "solid_elements.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "beyond_logarithm.h"
@@ -92,6 +94,33 @@ struct NeoHookean {
   }
 };
 
+/// Calls take_out(curvature, mode) for the modes of F, of unit norm, along which the energy density bends downwards.
+///
+/// With F = U S V^T and k = mu - lambda log J they are the twist of two axes, (u_i v_j^T - u_j v_i^T) / sqrt(2) with
+/// the curvature mu - k / s_i s_j, its like with a plus and mu + k / s_i s_j, and three stretches of the axes.
+template <class TakeOut>
+void for_each_negative_mode(const Eigen::Matrix3d& f, double mu, double lambda, double log_j, const TakeOut& take_out) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(f.transpose() * f);
+  const Eigen::Vector3d inverse = principal.eigenvalues().cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix3d v = principal.eigenvectors();
+  const Eigen::Matrix3d u = f * v * inverse.asDiagonal();
+  const double crossed = mu - lambda * log_j;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const Eigen::Matrix3d one = u.col(i) * v.col(j).transpose();
+    const Eigen::Matrix3d other = u.col(j) * v.col(i).transpose();
+    for (const double sign : {-1.0, 1.0}) {
+      const double curvature = mu + sign * crossed * inverse[i] * inverse[j];
+      if (curvature < 0) take_out(curvature, std::numbers::sqrt2 / 2 * (one + sign * other));
+    }
+  }
+  Eigen::Matrix3d stretches = lambda * inverse * inverse.transpose();
+  for (int i = 0; i < 3; ++i) stretches(i, i) += mu + crossed * inverse[i] * inverse[i];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(stretches);
+  for (int i = 0; i < 3 && modes.eigenvalues()[i] < 0; ++i)
+    take_out(modes.eigenvalues()[i], u * modes.eigenvectors().col(i).asDiagonal() * v.transpose());
+}
+
 }  // namespace
 
 struct SolidElements::Evaluated {
@@ -135,8 +164,10 @@ Eigen::Matrix3d SolidElements::displacement_gradient(const Element& element, con
   return changes * element.gradients.transpose();
 }
 
-void SolidElements::evaluate(const Element& element, const NetworkState& state, int order, Evaluated& to) const {
-  const NeoHookean law(displacement_gradient(element, state), element.mu, element.lambda);
+void SolidElements::evaluate(const Element& element, const NetworkState& state, int order, bool convex,
+                             Evaluated& to) const {
+  const Eigen::Matrix3d displacements = displacement_gradient(element, state);
+  const NeoHookean law(displacements, element.mu, element.lambda);
   to.value = element.volume * law.value;
   if (order < 1 || !std::isfinite(law.value)) return;
   Eigen::Map<Eigen::Matrix<double, 3, 4>> gradient(to.gradient);
@@ -159,10 +190,18 @@ void SolidElements::evaluate(const Element& element, const NetworkState& state, 
         for (int j = 0; j < (l == k ? i + 1 : 3); ++j)
           *entry++ = (i == j ? same : 0) + straight * c(i, k) * c(j, l) + crossed * c(i, l) * c(j, k);
       }
+  if (!convex) return;
+  const auto take_out = [&](double curvature, const Eigen::Matrix3d& mode) {
+    const Eigen::Matrix<double, 3, 4> way = mode * b;
+    double* lower = to.lower;
+    for (int k = 0; k < 12; ++k)
+      for (int l = 0; l <= k; ++l) *lower++ -= element.volume * curvature * way(k % 3, k / 3) * way(l % 3, l / 3);
+  };
+  for_each_negative_mode(Eigen::Matrix3d::Identity() + displacements, element.mu, element.lambda, law.log_j, take_out);
 }
 
 void SolidElements::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
-  const auto evaluate_one = [&](std::size_t e, Evaluated& to) { evaluate(elements_[e], state, order, to); };
+  const auto evaluate_one = [&](std::size_t e, Evaluated& to) { evaluate(elements_[e], state, order, sum.convex, to); };
   const auto add_one = [&](std::size_t e, const Evaluated& from) {
     if (!std::isfinite(from.value)) {
       sum.value = std::numeric_limits<double>::infinity();

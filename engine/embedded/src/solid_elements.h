@@ -31,6 +31,9 @@ class SolidElements : public numerics::Term<NetworkState> {
   SolidElements(const meshing::TetrahedralMesh& rest, const SolidHost& solid);
 
   std::string_view name() const override { return "solid"; }
+  /// The Hessian without its negative eigenvalues in the deformation gradient (Teran, Sifakis, Irving and Fedkiw 2005),
+  /// which are known in closed form.
+  bool has_convex_hessian() const override { return true; }
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
   /// Nine tenths of the way to the first tetrahedron's loss of its volume.
   double largest_step(const NetworkState& state, const Eigen::VectorXd& step) const override;
@@ -51,7 +54,7 @@ class SolidElements : public numerics::Term<NetworkState> {
   };
   struct Evaluated;
   Eigen::Matrix3d displacement_gradient(const Element& element, const NetworkState& state) const;
-  void evaluate(const Element& element, const NetworkState& state, int order, Evaluated& to) const;
+  void evaluate(const Element& element, const NetworkState& state, int order, bool convex, Evaluated& to) const;
 
   Eigen::VectorXd rest_;  ///< coordinates of the nodes
   std::vector<Element> elements_;

@@ -26,20 +26,26 @@ class NewtonDirection : public DescentDirection {
   int order() const override { return 2; }
 
   // A regularized factorization is of another matrix: its steps converge too slowly to be used twice.
-  bool keeps(double contraction) const override { return relative_ == 0 && contraction <= options_.reuse_contraction; }
+  bool keeps(double contraction) const override { return !is_rough() && contraction <= options_.reuse_contraction; }
 
-  Eigen::VectorXd direction(const Evaluation& at) override {
+  Eigen::VectorXd direction(const Evaluation& at, Objective& objective) override {
     if (std::holds_alternative<std::monostate>(at.hessian)) {
       Eigen::VectorXd d = -cholesky_.solve(at.gradient);
       if (d.allFinite() && at.gradient.dot(d) < 0) return d;
       return {};
     }
     scale_ = diagonal_scale(at.hessian);
+    convex_ = false;
+    std::optional<Hessian> nearby;
     for (; relative_ <= options_.max_regularization; raise()) {
-      if (!cholesky_.factorize(at.hessian, regularization())) {
+      bool factorized = cholesky_.factorize(nearby ? *nearby : at.hessian, regularization());
+      if (!factorized && !nearby) {
         indefinite_ = indefinite_ || relative_ == 0;
-        continue;
+        nearby = objective.convex_hessian();
+        convex_ = nearby.has_value();
+        factorized = nearby && cholesky_.factorize(*nearby, regularization());
       }
+      if (!factorized) continue;
       Eigen::VectorXd d = -cholesky_.solve(at.gradient);
       if (d.allFinite() && at.gradient.dot(d) < 0) return d;
     }
@@ -62,6 +68,7 @@ class NewtonDirection : public DescentDirection {
   }
 
   double regularization() const override { return relative_ * scale_; }
+  bool is_rough() const override { return relative_ > 0 || convex_; }
   bool met_indefinite() const override { return indefinite_; }
 
  private:
@@ -73,6 +80,7 @@ class NewtonDirection : public DescentDirection {
   double relative_ = 0;
   double scale_ = 1;
   bool indefinite_ = false;
+  bool convex_ = false;  ///< the last direction is of the convex matrix nearby
 };
 
 class LbfgsDirection : public DescentDirection {
@@ -81,7 +89,7 @@ class LbfgsDirection : public DescentDirection {
 
   int order() const override { return 1; }
 
-  Eigen::VectorXd direction(const Evaluation& at) override {
+  Eigen::VectorXd direction(const Evaluation& at, Objective&) override {
     Eigen::VectorXd d = at.gradient;
     std::vector<double> alpha(pairs_.size());
     for (std::size_t i = pairs_.size(); i-- > 0;) {
@@ -138,7 +146,7 @@ class GradientDirection : public DescentDirection {
   explicit GradientDirection(const MinimizerOptions& options) : options_(options), length_(options.first_step) {}
 
   int order() const override { return 1; }
-  Eigen::VectorXd direction(const Evaluation& at) override { return -length_ * at.gradient; }
+  Eigen::VectorXd direction(const Evaluation& at, Objective&) override { return -length_ * at.gradient; }
 
   bool retry() override {
     const bool learned = length_ != options_.first_step;

@@ -16,8 +16,8 @@ class DescentDirection {
   virtual int order() const = 0;
   /// Whether the next direction needs no Hessian after a step that multiplied |g| by `contraction`.
   virtual bool keeps(double /*contraction*/) const { return false; }
-  /// A direction d with g . d < 0, or an empty vector when there is none left to try.
-  virtual Eigen::VectorXd direction(const Evaluation& at) = 0;
+  /// A direction d with g . d < 0 at the objective's current state, or an empty vector when there is none left to try.
+  virtual Eigen::VectorXd direction(const Evaluation& at, Objective& objective) = 0;
   /// The line search found no step along the last direction: whether another one is worth a try.
   virtual bool retry() = 0;
   /// A step was accepted. `whole`: without backtracking. Vectors at the new state: the step and the old gradient, both
@@ -30,6 +30,8 @@ class DescentDirection {
   virtual void forget() {}
   /// Added to the Hessian's diagonal for the last direction.
   virtual double regularization() const { return 0; }
+  /// Whether the last direction came from another matrix than the Hessian: its length is then a guess.
+  virtual bool is_rough() const { return regularization() > 0; }
   /// Whether a Hessian has been met that is not positive definite.
   virtual bool met_indefinite() const { return false; }
 };

@@ -1,6 +1,12 @@
 #include "supple/numerics/hessian_entries.h"
 
 namespace supple::numerics {
+namespace {
+
+/// A pattern that grows loses the places that nothing fills any more, once it has so many times those that are filled.
+constexpr double worth_forgetting = 1.25;
+
+}  // namespace
 
 HessianEntries::HessianEntries(Eigen::Index border) : border_(border) {}
 
@@ -71,7 +77,7 @@ void HessianEntries::learn() {
     slots_.resize(cursor_);
     return;
   }
-  add_to_pattern();
+  const bool grew = add_to_pattern();
   for (const auto& [place, value] : unexpected_) {
     const std::uint32_t slot = slot_of(place);
     values_[slot] += value;
@@ -81,14 +87,34 @@ void HessianEntries::learn() {
   cursor_ = sequence_.size();
   unexpected_.clear();
   diverged_ = false;
+  // Only where the pattern is another one anyway.
+  if (grew) forget_unfilled();
 }
 
-void HessianEntries::add_to_pattern() {
+void HessianEntries::forget_unfilled() {
+  std::vector<std::uint32_t> moved(values_.size(), 0);
+  for (const std::uint32_t slot : slots_) moved[slot] = 1;
+  moved[0] = 0;
+  const auto filled = std::count(moved.begin(), moved.end(), 1U);
+  if (static_cast<double>(pattern_.size()) <= worth_forgetting * static_cast<double>(filled)) return;
+  std::uint32_t next = 0;
+  for (std::size_t slot = 1; slot < values_.size(); ++slot) {
+    if (moved[slot] == 0) continue;
+    moved[slot] = ++next;
+    pattern_[next - 1] = pattern_[slot - 1];
+    values_[next] = values_[slot];
+  }
+  pattern_.resize(next);
+  values_.resize(next + 1);
+  for (std::uint32_t& slot : slots_) slot = moved[slot];
+}
+
+bool HessianEntries::add_to_pattern() {
   slots_.resize(sequence_.size());
   std::vector<Place> fresh;
   for (const auto& [place, value] : unexpected_)
     if (place != held && !std::ranges::binary_search(pattern_, place)) fresh.push_back(place);
-  if (fresh.empty()) return;
+  if (fresh.empty()) return false;
   std::ranges::sort(fresh);
   fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   std::vector<Place> merged;
@@ -111,6 +137,7 @@ void HessianEntries::add_to_pattern() {
   for (std::uint32_t& slot : slots_) slot = moved[slot];
   pattern_ = std::move(merged);
   values_ = std::move(values);
+  return true;
 }
 
 SparseMatrix HessianEntries::lower(Eigen::Index n) const {

@@ -54,7 +54,7 @@ class Minimization {
       Eigen::VectorXd d;
       {
         const StageTimer timer(execution_.cost, "step");
-        d = direction_->direction(at_);
+        d = direction_->direction(at_, objective_);
       }
       if (has_hessian()) result_.factorized_at = result_.iterations;
       const double slope = d.size() > 0 ? at_.gradient.dot(d) : 0;
@@ -113,7 +113,7 @@ class Minimization {
       }
       const double value = evaluate(0).value;
       if (acceptable(value, at_.gradient.dot(travelled))) {
-        if (trial == 0 && t == 1 && direction_->regularization() > 0) return expand(d, value, std::move(travelled));
+        if (trial == 0 && t == 1 && direction_->is_rough()) return expand(d, value, std::move(travelled));
         return {.accepted = true, .step = std::move(travelled), .whole = trial == 0};
       }
       objective_.reject();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -425,6 +426,39 @@ TEST(Gravity, ABarStretchesUnderItsOwnWeightAsMuchAsItsTheorySays) {
   EXPECT_LT(errors.back(), 5e-4);
   EXPECT_GT(errors.back(), 0);
   EXPECT_GT(errors.front() / errors.back(), 10);
+}
+
+TEST(SolidElements, HaveAConvexMatrixThatDiffersFromTheHessianWhereTheSolidIsCompressedOnly) {
+  const SolidScene scene(testing::cube(1));
+  SolidHost host;
+  host.poisson_ratio = 0.4;
+  const SolidElements elements(scene.solid, host);
+  const auto matrix_at = [&](const NetworkState& state, bool convex) -> Eigen::MatrixXd {
+    numerics::EnergySum sum;
+    sum.clear(state.dimension(), 2);
+    sum.convex = convex;
+    elements.add(state, 2, sum);
+    return sum.hessian.matrix(state.dimension());
+  };
+  RandomStream random("solid_convex", 1);
+  for (const double scale : {1.05, 0.6}) {
+    for (int trial = 0; trial < 5; ++trial) {
+      const Eigen::Matrix3d f = scale * Eigen::Matrix3d::Identity() + random_matrix(random, 0.02);
+      const NetworkState state = scene.state([&](const Eigen::Vector3d& x) { return Eigen::Vector3d(f * x); });
+      const Eigen::MatrixXd exact = matrix_at(state, false);
+      const Eigen::MatrixXd convex = matrix_at(state, true);
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(convex);
+      EXPECT_GT(modes.eigenvalues()[0], -1e-12 * exact.norm());
+      // No less than the Hessian along any way.
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> added(convex - exact);
+      EXPECT_GT(added.eigenvalues()[0], -1e-12 * exact.norm());
+      if (scale > 1) {
+        EXPECT_LT((convex - exact).norm(), 1e-12 * exact.norm());
+      } else {
+        EXPECT_GT((convex - exact).norm(), 1e-2 * exact.norm());
+      }
+    }
+  }
 }
 
 }  // namespace

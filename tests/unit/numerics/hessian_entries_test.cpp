@@ -97,6 +97,49 @@ TEST(HessianEntries, KeepAPlaceOnceSeenSoThatThePatternStays) {
   EXPECT_EQ(matrix.core.nonZeros(), 4);
 }
 
+TEST(HessianEntries, LoseEmptyPlacesWhereTheyWouldOutgrowTheFilledOnes) {
+  // A pair of unknowns that is another one each time: its old places must not gather.
+  constexpr int n = 40;
+  HessianEntries sum(n);
+  BorderedMatrix matrix;
+  for (int round = 0; round < 200; ++round) {
+    sum.clear();
+    for (int i = 0; i < n; ++i) sum.add(i, i, 2 + round);
+    const int i = round % n;
+    const int j = (7 * round + 3) % n;
+    if (i != j) sum.add(i, j, -1);
+    sum.assemble(n, matrix);
+    EXPECT_LE(matrix.core.nonZeros(), 1.25 * (n + 1) + 1);
+    Eigen::MatrixXd expected = (2 + round) * Eigen::MatrixXd::Identity(n, n);
+    if (i != j) expected(i, j) = expected(j, i) = -1;
+    ASSERT_EQ(dense(matrix), expected) << round;
+  }
+}
+
+TEST(HessianEntries, FillAnewAMatrixThatHeldAnotherNumberOfEntries) {
+  HessianEntries diagonal(3);
+  HessianEntries full(3);
+  BorderedMatrix shared;
+  for (int round = 0; round < 3; ++round) {
+    std::vector<Entry> entries;
+    diagonal.clear();
+    for (int i = 0; i < 3; ++i) {
+      entries.push_back({i, i, 1.0 + i + round});
+      diagonal.add(i, i, entries.back().value);
+    }
+    diagonal.assemble(3, shared);
+    EXPECT_EQ(dense(shared), dense(entries, 3)) << "round " << round;
+    full.clear();
+    for (const Entry& e : entries) full.add(e.i, e.j, e.value);
+    for (const Entry& e : {Entry{1, 0, 0.5}, Entry{2, 0, 0.25}, Entry{2, 1, -1}}) {
+      full.add(e.i, e.j, e.value);
+      entries.push_back(e);
+    }
+    full.assemble(3, shared);
+    EXPECT_EQ(dense(shared), dense(entries, 3)) << "round " << round;
+  }
+}
+
 TEST(HessianEntries, ForgetWhatWasNotAssembled) {
   HessianEntries sum(2);
   sum.add(0, 0, 5);

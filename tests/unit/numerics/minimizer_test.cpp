@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <memory>
 
 #include "supple/base/error.h"
@@ -107,6 +108,47 @@ TEST(Minimizer, TellsOfEveryStateWhenItIsTheCurrentOne) {
   const MinimizerResult result = minimize(system, options);
   ASSERT_EQ(told.size(), result.history.size());
   for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i], result.history[i].value);
+}
+
+/// A double well of each unknown, one of them a million times as stiff: it may give its Hessian without what is
+/// negative.
+class Wells : public Term<VectorState> {
+ public:
+  explicit Wells(bool convex) : convex_(convex) {}
+  std::string_view name() const override { return "wells"; }
+  bool has_convex_hessian() const override { return convex_; }
+  void add(const VectorState& state, int order, EnergySum& sum) const override {
+    for (Eigen::Index i = 0; i < state.x.size(); ++i) {
+      const double x = state.x[i];
+      const double stiffness = i == 0 ? 1e6 : 1;
+      sum.value += stiffness * (x * x - 1) * (x * x - 1);
+      if (order >= 1) sum.gradient[i] += stiffness * 4 * x * (x * x - 1);
+      const double curvature = stiffness * (12 * x * x - 4);
+      if (order >= 2) sum.hessian.add(i, i, sum.convex ? std::max(curvature, 4 * stiffness * x * x) : curvature);
+    }
+  }
+
+ private:
+  bool convex_;
+};
+
+TEST(Minimizer, NewtonTakesTheConvexMatrixOfAnObjectiveThatHasOne) {
+  const Eigen::VectorXd start = (Eigen::VectorXd(3) << 0.9, 0.05, -0.1).finished();
+  int iterations[2];
+  for (const bool convex : {false, true}) {
+    VectorSystem system = system_of(start, {std::make_shared<Wells>(convex)});
+    const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
+    EXPECT_EQ(result.stop, MinimizerStop::converged);
+    EXPECT_TRUE(result.indefinite);
+    EXPECT_LT((system.state().x.cwiseAbs() - Eigen::VectorXd::Ones(3)).norm(), 1e-6);
+    const bool regularized =
+        std::ranges::any_of(result.history, [](const MinimizerStep& step) { return step.regularization > 0; });
+    EXPECT_EQ(regularized, !convex);
+    iterations[convex ? 1 : 0] = result.iterations;
+    // The Hessian itself is as before, and so is the energy.
+    EXPECT_LT(check_derivatives(system).hessian.error, 1e-8);
+  }
+  EXPECT_LT(iterations[1], iterations[0]);
 }
 
 TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {

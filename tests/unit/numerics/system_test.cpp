@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "supple/base/random.h"
 #include "supple/numerics/minimizer.h"
@@ -116,6 +117,38 @@ TEST(System, KeepsWhatCouplesAllDegreesOfFreedomApartFromTheSparseMatrix) {
   const MinimizerResult found = minimize(system);
   EXPECT_EQ(found.stop, MinimizerStop::converged);
   EXPECT_EQ(found.iterations, 1) << "a quadratic function";
+}
+
+/// -x^2 / 2 of each unknown, or nothing where convex matrices are asked for.
+class Hill : public Term<VectorState> {
+ public:
+  std::string_view name() const override { return "hill"; }
+  bool has_convex_hessian() const override { return true; }
+  void add(const VectorState& state, int order, EnergySum& sum) const override {
+    sum.value -= state.x.squaredNorm() / 2;
+    if (order >= 1) sum.gradient -= state.x;
+    for (Eigen::Index i = 0; i < state.x.size() && order >= 2; ++i) sum.hessian.add(i, i, sum.convex ? 0 : -1);
+  }
+};
+
+TEST(System, HasAConvexMatrixBesideItsHessianWhereATermHasOne) {
+  const auto quadratic = std::make_shared<Quadratic>(3);
+  System<VectorState> plain({Eigen::Vector3d(1, 2, 3)}, {quadratic}, Unknowns(3));
+  plain.evaluate(2);
+  EXPECT_FALSE(plain.convex_hessian()) << "no term has one";
+  System<VectorState> system({Eigen::Vector3d(1, 2, 3)}, {quadratic, std::make_shared<Hill>()}, Unknowns(3));
+  EXPECT_FALSE(system.convex_hessian()) << "its Hessian was not evaluated";
+  const Evaluation before = system.evaluate(2);
+  const Eigen::MatrixXd exact = dense(before.hessian);
+  EXPECT_LT((exact - quadratic->a + Eigen::Matrix3d::Identity()).norm(), 1e-14);
+  const std::optional<Hessian> convex = system.convex_hessian();
+  ASSERT_TRUE(convex);
+  EXPECT_LT((dense(*convex) - quadratic->a).norm(), 1e-14);
+  EXPECT_EQ(dense(before.hessian), exact) << "what was evaluated stays";
+  const Evaluation after = system.evaluate(2);
+  EXPECT_EQ(dense(after.hessian), exact) << "and is the Hessian again";
+  EXPECT_EQ(after.gradient, before.gradient);
+  EXPECT_EQ(after.value, before.value);
 }
 
 TEST(System, LeavesHeldDegreesOfFreedomWhereTheyAre) {

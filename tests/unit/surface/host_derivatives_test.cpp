@@ -2,6 +2,7 @@
 // that have moved.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <memory>
 #include <set>
@@ -369,6 +370,46 @@ TEST(HostDerivatives, OfAnEmptyPathAreZero) {
   EXPECT_EQ(d.length, 0);
   EXPECT_EQ(d.gradient.norm(), 0);
   EXPECT_EQ(d.hessian.norm(), 0);
+}
+
+TEST(ConvexHostHessian, HasNoNegativeCurvatureAndIsTheHessianWhereFlatFacesRise) {
+  RandomStream random("convex_host", 1);
+  for (const auto& mesh : {share(testing::icosphere(2)), share(testing::genus3(2)), share(testing::saddle(6)),
+                           share(testing::trefoil_knot(40, 6))}) {
+    for (int trial = 0; trial < 10; ++trial) {
+      const HostScene scene{mesh, testing::random_point(*mesh, random), testing::random_point(*mesh, random)};
+      const Geodesic path = solved(scene);
+      const HostDerivatives exact = host_derivatives(*mesh, path.path);
+      const MatrixXd convex = convex_host_hessian(*mesh, path.path, exact.vertices);
+      ASSERT_EQ(convex.rows(), exact.hessian.rows());
+      EXPECT_LT((convex - convex.transpose()).norm(), 1e-12 * convex.norm());
+      const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(convex);
+      EXPECT_GT(modes.eigenvalues()[0], -1e-9 * modes.eigenvalues().tail<1>()[0]);
+    }
+  }
+  const auto flat = share(testing::jittered_grid(6, 6, random));
+  for (int trial = 0; trial < 10; ++trial) {
+    const HostScene scene{flat, testing::random_point(*flat, random), testing::random_point(*flat, random)};
+    const Geodesic path = solved(scene);
+    if (path.path.size() < 3) continue;
+    // Segments so short that they count as longer would make it another one.
+    double shortest = path.distance;
+    for (std::size_t i = 1; i < path.path.size(); ++i)
+      shortest = std::min(shortest, (path.path[i].position - path.path[i - 1].position).norm());
+    if (shortest < 2e-3 * path.distance) continue;
+    const HostDerivatives exact = host_derivatives(*flat, path.path);
+    const MatrixXd convex = convex_host_hessian(*flat, path.path, exact.vertices);
+    // Vertices that leave the plane, and points that move across the path.
+    for (std::size_t k = 0; k < exact.vertices.size(); ++k) {
+      const Eigen::Index row = 6 + 3 * static_cast<Eigen::Index>(k) + 2;
+      EXPECT_LT((convex.row(row) - exact.hessian.row(row)).norm(), 1e-6 * (1 + exact.hessian.norm()));
+    }
+    for (const Eigen::Index end : {0, 3}) {
+      const Vector3d motion(1, 1, -2);
+      EXPECT_NEAR(motion.dot(convex.block<3, 3>(end, end) * motion),
+                  motion.dot(exact.hessian.block<3, 3>(end, end) * motion), 1e-6 * (1 + exact.hessian.norm()));
+    }
+  }
 }
 
 }  // namespace

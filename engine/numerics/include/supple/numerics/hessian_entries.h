@@ -22,8 +22,9 @@ using Numbering = std::vector<std::int32_t>;
 /// each entry is given once, and entries of the same place add up.
 ///
 /// Terms add the same places in the same order at every state, or nearly so. The first assembly sorts them; later ones
-/// recognize the sequence and add each value straight to its place. Places once seen stay in the pattern, so that
-/// factorizations keep their symbolic analysis while contacts come and go.
+/// recognize the sequence and add each value straight to its place: what changes from state to state is best added
+/// last. Places once seen stay in the pattern, so that factorizations keep their symbolic analysis while contacts come
+/// and go, until many of them are empty and the pattern has to change anyway.
 class HessianEntries {
  public:
   /// Degrees of freedom from `border` on are few and couple with all others: they are kept as dense columns. All are
@@ -137,7 +138,8 @@ class HessianEntries {
   Eigen::Index core_size() const;
   std::uint32_t slot_of(Place place) const;
   void learn();
-  void add_to_pattern();
+  bool add_to_pattern();
+  void forget_unfilled();
   SparseMatrix lower(Eigen::Index n) const;
 
   Numbering numbering_;  ///< empty: none is held

@@ -55,6 +55,10 @@ class Objective {
   virtual void accept() = 0;  ///< the trial state becomes the current one
   virtual void reject() = 0;  ///< the trial state is forgotten
 
+  /// At the current state, after its Hessian was evaluated: a positive semidefinite matrix near it, where the objective
+  /// knows one. Newton's method takes it where the Hessian itself is not positive definite.
+  virtual std::optional<Hessian> convex_hessian() { return std::nullopt; }
+
   /// The largest t > 0 such that t * step keeps the state valid (no inverted element, no contact passed through).
   virtual double largest_step(const Eigen::VectorXd& /*step*/) const { return std::numeric_limits<double>::infinity(); }
 

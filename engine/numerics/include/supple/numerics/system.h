@@ -94,6 +94,20 @@ class System : public Objective {
     return evaluation;
   }
 
+  std::optional<Hessian> convex_hessian() override {
+    if (trial_ || evaluated_ < 2 ||
+        std::ranges::none_of(terms_, [](const auto& term) { return term->active() && term->has_convex_hessian(); }))
+      return std::nullopt;
+    evaluated_ = -1;
+    sums_->convex = true;
+    hessian_.swap(convex_);
+    sum_up(2);
+    hessian_.swap(convex_);
+    sums_->convex = false;
+    evaluated_ = 1;  // what was added up is not the Hessian
+    return std::shared_ptr<const BorderedMatrix>(convex_);
+  }
+
   Eigen::VectorXd move(const Eigen::VectorXd& step) override {
     set_trial(state_);
     Eigen::VectorXd travelled;
@@ -253,6 +267,7 @@ class System : public Objective {
   double value_ = std::numeric_limits<double>::infinity();  ///< of the current state
   double trial_value_ = std::numeric_limits<double>::infinity();
   std::shared_ptr<BorderedMatrix> hessian_ = std::make_shared<BorderedMatrix>();
+  std::shared_ptr<BorderedMatrix> convex_ = std::make_shared<BorderedMatrix>();
   Eigen::MatrixXd border_;
   Eigen::MatrixXd corner_;
 

@@ -22,6 +22,8 @@ struct EnergySum {
   HessianEntries hessian{};    ///< unused below order 2
   /// What couples all degrees of freedom with each other: each column a adds a a^T to the Hessian (order 2).
   std::vector<Eigen::VectorXd> rank_one{};
+  /// Whether terms that can (`has_convex_hessian`) give each element a positive semidefinite matrix near its Hessian.
+  bool convex = false;
 
   /// Makes the sum zero, for n degrees of freedom and derivatives up to `order`.
   void clear(Eigen::Index n, int order) {
@@ -68,6 +70,10 @@ class Term {
   /// Adds the value (order 0), the gradient (1) and the Hessian (2) at the state. An infinite value marks the state as
   /// invalid.
   virtual void add(const S& state, int order, EnergySum& sum) const = 0;
+
+  /// Whether `add` follows EnergySum::convex. Where an energy bends the wrong way in single elements, as compressed and
+  /// buckling ones do, steps by such matrices are far better than by the Hessian with a multiple of the identity.
+  virtual bool has_convex_hessian() const { return false; }
 
   /// Whether there is anything to add at present: a term that is not active is neither called nor billed.
   virtual bool active() const { return true; }

@@ -75,6 +75,14 @@ struct HostDerivatives {
 /// the Hessian, the size of what is returned.
 HostDerivatives host_derivatives(const TriangleMesh& mesh, const std::vector<PathPoint>& path, int order = 2);
 
+/// A positive semidefinite matrix near the Hessian of host_derivatives, in the same variables, without which nothing
+/// stops a step that bends a path sideways: the second derivatives of the segments' lengths by the places of their
+/// ends, with these as linear functions of all variables, and the crossings where they make the sum least. What is left
+/// out is that a crossing which moves along its edge turns it another share of the way. `vertices` and its order are
+/// those of host_derivatives. O(m^3) for m segments.
+Eigen::MatrixXd convex_host_hessian(const TriangleMesh& mesh, const std::vector<PathPoint>& path,
+                                    const std::vector<std::int32_t>& vertices);
+
 /// Fills the barycentric derivatives from the tangent ones.
 void express_in_barycentrics(const TriangleMesh& mesh, const SurfacePoint& from, const SurfacePoint& to,
                              GeodesicDerivatives& derivatives);
