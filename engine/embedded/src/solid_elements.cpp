@@ -102,7 +102,7 @@ template <class TakeOut>
 void for_each_negative_mode(const Eigen::Matrix3d& f, double mu, double lambda, double log_j, const TakeOut& take_out) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(f.transpose() * f);
   const Eigen::Vector3d inverse = principal.eigenvalues().cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix3d v = principal.eigenvectors();
+  const Eigen::Matrix3d& v = principal.eigenvectors();
   const Eigen::Matrix3d u = f * v * inverse.asDiagonal();
   const double crossed = mu - lambda * log_j;
   for (int i = 0; i < 3; ++i) {

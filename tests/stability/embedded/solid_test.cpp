@@ -15,9 +15,9 @@ namespace {
 
 using testing::SolidScene;
 
-/// Loads far beyond the modulus and stiff parts that turn take some hundred steps: where many tetrahedra are about to
-/// be turned inside out, or where a straight step would stretch what only turns, steps are short.
-constexpr int most_iterations = 300;
+/// Loads far beyond the modulus and stiff parts that turn take about a hundred steps: where many tetrahedra are about
+/// to be turned inside out, or where a straight step would stretch what only turns, steps are short.
+constexpr int most_iterations = 150;
 
 bool below(const Eigen::Vector3d& x, double height) { return x[2] <= height; }
 
