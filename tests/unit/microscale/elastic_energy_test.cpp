@@ -69,6 +69,33 @@ TEST(ElasticEnergy, OfAUniformDeformationIsTheLawTimesTheSolidArea) {
   EXPECT_NEAR(sheet.value, sheet_psi * mesh.solid_area(), 1e-12 * sheet.value);
 }
 
+TEST(ElasticEnergy, HasAScaleOfForcesWhichIsTheSumInSquaresOfWhatTrianglesAdd) {
+  const tiling::PeriodicMesh mesh = skew_frame();
+  const Material material;
+  const double mu = material.youngs_modulus / (2 * (1 + material.poisson_ratio));
+  const double lambda = 2 * mu * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(2 * mesh.nodes.cols() + 4);
+  x.tail<4>() << 0.3, 0.1, -0.2, -0.25;
+  const Eigen::Matrix2d f = (Eigen::Matrix2d() << 1.3, 0.1, -0.2, 0.75).finished();
+  const Eigen::Matrix2d inverse = f.inverse().transpose();
+  const Eigen::Matrix2d stress = mu * (f - inverse) + lambda * std::log(f.determinant()) * inverse;
+  // In a triangle under one stress P a corner bears a third of area P g, with g its gradient of barycentric
+  // coordinates, and the middle of a side four thirds of area P (g + h).
+  double sum = 0;
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+    Eigen::Matrix3d corners = Eigen::Matrix3d::Ones();
+    for (int k = 0; k < 3; ++k) corners.block<2, 1>(0, k) = mesh.corner(t, k);
+    const double area = std::abs(corners.determinant()) / 2;
+    const Eigen::Matrix<double, 3, 2> gradients = corners.inverse().leftCols<2>();
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector2d g = gradients.row(k);
+      const Eigen::Vector2d h = gradients.row((k + 1) % 3);
+      sum += (area / 3 * stress * g).squaredNorm() + (4 * area / 3 * stress * (g + h)).squaredNorm();
+    }
+  }
+  EXPECT_NEAR(ElasticEnergy(mesh, material).force_scale(x), std::sqrt(sum), 1e-4 * std::sqrt(sum));
+}
+
 TEST(ElasticEnergy, KeepsItsDigitsAtTinyStrains) {
   const tiling::PeriodicMesh mesh = skew_frame();
   const ElasticEnergy energy(mesh, Material{});

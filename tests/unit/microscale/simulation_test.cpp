@@ -322,6 +322,19 @@ TEST(Simulator, ReportsTheLastEquilibriumWhereAPathCannotBeFollowed) {
   EXPECT_NEAR(last.energy_density, again.energy_density, 1e-6 * again.energy_density + 1e-12);
 }
 
+TEST(Simulator, SaysThatAStateIsOutOfReachWhereItBucklesButCannotSettle) {
+  SimulationOptions options;
+  options.contact = Switch::off;
+  // Enough for one cell under so small a load, too few for the patch once it has left the unstable equilibrium.
+  options.max_iterations = 1;
+  const SimulationResult result = Simulator(lattice(), options).run(BiaxialLoad{0, {{0.98, 0.98}}});
+  const State& last = result.states.at(0);
+  EXPECT_EQ(last.cells, 2);
+  EXPECT_EQ(last.stopped, Stop::iteration_limit);
+  EXPECT_GT(last.deformation_gradient(0, 0), 0.9801);
+  EXPECT_NE(result.message.find("State 0 could not be reached"), std::string::npos) << result.message;
+}
+
 TEST(Simulator, StartsAtRestWithoutStressAndWithThePositiveStiffnessOfSmallStrains) {
   Simulator simulator(stiff_frame(), {});
   const State state = simulator.run(GreenStrainLoad{{Eigen::Vector3d::Zero()}}).states.at(0);
@@ -347,6 +360,47 @@ TEST(Simulator, NamesTheOptionThatItRefuses) {
   options.material.youngs_modulus = -1;
   const auto error = expect_error("simulation.invalid_option", [&] { Simulator(stiff_frame(), options); });
   EXPECT_EQ(places(error), (std::vector<std::string>{"material/youngs_modulus", "tolerance"}));
+}
+
+TEST(Simulator, TakesOptionsUpToTheirLimitsAndNoFurther) {
+  const auto refused = [](auto change) {
+    SimulationOptions options;
+    change(options);
+    try {
+      Simulator(stiff_frame(), options);
+    } catch (const Error& error) {
+      return places(error);
+    }
+    return std::vector<std::string>{};
+  };
+  using Refused = std::vector<std::string>;
+  for (const auto& [value, within] : {std::pair(0.99e-12, false), {1e-12, true}, {1e-2, true}, {1.01e-2, false}})
+    EXPECT_EQ(refused([&](auto& o) { o.tolerance = value; }), within ? Refused{} : Refused{"tolerance"}) << value;
+  for (const auto& [value, within] : {std::pair(0, false), {1, true}, {10'000, true}, {10'001, false}})
+    EXPECT_EQ(refused([&](auto& o) { o.max_iterations = value; }), within ? Refused{} : Refused{"max_iterations"});
+  for (const auto& [value, within] : {std::pair(0.99e-5, false), {1e-5, true}, {10.0, true}, {10.1, false}})
+    EXPECT_EQ(refused([&](auto& o) { o.max_load_step = value; }), within ? Refused{} : Refused{"max_load_step"})
+        << value;
+  const Refused ratio{"material/poisson_ratio"};
+  for (const auto& [value, within] : {std::pair(-1.0, false), {-0.99, true}, {0.4998, true}, {0.4999, false}}) {
+    EXPECT_EQ(refused([&](auto& o) { o.material.poisson_ratio = value; }), within ? Refused{} : ratio) << value;
+    EXPECT_EQ(refused([&](auto& o) {
+                o.material = {Law::incompressible_plane_stress, 1, value};
+              }),
+              Refused{})
+        << "no ratio decides this law";
+  }
+}
+
+TEST(Simulator, DividesALoadIntoStepsOfATwentiethUnlessToldOtherwise) {
+  const auto steps = [](double stretch, const SimulationOptions& options) {
+    return Simulator(solid_cell(), options).run(BiaxialLoad{0, {{stretch, 1}}}).states.at(0).load_steps;
+  };
+  EXPECT_EQ(steps(1.0499, {}), 1);
+  EXPECT_EQ(steps(1.0501, {}), 2);
+  SimulationOptions options;
+  options.max_load_step = 0.02;
+  EXPECT_EQ(steps(1.0499, options), 3);
 }
 
 TEST(Simulator, TellsWhichShareOfItsStatesIsDone) {
