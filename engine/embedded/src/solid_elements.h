@@ -23,7 +23,7 @@ namespace supple::embedded {
 /// Green's strain. What these elements cannot do is keep their volume and bend at the same time: from nu = 0.49 on they
 /// are too stiff (they lock), which a finer mesh mends slowly; see docs/bench/solids.md.
 ///
-/// O(tetrahedra), in parallel: about 0.2 us each for value, gradient and Hessian.
+/// O(tetrahedra), in parallel: about 0.3 us each for value, gradient and Hessian with their sum.
 class SolidElements : public numerics::Term<NetworkState> {
  public:
   /// At rest where `rest` is, whose nodes are the state's. Throws std::invalid_argument where a tetrahedron has no
