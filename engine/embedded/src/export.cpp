@@ -9,6 +9,7 @@ namespace {
 
 constexpr int vtk_poly_line = 4;
 constexpr int vtk_triangle = 5;
+constexpr int vtk_tetrahedron = 10;
 
 using Polyline = std::vector<Eigen::Vector3d>;
 
@@ -41,6 +42,7 @@ Polyline corner_positions(const surface::TriangleMesh& mesh, const Network& netw
 std::string write_obj(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation) {
   const auto lines = spring_lines(mesh, network, relaxation);
   FileText out;
+  if (!relaxation.host.vertices.empty()) out << "o network\n";
   std::size_t next = 1;
   for (const auto& line : lines)
     for (const auto& point : line) (out << "v ").point(point);
@@ -54,19 +56,49 @@ std::string write_obj(const surface::TriangleMesh& mesh, const Network& network,
     for (std::size_t k = 0; k < 3; ++k)
       out.number(next + static_cast<std::size_t>(triangle.corners[k]), k == 2 ? '\n' : ' ');
   }
+  if (!relaxation.host.vertices.empty()) {
+    if (!network.triangles.empty()) next += relaxation.points.size();
+    out << "o host\n";
+    for (const auto& vertex : relaxation.host.vertices) (out << "v ").point(vertex);
+    for (const auto& face : mesh.faces()) {
+      out << "f ";
+      for (std::size_t k = 0; k < 3; ++k) out.number(next + static_cast<std::size_t>(face[k]), k == 2 ? '\n' : ' ');
+    }
+  }
   return out.take();
 }
 
 namespace {
 
-/// A cell of a VTU: a spring or a triangle.
+/// A cell of a VTU: a spring, a triangle, or a face or tetrahedron of the host.
 struct Cell {
   int type = vtk_poly_line;
   std::vector<std::size_t> points;
   Spring spring{0, 0, 0, 0};
   SpringState state{};
   std::array<double, 2> stretches{};
+  bool of_host = false;
 };
+
+}  // namespace
+
+namespace {
+
+/// The host's nodes, and its tetrahedra or, without any, its faces.
+void add_host(const surface::TriangleMesh& mesh, const HostState& host, Polyline& points, std::vector<Cell>& cells) {
+  const std::size_t first = points.size();
+  points.insert(points.end(), host.vertices.begin(), host.vertices.end());
+  points.insert(points.end(), host.inside.begin(), host.inside.end());
+  const auto add = [&](int type, const auto& nodes) {
+    auto& cell = cells.emplace_back();
+    cell.type = type;
+    cell.of_host = true;
+    for (const std::int32_t node : nodes) cell.points.push_back(first + static_cast<std::size_t>(node));
+  };
+  for (const auto& tetrahedron : host.tetrahedra) add(vtk_tetrahedron, tetrahedron);
+  if (!host.tetrahedra.empty() || host.vertices.empty()) return;
+  for (const auto& face : mesh.faces()) add(vtk_triangle, face);
+}
 
 }  // namespace
 
@@ -93,6 +125,7 @@ std::string write_vtu(const surface::TriangleMesh& mesh, const Network& network,
     cell.state.energy = relaxation.triangles[t].energy;
     cell.stretches = relaxation.triangles[t].stretches;
   }
+  add_host(mesh, relaxation.host, points, cells);
   FileText out;
   out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n";
   (out << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"").number(points.size(), '"') << " NumberOfCells=\"";
@@ -106,6 +139,8 @@ std::string write_vtu(const surface::TriangleMesh& mesh, const Network& network,
   if (!network.triangles.empty())
     out.array("Float64", "greater_stretch", cells, [](const Cell& cell) { return cell.stretches[0]; })
         .array("Float64", "lesser_stretch", cells, [](const Cell& cell) { return cell.stretches[1]; });
+  if (!relaxation.host.vertices.empty())
+    out.array("UInt8", "host", cells, [](const Cell& cell) { return cell.of_host ? 1 : 0; });
   out << "</CellData>\n<Points>\n"
       << "<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"ascii\">\n";
   for (const auto& point : points) out.point(point);

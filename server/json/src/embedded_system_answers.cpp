@@ -43,6 +43,7 @@ void write_relaxation_history(JsonWriter& out, const std::vector<embedded::Relax
 
 void write_terms(JsonWriter& out, const embedded::RelaxationOptions& options, const embedded::Network& network,
                  const embedded::Relaxation& relaxation) {
+  const double network_energy = relaxation.network_energy;
   double membrane = 0;
   for (const auto& triangle : relaxation.triangles) membrane += triangle.energy;
   out.field("energy", relaxation.energy).key("terms").begin_array();
@@ -52,9 +53,27 @@ void write_terms(JsonWriter& out, const embedded::RelaxationOptions& options, co
   const bool geodesic = options.spring_length == embedded::SpringLength::geodesic;
   // Without triangles the springs are all there is, even where there are none.
   if (relaxation.triangles.empty() || !network.springs.empty())
-    write(geodesic ? "geodesic_springs" : "euclidean_springs", std::max(0.0, relaxation.energy - membrane));
-  if (!relaxation.triangles.empty()) write("membrane", network.springs.empty() ? relaxation.energy : membrane);
+    write(geodesic ? "geodesic_springs" : "euclidean_springs", std::max(0.0, network_energy - membrane));
+  if (!relaxation.triangles.empty()) write("membrane", network.springs.empty() ? network_energy : membrane);
+  for (const auto& term : relaxation.host.terms) write(term.name, term.energy);
   out.end_array();
+}
+
+void write_vertices(JsonWriter& out, std::span<const Eigen::Vector3d> vertices) {
+  out.key("vertices").begin_array();
+  for (const auto& vertex : vertices) out.numbers(vertex);
+  out.end_array();
+}
+
+void write_host(JsonWriter& out, const embedded::HostState& host) {
+  if (host.vertices.empty()) return;
+  out.key("host").begin_object();
+  write_vertices(out, host.vertices);
+  out.field("largest_displacement", host.largest_displacement);
+  if (host.volume_ratio != 0) out.field("volume_ratio", host.volume_ratio);
+  if (!host.tetrahedra.empty())
+    out.field("tetrahedra", host.tetrahedra.size()).field("nodes", host.vertices.size() + host.inside.size());
+  out.end_object();
 }
 
 void write_point_indices(JsonWriter& out, std::string_view name, std::span<const std::int32_t> indices) {
@@ -98,6 +117,7 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
           .end_object();
     out.end_array();
   }
+  write_host(out, relaxation.host);
   write_terms(out, options, network, relaxation);
   out.field("gradient_norm", relaxation.gradient_norm).field("iterations", relaxation.iterations);
   write_relaxation_history(out, relaxation.history);
@@ -110,7 +130,7 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
   out.key("accuracy")
       .begin_object()
       .field("tolerance", options.tolerance)
-      .field("gradient_tolerance", options.tolerance * embedded::largest_weight(network) * mesh.diagonal())
+      .field("gradient_tolerance", relaxation.gradient_tolerance)
       .field("gradient_norm", relaxation.gradient_norm)
       .field("mollifier_length", options.mollifier_length)
       .end_object();
@@ -120,13 +140,15 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
 }
 
 std::string write_partial_relaxation(int iteration, const embedded::RelaxationStep& step,
-                                     const surface::TriangleMesh& mesh, std::span<const surface::SurfacePoint> points) {
+                                     const surface::TriangleMesh& mesh, std::span<const surface::SurfacePoint> points,
+                                     bool moves) {
   JsonWriter out;
   out.begin_object()
       .field("iteration", iteration)
       .field("energy", step.energy)
       .field("gradient_norm", step.gradient_norm);
   if (points.size() <= most_partial_positions) write_positions(out, mesh, points);
+  if (moves && mesh.positions().size() <= most_partial_positions) write_vertices(out, mesh.positions());
   out.end_object();
   return out.take();
 }

@@ -1,5 +1,7 @@
 #include "supple/json/embedded_system_requests.h"
 
+#include <variant>
+
 #include "document.h"
 #include "request_parts.h"
 
@@ -7,6 +9,7 @@ namespace supple::json {
 namespace {
 
 constexpr int most_relaxation_iterations = 100'000;
+constexpr std::size_t most_regions = 1000;
 
 /// Calls read(fields) for the object that stands in place of an array.
 template <class Read>
@@ -122,21 +125,60 @@ void read_membrane(Fields& fields, EmbeddedSystemRequest& request) {
   });
 }
 
-void read_fixed_points(Fields& fields, const Limits& limits, std::vector<std::int32_t>& fixed) {
-  const auto* entries = fields.array("fixed_points", false, 0, limits.max_points, "--max-points");
+void read_indices(Fields& fields, std::string_view name, const Limits& limits, std::vector<std::int32_t>& indices) {
+  const auto* entries = fields.array(name, false, 0, limits.max_points, "--max-points");
   if (!entries) return;
-  fixed.reserve(entries->size());
+  indices.reserve(entries->size());
   for (std::size_t i = 0; i < entries->size(); ++i) {
-    const auto at = fields.at("fixed_points") + "/" + std::to_string(i);
-    fixed.push_back(read_array_index((*entries)[i], at, fields.faults()));
+    const auto at = fields.at(name) + "/" + std::to_string(i);
+    indices.push_back(read_array_index((*entries)[i], at, fields.faults()));
   }
 }
 
-void read_host(Fields& fields) {
-  nested(fields, "host", [](Fields& host) {
+void read_vector(Fields& fields, std::string_view name, Eigen::Vector3d& vector) {
+  if (const auto* value = fields.optional(name))
+    read_components(*value, fields.at(name), fields.faults(), vector, -any, any);
+}
+
+void read_shell(Fields& fields, const Limits& limits, embedded::ShellHost& shell) {
+  fields.required("thickness");
+  fields.required("youngs_modulus");
+  fields.number("thickness", shell.thickness, 0, any, true);
+  fields.number("youngs_modulus", shell.youngs_modulus, 0, any, true);
+  shell.poisson_ratio = 0.3;
+  fields.number("poisson_ratio", shell.poisson_ratio, -0.99, 0.4999);
+  fields.number("volume_weight", shell.volume_weight, 0, any);
+  fields.number("volume_scale", shell.volume_scale, 0, any, true);
+  read_indices(fields, "fixed_vertices", limits, shell.fixed_vertices);
+}
+
+void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid) {
+  fields.required("youngs_modulus");
+  fields.number("youngs_modulus", solid.youngs_modulus, 0, any, true);
+  solid.poisson_ratio = 0.3;
+  fields.number("poisson_ratio", solid.poisson_ratio, -0.99, 0.4999);
+  fields.number("element_size", solid.element_size, 0, any, true);
+  read_vector(fields, "gravity", solid.gravity);
+  read_indices(fields, "fixed_vertices", limits, solid.fixed_vertices);
+  const auto* regions = fields.array("regions", false, 0, most_regions, "");
+  for (std::size_t i = 0; regions && i < regions->size(); ++i) {
+    Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
+    embedded::SolidRegion& read = solid.regions.emplace_back();
+    for (const auto* name : {"lower", "upper", "youngs_modulus"}) region.required(name);
+    read_vector(region, "lower", read.lower);
+    read_vector(region, "upper", read.upper);
+    region.number("youngs_modulus", read.youngs_modulus, 0, any, true);
+    region.finish();
+  }
+}
+
+void read_host(Fields& fields, const Limits& limits, embedded::RelaxationOptions& options) {
+  nested(fields, "host", [&](Fields& host) {
     host.required("kind");
-    enum class Kind { rigid } kind = Kind::rigid;
-    host.choice("kind", kind, {"rigid"});
+    enum class Kind { rigid, shell, solid } kind = Kind::rigid;
+    host.choice("kind", kind, {"rigid", "shell", "solid"});
+    if (kind == Kind::shell) read_shell(host, limits, options.host.emplace<embedded::ShellHost>());
+    if (kind == Kind::solid) read_solid(host, limits, options.host.emplace<embedded::SolidHost>());
   });
 }
 
@@ -152,6 +194,10 @@ void read_relaxation_options(Fields& fields, embedded::RelaxationOptions& option
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("mollifier", options.mollifier, switch_names);
     effects.choice("kept_strips", options.kept_strips, switch_names);
+    // On a shell only; elsewhere it has nothing to switch.
+    Switch bending = Switch::automatic;
+    effects.choice("bending", bending, switch_names);
+    if (auto* shell = std::get_if<embedded::ShellHost>(&options.host)) shell->bending = bending != Switch::off;
   });
 }
 
@@ -167,8 +213,8 @@ EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits&
   read_springs(fields, limits, request);
   read_triangles(fields, limits, request);
   read_membrane(fields, request);
-  read_fixed_points(fields, limits, request.fixed_points);
-  read_host(fields);
+  read_indices(fields, "fixed_points", limits, request.fixed_points);
+  read_host(fields, limits, request.options);
   read_relaxation_options(fields, request.options);
   request.deadline = read_deadline(fields, limits);
   fields.finish();

@@ -2,6 +2,7 @@
 #include <array>
 #include <chrono>
 #include <optional>
+#include <variant>
 
 #include "computation_route.h"
 #include "handlers.h"
@@ -67,7 +68,7 @@ embedded::NetworkPlan plan_of(const EmbeddedSystemRequest& request, const surfac
 /// Publishes the states on the way, as often as anyone can see them.
 class StatePublisher {
  public:
-  explicit StatePublisher(ProgressSink& sink) : sink_(sink) {}
+  StatePublisher(ProgressSink& sink, bool host_moves) : sink_(sink), host_moves_(host_moves) {}
 
   void operator()(const embedded::RelaxationStep& step, std::span<const surface::SurfacePoint> points,
                   const surface::TriangleMesh& surface) {
@@ -75,11 +76,12 @@ class StatePublisher {
     const auto now = std::chrono::steady_clock::now();
     if (iteration > 0 && now - last_ < state_period) return;
     last_ = now;
-    sink_.publish(json::write_partial_relaxation(iteration, step, surface, points));
+    sink_.publish(json::write_partial_relaxation(iteration, step, surface, points, host_moves_));
   }
 
  private:
   ProgressSink& sink_;
+  bool host_moves_;
   int iteration_ = 0;
   std::chrono::steady_clock::time_point last_{};
 };
@@ -97,24 +99,28 @@ store::Result compute(const EmbeddedSystemRequest& request, const store::LoadedM
   embedded::BuiltNetwork built;
   embedded::Relaxation relaxation;
   store::Result result;
+  const bool gives_way = !std::holds_alternative<embedded::RigidHost>(request.options.host);
+  std::optional<surface::TriangleMesh> moved;
+  const auto surface = [&]() -> const surface::TriangleMesh& { return moved ? *moved : mesh.mesh(); };
   const auto bill = billed(outer, [&](const Execution& execution) {
     const double first = plan.builds() ? building_share : 0;
     const PartOfExecution building(execution, 0, first);
     built = embedded::build_network(mesh.solver, plan, network_limits(limits), building.execution());
     auto options = request.options;
     options.paths = options.paths || file == NetworkFile::obj || file == NetworkFile::vtu;
-    if (execution.progress) options.observer = StatePublisher(*execution.progress);
+    if (execution.progress) options.observer = StatePublisher(*execution.progress, gives_way);
     const PartOfExecution relaxing(execution, first, 1 - first);
     relaxation = embedded::relax(mesh.solver, built.network, options, relaxing.execution());
+    if (gives_way) moved = mesh.mesh().with_positions(relaxation.host.vertices);
     if (file != NetworkFile::none) {
       execution.checkpoint(1, "export");
       const StageTimer timer(execution.cost, "export");
-      result.body = write_network_file(file, mesh.mesh(), built.network, relaxation);
+      result.body = write_network_file(file, surface(), built.network, relaxation);
     }
   });
   if (file == NetworkFile::none) {
     const auto* triangles = built.triangles ? &*built.triangles : nullptr;
-    return json_result(json::write_embedded_system(request, mesh.mesh(), built.network, relaxation, triangles, bill));
+    return json_result(json::write_embedded_system(request, surface(), built.network, relaxation, triangles, bill));
   }
   result.content_type = media_types.at(static_cast<std::size_t>(file));
   result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}, {"Supple-Stopped", relaxation.stopped}};

@@ -117,6 +117,48 @@ TEST(EmbeddedSystemRequests, PointToEachFaultyFieldOfAMembrane) {
                    "/membrane/mass"}));
 }
 
+TEST(EmbeddedSystemRequests, ReadHosts) {
+  EXPECT_TRUE(std::holds_alternative<embedded::RigidHost>(parse_embedded_system(two_points_and(""), {}).options.host));
+  const auto shell = std::get<embedded::ShellHost>(
+      parse_embedded_system(
+          two_points_and(R"("host":{"kind":"shell","thickness":0.5,"youngs_modulus":7,"poisson_ratio":0.2,
+        "volume_weight":3,"volume_scale":1.5,"fixed_vertices":[4,0]},"effects":{"bending":"off"})"),
+          {})
+          .options.host);
+  EXPECT_EQ(shell.thickness, 0.5);
+  EXPECT_EQ(shell.youngs_modulus, 7);
+  EXPECT_EQ(shell.poisson_ratio, 0.2);
+  EXPECT_EQ(shell.volume_weight, 3);
+  EXPECT_EQ(shell.volume_scale, 1.5);
+  EXPECT_EQ(shell.fixed_vertices, (std::vector<std::int32_t>{4, 0}));
+  EXPECT_FALSE(shell.bending);
+  const auto solid = std::get<embedded::SolidHost>(
+      parse_embedded_system(
+          two_points_and(R"("host":{"kind":"solid","youngs_modulus":7,"element_size":2,"gravity":[0,0,-9],
+        "fixed_vertices":[1],"regions":[{"lower":[0,1,2],"upper":[3,4,5],"youngs_modulus":70}]})"),
+          {})
+          .options.host);
+  EXPECT_EQ(solid.poisson_ratio, 0.3) << "the contract's default";
+  EXPECT_EQ(solid.element_size, 2);
+  EXPECT_EQ(solid.gravity, Eigen::Vector3d(0, 0, -9));
+  ASSERT_EQ(solid.regions.size(), 1U);
+  EXPECT_EQ(solid.regions[0].lower, Eigen::Vector3d(0, 1, 2));
+  EXPECT_EQ(solid.regions[0].upper, Eigen::Vector3d(3, 4, 5));
+  EXPECT_EQ(solid.regions[0].youngs_modulus, 70);
+}
+
+TEST(EmbeddedSystemRequests, PointToEachFaultyFieldOfAHost) {
+  EXPECT_EQ(faults_of_network(two_points_and(R"("host":{"kind":"shell"})")),
+            (Where{"/host/thickness", "/host/youngs_modulus"}));
+  EXPECT_EQ(faults_of_network(two_points_and(
+                R"("host":{"kind":"shell","thickness":0,"youngs_modulus":1,"poisson_ratio":0.5,"gravity":[0,0,1]})")),
+            (Where{"/host/thickness", "/host/poisson_ratio", "/host/gravity"}));
+  EXPECT_EQ(
+      faults_of_network(two_points_and(
+          R"("host":{"kind":"solid","youngs_modulus":1,"gravity":[1,2],"fixed_vertices":[-1],"regions":[{"lower":[0,0,0]}]})")),
+      (Where{"/host/gravity", "/host/fixed_vertices/0", "/host/regions/0/upper", "/host/regions/0/youngs_modulus"}));
+}
+
 TEST(EmbeddedSystemRequests, PointToEachFaultyEntry) {
   const auto springs = [](const std::string& entries) {
     return network_body(R"("points":[{"vertex":0},{"vertex":1}],"springs":[)" + entries + "]");
