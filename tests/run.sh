@@ -77,7 +77,7 @@ part_browser() {
   [ "$reached" -gt 0 ] && return $status
 }
 part_tidy() { configure_preset release && configure_preset asan-ubsan && tests/tidy.sh "$jobs"; }
-part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print_stacktrace=1 \
+part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 # One OpenMP thread: CHOLMOD's OpenMP runtime is not instrumented, so that its own ordering looks like races.
 part_tsan() { build_preset tsan --target threaded_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
