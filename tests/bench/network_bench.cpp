@@ -1,5 +1,7 @@
 // Elastic networks on surfaces: what a step costs, what accuracy costs, and how methods compare. Writes CSV files and,
-// where every study ran, networks.md; plot_networks.py draws them.
+// where every study ran, networks.md; plot_networks.py and plot_membranes.py draw them.
+//
+// The study `membranes` writes a page of its own, membranes.md.
 //
 //   network_bench [--short] [--out DIR] [STUDY ...]      default: all studies into docs/bench
 #include "network_bench.h"
@@ -9,17 +11,21 @@
 
 #include "command_line.h"
 #include "measurement.h"
+#include "network_membranes.h"
 #include "supple/base/threads.h"
 
 namespace {
 
-std::string introduction(const supple::bench::NetworkSettings& settings) {
+/// What a page says before its tables; `studies` are named on the command line that makes it, `script` draws it.
+std::string introduction(const supple::bench::NetworkSettings& settings, const std::string& studies,
+                         const std::string& script) {
   std::string text =
       "This page is generated; how the method works is in [networks](../networks.md). Measured on: " +
       supple::bench::machine_line() +
       ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target network_bench\n"
-      "build/bench/tests/bench/network_bench --out docs/bench\n"
-      "tests/bench/plot_networks.py docs/bench\n```\n\n"
+      "build/bench/tests/bench/network_bench --out docs/bench" +
+      studies + "\ntests/bench/" + script +
+      " docs/bench\n```\n\n"
       "*CPU ms* are of the process with one thread, which other programs on the machine disturb little; *wall ms* are "
       "with two threads, which they disturb much. Both are the best of several runs. A target on two cores is met "
       "where "
@@ -28,6 +34,14 @@ std::string introduction(const supple::bench::NetworkSettings& settings) {
       "bounding box, |g| the norm of the energy's gradient by tangent coordinates of the free points.";
   if (settings.brief) text += "\n\n**A short run on small meshes: it shows that the program works, no more.**";
   return text;
+}
+
+void write_page_of_membranes(const std::filesystem::path& folder, const supple::bench::NetworkSettings& settings) {
+  supple::bench::Report report(folder, "membranes", "Membranes on surfaces: measured times and convergence");
+  supple::bench::measure_stretched_torus(report, settings);
+  supple::bench::measure_long_descents(report, settings);
+  supple::bench::measure_accuracy_of_membranes(report, settings);
+  report.write(introduction(settings, " membranes", "plot_membranes.py"));
 }
 
 }  // namespace
@@ -55,8 +69,10 @@ int main(int argc, char** argv) {
   add("straight", measure_straight_springs);
   add("mollifier", measure_mollified_networks);
   add("vertices", draw_kinds_of_vertices);
+  const std::size_t of_networks = studies.size();
+  studies.push_back({"membranes", [&] { write_page_of_membranes(folder, settings); }});
   const int status =
       run_program(argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)}, studies);
-  if (status == 0 && ran == studies.size()) report->write(introduction(settings));
+  if (status == 0 && ran == of_networks) report->write(introduction(settings, "", "plot_networks.py"));
   return status;
 }

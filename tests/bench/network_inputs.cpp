@@ -134,7 +134,8 @@ TimedRun timed_run(const surface::GeodesicSolver& solver, const Network& network
   double wall_apart = 0;
   const double cpu_start = cpu_seconds();
   const double wall_start = wall_seconds();
-  options.observer = [&](const embedded::RelaxationStep& step, std::span<const SurfacePoint> points) {
+  options.observer = [&](const embedded::RelaxationStep& step, std::span<const SurfacePoint> points,
+                         const TriangleMesh&) {
     const double cpu = cpu_seconds();
     const double wall = wall_seconds();
     TimedStep timed;
