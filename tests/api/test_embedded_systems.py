@@ -77,6 +77,135 @@ def test_a_membrane_from_voronoi_cells_relaxes_with_its_springs(api: Api, sphere
                for before, step in zip(answer["history"], answer["history"][1:]))
 
 
+# --- hosts that give way -------------------------------------------------------------------------------------------------
+
+
+SHELL = {"kind": "shell", "thickness": 0.01, "youngs_modulus": 1000, "poisson_ratio": 0.45, "volume_weight": 100}
+
+
+def volume(vertices: Any, faces: Any) -> float:
+    a, b, c = (np.asarray(vertices)[np.asarray(faces)[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def net(mesh: str, **more: Any) -> Dict[str, Any]:
+    """Twelve points of the sphere, each in a face at a vertex of the icosahedron, and springs between neighbours that are
+    shorter at rest than there."""
+    vertices, faces = sphere(3)
+    at = [int(np.flatnonzero((faces == v).any(axis=1))[0]) for v in range(12)]
+    pairs = [(i, j) for i in range(12) for j in range(i) if vertices[i] @ vertices[j] > 0.4]
+    assert len(pairs) == 30
+    return {"mesh": mesh, "points": [{"face": face, "barycentric": [0.4, 0.35, 0.25]} for face in at],
+            "springs": springs(*pairs, rest_length=0.6, weight=0.5), "fixed_points": [0, 3], **more}
+
+
+def test_a_network_dents_a_shell_that_keeps_its_volume(api: Api, sphere_mesh: str) -> None:
+    vertices, faces = sphere(3)
+    answer = api.ok(NETWORKS, net(sphere_mesh, host=SHELL))
+    assert answer["stopped"] == "converged"
+    moved = answer["host"]["vertices"]
+    displacement = np.linalg.norm(np.asarray(moved) - vertices, axis=1).max()
+    assert displacement == pytest.approx(answer["host"]["largest_displacement"]) and displacement > 1e-3
+    ratio = volume(moved, faces) / volume(vertices, faces)
+    assert ratio == pytest.approx(answer["host"]["volume_ratio"], rel=1e-9)
+    terms = {term["name"]: term["energy"] for term in answer["terms"]}
+    assert list(terms) == ["geodesic_springs", "shell_membrane", "shell_bending", "shell_volume"]
+    assert sum(terms.values()) == pytest.approx(answer["energy"], rel=1e-9)
+    assert terms["shell_volume"] == pytest.approx(100 / 2 * (ratio - 1) ** 2 * volume(vertices, faces), rel=1e-6)
+    # Points are on the surface as it is now.
+    for point, position in zip(answer["points"], answer["positions"]):
+        corners = np.asarray(moved)[faces[point["face"]]]
+        np.testing.assert_allclose(np.asarray(point["barycentric"]) @ corners, position, atol=1e-12)
+    assert effect(answer, "shell_bending")["ran"] and effect(answer, "shell_volume")["ran"]
+    assert not effect(answer, "self_contact")["ran"]
+    assert any("No fixed vertices" in warning for warning in answer["warnings"])
+    # A stiffer host gives way less, and a rigid one not at all.
+    stiff = api.ok(NETWORKS, net(sphere_mesh, host={**SHELL, "youngs_modulus": 1e6, "volume_weight": 1e5}))
+    assert stiff["host"]["largest_displacement"] < 0.1 * displacement
+    rigid = api.ok(NETWORKS, net(sphere_mesh))
+    assert "host" not in rigid and rigid["energy"] > stiff["energy"] > answer["energy"]
+
+
+def test_bending_and_volume_of_a_shell_are_there_only_where_they_are_asked_for(api: Api, sphere_mesh: str) -> None:
+    host = {name: SHELL[name] for name in ("kind", "thickness", "youngs_modulus")}
+    answer = api.ok(NETWORKS, net(sphere_mesh, host=host, effects={"bending": "off"}, max_iterations=3))
+    assert [term["name"] for term in answer["terms"]] == ["geodesic_springs", "shell_membrane"]
+    assert all(e["name"] not in ("shell_bending", "shell_volume") for e in answer["effects"])
+
+
+def test_a_network_squeezes_a_solid_whose_fixed_vertices_stay(api: Api, sphere_mesh: str) -> None:
+    vertices = sphere(3)[0]
+    low = [int(i) for i in np.flatnonzero(vertices[:, 2] < -0.8)]
+    host = {"kind": "solid", "youngs_modulus": 10, "poisson_ratio": 0.3, "fixed_vertices": low, "element_size": 0.4}
+    answer = api.ok(NETWORKS, net(sphere_mesh, host=host))
+    assert answer["stopped"] == "converged"
+    moved = np.asarray(answer["host"]["vertices"])
+    np.testing.assert_array_equal(moved[low], vertices[low])
+    assert answer["host"]["tetrahedra"] > 100 and answer["host"]["nodes"] > len(vertices)
+    assert answer["host"]["volume_ratio"] < 1
+    assert [term["name"] for term in answer["terms"]] == ["geodesic_springs", "solid"]
+    # Under gravity it sinks, and a region of another stiffness changes the answer.
+    heavy = api.ok(NETWORKS, net(sphere_mesh, host={**host, "gravity": [0, 0, -2]}))
+    assert np.asarray(heavy["host"]["vertices"])[:, 2].mean() < moved[:, 2].mean()
+    assert [term["name"] for term in heavy["terms"]] == ["geodesic_springs", "solid", "gravity"]
+    region = {"lower": [-2, -2, 0], "upper": [2, 2, 2], "youngs_modulus": 1000}
+    stiffer = api.ok(NETWORKS, net(sphere_mesh, host={**host, "regions": [region]}))
+    assert stiffer["energy"] > answer["energy"]
+
+
+def test_files_show_the_host_as_it_came_to_be(api: Api, sphere_mesh: str) -> None:
+    vertices, faces = sphere(3)
+    request = net(sphere_mesh, host=SHELL)
+    answer = api.ok(NETWORKS, request)
+    lines = api.post(NETWORKS, request, headers={"Accept": "model/obj"}).text.splitlines()
+    assert "o network" in lines and "o host" in lines
+    own = lines[lines.index("o host") + 1:]
+    written = np.array([[float(x) for x in line.split()[1:]] for line in own if line.startswith("v ")])
+    np.testing.assert_array_equal(written, answer["host"]["vertices"])
+    first = sum(line.startswith("v ") for line in lines[:lines.index("o host")])
+    corners = np.array([[int(x) for x in line.split()[1:]] for line in own if line.startswith("f ")]) - first - 1
+    np.testing.assert_array_equal(corners, faces)
+    response = api.post(NETWORKS, request, headers={"Accept": "application/x-vtu+xml"})
+    piece = ElementTree.fromstring(response.content).find(".//Piece")
+    assert piece is not None
+    cells = int(piece.attrib["NumberOfCells"])
+    assert cells == len(request["springs"]) + len(faces)
+    arrays = {array.attrib["Name"]: (array.text or "").split() for array in piece.iter("DataArray")}
+    assert [int(x) for x in arrays["host"]] == [0] * len(request["springs"]) + [1] * len(faces)
+    assert all(len(arrays[name]) == cells for name in ("energy", "length", "types", "offsets"))
+
+
+@pytest.mark.parametrize("host, code, places", [
+    ({**SHELL, "fixed_vertices": [3, 5000]}, "host.fixed_vertex", ["/host/fixed_vertices/1"]),
+    ({"kind": "solid", "youngs_modulus": 1, "gravity": [0, 0, -1]}, "host.unsupported", ["/host/fixed_vertices"]),
+    ({"kind": "solid", "youngs_modulus": 1, "regions": [{"lower": [1, 0, 0], "upper": [0, 1, 1], "youngs_modulus": 1}]},
+     "host.invalid", ["/host/regions/0/lower"]),
+])
+def test_what_is_wrong_with_a_host_is_named(api: Api, sphere_mesh: str, host: Any, code: str, places: List[str]) -> None:
+    response = api.post(NETWORKS, net(sphere_mesh, host=host))
+    assert (response.status_code, problem_code(response)) == (422, code)
+    assert pointers(response) == places
+
+
+def test_an_open_surface_keeps_no_volume_and_is_no_solid(api: Api, grid_mesh: str) -> None:
+    kept = api.post(NETWORKS, two_free_points(grid_mesh, host=SHELL))
+    assert (kept.status_code, problem_code(kept)) == (422, "host.open_surface")
+    filled = api.post(NETWORKS, two_free_points(grid_mesh, host={"kind": "solid", "youngs_modulus": 1}))
+    assert (filled.status_code, problem_code(filled)) == (422, "solid.open_surface")
+
+
+def test_a_host_that_gives_way_has_neither_straight_springs_nor_a_mollifier(api: Api, sphere_mesh: str) -> None:
+    for change in ({"spring_length": "euclidean"}, {"effects": {"mollifier": "on"}}):
+        response = api.post(NETWORKS, net(sphere_mesh, host=SHELL, **change))
+        assert (response.status_code, problem_code(response)) == (422, "network.invalid_option")
+
+
+def test_events_carry_the_host_on_its_way(api: Api, sphere_mesh: str) -> None:
+    job = start_job(api, NETWORKS, net(sphere_mesh, host={**SHELL, "youngs_modulus": 100}))
+    partial = [document["partial"] for _, document in events(api, job) if document.get("partial")]
+    assert partial and all(len(state["vertices"]) == 642 for state in partial)
+
+
 def test_faults_of_a_membrane_are_pointed_to(api: Api, grid_mesh: str) -> None:
     request = two_free_points(grid_mesh)
     response = api.post(NETWORKS, {**request, "triangles": [[0, 4, 5], [0, 4, 4], [0, 1, 99]]}, faulty=True)
