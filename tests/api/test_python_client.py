@@ -131,6 +131,37 @@ def test_a_membrane_is_relaxed_with_its_stretches(client: supple.Client) -> None
     assert b"greater_stretch" in mesh.relaxed_network_file([0, 8, 80, 72, 31], [], [0, 1, 2, 3], kind="vtu", membrane=membrane)
 
 
+def test_a_network_pulls_at_a_shell_and_at_a_solid(client: supple.Client) -> None:
+    vertices, faces = sphere(2)
+    mesh = client.upload_arrays(vertices, faces)
+    bottom = np.flatnonzero(vertices[:, 2] < -0.7)
+    points, springs, fixed = [0, 5, 1, 9], [supple.Spring(0, 1, 0.5), supple.Spring(1, 3, 0.5), (1, 2)], [0]
+    shell = supple.Shell(0.02, youngs_modulus=1e3, poisson_ratio=0.4, volume_weight=1e3, volume_scale=1.05)
+    answer = mesh.relax_network(points, springs, fixed, host=shell)
+    assert answer.converged and answer.host is not None and answer.host.tetrahedra is None
+    assert answer.host.volume_ratio == pytest.approx(1.05, rel=0.1)
+    way = np.linalg.norm(answer.host.vertices - vertices, axis=1)
+    assert way.max() == pytest.approx(answer.host.largest_displacement)
+    assert set(answer.terms) == {"geodesic_springs", "shell_membrane", "shell_bending", "shell_volume"}
+    assert sum(answer.terms.values()) == pytest.approx(answer.energy)
+    flat = mesh.relax_network(points, springs, fixed, host=shell, options=supple.RelaxationOptions(bending="off"))
+    assert "shell_bending" not in flat.terms
+    solid = supple.Solid(100, gravity=(0, 0, -5), fixed_vertices=bottom.tolist(),
+                         regions=[supple.SolidRegion((-2, -2, 0.3), (2, 2, 2), youngs_modulus=20)])
+    sagging = mesh.relax_network(points, springs, fixed, host=solid)
+    assert sagging.converged and sagging.host is not None and (sagging.host.tetrahedra or 0) > 100
+    assert (sagging.host.nodes or 0) > len(vertices) and set(sagging.terms) == {"geodesic_springs", "solid", "gravity"}
+    np.testing.assert_array_equal(sagging.host.vertices[bottom], vertices[bottom])
+    assert sagging.host.vertices[:, 2].mean() < vertices[:, 2].mean()
+    assert mesh.relax_network(points, springs, fixed).host is None
+    assert b"o host" in mesh.relaxed_network_file(points, springs, fixed, host=shell)
+    job = mesh.start_relax_network(points, springs, fixed, host=shell)
+    assert job.result().host is not None
+    with pytest.raises(supple.InvalidHost) as unsupported:
+        mesh.relax_network(points, springs, fixed, host=supple.Solid(100, gravity=(0, 0, -5)))
+    assert unsupported.value.code == "host.unsupported"
+
+
 def test_networks_are_built_followed_and_written_as_files(client: supple.Client) -> None:
     mesh = client.upload_arrays(*bumpy_sphere(3))
     dual = mesh.relax_network(supple.PoissonDisk(0.6), supple.VoronoiDual(0.3), options=supple.RelaxationOptions(max_iterations=2))

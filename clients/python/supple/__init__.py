@@ -62,6 +62,7 @@ from .errors import (
     DeadlineExceeded,
     Fault,
     InvalidDesign,
+    InvalidHost,
     InvalidMesh,
     InvalidNetwork,
     InvalidPoint,
@@ -77,11 +78,12 @@ from .errors import (
     Superseded,
     SuppleError,
 )
+from .hosts import Host, Shell, Solid, SolidRegion
 from .jobs import Job, JobStatus
 from .loads import Biaxial, GreenStrain, Load, Uniaxial
 from .mesh import Mesh
 from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, UniaxialCurve
-from .network_answers import PartialRelaxation, RelaxationStep, RelaxedNetwork
+from .network_answers import HostState, PartialRelaxation, RelaxationStep, RelaxedNetwork
 from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
 from .points import PointLike, SurfacePoint, Vertex
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
@@ -137,7 +139,10 @@ __all__ = [
     "Grip",
     "HeldPlace",
     "Hessian",
+    "Host",
+    "HostState",
     "InvalidDesign",
+    "InvalidHost",
     "InvalidMesh",
     "InvalidNetwork",
     "InvalidPoint",
@@ -183,7 +188,10 @@ __all__ = [
     "ServerBusy",
     "ServerError",
     "SheetState",
+    "Shell",
     "Simulation",
+    "Solid",
+    "SolidRegion",
     "SplitErrors",
     "Spring",
     "State",

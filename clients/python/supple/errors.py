@@ -10,6 +10,7 @@
           InvalidMesh          the mesh is faulty; `faults` names the elements
           InvalidPoint         a surface point does not lie on the mesh
           InvalidNetwork       points and springs that make no network on the mesh
+          InvalidHost          a mesh or a material that makes no shell or solid
           InvalidStructure     a tiling's parameters give no structure
           InvalidDesign        no design problem, or one that no design has equilibria for
           InvalidWeave         strands, crossings or loads that do not fit together
@@ -87,6 +88,10 @@ class InvalidNetwork(InvalidRequest):
     """Points and springs that make no network on the mesh; `faults` names the entries."""
 
 
+class InvalidHost(InvalidRequest):
+    """The mesh, a material or fixed vertices make no shell or solid under a network; `faults` names the entries."""
+
+
 class InvalidStructure(InvalidRequest):
     """A tiling's parameters give no structure, or none that can be meshed."""
 
@@ -146,6 +151,8 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
         return InvalidPoint
     if code.startswith("network."):
         return InvalidNetwork
+    if code.startswith(("host.", "solid.")):
+        return InvalidHost
     if code.startswith("tiling."):
         return InvalidStructure
     if code.startswith("design."):

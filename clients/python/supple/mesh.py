@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import computations, networks
 from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo, MeshRepair
+from .hosts import Host
 from .jobs import Job, Progress, run, submit
 from .network_answers import RelaxedNetwork
 from .networks import Membrane, NetworkPoints, NetworkSprings, RelaxationOptions
@@ -198,6 +199,7 @@ class Mesh:
         fixed_points: Sequence[int] = (),
         *,
         membrane: Optional[Membrane] = None,
+        host: Optional[Host] = None,
         options: Optional[RelaxationOptions] = None,
         paths: bool = False,
         deadline: Optional[float] = None,
@@ -205,7 +207,8 @@ class Mesh:
         progress: Optional[Progress] = None,
     ) -> RelaxedNetwork:
         """The equilibrium of an elastic network whose points slide on the surface: a local minimum of
-        E = sum weight (length - rest_length)^2 near the start, plus the energy of a membrane's triangles.
+        E = sum weight (length - rest_length)^2 near the start, plus the energy of a membrane's triangles, and of a host that
+        gives way.
 
         Args:
             points: where they start, at least one: points one by one, `PointsInFaces` or `PoissonDisk`.
@@ -213,14 +216,19 @@ class Mesh:
                 points of one component.
             fixed_points: indices of points that stay where they are.
             membrane: triangles between the points, besides the springs, of which there may then be none.
+            host: a `Shell` or a `Solid` whose surface is the mesh and which gives way under the network; None: it is rigid.
+                `RelaxedNetwork.host` is where it came to be.
             options: how the equilibrium is found.
             paths: whether the paths of the springs are returned.
 
         Raises `InvalidNetwork` where points and springs do not fit together, with the codes "network.spring",
         "network.triangle", "network.collapsed" (a triangle without area), "network.fixed_point", "network.unreachable" and
-        "network.radius"; `faults` names the entries.
+        "network.radius", and `InvalidHost` where the mesh is no such host ("host.open_surface", "solid.not_filled", ...);
+        `faults` names the entries.
         """
-        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, paths, deadline, membrane)
+        document = networks.relaxation_document(
+            self.id, points, springs, fixed_points, options, paths, deadline, membrane, host
+        )
         return run(self._transport, networks.relaxation(document), timeout, progress)
 
     def start_relax_network(
@@ -230,12 +238,15 @@ class Mesh:
         fixed_points: Sequence[int] = (),
         *,
         membrane: Optional[Membrane] = None,
+        host: Optional[Host] = None,
         options: Optional[RelaxationOptions] = None,
         paths: bool = False,
         deadline: Optional[float] = None,
     ) -> Job[RelaxedNetwork]:
         """`relax_network` as a job, whose `status().partial` is the network on its way."""
-        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, paths, deadline, membrane)
+        document = networks.relaxation_document(
+            self.id, points, springs, fixed_points, options, paths, deadline, membrane, host
+        )
         return submit(self._transport, networks.relaxation(document))
 
     def relaxed_network_file(
@@ -245,15 +256,18 @@ class Mesh:
         fixed_points: Sequence[int] = (),
         *,
         membrane: Optional[Membrane] = None,
+        host: Optional[Host] = None,
         kind: str = "obj",
         options: Optional[RelaxationOptions] = None,
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> bytes:
-        """A relaxed network as a file: `kind` is "obj" or "vtu" (a polyline along each spring's path, mesh units), or "svg"
-        (energy and gradient norm over the iterations). The arguments are those of `relax_network`."""
-        document = networks.relaxation_document(self.id, points, springs, fixed_points, options, False, deadline, membrane)
+        """A relaxed network as a file: `kind` is "obj" or "vtu" (a polyline along each spring's path and the deformed host
+        where there is one, mesh units), or "svg" (energy and gradient norm over the iterations). The arguments are those of `relax_network`."""
+        document = networks.relaxation_document(
+            self.id, points, springs, fixed_points, options, False, deadline, membrane, host
+        )
         return run(self._transport, networks.network_file(document, kind), timeout, progress)
 
     def exponential_map(

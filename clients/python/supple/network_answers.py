@@ -43,17 +43,39 @@ class PartialRelaxation:
         iteration: iterations so far.
         energy, gradient_norm: as in `RelaxationStep`.
         positions: where the points are, shape (points, 3), mesh units; None for more than 5000 points.
+        vertices: where the vertices of a host that gives way are, shape (vertices, 3), mesh units; None for more than 5000
+            and on a rigid host.
     """
 
     iteration: int
     energy: float
     gradient_norm: float
     positions: Optional[Array]
+    vertices: Optional[Array] = None
+
+
+@dataclass(frozen=True)
+class HostState:
+    """A shell or a solid that gave way under a network.
+
+    Attributes:
+        vertices: where the vertices of the mesh are, in their order, shape (vertices, 3), mesh units.
+        largest_displacement: longest way of a vertex, or of a node inside, mesh units.
+        volume_ratio: enclosed volume over that at rest; None for open surfaces.
+        tetrahedra, nodes: of a solid, the vertices of the mesh among its nodes; None for shells.
+    """
+
+    vertices: Array
+    largest_displacement: float
+    volume_ratio: Optional[float]
+    tetrahedra: Optional[int]
+    nodes: Optional[int]
 
 
 @dataclass(frozen=True)
 class RelaxedNetwork:
-    """A network of springs at rest on a surface: E = sum weight (length - rest_length)^2 has a local minimum.
+    """A network of springs at rest on a surface: E = sum weight (length - rest_length)^2, plus the energies of a membrane and
+    of a host that gives way, has a local minimum.
 
     Attributes:
         points: where the points came to rest, in their order.
@@ -69,8 +91,10 @@ class RelaxedNetwork:
         stretches: principal stretches of the membrane's triangles, the greater first, shape (triangles, 2); None without one.
         triangle_energies: their energies, shape (triangles,); None without one.
         triangles_at_cut_locus: whether a side that pushes has another shortest path, shape (triangles,); None without one.
-        energy: E.
-        terms: what it consists of, by name.
+        host: where a host that gives way came to be; None on a rigid one.
+        energy: E, negative only under gravity.
+        terms: what it consists of, by name: "geodesic_springs", "euclidean_springs", "membrane", and of a host
+            "shell_membrane", "shell_bending", "shell_volume", "solid" and "gravity".
         gradient_norm: |grad E|, unit of the weights times mesh units; the bound that was asked for is `gradient_tolerance`.
         iterations: steps taken.
         history: the start and every step.
@@ -93,6 +117,7 @@ class RelaxedNetwork:
     stretches: Optional[Array]
     triangle_energies: Optional[Array]
     triangles_at_cut_locus: Optional[Flags]
+    host: Optional[HostState]
     energy: float
     terms: Dict[str, float]
     gradient_norm: float
@@ -118,6 +143,18 @@ def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:
     return paths if len(paths) == len(springs) and springs else None
 
 
+def _host(host: Optional[Mapping[str, Any]]) -> Optional[HostState]:
+    if host is None:
+        return None
+    return HostState(
+        vertices=np.asarray(host["vertices"], dtype=np.float64).reshape(-1, 3),
+        largest_displacement=float(host["largest_displacement"]),
+        volume_ratio=host.get("volume_ratio"),
+        tetrahedra=host.get("tetrahedra"),
+        nodes=host.get("nodes"),
+    )
+
+
 def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
     springs = document["springs"]
     triangles = document.get("triangles")
@@ -135,6 +172,7 @@ def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
         stretches=None if membrane is None else np.array([t["stretches"] for t in membrane], dtype=np.float64).reshape(-1, 2),
         triangle_energies=None if membrane is None else np.array([t["energy"] for t in membrane], dtype=np.float64),
         triangles_at_cut_locus=None if membrane is None else np.array([t["at_cut_locus"] for t in membrane], dtype=np.bool_),
+        host=_host(document.get("host")),
         energy=document["energy"],
         terms={term["name"]: float(term["energy"]) for term in document["terms"]},
         gradient_norm=document["gradient_norm"],
@@ -156,9 +194,11 @@ def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
 
 def partial_relaxation_from_wire(document: Mapping[str, Any]) -> PartialRelaxation:
     positions = document.get("positions")
+    vertices = document.get("vertices")
     return PartialRelaxation(
         iteration=int(document["iteration"]),
         energy=float(document["energy"]),
         gradient_norm=float(document["gradient_norm"]),
         positions=None if positions is None else np.asarray(positions, dtype=np.float64).reshape(-1, 3),
+        vertices=None if vertices is None else np.asarray(vertices, dtype=np.float64).reshape(-1, 3),
     )

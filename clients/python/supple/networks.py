@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, Optional, Sequence, Tuple, Union
 
+from .hosts import Host
 from .jobs import Computation
 from .network_answers import RelaxedNetwork, relaxed_network_from_wire
 from .points import PointLike, point_to_wire
@@ -136,6 +137,8 @@ class RelaxationOptions:
         mollifier_length: its smoothing length as a fraction of an edge, in (0, 0.5]; 1e-6 on the server's side.
         kept_strips: "on", "off" or "automatic": unfold the faces that a spring crossed before searching. Never changes the
             answer.
+        bending: "on", "off" or "automatic": whether the edges of a shell resist bending; on is automatic. Of no effect on
+            other hosts.
     """
 
     method: Optional[str] = None
@@ -145,11 +148,12 @@ class RelaxationOptions:
     mollifier: Optional[str] = None
     mollifier_length: Optional[float] = None
     kept_strips: Optional[str] = None
+    bending: Optional[str] = None
 
     def to_wire(self) -> Dict[str, Any]:
         groups = {
             "accuracy": given(tolerance=self.tolerance, mollifier_length=self.mollifier_length),
-            "effects": given(mollifier=self.mollifier, kept_strips=self.kept_strips),
+            "effects": given(mollifier=self.mollifier, kept_strips=self.kept_strips, bending=self.bending),
         }
         fields = given(method=self.method, spring_length=self.spring_length, max_iterations=self.max_iterations)
         return {**fields, **{name: group for name, group in groups.items() if group}}
@@ -183,6 +187,7 @@ def relaxation_document(
     paths: bool,
     deadline: Optional[float],
     membrane: Optional[Membrane] = None,
+    host: Optional[Host] = None,
 ) -> Dict[str, Any]:
     return {
         "mesh": mesh,
@@ -190,6 +195,7 @@ def relaxation_document(
         "springs": _springs(springs),
         "fixed_points": [int(point) for point in fixed_points],
         **({} if membrane is None else membrane.to_wire()),
+        **({} if host is None else {"host": host.to_wire()}),
         **({} if options is None else options.to_wire()),
         **given(paths=paths or None, deadline=deadline),
     }

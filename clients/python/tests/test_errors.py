@@ -10,6 +10,8 @@ from supple import errors
     (413, "mesh.too_large", errors.InvalidMesh),
     (422, "point.outside_face", errors.InvalidPoint),
     (400, "request.invalid", errors.InvalidRequest),
+    (422, "host.open_surface", errors.InvalidHost),
+    (422, "solid.not_filled", errors.InvalidHost),
     (422, "karcher.unreachable", errors.InvalidRequest),
     (404, "mesh.not_found", errors.NotFound),
     (404, "job.not_found", errors.NotFound),

@@ -57,6 +57,34 @@ def test_an_answer_of_a_membrane_has_its_triangles() -> None:
     assert without.stretches is None and without.triangle_energies is None
 
 
+def test_hosts_become_what_the_contract_says() -> None:
+    shell = supple.Shell(0.01, 1e4, poisson_ratio=0.48, volume_weight=1e3, volume_scale=1.1, fixed_vertices=[np.int64(4), 7])
+    document = relaxation_document(MESH, [0, 1], [(0, 1)], [], supple.RelaxationOptions(bending="off"), False, None, host=shell)
+    assert document["host"] == {"kind": "shell", "thickness": 0.01, "youngs_modulus": 1e4, "poisson_ratio": 0.48,
+                                "volume_weight": 1e3, "volume_scale": 1.1, "fixed_vertices": [4, 7]}
+    assert document["effects"] == {"bending": "off"}
+    solid = supple.Solid(50, element_size=0.2, gravity=(0, 0, -1), fixed_vertices=(0,),
+                         regions=[supple.SolidRegion((0, 0, 0), (1, 1, 1), youngs_modulus=5)])
+    assert solid.to_wire() == {
+        "kind": "solid", "youngs_modulus": 50.0, "element_size": 0.2, "gravity": [0, 0, -1], "fixed_vertices": [0],
+        "regions": [{"lower": [0, 0, 0], "upper": [1, 1, 1], "youngs_modulus": 5.0}]}
+    assert supple.Shell(1, 2).to_wire() == {"kind": "shell", "thickness": 1.0, "youngs_modulus": 2.0}
+    assert supple.Solid(2).to_wire() == {"kind": "solid", "youngs_modulus": 2.0}
+    assert "host" not in relaxation_document(MESH, [0, 1], [(0, 1)], [], None, False, None)
+    with pytest.raises(ValueError, match="gravity"):
+        supple.Solid(2, gravity=(0, -1)).to_wire()  # type: ignore[arg-type]
+
+
+def test_an_answer_of_a_host_that_gives_way_has_its_vertices() -> None:
+    host = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "largest_displacement": 0.5}
+    shell = relaxed_network_from_wire({**ANSWER, "host": host}).host
+    assert shell is not None and shell.vertices.shape == (3, 3) and shell.vertices.dtype == np.float64
+    assert shell.largest_displacement == 0.5 and shell.volume_ratio is None and shell.tetrahedra is None
+    solid = relaxed_network_from_wire({**ANSWER, "host": {**host, "volume_ratio": 0.9, "tetrahedra": 7, "nodes": 12}}).host
+    assert solid is not None and (solid.volume_ratio, solid.tetrahedra, solid.nodes) == (0.9, 7, 12)
+    assert relaxed_network_from_wire(ANSWER).host is None
+
+
 def test_builders_and_options_become_what_the_contract_says() -> None:
     options = supple.RelaxationOptions(method="lbfgs", spring_length="euclidean", tolerance=1e-6, max_iterations=5,
                                        mollifier="on", mollifier_length=0.1, kept_strips="off")
@@ -106,6 +134,11 @@ def test_a_job_tells_of_the_network_on_its_way() -> None:
     partial = status_from_wire(job).partial
     assert isinstance(partial, supple.PartialRelaxation) and partial.iteration == 3 and partial.energy == 2.5
     assert partial.positions is not None and partial.positions.shape == (1, 3)
+    assert partial.vertices is None
+    job["partial"]["vertices"] = [[0, 0, 1], [0, 0, 2], [0, 0, 3]]  # type: ignore[index]
+    on_a_host = status_from_wire(job).partial
+    assert isinstance(on_a_host, supple.PartialRelaxation) and on_a_host.vertices is not None
+    assert on_a_host.vertices.shape == (3, 3)
     del job["partial"]["positions"]  # type: ignore[attr-defined]
     without = status_from_wire(job).partial
     assert isinstance(without, supple.PartialRelaxation) and without.positions is None

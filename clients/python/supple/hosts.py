@@ -1,0 +1,92 @@
+"""What carries a network and gives way under it: shells and solids."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, List, Optional, Sequence, Union
+
+from .answers import Vector3
+from .weaves import given, vector_of
+
+
+def _indices(vertices: Sequence[int]) -> Optional[List[int]]:
+    return [int(vertex) for vertex in vertices] or None
+
+
+@dataclass(frozen=True)
+class Shell:
+    """The mesh as a thin elastic shell, at rest where the mesh has it: neo-Hookean faces under plane stress, and edges that
+    resist bending.
+
+    Attributes:
+        thickness: mesh units, positive.
+        youngs_modulus: energy per cubed mesh unit, positive.
+        poisson_ratio: in [-0.99, 0.4999]; 0.3 on the server's side.
+        volume_weight: energy per cubed mesh unit, at least 0; adds volume_weight / 2 * (V - volume_scale V0)^2 / V0 for the
+            enclosed volume V, V0 that of the mesh, which must then be closed. 0 on the server's side: the volume is free.
+        volume_scale: the volume to keep over that of the mesh, positive: above 1 the shell is blown up. 1 on the server's side.
+        fixed_vertices: indices of vertices that stay where they are.
+    """
+
+    thickness: float
+    youngs_modulus: float
+    poisson_ratio: Optional[float] = None
+    volume_weight: Optional[float] = None
+    volume_scale: Optional[float] = None
+    fixed_vertices: Sequence[int] = ()
+
+    def to_wire(self) -> Dict[str, Any]:
+        return {"kind": "shell", "thickness": float(self.thickness), "youngs_modulus": float(self.youngs_modulus),
+                **given(poisson_ratio=self.poisson_ratio, volume_weight=self.volume_weight, volume_scale=self.volume_scale,
+                        fixed_vertices=_indices(self.fixed_vertices))}
+
+
+@dataclass(frozen=True)
+class SolidRegion:
+    """A box in which a `Solid` has another stiffness.
+
+    Attributes:
+        lower, upper: its corners, mesh units; a tetrahedron whose centre at rest is inside belongs to it.
+        youngs_modulus: energy per cubed mesh unit, positive.
+    """
+
+    lower: Vector3
+    upper: Vector3
+    youngs_modulus: float
+
+    def to_wire(self) -> Dict[str, Any]:
+        return {"lower": vector_of(self.lower, 3, "lower"), "upper": vector_of(self.upper, 3, "upper"),
+                "youngs_modulus": float(self.youngs_modulus)}
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The closed mesh as the surface of an elastic solid, at rest where the mesh has it: neo-Hookean linear tetrahedra.
+
+    Attributes:
+        youngs_modulus: energy per cubed mesh unit, positive.
+        poisson_ratio: in [-0.99, 0.4999]; 0.3 on the server's side. From 0.49 on linear tetrahedra are too stiff.
+        element_size: wanted length of edges inside, mesh units, positive; None: the mean edge of the mesh.
+        regions: boxes of another stiffness; where several overlap the last counts.
+        gravity: force per volume at rest, energy per mesh unit to the fourth; needs three fixed vertices that are not on one
+            line. None for none.
+        fixed_vertices: indices of vertices of the mesh that stay where they are.
+    """
+
+    youngs_modulus: float
+    poisson_ratio: Optional[float] = None
+    element_size: Optional[float] = None
+    regions: Sequence[SolidRegion] = ()
+    gravity: Optional[Vector3] = None
+    fixed_vertices: Sequence[int] = ()
+
+    def to_wire(self) -> Dict[str, Any]:
+        return {"kind": "solid", "youngs_modulus": float(self.youngs_modulus),
+                **given(poisson_ratio=self.poisson_ratio, element_size=self.element_size,
+                        regions=[region.to_wire() for region in self.regions] or None,
+                        gravity=vector_of(self.gravity, 3, "gravity"),
+                        fixed_vertices=_indices(self.fixed_vertices))}
+
+
+Host = Union[Shell, Solid]
+"""What a network may live on besides a rigid surface."""
