@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <tuple>
@@ -73,6 +74,29 @@ TEST(DerivativeCheck, FindsTheOneWrongEntryOfAHessian) {
   EXPECT_EQ(std::max(check.hessian.row, check.hessian.column), 4);
   EXPECT_GT(check.hessian.error, 1e-7);
   EXPECT_LT(check.gradient.error, 1e-9);
+}
+
+TEST(DerivativeCheck, SaysHowUncertainItsOwnDifferencesAre) {
+  class Wrong : public LogBarrier {
+   public:
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      LogBarrier::add(state, order, sum);
+      if (order >= 1) sum.gradient[0] += 1;
+      if (order >= 2) sum.hessian.add(0, 0, 1);
+    }
+  };
+  const DerivativeCheck check = check_function(Wrong(), Eigen::VectorXd::Constant(1, 0.7));
+  for (const auto& worst : {check.gradient, check.hessian}) {
+    EXPECT_GT(worst.error, 0.1);
+    EXPECT_GT(worst.uncertainty, 0);
+    EXPECT_LT(worst.uncertainty, 1e-6);
+  }
+  // A single step has nothing to compare with.
+  DerivativeCheckOptions options;
+  options.levels = 1;
+  const DerivativeCheck single = check_function(SpringChain(), Eigen::VectorXd::LinSpaced(6, -1, 1), options);
+  EXPECT_EQ(single.gradient.uncertainty, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(single.hessian.uncertainty, std::numeric_limits<double>::infinity());
 }
 
 TEST(DerivativeCheck, CountsANumberThatIsNotFiniteAsWrong) {

@@ -161,6 +161,31 @@ TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {
       << "regularization should fade where it is not needed";
 }
 
+TEST(Minimizer, TriesLongerStepsWhereTheMatrixIsRoughButNotBeyondTheLimit) {
+  /// -log(1 + x^2), which falls for ever.
+  class Hill : public Term<VectorState> {
+   public:
+    std::string_view name() const override { return "hill"; }
+    void add(const VectorState& state, int order, EnergySum& sum) const override {
+      const double x = state.x[0];
+      const double a = 1 + x * x;
+      sum.value -= std::log(a);
+      if (order >= 1) sum.gradient[0] -= 2 * x / a;
+      if (order >= 2) sum.hessian.add(0, 0, 2 * (x * x - 1) / (a * a));
+    }
+  };
+  const auto first_step = [](double longest) {
+    VectorSystem system = system_of<Hill>(Eigen::VectorXd::Constant(1, 0.1));
+    MinimizerOptions options = with_method(MinimizerMethod::newton, 1);
+    options.longest_expansion = longest;
+    return minimize(system, options).history.at(1).step_length;
+  };
+  const double once = first_step(1);
+  EXPECT_GT(once, 0);
+  EXPECT_NEAR(first_step(1.9), once, 1e-12 * once);
+  for (const int times : {2, 4, 16}) EXPECT_NEAR(first_step(times), times * once, 1e-12 * times * once);
+}
+
 TEST(Minimizer, StopsOnItsWayToASaddleIfAskedTo) {
   // From (0, y) symmetry keeps the search on the ridge between the wells: its end is the saddle.
   MinimizerOptions options = with_method(MinimizerMethod::newton, 2000);
