@@ -296,8 +296,8 @@ void measure_time(Report& report, const NetworkSettings& settings, const Stretch
                number(load_ms * host), share(0), share(1), share(2), share(3), share(4)});
   }
   if (!settings.brief)
-    report.target("An iteration of the membrane of 141 points", "< 3 ms on two cores", number(fastest) + " ms",
-                  fastest < 3);
+    report.target("An iteration of the membrane of 141 points, without steps that end at a cut locus",
+                  "< 3 ms on two cores", number(fastest) + " ms", fastest < 3);
   report.table(table);
 }
 
