@@ -47,6 +47,9 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   GeodesicElements(const surface::GeodesicSolver& solver, const Network& network, std::vector<bool> held,
                    GeodesicElementsOptions options);
 
+  /// Goes on with the strips that the same network's term found on the same mesh, which has moved since.
+  void take_strips(const GeodesicElements& other) { last_ = other.last_; }
+
   std::string_view name() const override { return "geodesic_elements"; }
   /// On a host that gives way: see surface::convex_host_hessian.
   bool has_convex_hessian() const override { return true; }

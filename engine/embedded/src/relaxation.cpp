@@ -10,6 +10,7 @@
 #include "euclidean_springs.h"
 #include "geodesic_elements.h"
 #include "host_model.h"
+#include "moving_network.h"
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
@@ -27,6 +28,8 @@ constexpr double longest_expansion = 64;
 /// Forces of a host are known to this share of its stiffness times the mesh diagonal: where the network is that much
 /// weaker, the tolerance is this.
 constexpr double host_rounding = 1e-14;
+/// A way between two positions of a moving surface is not divided below this share of it.
+constexpr double shortest_load_step = 1.0 / 64;
 /// Springs whose final paths one task describes.
 constexpr std::size_t springs_of_a_task = 64;
 
@@ -122,7 +125,9 @@ class RelaxationRun {
     const bool geodesic = options_.spring_length == SpringLength::geodesic;
     const bool mollified = geodesic && options_.mollifier == Switch::on;
     numerics::MinimizerStop stop = minimize(mollified);
-    if (geodesic && !host_.gives_way() && options_.mollifier == Switch::automatic &&
+    const auto* moving = std::get_if<MovingHost>(&options_.host);
+    if (moving) stop = follow(*moving);
+    if (geodesic && keeps_shape() && options_.mollifier == Switch::automatic &&
         stop != numerics::MinimizerStop::converged && result_.iterations < options_.max_iterations &&
         some_path_is_pinned()) {
       result_.mollified = true;
@@ -136,7 +141,7 @@ class RelaxationRun {
           "kept_strips", keeps_strips(),
           keeps_strips() ? "a strip is unfolded again wherever no other path can be as short" : "asked not to",
           keeps_strips() ? 1 : 0);
-    if (execution_.cost && host_.gives_way())
+    if (execution_.cost && !keeps_shape())
       execution_.cost->add_effect("self_contact", false, "a host does not notice where it touches itself", 0);
     describe(stop);
     return std::move(result_);
@@ -148,7 +153,7 @@ class RelaxationRun {
   std::string why_mollified() const {
     if (options_.mollifier == Switch::on) return "asked for";
     if (options_.mollifier == Switch::off) return "asked not to";
-    if (host_.gives_way()) return "there is none on a host that gives way";
+    if (!keeps_shape()) return "there is none on a host that does not keep its shape";
     return result_.mollified ? "the search without it did not converge, and a path passes through a vertex"
                              : "the search without it did not call for it";
   }
@@ -165,6 +170,8 @@ class RelaxationRun {
                                 .mollifier_length = mollified ? options_.mollifier_length : 0});
   }
 
+  bool keeps_shape() const { return std::holds_alternative<RigidHost>(options_.host); }
+
   NetworkState first_state() const {
     if (!host_.gives_way()) return {solver_.mesh(), network_.points};
     // The caller's, who keeps it.
@@ -173,12 +180,79 @@ class RelaxationRun {
   }
 
   /// Of the surface as it is now.
-  const surface::GeodesicSolver& solver() const { return state_.surface() ? *state_.surface() : solver_; }
+  const surface::GeodesicSolver& solver() const {
+    if (moved_) return *moved_;
+    return state_.surface() ? *state_.surface() : solver_;
+  }
 
   std::vector<bool> held() const {
     std::vector<bool> coordinates = held_coordinates(holds_.held);
     coordinates.insert(coordinates.end(), host_.held().begin(), host_.held().end());
     return coordinates;
+  }
+
+  numerics::MinimizerOptions minimizer_options() const {
+    const double diagonal = solver_.mesh().diagonal();
+    numerics::MinimizerOptions options;
+    options.method = minimizer_method(options_.method);
+    options.gradient_tolerance =
+        std::max(options_.tolerance * largest_weight(network_), host_rounding * host_.stiffness()) * diagonal;
+    options.step_tolerance = shortest_step * diagonal;
+    options.max_backtracks = most_backtracks;
+    options.longest_expansion = longest_expansion;
+    // The length of a first step without curvature: that of a point which all others leave alone.
+    if (const double stiffness = std::max(holds_.largest_stiffness, host_.stiffness()); stiffness > 0)
+      options.first_step = 1 / stiffness;
+    return options;
+  }
+
+  void tell(const numerics::MinimizerStep& step, const NetworkState& state) {
+    result_.history.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
+    if (options_.observer) options_.observer(result_.history.back(), state.points(), state.mesh());
+  }
+
+  /// From the equilibrium on the mesh to those on all positions of the surface.
+  numerics::MinimizerStop follow(const MovingHost& host) {
+    MovingNetwork scene(solver_, network_, holds_.held, held_coordinates(holds_.held), {.kept_strips = keeps_strips()},
+                        host, result_.gradient_tolerance, execution_);
+    scene.place(0, state_.points());
+    numerics::PathOptions options;
+    options.minimizer = minimizer_options();
+    options.minimizer.after_step = [&](const numerics::MinimizerStep& step) {
+      if (step.step_length > 0) tell(step, scene.system().state());
+    };
+    options.max_iterations = options_.max_iterations;
+    options.smallest_step = shortest_load_step;
+    options.leave_unstable = false;
+    numerics::EquilibriumPath<MovingNetwork> path(scene, options, execution_);
+    numerics::MinimizerStop stop = numerics::MinimizerStop::converged;
+    for (std::size_t k = 1; k <= host.positions.size(); ++k) {
+      execution_.checkpoint(static_cast<double>(k - 1) / static_cast<double>(host.positions.size()), "step");
+      const auto target = static_cast<double>(k);
+      scene.announce(target);
+      using Progress = numerics::EquilibriumPath<MovingNetwork>::Progress;
+      auto progress = Progress::underway;
+      while (progress == Progress::underway) progress = path.step(target - scene.load());
+      if (progress == Progress::failed) {
+        // The best there is at the next position.
+        scene.place(target, scene.state().points);
+        path.settle();
+      }
+      stop = path.result().stop;
+      const auto counts = path.take_counts();
+      result_.stops.push_back({path.result().value, path.result().gradient_norm, counts.iterations,
+                               std::max(1, counts.load_steps), std::string(numerics::to_string(stop))});
+      result_.iterations += counts.iterations;
+    }
+    result_.energy = result_.stops.back().energy;
+    result_.gradient_norm = result_.stops.back().gradient_norm;
+    scene.system().evaluate(0);
+    moved_ =
+        std::make_shared<surface::GeodesicSolver>(std::make_shared<const surface::TriangleMesh>(scene.solver().mesh()));
+    state_ = NetworkState(moved_->mesh(), scene.network_state().points());
+    state_.set_found(scene.network_state().shared_found());
+    describe_energies({scene.elements()});
+    return stop;
   }
 
   numerics::MinimizerStop minimize(bool mollified) {
@@ -189,23 +263,10 @@ class RelaxationRun {
     numerics::System<NetworkState> system(std::move(start), terms, numerics::Unknowns(held()),
                                           {.execution = execution_});
     if (!network_.triangles.empty() && !std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
-    const double diagonal = solver_.mesh().diagonal();
-    numerics::MinimizerOptions options;
-    options.method = minimizer_method(options_.method);
-    options.gradient_tolerance =
-        std::max(options_.tolerance * largest_weight(network_), host_rounding * host_.stiffness()) * diagonal;
-    options.step_tolerance = shortest_step * diagonal;
-    options.max_backtracks = most_backtracks;
+    numerics::MinimizerOptions options = minimizer_options();
     options.max_iterations = options_.max_iterations - result_.iterations;
-    options.longest_expansion = longest_expansion;
-    // The length of a first step without curvature: that of a point which all others leave alone.
-    if (const double stiffness = std::max(holds_.largest_stiffness, host_.stiffness()); stiffness > 0)
-      options.first_step = 1 / stiffness;
     const bool again = !result_.history.empty();
-    options.after_step = [&](const numerics::MinimizerStep& step) {
-      result_.history.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
-      if (options_.observer) options_.observer(result_.history.back(), system.state().points(), system.state().mesh());
-    };
+    options.after_step = [&](const numerics::MinimizerStep& step) { tell(step, system.state()); };
     const numerics::MinimizerResult found = numerics::minimize(system, options, execution_);
     result_.iterations += found.iterations + (again ? 1 : 0);
     result_.energy = found.value;
@@ -231,9 +292,18 @@ class RelaxationRun {
   }
 
   void describe_host() {
-    if (!host_.gives_way()) return;
+    if (keeps_shape()) return;
     HostState& host = result_.host;
     const surface::TriangleMesh& rest = solver_.mesh();
+    const double before = enclosed_volume(rest);
+    if (before != 0) host.volume_ratio = enclosed_volume(state_.mesh()) / before;
+    if (moved_) {
+      host.vertices = state_.mesh().positions();
+      for (std::size_t i = 0; i < host.vertices.size(); ++i)
+        host.largest_displacement =
+            std::max(host.largest_displacement, (host.vertices[i] - rest.positions()[i]).norm());
+      return;
+    }
     const Eigen::Index nodes = state_.nodes().size() / 3;
     for (Eigen::Index i = 0; i < nodes; ++i) {
       const Eigen::Vector3d at = state_.nodes().segment<3>(3 * i);
@@ -241,8 +311,6 @@ class RelaxationRun {
       host.largest_displacement = std::max(host.largest_displacement, (at - host_.nodes().segment<3>(3 * i)).norm());
     }
     host.tetrahedra = host_.tetrahedra().tetrahedra;
-    const double before = enclosed_volume(rest);
-    if (before != 0) host.volume_ratio = enclosed_volume(state_.mesh()) / before;
     if (host_.supports() > 0)
       result_.warnings.push_back(
           "No fixed vertices hold " + std::string(host_.supports() == 1 ? "the host" : "parts of the host") +
@@ -355,6 +423,7 @@ class RelaxationRun {
   Holds holds_;
   HostModel host_;
   NetworkState state_;
+  std::shared_ptr<const surface::GeodesicSolver> moved_;  ///< of a moving surface, where it ends
   Relaxation result_;
 };
 
@@ -368,10 +437,10 @@ Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, 
                 {{"spring_length", "is \"euclidean\", which triangles do not have"}});
   if (!std::holds_alternative<RigidHost>(options.host)) {
     if (options.spring_length == SpringLength::euclidean)
-      throw Error("network.invalid_option", "On a host that gives way springs follow shortest paths.",
+      throw Error("network.invalid_option", "On a host that does not keep its shape springs follow shortest paths.",
                   {{"spring_length", "is \"euclidean\", which only a rigid host has"}});
     if (options.mollifier == Switch::on)
-      throw Error("network.invalid_option", "On a host that gives way paths are not mollified.",
+      throw Error("network.invalid_option", "On a host that does not keep its shape paths are not mollified.",
                   {{"effects/mollifier", "is \"on\", which only a rigid host has"}});
   }
   const Network own = checked_network(solver.mesh(), network);

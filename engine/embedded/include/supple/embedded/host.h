@@ -7,7 +7,7 @@
 
 namespace supple::embedded {
 
-/// A surface that does not give way.
+/// A surface that keeps its shape.
 struct RigidHost {};
 
 /// The surface is a thin elastic shell, at rest where the mesh has it: each face a constant-strain triangle of a
@@ -42,7 +42,15 @@ struct SolidHost {
   std::vector<std::int32_t> fixed_vertices{};         ///< of the surface; stay where they are, in any order
 };
 
+/// The surface moves along given positions of its vertices and takes no notice of the network, which follows from one
+/// equilibrium to the next.
+struct MovingHost {
+  /// Of all vertices, one set after the other, each reached on straight ways from the one before; the first from the
+  /// mesh as it is. At least one.
+  std::vector<std::vector<Eigen::Vector3d>> positions;
+};
+
 /// What carries a network.
-using Host = std::variant<RigidHost, ShellHost, SolidHost>;
+using Host = std::variant<RigidHost, ShellHost, SolidHost, MovingHost>;
 
 }  // namespace supple::embedded

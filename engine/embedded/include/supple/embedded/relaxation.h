@@ -30,8 +30,8 @@ struct RelaxationStep {
 };
 
 struct RelaxationOptions {
-  /// What carries the network. On a shell or a solid its nodes are unknowns besides the points (thesis eq. 3.22):
-  /// springs are geodesic, and there is no mollifier.
+  /// What carries the network. On a shell or a solid its nodes are unknowns besides the points (thesis eq. 3.22). On
+  /// all but rigid ones springs are geodesic, and there is no mollifier.
   Host host = RigidHost{};
   RelaxationMethod method = RelaxationMethod::newton;
   SpringLength spring_length = SpringLength::geodesic;
@@ -74,7 +74,16 @@ struct TriangleState {
   bool at_cut_locus = false;
 };
 
-/// A host that gave way.
+/// How the network followed a moving surface to one of its positions.
+struct FollowedStop {
+  double energy = 0;
+  double gradient_norm = 0;
+  int iterations = 0;
+  int load_steps = 0;   ///< parts that the way to here was divided into
+  std::string stopped;  ///< as Relaxation::stopped
+};
+
+/// A host that gave way or moved.
 struct HostState {
   struct Term {
     std::string name;  ///< "shell_membrane", "shell_bending", "shell_volume", "solid" or "gravity"
@@ -92,9 +101,10 @@ struct Relaxation {
   std::vector<surface::SurfacePoint> points;
   std::vector<SpringState> springs;
   std::vector<TriangleState> triangles{};
-  double energy = 0;          ///< of all
-  double network_energy = 0;  ///< of springs and triangles
-  HostState host{};           ///< empty on a rigid host
+  double energy = 0;                  ///< of all
+  double network_energy = 0;          ///< of springs and triangles
+  HostState host{};                   ///< empty on a rigid host
+  std::vector<FollowedStop> stops{};  ///< of a moving host: one for each of its positions
   double gradient_norm = 0;
   double gradient_tolerance = 0;  ///< what the norm is compared with
   int iterations = 0;
@@ -128,10 +138,16 @@ struct Relaxation {
 /// host does not notice where it touches itself, which the effect "self_contact" says. Bills "shell_membrane",
 /// "shell_bending", "shell_volume", "solid" and "gravity", and the stages "tetrahedra" and "host_derivatives".
 ///
+/// A network on a moving surface comes to rest on the mesh first and then follows the surface from position to position
+/// (numerics::EquilibriumPath): each step starts on the tangent to the path of equilibria, one that fails is halved,
+/// and where even the shortest fails the best state at the next position is taken, which `stops` tells. E may rise
+/// there.
+///
 /// Throws what checked_network throws, "network.invalid_option" (tolerance, max_iterations, mollifier_length, triangles
 /// with straight springs, a mollifier or straight springs on a host that gives way), "network.collapsed" where a
 /// triangle has no area at the start, which has no energy, and of the host "host.invalid", "host.fixed_vertex",
-/// "host.open_surface", "host.unsupported", and what meshing::fill throws.
+/// "host.open_surface", "host.unsupported", "host.positions" (of a moving one: not as many as vertices, or faces
+/// without area), and what meshing::fill throws.
 Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options = {},
                  const Execution& execution = {});
 
