@@ -171,6 +171,50 @@ def test_a_membrane_is_relaxed_and_written(supple: Program) -> None:
     assert len(every["membrane"]) == len(every["triangles"]) > 10 and every["springs"] == []
 
 
+def test_a_network_pulls_at_a_shell(supple: Program) -> None:
+    vertices, faces = sphere(2)
+    shell = ("relax", supple.file("sphere.obj", (vertices, faces)), "v0", "v5", "v1", "--spring", "0,1,0.5", "--spring", "1,2,0.5",
+             "--host-kind", "shell", "--host-thickness", "0.02", "--host-youngs-modulus", "1000", "--host-poisson-ratio", "0.4",
+             "--volume-weight", "1000", "--volume-scale", "1.05", "--fix-vertex", "3", "--fix-vertex", "4,9")
+    text = supple.ok(*shell, "--obj", "tight.obj", "--vtu", "tight.vtu")
+    assert "converged" in text and "shell of 162 vertices" in text
+    answer = json.loads(supple.ok("--json", *shell))
+    host = answer["host"]
+    assert number_after("moved by up to", text) == pytest.approx(host["largest_displacement"], rel=1e-5) and host["volume_ratio"] > 1.02
+    assert number_after("encloses", text) == pytest.approx(host["volume_ratio"], rel=1e-5)
+    for term in answer["terms"]:
+        assert number_after(term["name"], text) == pytest.approx(term["energy"], rel=1e-6)
+    assert {term["name"] for term in answer["terms"]} == {"geodesic_springs", "shell_membrane", "shell_bending", "shell_volume"}
+    np.testing.assert_array_equal(np.array(host["vertices"])[[3, 4, 9]], vertices[[3, 4, 9]])
+    own = (supple.folder / "tight.obj").read_text().split("o host\n")[1].splitlines()
+    written = np.array([[float(x) for x in line.split()[1:]] for line in own if line.startswith("v ")])
+    np.testing.assert_allclose(written, host["vertices"], atol=1e-9)
+    assert f'NumberOfCells="{2 + len(faces)}"' in (supple.folder / "tight.vtu").read_text()
+    assert "shell_bending" not in supple.ok(*shell, "--no-bending")
+
+
+def test_a_solid_sags_and_a_file_may_say_the_host(supple: Program) -> None:
+    vertices, faces = sphere(2)
+    bottom = np.flatnonzero(vertices[:, 2] < -0.7).tolist()
+    solid = ("relax", supple.file("sphere.obj", (vertices, faces)), "v0", "v5", "--spring", "0,1", "--fixed", "0",
+             "--host-kind", "solid", "--host-youngs-modulus", "100", "--host-poisson-ratio", "0.2", "--element-size", "0.4",
+             "--gravity", "0,0,-5", "--region", "-2,-2,0.3,2,2,2,30", "--region", "-2,-2,0.6,2,2,2,20",
+             "--fix-vertex", ",".join(map(str, bottom)))
+    text = supple.ok(*solid)
+    assert re.search(r"solid of \d+ tetrahedra and \d+ nodes, moved by up to", text) and number_after("gravity", text) < 0
+    answer = json.loads(supple.ok("--json", *solid))
+    host = {"kind": "solid", "youngs_modulus": 100, "poisson_ratio": 0.2, "element_size": 0.4, "gravity": [0, 0, -5],
+            "fixed_vertices": bottom, "regions": [{"lower": [-2, -2, low], "upper": [2, 2, 2], "youngs_modulus": modulus}
+                                                  for low, modulus in ((0.3, 30), (0.6, 20))]}
+    network = {"points": [{"vertex": 0}, {"vertex": 5}], "springs": [{"between": [0, 1]}], "fixed_points": [0], "host": host}
+    (supple.folder / "network.json").write_text(json.dumps(network))
+    read = ("--json", "relax", "sphere.obj", "--network", "network.json")
+    assert json.loads(supple.ok(*read))["energy"] == answer["energy"]
+    # Options count before the file's host, and another kind replaces it.
+    assert json.loads(supple.ok(*read, "--host-youngs-modulus", "200"))["energy"] != answer["energy"]
+    assert "host" not in json.loads(supple.ok(*read, "--host-kind", "rigid"))
+
+
 def test_networks_are_built_or_read_from_a_file(supple: Program) -> None:
     file = supple.file("sphere.obj", sphere(2))
     built = json.loads(supple.ok("--json", "relax", file, "--poisson-disk", "0.7", "--seed", "4", "--voronoi-dual",
@@ -194,6 +238,15 @@ def test_networks_are_built_or_read_from_a_file(supple: Program) -> None:
     (["v0", "v1", "--spring", "0,1", "--fixed", "-1"], "names no point"),
     (["v0", "v1", "--triangle", "0,1"], "is no triangle"),
     (["v0", "v1", "--triangle", "0,1,2", "--membrane"], "give triangles"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "shell", "--host-thickness", "1"], "a shell needs --host-youngs-modulus"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "shell", "--host-youngs-modulus", "1"], "a shell needs --host-thickness"),
+    (["v0", "v1", "-s", "0,1", "--fix-vertex", "1"], "--fix-vertex needs --host-kind shell or --host-kind solid"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "solid", "--volume-weight", "1"], "--volume-weight needs --host-kind shell"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "shell", "--gravity", "0,0,1"], "--gravity needs --host-kind solid"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "solid", "--host-youngs-modulus", "1", "--gravity", "0,1"], "'0,1' is no force"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "solid", "--host-youngs-modulus", "1", "--region", "0,1"], "'0,1' is no region"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "solid", "--host-youngs-modulus", "1", "--fix-vertex", "0.5"], "names no vertex"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "jelly"], "jelly"),
 ])
 def test_a_network_that_is_not_told_in_full_is_a_usage_error(supple: Program, arguments: "list[str]", message: str) -> None:
     refused = supple.run("relax", supple.file("grid.obj", flat_grid(2)), *arguments)

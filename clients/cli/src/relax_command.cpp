@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "failure.h"
+#include "host_arguments.h"
 #include "numbers.h"
 #include "path_output.h"
 #include "surface_point.h"
@@ -40,6 +41,7 @@ struct RelaxArguments {
   double mollifier_length = 0;
   std::string kept_strips;
   double deadline = 0;
+  HostArguments host;
   std::string obj_file;
   std::string vtu_file;
   std::string plot_file;
@@ -138,6 +140,7 @@ nlohmann::json network_request(const RelaxArguments& arguments) {
   set_points(arguments, request);
   set_triangles(arguments, request);
   set_springs(arguments, request);
+  set_host(arguments.host, request);
   if (!arguments.fixed.empty()) request["fixed_points"] = point_indices(arguments.fixed);
   if (arguments.euclidean) request["spring_length"] = "euclidean";
   if (!arguments.method.empty()) request["method"] = arguments.method;
@@ -173,8 +176,10 @@ void print_relaxation(const nlohmann::json& answer, bool history) {
     fmt::print(", {} triangles stretched {:.4g} to {:.4g} times", membrane->size(), least, greatest);
   }
   fmt::print("\n");
+  print_host(answer);
   fmt::print("energy      {:.12g}{}\n", answer.at("energy").get<double>(),
              answer.at("mollified").get<bool>() ? " (mollified)" : "");
+  print_terms(answer);
   fmt::print("|gradient|  {:.3e} (asked for {:.3e})\n", answer.at("gradient_norm").get<double>(),
              answer.at("accuracy").at("gradient_tolerance").get<double>());
   fmt::print("stopped     {} after {} iterations, {:.4g} s\n", answer.at("stopped").get<std::string>(),
@@ -195,8 +200,8 @@ void run(const GlobalOptions& options, const RelaxArguments& arguments) {
   request["mesh"] = session.mesh_id(arguments.mesh);
   const nlohmann::json answer = session.compute(networks_path, request).json();
   if (!arguments.obj_file.empty()) {
-    // Paths are in the answer; faces of triangles are in the server's file.
-    if (answer.contains("membrane")) {
+    // Paths are in the answer; faces of triangles and of the host are in the server's file.
+    if (answer.contains("membrane") || answer.contains("host")) {
       write_file(arguments.obj_file, session.compute(networks_path, request, "model/obj").body);
     } else {
       write_spring_paths(arguments.obj_file, answer.at("springs"));
@@ -272,18 +277,23 @@ void add_relax_command(CLI::App& program, const GlobalOptions& options) {
   CLI::App* command =
       program.add_subcommand("relax", "The equilibrium of an elastic network whose points slide on the surface");
   add_network_options(*command, *arguments);
+  add_host_options(*command, arguments->host);
   add_relaxation_options(*command, *arguments);
   command->add_flag("--history", arguments->history, "Show every iteration");
   command->add_option(
       "--obj", arguments->obj_file,
-      "Write the springs' paths as OBJ polylines, triangles as faces (computes it once more), - for the terminal");
-  command->add_option("--vtu", arguments->vtu_file, "Write the network for ParaView; computes it once more");
+      "Write the springs' paths as OBJ polylines, triangles and a host that gives way as faces (computes "
+      "it once more), - for the terminal");
+  command->add_option("--vtu", arguments->vtu_file,
+                      "Write the network and a host that gives way for ParaView; computes it once more");
   command->add_option("--plot", arguments->plot_file, "Write the convergence as SVG; computes it once more");
   command->footer(
       "Examples:\n  supple relax bunny.obj v0 v300 v900 --spring 0,1 --spring 1,2 --fixed 0,2 --history\n"
       "  supple relax bunny.obj --poisson-disk 0.2 --voronoi-dual --rest-length 0.15 --obj network.obj\n"
       "  supple relax bunny.obj --per-face 0.3,0.3,0.4 --adjacent-faces --fixed 0,17 --plot convergence.svg\n"
-      "  supple relax bunny.obj --poisson-disk 0.2 --membrane --rest-scale 0.9 --vtu membrane.vtu");
+      "  supple relax bunny.obj --poisson-disk 0.2 --membrane --rest-scale 0.9 --vtu membrane.vtu\n"
+      "  supple relax bunny.obj --poisson-disk 0.2 --voronoi-dual --host-kind solid --host-youngs-modulus 50 --obj "
+      "soft.obj");
   command->callback([&options, arguments] { run(options, *arguments); });
 }
 
