@@ -175,6 +175,33 @@ def test_files_show_the_host_as_it_came_to_be(api: Api, sphere_mesh: str) -> Non
     assert all(len(arrays[name]) == cells for name in ("energy", "length", "types", "offsets"))
 
 
+def test_a_network_follows_a_surface_that_moves(api: Api, sphere_mesh: str) -> None:
+    vertices, faces = sphere(3)
+    stretched = [vertices * np.array([1 + share / 2, 1, 1]) for share in (0.25, 0.5, 0.75, 1)]
+    answer = api.ok(NETWORKS, net(sphere_mesh, host={"kind": "moving", "positions": [p.tolist() for p in stretched]}))
+    assert answer["stopped"] == "converged"
+    stops = answer["host"]["stops"]
+    assert [stop["stopped"] for stop in stops] == ["converged"] * 4
+    assert sum(stop["iterations"] for stop in stops) <= answer["iterations"]
+    assert stops[-1]["energy"] == answer["energy"]
+    np.testing.assert_allclose(answer["host"]["vertices"], stretched[-1])
+    assert answer["host"]["volume_ratio"] == pytest.approx(1.5)
+    # On a mesh that has that shape from the start, the same points are at rest.
+    same = api.upload(stretched[-1], faces)
+    again = api.ok(NETWORKS, {**net(same), "points": answer["points"]})
+    assert again["energy"] == pytest.approx(answer["energy"], rel=1e-9)
+    np.testing.assert_allclose(again["positions"], answer["positions"], atol=1e-6)
+
+
+def test_positions_that_are_not_those_of_the_mesh_are_named(api: Api, sphere_mesh: str) -> None:
+    vertices = sphere(3)[0]
+    for wrong in (vertices[:-1], 0 * vertices):
+        host = {"kind": "moving", "positions": [vertices.tolist(), wrong.tolist()]}
+        response = api.post(NETWORKS, net(sphere_mesh, host=host))
+        assert (response.status_code, problem_code(response)) == (422, "host.positions")
+        assert pointers(response) == ["/host/positions/1"]
+
+
 @pytest.mark.parametrize("host, code, places", [
     ({**SHELL, "fixed_vertices": [3, 5000]}, "host.fixed_vertex", ["/host/fixed_vertices/1"]),
     ({"kind": "solid", "youngs_modulus": 1, "gravity": [0, 0, -1]}, "host.unsupported", ["/host/fixed_vertices"]),

@@ -33,11 +33,17 @@ bool looks_like_file(const std::string& mesh) {
   return std::filesystem::is_regular_file(mesh, ignored);
 }
 
-/// What runs now, and how close the best design so far comes where the job looks for one.
+/// What runs now, with what the job tells of its way: how close the best design so far comes, or how far a network is
+/// from rest. Jobs may tell of other things, too.
 std::string stage_of(const nlohmann::json& job) {
   if (job.at("state") != "running") return "waiting";
   auto stage = job.at("stage").get<std::string>();
-  if (const auto partial = job.find("partial"); partial != job.end()) {
+  const auto partial = job.find("partial");
+  if (partial == job.end()) return stage;
+  if (partial->contains("gradient_norm"))
+    return stage + fmt::format("  iteration {}, |gradient| {:.2g}", partial->at("iteration").get<int>(),
+                               partial->at("gradient_norm").get<double>());
+  if (partial->contains("round") || partial->contains("error")) {
     const bool round = partial->contains("round");
     const auto error = round ? partial->at("round").at("target_error") : partial->at("error").at("relative_rms");
     if (error.is_number())

@@ -65,7 +65,8 @@ void write_vertices(JsonWriter& out, std::span<const Eigen::Vector3d> vertices) 
   out.end_array();
 }
 
-void write_host(JsonWriter& out, const embedded::HostState& host) {
+void write_host(JsonWriter& out, const embedded::Relaxation& relaxation) {
+  const embedded::HostState& host = relaxation.host;
   if (host.vertices.empty()) return;
   out.key("host").begin_object();
   write_vertices(out, host.vertices);
@@ -73,6 +74,18 @@ void write_host(JsonWriter& out, const embedded::HostState& host) {
   if (host.volume_ratio != 0) out.field("volume_ratio", host.volume_ratio);
   if (!host.tetrahedra.empty())
     out.field("tetrahedra", host.tetrahedra.size()).field("nodes", host.vertices.size() + host.inside.size());
+  if (!relaxation.stops.empty()) {
+    out.key("stops").begin_array();
+    for (const auto& stop : relaxation.stops)
+      out.begin_object()
+          .field("energy", stop.energy)
+          .field("gradient_norm", stop.gradient_norm)
+          .field("iterations", stop.iterations)
+          .field("load_steps", stop.load_steps)
+          .field("stopped", stop.stopped)
+          .end_object();
+    out.end_array();
+  }
   out.end_object();
 }
 
@@ -117,7 +130,7 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
           .end_object();
     out.end_array();
   }
-  write_host(out, relaxation.host);
+  write_host(out, relaxation);
   write_terms(out, options, network, relaxation);
   out.field("gradient_norm", relaxation.gradient_norm).field("iterations", relaxation.iterations);
   write_relaxation_history(out, relaxation.history);

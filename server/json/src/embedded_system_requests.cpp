@@ -10,6 +10,7 @@ namespace {
 
 constexpr int most_relaxation_iterations = 100'000;
 constexpr std::size_t most_regions = 1000;
+constexpr std::size_t most_positions = 1000;
 
 /// Calls read(fields) for the object that stands in place of an array.
 template <class Read>
@@ -172,13 +173,29 @@ void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid
   }
 }
 
+void read_moving(Fields& fields, embedded::MovingHost& moving) {
+  const auto* sets = fields.array("positions", true, 1, most_positions, "");
+  for (std::size_t k = 0; sets && k < sets->size(); ++k) {
+    const auto at = fields.at("positions") + "/" + std::to_string(k);
+    const auto& set = (*sets)[k];
+    if (!set.is_array()) {
+      fields.faults().add(at, "must be an array of the places of all vertices");
+      continue;
+    }
+    auto& places = moving.positions.emplace_back(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i)
+      read_components(set[i], at + "/" + std::to_string(i), fields.faults(), places[i], -any, any);
+  }
+}
+
 void read_host(Fields& fields, const Limits& limits, embedded::RelaxationOptions& options) {
   nested(fields, "host", [&](Fields& host) {
     host.required("kind");
-    enum class Kind { rigid, shell, solid } kind = Kind::rigid;
-    host.choice("kind", kind, {"rigid", "shell", "solid"});
+    enum class Kind { rigid, shell, solid, moving } kind = Kind::rigid;
+    host.choice("kind", kind, {"rigid", "shell", "solid", "moving"});
     if (kind == Kind::shell) read_shell(host, limits, options.host.emplace<embedded::ShellHost>());
     if (kind == Kind::solid) read_solid(host, limits, options.host.emplace<embedded::SolidHost>());
+    if (kind == Kind::moving) read_moving(host, options.host.emplace<embedded::MovingHost>());
   });
 }
 

@@ -147,6 +147,19 @@ TEST(EmbeddedSystemRequests, ReadHosts) {
   EXPECT_EQ(solid.regions[0].youngs_modulus, 70);
 }
 
+TEST(EmbeddedSystemRequests, ReadPositionsOfAMovingHost) {
+  const auto moving = std::get<embedded::MovingHost>(
+      parse_embedded_system(
+          two_points_and(R"("host":{"kind":"moving","positions":[[[0,1,2],[3,4,5]],[[6,7,8],[9,10,11]]]})"), {})
+          .options.host);
+  ASSERT_EQ(moving.positions.size(), 2U);
+  EXPECT_EQ(moving.positions[1], (std::vector<Eigen::Vector3d>{{6, 7, 8}, {9, 10, 11}}));
+  EXPECT_EQ(faults_of_network(two_points_and(R"("host":{"kind":"moving"})")), Where{"/host/positions"});
+  EXPECT_EQ(faults_of_network(two_points_and(R"("host":{"kind":"moving","positions":[]})")), Where{"/host/positions"});
+  EXPECT_EQ(faults_of_network(two_points_and(R"("host":{"kind":"moving","positions":[[[0,0,0],[1,2]],3]})")),
+            (Where{"/host/positions/0/1", "/host/positions/1"}));
+}
+
 TEST(EmbeddedSystemRequests, PointToEachFaultyFieldOfAHost) {
   EXPECT_EQ(faults_of_network(two_points_and(R"("host":{"kind":"shell"})")),
             (Where{"/host/thickness", "/host/youngs_modulus"}));
