@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+
 #include "supple/base/random.h"
 #include "supple/numerics/derivative_check.h"
 
@@ -40,6 +43,37 @@ TEST(Jet, HasExactDerivativesOfEveryOperation) {
     expect_exact<3>([](const auto& x) { return sqrt(x[0] * x[1]) + sin(x[1] * x[2]) * cos(x[0]); }, at);
     expect_exact<3>([](const auto& x) { return atan2(x[0] - x[2], x[1] * x[1]); }, at);
   }
+}
+
+TEST(Jet, HasTheValuesOfEveryOperation) {
+  const double x = 1.3;
+  const double y = -0.4;
+  const auto a = Jet<2>::variable(x, 0);
+  const auto b = Jet<2>::variable(y, 1);
+  EXPECT_EQ((a + b).value, x + y);
+  EXPECT_EQ((a - b).value, x - y);
+  EXPECT_EQ((-a).value, -x);
+  EXPECT_EQ((a + 2.0).value, x + 2);
+  EXPECT_EQ((2.0 + a).value, 2 + x);
+  EXPECT_EQ((2.0 - a).value, 2 - x);
+  EXPECT_EQ((a * b).value, x * y);
+  EXPECT_EQ((a * 3.0).value, x * 3);
+  EXPECT_EQ((3.0 * a).value, 3 * x);
+  EXPECT_EQ(inverse(a).value, 1 / x);
+  EXPECT_EQ(sqrt(a).value, std::sqrt(x));
+  EXPECT_EQ(sin(b).value, std::sin(y));
+  EXPECT_EQ(cos(b).value, std::cos(y));
+  EXPECT_EQ(atan2(b, a).value, std::atan2(y, x));
+  const Vector3<Jet<2>> u{a, b, a + 1.0};
+  const Vector3<Jet<2>> v{b, a, 2.0 - b};
+  const Eigen::Vector3d p(x, y, x + 1);
+  const Eigen::Vector3d q(y, x, 2 - y);
+  EXPECT_NEAR(dot(u, v).value, p.dot(q), 1e-15);
+  EXPECT_NEAR(norm(u).value, p.norm(), 1e-15);
+  const auto crossed = cross(u, v);
+  const auto difference = u - v;
+  EXPECT_LT((Eigen::Vector3d(crossed.x.value, crossed.y.value, crossed.z.value) - p.cross(q)).norm(), 1e-15);
+  EXPECT_LT((Eigen::Vector3d(difference.x.value, difference.y.value, difference.z.value) - (p - q)).norm(), 1e-15);
 }
 
 TEST(Jet, HasExactDerivativesOfVectors) {
