@@ -270,7 +270,7 @@ void study_solids(const SolidSettings& settings) {
   else
     report.text("DOLFINx was missing or failed: nothing to compare with. It is Debian's python3-dolfinx.");
   report.write(
-      "This page is generated; how solids work is in [networks](../networks.md). Measured on: " + machine_line() +
+      "This page is generated; how solids work is in [networks](../hosts.md). Measured on: " + machine_line() +
       ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target solid_bench\n"
       "build/bench/tests/bench/solid_bench\n```\n\n"
       "Closed surfaces filled with linear neo-Hookean tetrahedra, E = 10, nu = 0.49 where nothing else is said. "
