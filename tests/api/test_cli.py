@@ -14,7 +14,7 @@ from typing import Any, Iterator, List, Tuple
 import numpy as np
 import pytest
 
-from harness import Api, CLI, free_port
+from harness import Api, CLI, MESHES, free_port
 from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apart
 
 
@@ -213,6 +213,12 @@ def test_a_solid_sags_and_a_file_may_say_the_host(supple: Program) -> None:
     # Options count before the file's host, and another kind replaces it.
     assert json.loads(supple.ok(*read, "--host-youngs-modulus", "200"))["energy"] != answer["energy"]
     assert "host" not in json.loads(supple.ok(*read, "--host-kind", "rigid"))
+
+
+@pytest.mark.parametrize("name", ["torus", "ball", "rabbit", "cushion"])
+def test_sample_networks_are_read_as_they_are(supple: Program, name: str) -> None:
+    text = supple.ok("relax", str(MESHES / f"{name}.obj"), "--network", str(MESHES.parent / "networks" / f"{name}.json"))
+    assert "converged" in text and ("host " in text) == (name != "torus")
 
 
 def test_networks_are_built_or_read_from_a_file(supple: Program) -> None:

@@ -62,7 +62,12 @@ def send(api: Api, step: Dict[str, Any], saved: Dict[str, str]) -> Any:
     headers = filled(step.get("headers", {}), saved)
     statuses = step["status"] if isinstance(step["status"], list) else [step["status"]]
     body = None
-    if "text" in step:
+    if "file" in step:
+        body = (ROOT / "api" / "examples" / step["file"]).read_bytes()
+        if "body" in step:
+            body = json.dumps({**json.loads(body), **filled(step["body"], saved)}).encode()
+            headers.setdefault("Content-Type", "application/json")
+    elif "text" in step:
         body = filled(step["text"], saved).encode()
     elif "body" in step:
         body = json.dumps(filled(step["body"], saved)).encode()
