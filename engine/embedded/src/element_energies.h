@@ -34,6 +34,14 @@ struct PointsElement {
     sum.add_element(rows, order, value, gradient.data(), lower.data());
   }
 
+  /// Takes the motion of a corner along a unit vector away: a wall stands there.
+  void hold(int corner, const Eigen::Vector2d& along) {
+    const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - along * along.transpose();
+    gradient.template segment<2>(2 * corner) = (rest * gradient.template segment<2>(2 * corner)).eval();
+    hessian.template middleRows<2>(2 * corner) = (rest * hessian.template middleRows<2>(2 * corner)).eval();
+    hessian.template middleCols<2>(2 * corner) = (hessian.template middleCols<2>(2 * corner) * rest).eval();
+  }
+
   /// Takes a corner's rows away: what happens at a tip is added by itself.
   void take_out(int corner) {
     gradient.template segment<2>(2 * corner).setZero();

@@ -26,6 +26,8 @@ constexpr std::size_t most_trials = 8;
 /// A point by itself is brought near its minimum, no farther: the others move on.
 constexpr int most_local_iterations = 12;
 constexpr double local_tolerance = 1e-8;
+/// A barycentric coordinate up to which a point is on the side: rounding leaves one there that slides along it.
+constexpr double on_border = 1e-12;
 /// Paths whose derivatives by the host's nodes one task works out.
 constexpr std::size_t paths_of_a_task = 4;
 /// What was found for so many states is kept for others to come.
@@ -231,39 +233,94 @@ void GeodesicElements::add(const NetworkState& state, int order, numerics::Energ
     sum.value = std::numeric_limits<double>::infinity();
     return;
   }
-  if (state.surface()) {
-    add_on_host(state, order, sum);
-  } else {
-    add_on_rigid_host(state, order, sum);
-  }
+  const Walls walls = order >= 1 ? walls_at(state) : Walls();
+  add_elements(state, order, walls, sum);
   if (order < 1 || !std::isfinite(sum.value)) return;
   for (const std::size_t point : free_)
     if (state.on_tip(point)) add_on_tip(state, point, order, sum);
+  for (const Wall& wall : walls) {
+    if (order < 2) break;
+    // Nothing moves there: any stiffness will do.
+    const double stiffness = stiffness_at(static_cast<std::size_t>(wall.point));
+    for (int k = 0; k < 2; ++k)
+      for (int l = 0; l <= k; ++l)
+        sum.hessian.add(2 * wall.point + k, 2 * wall.point + l, stiffness * wall.out[k] * wall.out[l]);
+  }
 }
 
-void GeodesicElements::add_on_rigid_host(const NetworkState& state, int order, numerics::EnergySum& sum) const {
+void GeodesicElements::add_elements(const NetworkState& state, int order, const Walls& walls,
+                                    numerics::EnergySum& sum) const {
+  if (state.surface()) {
+    add_on_host(state, order, walls, sum);
+  } else {
+    add_on_rigid_host(state, order, walls, sum);
+  }
+}
+
+GeodesicElements::Walls GeodesicElements::walls_at(const NetworkState& state) const {
+  Walls walls;
+  const surface::TriangleMesh& mesh = state.mesh();
+  for (const std::size_t point : free_) {
+    if (state.on_tip(point)) continue;
+    const surface::SurfacePoint& at = state.points()[point];
+    for (int corner = 0; corner < 3; ++corner) {
+      // The side opposite a corner is that of the next one.
+      const std::int32_t side = 3 * index(at.face) + (corner + 1) % 3;
+      if (at.barycentric[corner] > on_border || mesh.twin(side) >= 0) continue;
+      const Eigen::Matrix<double, 3, 2> frame = surface::tangent_frame(mesh, at.face);
+      const Eigen::Vector2d along =
+          frame.transpose() * (mesh.positions()[mesh.head(side)] - mesh.positions()[mesh.tail(side)]);
+      walls.push_back({static_cast<std::int32_t>(point), Eigen::Vector2d(along.y(), -along.x()).normalized()});
+      break;
+    }
+  }
+  if (walls.empty()) return walls;
+  // Those that are pushed inwards, or not at all, are free.
+  numerics::EnergySum free;
+  free.clear(state.dimension(), 1);
+  add_elements(state, 1, {}, free);
+  std::erase_if(walls, [&](const Wall& wall) {
+    return !std::isfinite(free.value) || !(free.gradient.segment<2>(2 * wall.point).dot(wall.out) < 0);
+  });
+  return walls;
+}
+
+const GeodesicElements::Wall* GeodesicElements::wall_of(const Walls& walls, std::int32_t point) {
+  const auto found = std::ranges::lower_bound(walls, point, {}, &Wall::point);
+  return found != walls.end() && found->point == point ? &*found : nullptr;
+}
+
+void GeodesicElements::add_on_rigid_host(const NetworkState& state, int order, const Walls& walls,
+                                         numerics::EnergySum& sum) const {
   const FoundPaths& found = *state.found();
-  const auto on_tip = [&](std::int32_t point) { return state.on_tip(static_cast<std::size_t>(point)); };
+  const auto as_free = [&](auto& element, int corner, std::int32_t point) {
+    if (order < 1) return;
+    if (state.on_tip(static_cast<std::size_t>(point))) element.take_out(corner);
+    if (const Wall* wall = wall_of(walls, point)) element.hold(corner, wall->out);
+  };
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     SpringElement element = spring_at(found, i, order);
-    if (order >= 1 && !found.geodesics[i].coincident()) {
-      if (on_tip(springs_[i].from)) element.take_out(0);
-      if (on_tip(springs_[i].to)) element.take_out(1);
+    if (!found.geodesics[i].coincident()) {
+      as_free(element, 0, springs_[i].from);
+      as_free(element, 1, springs_[i].to);
     }
     element.add_to(sum, order);
   }
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     TriangleElement element = triangle_at(found, t, order);
-    for (int k = 0; k < 3 && order >= 1; ++k)
-      if (on_tip(triangles_[t].given.corners[static_cast<std::size_t>(k)])) element.take_out(k);
+    for (int k = 0; k < 3; ++k) as_free(element, k, triangles_[t].given.corners[static_cast<std::size_t>(k)]);
     element.add_to(sum, order);
   }
 }
 
-void GeodesicElements::add_on_host(const NetworkState& state, int order, numerics::EnergySum& sum) const {
-  const auto without_tips = [&](HostElement element, std::span<const std::int32_t> points) {
-    for (const std::int32_t point : points)
-      if (order >= 1 && state.on_tip(static_cast<std::size_t>(point))) element.take_out(point);
+void GeodesicElements::add_on_host(const NetworkState& state, int order, const Walls& walls,
+                                   numerics::EnergySum& sum) const {
+  const auto as_free = [&](HostElement element, std::span<const std::int32_t> points) {
+    for (const std::int32_t point : points) {
+      if (order < 1) break;
+      if (state.on_tip(static_cast<std::size_t>(point))) element.take_out(point);
+      if (const Wall* wall = wall_of(walls, point)) element.hold(point, wall->out);
+    }
     return element;
   };
   for (std::size_t i = 0; i < springs_.size(); ++i) {
@@ -273,7 +330,7 @@ void GeodesicElements::add_on_host(const NetworkState& state, int order, numeric
       continue;
     }
     const std::array<std::int32_t, 2> ends{springs_[i].from, springs_[i].to};
-    without_tips(host_spring_at(state, i, order, sum.convex), ends).add_to(sum, order);
+    as_free(host_spring_at(state, i, order, sum.convex), ends).add_to(sum, order);
   }
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const HostElement element = host_triangle_at(state, t, order, sum.convex);
@@ -281,7 +338,7 @@ void GeodesicElements::add_on_host(const NetworkState& state, int order, numeric
       sum.value = element.value;
       return;
     }
-    without_tips(element, triangles_[t].given.corners).add_to(sum, order);
+    as_free(element, triangles_[t].given.corners).add_to(sum, order);
   }
 }
 

@@ -32,8 +32,9 @@ struct GeodesicElementsOptions {
 /// where a path begins to bend at a saddle vertex, E is continuously differentiable. At a cut locus and at a vertex of
 /// less than 2 pi it is the least of several pieces, never at a minimum. At a saddle or boundary vertex it is like the
 /// tip of a cone, where a point may come to rest whatever small changes the others undergo: there the gradient is the
-/// least slope of all directions, zero at a minimum. Next to one whose excess of angle is small, E bends as sharply
-/// within a narrow wedge behind the vertex, in which paths are held.
+/// least slope of all directions, zero at a minimum. A point that is pushed across an edge of the boundary rests
+/// against it: the gradient is then what is left along the edge. Next to one whose excess of angle is small, E bends as
+/// sharply within a narrow wedge behind the vertex, in which paths are held.
 ///
 /// A line search cannot bring a point to a vertex by chance, and one point that steps over such a place shortens the
 /// way of all. So where a step was shortened, the points whose elements surprised it are moved by themselves, one after
@@ -109,8 +110,18 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   HostElement host_spring_at(const NetworkState& state, std::size_t spring, int order, bool convex) const;
   HostElement host_triangle_at(const NetworkState& state, std::size_t triangle, int order, bool convex) const;
   HostLength host_length_at(const NetworkState& state, std::size_t path, int order, bool convex) const;
-  void add_on_rigid_host(const NetworkState& state, int order, numerics::EnergySum& sum) const;
-  void add_on_host(const NetworkState& state, int order, numerics::EnergySum& sum) const;
+  /// A point that its elements push across an edge of the boundary, and the way out in its coordinates.
+  struct Wall {
+    std::int32_t point;
+    Eigen::Vector2d out;
+  };
+  using Walls = std::vector<Wall>;  ///< by ascending points
+  Walls walls_at(const NetworkState& state) const;
+  static const Wall* wall_of(const Walls& walls, std::int32_t point);
+  /// All elements, as their points can move: not on tips, which are added by themselves, and not through walls.
+  void add_elements(const NetworkState& state, int order, const Walls& walls, numerics::EnergySum& sum) const;
+  void add_on_rigid_host(const NetworkState& state, int order, const Walls& walls, numerics::EnergySum& sum) const;
+  void add_on_host(const NetworkState& state, int order, const Walls& walls, numerics::EnergySum& sum) const;
   /// What arrives at a point of an elastic system whose paths are these.
   Arrivals arrivals_at(std::size_t point, const PathOf& path) const;
   void add_on_tip(const NetworkState& state, std::size_t point, int order, numerics::EnergySum& sum) const;

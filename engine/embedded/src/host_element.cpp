@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 
 namespace supple::embedded {
 namespace {
@@ -61,6 +62,16 @@ void HostElement::add_to(numerics::EnergySum& sum, int order) const {
       for (Eigen::Index l = 0; l <= k; ++l) lower.push_back(hessian(k, l));
   }
   sum.add_element(rows, order, value, gradient.data(), lower.data());
+}
+
+void HostElement::hold(std::int32_t point, const Eigen::Vector2d& along) {
+  const auto first = std::ranges::find(rows, 2 * point) - rows.begin();
+  const std::array<Eigen::Index, 2> own{first, first + 1};
+  const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - along * along.transpose();
+  gradient(own) = (rest * gradient(own)).eval();
+  if (hessian.size() == 0) return;
+  hessian(own, Eigen::all) = (rest * hessian(own, Eigen::all)).eval();
+  hessian(Eigen::all, own) = (hessian(Eigen::all, own) * rest).eval();
 }
 
 void HostElement::take_out(std::int32_t point) {

@@ -33,6 +33,8 @@ struct HostElement {
   Eigen::MatrixXd hessian{};
 
   void add_to(numerics::EnergySum& sum, int order) const;
+  /// Takes the motion of a point along a unit vector away: a wall stands there.
+  void hold(std::int32_t point, const Eigen::Vector2d& along);
   /// Takes a point's rows away: what happens at a tip is added by itself.
   void take_out(std::int32_t point);
 };
