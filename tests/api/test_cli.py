@@ -215,6 +215,17 @@ def test_a_solid_sags_and_a_file_may_say_the_host(supple: Program) -> None:
     assert "host" not in json.loads(supple.ok(*read, "--host-kind", "rigid"))
 
 
+def test_a_file_may_say_where_the_surface_moves(supple: Program) -> None:
+    vertices, faces = flat_grid(2)
+    network = {"points": [{"vertex": 0}, {"vertex": 8}], "springs": [{"between": [0, 1]}], "fixed_points": [0, 1],
+               "host": {"kind": "moving", "positions": [(vertices * scale).tolist() for scale in (1.5, 2)]}}
+    (supple.folder / "network.json").write_text(json.dumps(network))
+    moving = ("relax", supple.file("grid.obj", (vertices, faces)), "--network", "network.json")
+    assert "moving surface of 9 vertices, 2 positions, moved by up to 1.41421" in supple.ok(*moving)
+    refused = supple.run(*moving, "--fix-vertex", "0")
+    assert refused.returncode == 1 and "--fix-vertex needs --host-kind" in refused.stderr
+
+
 @pytest.mark.parametrize("name", ["torus", "ball", "rabbit", "cushion"])
 def test_sample_networks_are_read_as_they_are(supple: Program, name: str) -> None:
     text = supple.ok("relax", str(MESHES / f"{name}.obj"), "--network", str(MESHES.parent / "networks" / f"{name}.json"))

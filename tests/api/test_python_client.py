@@ -162,6 +162,17 @@ def test_a_network_pulls_at_a_shell_and_at_a_solid(client: supple.Client) -> Non
     assert unsupported.value.code == "host.unsupported"
 
 
+def test_a_network_follows_a_moving_surface(client: supple.Client) -> None:
+    vertices, faces = flat_grid(8)
+    positions = [vertices + [0, 0, height] for height in (1, 2)]
+    springs = [(0, 2), (1, 2)]
+    answer = client.upload_arrays(vertices, faces).relax_network([0, 80, 30], springs, [0, 1], host=supple.Moving(positions))
+    assert answer.host is not None and answer.host.stops is not None and len(answer.host.stops) == 2
+    assert [stop.stopped for stop in answer.host.stops] == ["converged"] * 2
+    np.testing.assert_allclose(answer.host.vertices, positions[1], atol=1e-12)
+    np.testing.assert_allclose(answer.positions[2], [0.5, 0.5, 2], atol=1e-7)
+
+
 def test_networks_are_built_followed_and_written_as_files(client: supple.Client) -> None:
     mesh = client.upload_arrays(*bumpy_sphere(3))
     dual = mesh.relax_network(supple.PoissonDisk(0.6), supple.VoronoiDual(0.3), options=supple.RelaxationOptions(max_iterations=2))

@@ -13,7 +13,7 @@ namespace {
 
 struct HostOption {
   const char* name;
-  const char* kind;  ///< shell, solid, or nullptr: both
+  const char* kind;  ///< shell or solid; nullptr: both
   bool given;
 };
 
@@ -32,8 +32,8 @@ std::array<HostOption, 10> host_options(const HostArguments& arguments) {
 
 void check_kind(const HostArguments& arguments, const std::string& kind) {
   for (const auto& option : host_options(arguments)) {
-    if (!option.given || (option.kind == nullptr && kind != "rigid") || (option.kind != nullptr && option.kind == kind))
-      continue;
+    const bool fits = option.kind == nullptr ? kind == "shell" || kind == "solid" : option.kind == kind;
+    if (!option.given || fits) continue;
     throw Failure(ExitCode::usage, fmt::format("{} needs --host-kind {}", option.name,
                                                option.kind != nullptr ? option.kind : "shell or --host-kind solid"));
   }
@@ -60,7 +60,7 @@ nlohmann::json vertices_of(const std::vector<std::string>& texts) {
 }
 
 void check_complete(const nlohmann::json& host, const std::string& kind) {
-  if (kind != "rigid" && !host.contains("youngs_modulus"))
+  if ((kind == "shell" || kind == "solid") && !host.contains("youngs_modulus"))
     throw Failure(ExitCode::usage, fmt::format("a {} needs --host-youngs-modulus", kind));
   if (kind == "shell" && !host.contains("thickness")) throw Failure(ExitCode::usage, "a shell needs --host-thickness");
 }
@@ -142,6 +142,8 @@ void print_host(const nlohmann::json& answer) {
   if (host->contains("tetrahedra")) {
     fmt::print("solid of {} tetrahedra and {} nodes", host->at("tetrahedra").get<std::int64_t>(),
                host->at("nodes").get<std::int64_t>());
+  } else if (const auto stops = host->find("stops"); stops != host->end()) {
+    fmt::print("moving surface of {} vertices, {} positions", host->at("vertices").size(), stops->size());
   } else {
     fmt::print("shell of {} vertices", host->at("vertices").size());
   }

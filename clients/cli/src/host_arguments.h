@@ -9,7 +9,8 @@ namespace supple::cli {
 
 /// The options that say what carries a network and how it gives way.
 struct HostArguments {
-  std::string kind;  ///< rigid, shell or solid; empty: as the file of the network says, else rigid
+  std::string
+      kind;  ///< rigid, shell or solid; empty: as the file of the network says, which may be moving too, else rigid
   double thickness = 0;
   double youngs_modulus = 0;
   double poisson_ratio = -2;

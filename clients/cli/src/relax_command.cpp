@@ -218,8 +218,9 @@ void run(const GlobalOptions& options, const RelaxArguments& arguments) {
 void add_network_options(CLI::App& command, RelaxArguments& arguments) {
   command.add_option("mesh", arguments.mesh, "Mesh")->required();
   command.add_option("points", arguments.points, "Where the network's points start, in their order");
-  command.add_option("--network", arguments.network_file,
-                     "A JSON file with what a request has: points, springs, fixed_points and options");
+  command.add_option(
+      "--network", arguments.network_file,
+      "A JSON file with what a request has: points, springs, fixed_points, host (moving ones too) and options");
   command.add_option("--per-face", arguments.per_face, "A point in each face, at these barycentric coordinates: a,b,c");
   command
       .add_option("--poisson-disk", arguments.poisson_disk,

@@ -78,12 +78,12 @@ from .errors import (
     Superseded,
     SuppleError,
 )
-from .hosts import Host, Shell, Solid, SolidRegion
+from .hosts import Host, Moving, Shell, Solid, SolidRegion
 from .jobs import Job, JobStatus
 from .loads import Biaxial, GreenStrain, Load, Uniaxial
 from .mesh import Mesh
 from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, UniaxialCurve
-from .network_answers import HostState, PartialRelaxation, RelaxationStep, RelaxedNetwork
+from .network_answers import FollowedStop, HostState, PartialRelaxation, RelaxationStep, RelaxedNetwork
 from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
 from .points import PointLike, SurfacePoint, Vertex
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
@@ -130,6 +130,7 @@ __all__ = [
     "Family",
     "Fault",
     "Field",
+    "FollowedStop",
     "Force",
     "FoundChannel",
     "GcodeReport",
@@ -162,6 +163,7 @@ __all__ = [
     "MeshRepair",
     "Model",
     "ModelInfo",
+    "Moving",
     "NotFound",
     "PartialDesign",
     "PartialRelaxation",

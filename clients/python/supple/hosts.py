@@ -1,9 +1,12 @@
-"""What carries a network and gives way under it: shells and solids."""
+"""What carries a network and is not rigid: shells and solids, which give way under it, and surfaces that move."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from .answers import Vector3
 from .weaves import given, vector_of
@@ -88,5 +91,25 @@ class Solid:
                         fixed_vertices=_indices(self.fixed_vertices))}
 
 
-Host = Union[Shell, Solid]
+@dataclass(frozen=True)
+class Moving:
+    """The mesh as a surface that moves as it is told and takes no notice of the network, which comes to rest on the mesh first
+    and then follows from equilibrium to equilibrium.
+
+    Attributes:
+        positions: where all vertices go, one set after the other and each on straight ways: arrays of shape (vertices, 3),
+            mesh units; the first is where they go from the mesh.
+    """
+
+    positions: Sequence[ArrayLike]
+
+    def to_wire(self) -> Dict[str, Any]:
+        sets = [np.asarray(vertices, dtype=np.float64) for vertices in self.positions]
+        for vertices in sets:
+            if vertices.ndim != 2 or vertices.shape[1] != 3:
+                raise ValueError(f"positions of the vertices have the shape {vertices.shape}; expected (vertices, 3)")
+        return {"kind": "moving", "positions": [vertices.tolist() for vertices in sets]}
+
+
+Host = Union[Shell, Solid, Moving]
 """What a network may live on besides a rigid surface."""

@@ -216,7 +216,8 @@ class Mesh:
                 points of one component.
             fixed_points: indices of points that stay where they are.
             membrane: triangles between the points, besides the springs, of which there may then be none.
-            host: a `Shell` or a `Solid` whose surface is the mesh and which gives way under the network; None: it is rigid.
+            host: a `Shell` or a `Solid` whose surface is the mesh and which gives way under the network, or a surface that is
+                `Moving`; None: it is rigid.
                 `RelaxedNetwork.host` is where it came to be.
             options: how the equilibrium is found.
             paths: whether the paths of the springs are returned.

@@ -55,14 +55,33 @@ class PartialRelaxation:
 
 
 @dataclass(frozen=True)
+class FollowedStop:
+    """How a network followed a moving surface to one of its positions.
+
+    Attributes:
+        energy, gradient_norm: as in `RelaxedNetwork`, there.
+        iterations: steps of the solver on the way from the position before.
+        load_steps: parts that this way was divided into.
+        stopped: as in `RelaxedNetwork`.
+    """
+
+    energy: float
+    gradient_norm: float
+    iterations: int
+    load_steps: int
+    stopped: str
+
+
+@dataclass(frozen=True)
 class HostState:
-    """A shell or a solid that gave way under a network.
+    """A shell or a solid that gave way under a network, or a surface that moved.
 
     Attributes:
         vertices: where the vertices of the mesh are, in their order, shape (vertices, 3), mesh units.
         largest_displacement: longest way of a vertex, or of a node inside, mesh units.
         volume_ratio: enclosed volume over that at rest; None for open surfaces.
-        tetrahedra, nodes: of a solid, the vertices of the mesh among its nodes; None for shells.
+        tetrahedra, nodes: of a solid, the vertices of the mesh among its nodes; None for others.
+        stops: of a moving surface, one for each of its positions; None for others.
     """
 
     vertices: Array
@@ -70,6 +89,7 @@ class HostState:
     volume_ratio: Optional[float]
     tetrahedra: Optional[int]
     nodes: Optional[int]
+    stops: Optional[Tuple[FollowedStop, ...]]
 
 
 @dataclass(frozen=True)
@@ -91,7 +111,7 @@ class RelaxedNetwork:
         stretches: principal stretches of the membrane's triangles, the greater first, shape (triangles, 2); None without one.
         triangle_energies: their energies, shape (triangles,); None without one.
         triangles_at_cut_locus: whether a side that pushes has another shortest path, shape (triangles,); None without one.
-        host: where a host that gives way came to be; None on a rigid one.
+        host: where a host that gives way or moves came to be; None on a rigid one.
         energy: E, negative only under gravity.
         terms: what it consists of, by name: "geodesic_springs", "euclidean_springs", "membrane", and of a host
             "shell_membrane", "shell_bending", "shell_volume", "solid" and "gravity".
@@ -146,12 +166,16 @@ def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:
 def _host(host: Optional[Mapping[str, Any]]) -> Optional[HostState]:
     if host is None:
         return None
+    stops = host.get("stops")
     return HostState(
         vertices=np.asarray(host["vertices"], dtype=np.float64).reshape(-1, 3),
         largest_displacement=float(host["largest_displacement"]),
         volume_ratio=host.get("volume_ratio"),
         tetrahedra=host.get("tetrahedra"),
         nodes=host.get("nodes"),
+        stops=None if stops is None else tuple(
+            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"]) for s in stops
+        ),
     )
 
 

@@ -70,6 +70,10 @@ def test_hosts_become_what_the_contract_says() -> None:
         "regions": [{"lower": [0, 0, 0], "upper": [1, 1, 1], "youngs_modulus": 5.0}]}
     assert supple.Shell(1, 2).to_wire() == {"kind": "shell", "thickness": 1.0, "youngs_modulus": 2.0}
     assert supple.Solid(2).to_wire() == {"kind": "solid", "youngs_modulus": 2.0}
+    moving = supple.Moving([np.eye(3), [[0, 0, 1], [1, 0, 1], [0, 1, 1]]]).to_wire()
+    assert moving == {"kind": "moving", "positions": [np.eye(3).tolist(), [[0, 0, 1], [1, 0, 1], [0, 1, 1]]]}
+    with pytest.raises(ValueError, match="vertices, 3"):
+        supple.Moving([[0, 0, 1]]).to_wire()
     assert "host" not in relaxation_document(MESH, [0, 1], [(0, 1)], [], None, False, None)
     with pytest.raises(ValueError, match="gravity"):
         supple.Solid(2, gravity=(0, -1)).to_wire()  # type: ignore[arg-type]
@@ -82,6 +86,10 @@ def test_an_answer_of_a_host_that_gives_way_has_its_vertices() -> None:
     assert shell.largest_displacement == 0.5 and shell.volume_ratio is None and shell.tetrahedra is None
     solid = relaxed_network_from_wire({**ANSWER, "host": {**host, "volume_ratio": 0.9, "tetrahedra": 7, "nodes": 12}}).host
     assert solid is not None and (solid.volume_ratio, solid.tetrahedra, solid.nodes) == (0.9, 7, 12)
+    assert solid.stops is None
+    stop = {"energy": 1.5, "gradient_norm": 1e-9, "iterations": 4, "load_steps": 2, "stopped": "converged"}
+    moved = relaxed_network_from_wire({**ANSWER, "host": {**host, "stops": [stop]}}).host
+    assert moved is not None and moved.stops == (supple.FollowedStop(1.5, 1e-9, 4, 2, "converged"),)
     assert relaxed_network_from_wire(ANSWER).host is None
 
 
