@@ -268,6 +268,48 @@ TEST(Toolpath, RefusesProfilesAndOptionsOutOfRange) {
             (std::vector<std::string>{"overrun/start", "overruns/7", "chord_error"}));
 }
 
+TEST(Toolpath, NamesEachLengthAndSpeedOfAProfileThatIsNone) {
+  const std::vector<std::pair<std::string, double PrinterProfile::*>> fields{
+      {"nozzle_diameter", &PrinterProfile::nozzle_diameter},
+      {"filament_diameter", &PrinterProfile::filament_diameter},
+      {"strand_width", &PrinterProfile::strand_width},
+      {"lifted_flow", &PrinterProfile::lifted_flow},
+      {"channel_flow", &PrinterProfile::channel_flow},
+      {"strand_height", &PrinterProfile::strand_height},
+      {"travel_clearance", &PrinterProfile::travel_clearance},
+      {"strand_speed", &PrinterProfile::strand_speed},
+      {"lifted_speed", &PrinterProfile::lifted_speed},
+      {"channel_speed", &PrinterProfile::channel_speed},
+      {"travel_speed", &PrinterProfile::travel_speed},
+      {"retraction_speed", &PrinterProfile::retraction_speed}};
+  for (const auto& [name, field] : fields)
+    for (const double value : {0.0, -1.0, 1e9}) {
+      PrinterProfile profile;
+      profile.*field = value;
+      EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile); })),
+                std::vector<std::string>{name})
+          << value;
+    }
+}
+
+TEST(Toolpath, BeginsALoopInTheMiddleOfItsLongestWayOnTheBed) {
+  // The circle passes over the line at two places above its centre: the way below them is the longer one.
+  for (const double side : {1.0, -1.0}) {
+    Weave weave;
+    weave.strands = {line({-12, 5 * side}, {12, 5 * side}), circle(8)};
+    weave.crossings = find_crossings(weave.strands);
+    ASSERT_EQ(weave.crossings.size(), 2U);
+    for (Crossing& crossing : weave.crossings) crossing.members[1].slides = true;
+    ToolpathOptions options;
+    options.origin = Eigen::Vector2d(100, 100);
+    const Toolpath path = toolpath(weave, {}, options);
+    const auto first = std::find_if(path.moves.begin(), path.moves.end(),
+                                    [](const Move& move) { return move.kind == MoveKind::strand && move.strand == 1; });
+    ASSERT_NE(first, path.moves.end());
+    EXPECT_LT((first->points.front().head<2>() - Eigen::Vector2d(100, 100 - 8 * side)).norm(), 0.05);
+  }
+}
+
 TEST(Toolpath, RefusesGripsOfMorePassesThanCanBePrinted) {
   // Each is 100 mm wide: 10 000 passes of lines 0.01 mm wide. A hundred of them reach the limit, a million passes.
   PrinterProfile profile;
