@@ -347,6 +347,17 @@ def test_what_takes_longer_than_a_second_is_followed_as_a_job(supple: Program, a
     assert (supple.folder / "large.f64").stat().st_size == 8 * api.get(f"/v1/meshes/{mesh}").json()["vertices"]
 
 
+def test_a_relaxation_that_takes_longer_than_a_second_is_followed_to_its_limit(supple: Program) -> None:
+    file = supple.file("bumpy.obj", bumpy_sphere(5))
+    network = {"points": {"kind": "per_face", "barycentric": [0.3, 0.3, 0.4]}, "fixed_points": [0, 400, 900],
+               "springs": {"kind": "adjacent_faces", "rest_length": 0.01}, "method": "gradient_descent"}
+    (supple.folder / "network.json").write_text(json.dumps(network))
+    start = time.monotonic()
+    printed = supple.ok("relax", file, "--network", "network.json", "--max-iterations", "500", "--tolerance", "1e-14")
+    assert time.monotonic() - start > 1, "it was no job: nothing was followed"
+    assert "after 500 iterations" in printed
+
+
 @pytest.fixture
 def queue_of_jobs(api: Api) -> Iterator[List[str]]:
     """Long jobs that keep every worker busy for some seconds, so that what comes after them waits."""
