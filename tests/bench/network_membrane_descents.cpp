@@ -195,10 +195,9 @@ void look_into_borders(Report& report, const NetworkSettings& settings) {
   report.text(
       "The graph of x^2 - y^2 over a square, 72 faces, with a membrane of random points that nothing holds. With a "
       "rest scale below 1 it contracts, stays off the border and comes to rest. With one above 1 it spreads until the "
-      "border stops it. There E has a gradient that does not vanish, because the points would leave the surface if "
-      "they could; |g| counts it, and steps that lead out slide along an edge to its next vertex at most, so that the "
-      "others' steps become short too: the search creeps on without ever converging. *Then held*: the points that lie "
-      "on the border at the end are fixed there, and the rest is relaxed.");
+      "border stops it: points come to rest against its edges like against a wall, where the gradient is what is left "
+      "along the edge. *Then held*, to compare: the points that lie on the border at the end are fixed there, and the "
+      "rest is relaxed.");
   Table table("membranes-border", {{"radius", "Radius / D"},
                                    {"scale", "Rest scale"},
                                    {"points", "Points"},
