@@ -1,0 +1,324 @@
+// Networks on shells and solids that give way, where material, mesh, network or place come to their limits.
+#include "host_case.h"
+
+#include <chrono>
+#include <numbers>
+#include <numeric>
+
+#include "supple/base/cost_ledger.h"
+#include "supple/base/threads.h"
+#include "support/expect_error.h"
+
+namespace supple::embedded {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A ball of rubber that its network can press in by some hundredths.
+ShellHost rubber() {
+  return {.thickness = 0.02, .youngs_modulus = 500, .poisson_ratio = 0.4, .volume_weight = 50, .volume_scale = 1.05};
+}
+SolidHost foam() { return {.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.4}; }
+
+/// A ball in a net that is too small for it.
+struct SqueezedBall : HostCase {
+  explicit SqueezedBall(Host host, double weight = 2) : HostCase(testing::icosphere(2), std::move(host)) {
+    cover(0.9, 0.6, weight);
+  }
+};
+
+// Hard: stretching a face along one direction shrinks it across: the material is 5,000 times softer in one mode.
+TEST(HardHosts, NearlyIncompressible) {
+  ShellHost shell = rubber();
+  shell.poisson_ratio = 0.4999;
+  EXPECT_GT(SqueezedBall(shell).solve().host.largest_displacement, 0.01);
+  SolidHost solid = foam();
+  solid.poisson_ratio = 0.4999;
+  const Relaxation kept = SqueezedBall(solid).solve();
+  EXPECT_NEAR(kept.host.volume_ratio, 1, 2e-4);
+}
+
+// Hard: a membrane that is too large for its place pushes its sides to cut loci, where lengths have a kink like a
+// valley. No state at which the sides follow one path each is an equilibrium: it must end lower, say why, with all
+// intact.
+TEST(HardHosts, AMembraneUnderCompressionBlowsItsHostUp) {
+  for (const Host& host : {Host(ShellHost{.thickness = 0.05, .youngs_modulus = 20, .poisson_ratio = 0.3}),
+                           Host(SolidHost{.youngs_modulus = 2, .poisson_ratio = 0.3, .element_size = 0.5})}) {
+    HostCase hard(testing::icosphere(1), host);
+    hard.network.points = poisson_disk_points(hard.solver, 0.8, 1);
+    const auto corners = triangulate(hard.solver, hard.network.points).triangles;
+    hard.network.triangles = membrane_at_rest(hard.solver, hard.network.points, corners, 1.2);
+    hard.network.fixed_points = {0};
+    hard.options.max_iterations = 40;
+    const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
+    hard.check_descent(relaxed);
+    EXPECT_LT(relaxed.energy, 0.7 * relaxed.history.front().energy);
+    EXPECT_GT(relaxed.host.volume_ratio, 1.05);
+    for (const TriangleState& triangle : relaxed.triangles) EXPECT_GT(triangle.stretches[1], 0);
+    // It goes to and fro across a valley, or ends in it.
+    EXPECT_TRUE(relaxed.stopped == "cut_locus" || relaxed.stopped == "iteration_limit") << relaxed.stopped;
+    EXPECT_LT(relaxed.history.back().step_length, 0.05);
+    // Stretched instead, the same membrane comes to rest and presses its host together.
+    hard.network.triangles = membrane_at_rest(hard.solver, hard.network.points, corners, 0.9);
+    hard.options.max_iterations = 200;
+    EXPECT_LT(hard.solve().host.volume_ratio, 0.95);
+  }
+}
+
+/// How far a cap's pole stands out of its rim, away from the centre; negative in a dimple.
+double height_of_cap(const HostCase& hard, const Relaxation& relaxed) {
+  const surface::TriangleMesh moved = hard.mesh->with_positions(relaxed.host.vertices);
+  Vector3d rim = Vector3d::Zero();
+  for (std::size_t i = 1; i < relaxed.points.size(); ++i)
+    rim += surface::position(moved, relaxed.points[i]) / static_cast<double>(relaxed.points.size() - 1);
+  Vector3d centre = Vector3d::Zero();
+  for (const Vector3d& vertex : relaxed.host.vertices)
+    centre += vertex / static_cast<double>(relaxed.host.vertices.size());
+  return (surface::position(moved, relaxed.points[0]) - rim).dot((rim - centre).normalized());
+}
+
+// Hard: short strong springs shrink a cap of a shell that has lost air: it snaps through, past an unstable state.
+TEST(HardHosts, ACapThatSnapsThroughToADimple) {
+  for (const bool airless : {false, true}) {
+    HostCase hard(testing::icosphere(2), ShellHost{.thickness = 0.05,
+                                                   .youngs_modulus = 100,
+                                                   .poisson_ratio = 0.3,
+                                                   .volume_weight = 20,
+                                                   .volume_scale = airless ? 0.7 : 0.95});
+    hard.network.points.push_back(hard.near(0.01, 0.02, 1));
+    hard.network.fixed_points = {0};
+    for (std::int32_t i = 1; i <= 6; ++i) {
+      const double angle = i * std::numbers::pi / 3 + 0.1;
+      hard.network.points.push_back(hard.near(0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.8));
+      hard.network.fixed_points.push_back(i);
+      hard.join(0, i, 0.6, 1);
+    }
+    const Relaxation relaxed = hard.solve();
+    EXPECT_EQ(height_of_cap(hard, relaxed) < -0.02, airless) << height_of_cap(hard, relaxed);
+  }
+}
+
+// Hard: needles of aspect ratio above 1,000 are springs and hinges that much stiffer one way, and paths cross dozens.
+TEST(HardHosts, OnSlivers) {
+  for (const Host& host : {Host(rubber()), Host(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3})}) {
+    HostCase hard(testing::sliver_sphere(24, 8, 1e-3), host);
+    hard.cover(0.9, 0.6, 2);
+    const Relaxation relaxed = hard.solve();
+    EXPECT_GT(relaxed.host.largest_displacement, 0.01);
+  }
+}
+
+// Hard: springs across the ball, along one of many paths that are about as short; which is the shortest changes as the
+// host gives way. Springs that pull leave such places, those that push are driven there.
+TEST(HardHosts, SpringsAcrossCutLociOfAHostThatMoves) {
+  for (const Host& host : {Host(rubber()), Host(foam())})
+    for (const double rest_share : {0.0, 0.5, 1.2}) {
+      HostCase hard(testing::icosphere(2), host);
+      for (const double side : {1.0, -1.0}) {
+        hard.network.points.push_back(hard.near(0.02, 0.03, side));
+        hard.network.points.push_back(hard.near(side, 0.02, 0.03));
+      }
+      for (const double side : {1.0, -1.0}) hard.network.points.push_back(hard.near(0.02, side, 0.1));
+      for (const auto& [a, b] : {Pair(0, 2), Pair(1, 3), Pair(4, 5)}) hard.join(a, b, rest_share, 0.3);
+      for (const auto& [a, b] : {Pair(0, 1), Pair(2, 3), Pair(0, 4), Pair(2, 5)}) hard.join(a, b, 0.6, 1);
+      hard.network.fixed_points = {0, 2};
+      if (rest_share < 1) {
+        hard.solve();
+        continue;
+      }
+      const Relaxation pushed = relax(hard.solver, hard.network, hard.options);
+      hard.check_descent(pushed);
+      EXPECT_EQ(pushed.stopped, "cut_locus");
+      EXPECT_TRUE(std::ranges::any_of(
+          pushed.springs, [](const SpringState& spring) { return spring.compressed && spring.at_cut_locus; }));
+    }
+}
+
+// Hard: energies have kinks where points start, and more where they come to rest.
+TEST(HardHosts, StartOnVerticesAndEdges) {
+  for (const Vector3d& start : {Vector3d(1, 0, 0), Vector3d(0.5, 0.5, 0), Vector3d(0.99, 1e-6, 1 - 0.99 - 1e-6)})
+    for (const auto& mesh : {testing::icosphere(1), testing::genus3(1)}) {
+      HostCase hard(mesh, ShellHost{.thickness = 0.1, .youngs_modulus = 100, .poisson_ratio = 0.3});
+      hard.network.points = points_in_faces(*hard.mesh, start);
+      for (const auto& [a, b] : pairs_of_adjacent_faces(*hard.mesh, hard.network.points))
+        hard.network.springs.push_back({a, b, 0.3, 1});
+      hard.network.fixed_points = {0, 10};
+      const Relaxation relaxed = hard.solve();
+    }
+}
+
+// Hard: nothing says which way points in one place should part, and a path without length has no direction.
+TEST(HardHosts, TwoPointsInOnePlace) {
+  for (const Host& host : {Host(rubber()), Host(foam())}) {
+    SqueezedBall hard(host);
+    const auto added = static_cast<std::int32_t>(hard.network.points.size());
+    hard.network.points.push_back(hard.network.points[3]);
+    hard.network.points.push_back(hard.network.points[3]);
+    hard.network.springs.push_back({3, added, 0, 2});
+    hard.network.springs.push_back({3, added + 1, 0.2, 2});
+    hard.network.springs.push_back({added, 5, 0.3, 1});
+    const Relaxation relaxed = hard.solve();
+  }
+}
+
+// Hard: each part can move as a whole by itself, and nothing fixes either.
+TEST(HardHosts, PartsThatDoNotTouch) {
+  for (const Host& host : {Host(ShellHost{.thickness = 0.05, .youngs_modulus = 100, .poisson_ratio = 0.3}),
+                           Host(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3})}) {
+    HostCase hard(testing::two_components(), host);
+    hard.cover(0.8, 0.7, 1);
+    const Relaxation relaxed = hard.solve();
+    EXPECT_TRUE(std::ranges::any_of(relaxed.warnings, [](const std::string& warning) {
+      return warning.find("parts of the host") != std::string::npos;
+    }));
+  }
+}
+
+// Hard: the surface ends: paths run along its boundary, which stays.
+TEST(HardHosts, OpenSurfacesHeldAtTheirBoundary) {
+  for (const auto& mesh : {testing::open_hemisphere(16, 6), testing::saddle(10)}) {
+    HostCase hard(mesh, ShellHost{.thickness = 0.02, .youngs_modulus = 500, .poisson_ratio = 0.4});
+    std::vector<std::int32_t> boundary;
+    for (std::int32_t h = 0; h < hard.mesh->halfedge_count(); ++h)
+      if (hard.mesh->twin(h) < 0) boundary.push_back(hard.mesh->faces()[h / 3][h % 3]);
+    std::get<ShellHost>(hard.options.host).fixed_vertices = boundary;
+    hard.cover(0.4, 0, 1);
+    for (std::size_t i = 3; i < hard.network.points.size(); i += 3)
+      hard.network.fixed_points.push_back(static_cast<std::int32_t>(i));
+    const Relaxation relaxed = hard.solve();
+    for (const std::int32_t i : boundary)
+      EXPECT_EQ(relaxed.host.vertices[static_cast<std::size_t>(i)], hard.mesh->positions()[i]);
+    EXPECT_GT(relaxed.host.largest_displacement, 0.1);
+  }
+}
+
+/// A ball that is so thick that its equilibrium is the only one.
+ShellHost thick_shell() {
+  return {.thickness = 0.05, .youngs_modulus = 200, .poisson_ratio = 0.4, .volume_weight = 50};
+}
+
+// Hard: the network's forces are below the rounding of the host's.
+TEST(HardHosts, ANetworkAHundredMillionTimesWeakerThanTheHost) {
+  for (const Host& host : {Host(thick_shell()), Host(foam())}) {
+    SqueezedBall hard(host, 1e-8 * 10);
+    const Relaxation relaxed = hard.solve();
+    EXPECT_LE(relaxed.gradient_norm, 1e-12);
+    EXPECT_LT(relaxed.host.largest_displacement, 1e-7);
+    // To first order the host gives way as much as it is pulled.
+    SqueezedBall stronger(host, 1e-7 * 10);
+    EXPECT_NEAR(stronger.solve().host.largest_displacement, 10 * relaxed.host.largest_displacement,
+                1e-2 * relaxed.host.largest_displacement);
+  }
+}
+
+// Hard: springs that hardly stretch on a host that hardly resists: the Hessian's condition is that of both, and all the
+// way leads along a curved valley.
+TEST(HardHosts, ANetworkAThousandTimesStrongerThanTheHost) {
+  for (const Host& host : {Host(thick_shell()), Host(foam())}) {
+    HostCase hard(testing::icosphere(2), host);
+    hard.cover(0.9, 0.95, 1e4);
+    hard.options.tolerance = 1e-11;
+    const Relaxation relaxed = hard.solve();
+    EXPECT_GT(relaxed.host.largest_displacement, 0.05);
+    for (std::size_t i = 0; i < hard.network.springs.size(); ++i)
+      EXPECT_NEAR(relaxed.springs[i].length, hard.network.springs[i].rest_length, 1e-2);
+  }
+}
+
+template <class Host>
+void expect_any_fixed_vertices(Host host) {
+  const auto solved = [&](std::vector<std::int32_t> fixed) {
+    host.fixed_vertices = std::move(fixed);
+    SqueezedBall hard(host, 0.5);
+    return hard.solve();
+  };
+  const Relaxation none = solved({});
+  EXPECT_NEAR(solved({7}).energy, none.energy, 1e-9 * none.energy);
+  const double two = solved({100, 30}).energy;
+  EXPECT_GT(two, none.energy);
+  EXPECT_LT(two, 1.1 * none.energy);
+  std::vector<std::int32_t> all(162);
+  std::iota(all.begin(), all.end(), 0);
+  const Relaxation held = solved(all);
+  EXPECT_GT(held.energy, none.energy);
+  EXPECT_LT(held.host.largest_displacement, 1e-9);
+  const SqueezedBall rigid(RigidHost{}, 0.5);
+  EXPECT_NEAR(relax(rigid.solver, rigid.network).energy, held.network_energy, 1e-10 * held.network_energy);
+}
+
+// Hard: fixed vertices that leave the host free to turn, or that leave nothing of it free but the network.
+TEST(HardHosts, NoFixedVertexOneTwoOrAll) {
+  expect_any_fixed_vertices(thick_shell());
+  expect_any_fixed_vertices(foam());
+}
+
+// Hard: a pressure 10,000 times the shell's stiffness, whose rounding is that of the sum.
+TEST(HardHosts, AVolumeThatIsKeptToSixDigits) {
+  ShellHost shell = rubber();
+  shell.volume_weight = 1e6;
+  shell.volume_scale = 1;
+  const Relaxation relaxed = SqueezedBall(shell).solve();
+  EXPECT_NEAR(relaxed.host.volume_ratio, 1, 1e-4);
+}
+
+// Hard: a stop in the middle of a step, while matrices and searches are under way.
+TEST(HardHosts, StopInTheMiddleOfAStep) {
+  for (const Host& host : {Host(rubber()), Host(foam())})
+    for (const auto& [reason, code] : {std::pair(StopReason::cancelled, "job.cancelled"),
+                                       std::pair(StopReason::deadline, "job.deadline_exceeded")}) {
+      SqueezedBall hard(host);
+      Execution execution;
+      using Clock = std::chrono::steady_clock;
+      Clock::time_point asked;
+      int states = 0;
+      hard.options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>,
+                                  const surface::TriangleMesh&) {
+        if (++states < 3) return;
+        asked = Clock::now();
+        execution.cancellation.request(reason);
+      };
+      testing::expect_error(code, [&] { relax(hard.solver, hard.network, hard.options, execution); });
+      EXPECT_EQ(states, 3);
+      EXPECT_LT(std::chrono::duration<double>(Clock::now() - asked).count(), 1);
+    }
+}
+
+// Hard: sums of thousands of elements and factorizations in parallel.
+TEST(HardHosts, HaveTheSameBitsForOneTwoAndThreeThreads) {
+  const int before = thread_count();
+  for (const Host& host : {Host(rubber()), Host(foam())}) {
+    SqueezedBall hard(host);
+    hard.options.max_iterations = 6;
+    std::vector<Relaxation> found;
+    for (const int threads : {1, 2, 3}) {
+      set_thread_count(threads);
+      found.push_back(relax(hard.solver, hard.network, hard.options));
+    }
+    for (const Relaxation& other : found) {
+      EXPECT_EQ(other.energy, found[0].energy);
+      EXPECT_EQ(other.gradient_norm, found[0].gradient_norm);
+      EXPECT_EQ(other.host.vertices, found[0].host.vertices);
+      EXPECT_EQ(other.host.inside, found[0].host.inside);
+      for (std::size_t i = 0; i < other.points.size(); ++i)
+        EXPECT_EQ(other.points[i].barycentric, found[0].points[i].barycentric);
+    }
+  }
+  set_thread_count(before);
+}
+
+// A host may pass through itself: nobody shall think that it cannot.
+TEST(HardHosts, SayThatTheyDoNotNoticeThemselves) {
+  for (const Host& host : {Host(rubber()), Host(foam())}) {
+    SqueezedBall hard(host, 0.1);
+    CostLedger cost;
+    relax(hard.solver, hard.network, hard.options, {.cost = &cost});
+    const auto effect = std::ranges::find(cost.effects(), "self_contact", &CostLedger::Effect::name);
+    ASSERT_NE(effect, cost.effects().end());
+    EXPECT_FALSE(effect->ran);
+    EXPECT_EQ(effect->count, 0);
+    EXPECT_NE(effect->why.find("touches itself"), std::string::npos) << effect->why;
+  }
+}
+
+}  // namespace
+}  // namespace supple::embedded
