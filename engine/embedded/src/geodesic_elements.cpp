@@ -202,9 +202,12 @@ TriangleElement GeodesicElements::triangle_at(const FoundPaths& found, std::size
 
 HostLength GeodesicElements::host_length_at(const NetworkState& state, std::size_t path, int order, bool convex) const {
   const surface::HostDerivatives& exact = state.host_lengths()->lengths[path];
-  if (!convex) return host_length(state, exact, paths_[path].from, paths_[path].to, order);
+  // Ends that rounding puts in one place have no direction across which to divide by their distance.
+  const auto& way = state.found()->paths[path];
+  if (!convex || way.empty() || way.front().position == way.back().position)
+    return host_length(state, exact, paths_[path].from, paths_[path].to, order);
   surface::HostDerivatives near = exact;
-  near.hessian = surface::convex_host_hessian(state.mesh(), state.found()->paths[path], exact.vertices);
+  near.hessian = surface::convex_host_hessian(state.mesh(), way, exact.vertices);
   return host_length(state, near, paths_[path].from, paths_[path].to, order);
 }
 

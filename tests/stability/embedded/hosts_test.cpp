@@ -4,6 +4,7 @@
 #include <chrono>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "supple/base/cost_ledger.h"
 #include "supple/base/threads.h"
@@ -159,6 +160,34 @@ TEST(HardHosts, TwoPointsInOnePlace) {
     hard.network.springs.push_back({added, 5, 0.3, 1});
     const Relaxation relaxed = hard.solve();
   }
+}
+
+/// Another point whose place in space is the same three numbers, at a distance that is not 0 all the same.
+std::optional<surface::SurfacePoint> nearer_than_rounding(const HostCase& hard, const surface::SurfacePoint& point) {
+  for (int k = 0; k < 6; ++k) {
+    surface::SurfacePoint beside = point;
+    beside.barycentric[k % 3] = std::nextafter(point.barycentric[k % 3], 1);
+    beside.barycentric[(k + 1 + k / 3) % 3] = std::nextafter(point.barycentric[(k + 1 + k / 3) % 3], 0);
+    if (surface::position(*hard.mesh, beside) == surface::position(*hard.mesh, point) &&
+        hard.solver.distance(beside, point) > 0)
+      return beside;
+  }
+  return std::nullopt;
+}
+
+// Hard: a spring has shrunk until its ends are one place to the last digit: its path has a length and no direction. A
+// shell that buckles asks for a convex matrix, in which nothing may be divided by that length.
+TEST(HardHosts, PointsNearerThanRounding) {
+  SqueezedBall hard(rubber());
+  const auto before = static_cast<std::int32_t>(hard.network.points.size());
+  for (std::int32_t i = 1; i < before; ++i) {
+    const auto beside = nearer_than_rounding(hard, hard.network.points[static_cast<std::size_t>(i)]);
+    if (!beside) continue;
+    hard.network.springs.push_back({i, static_cast<std::int32_t>(hard.network.points.size()), 0, 2});
+    hard.network.points.push_back(*beside);
+  }
+  ASSERT_GT(hard.network.points.size(), static_cast<std::size_t>(before));
+  hard.solve();
 }
 
 // Hard: each part can move as a whole by itself, and nothing fixes either.
