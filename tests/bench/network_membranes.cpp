@@ -242,6 +242,64 @@ void compare_ways(Report& report, const NetworkSettings& settings, const std::ar
   report.image("membranes-steps.svg", "Iterations of the steps");
 }
 
+void follow_with_the_host(Report& report, const NetworkSettings& settings,
+                          const std::array<StretchedTorus, 2>& scenes) {
+  report.heading("With a moving host");
+  report.text(
+      "The same paths in one call, with the host `moving`: each step starts on the tangent to the path of equilibria, "
+      "and one that fails is halved, down to an eighth. The iterations of all attempts count. Where even the shortest "
+      "step fails, since the equilibrium is lost at a cut locus, the best state at the next position is taken.");
+  Table table("membranes-followed", {{"stretched", "Stretched"},
+                                     {"gradient", "\\|g\\| asked for"},
+                                     {"mean", "Iterations, mean"},
+                                     {"converged_mean", "of steps that are not divided"},
+                                     {"median", "Median"},
+                                     {"most", "Most"},
+                                     {"divided", "Steps divided"},
+                                     {"not_converged", "Steps not converged"},
+                                     {"energy", "E at the end"},
+                                     {"cpu_ms", "CPU ms a load step"}});
+  set_thread_count(1);
+  for (const StretchedTorus& scene : scenes) {
+    const GeodesicSolver solver(scene.rest);
+    embedded::MovingHost host;
+    for (int step = 1; step <= std::min(scene.steps, scene.followed); ++step)
+      host.positions.push_back(scene.mesh_at(step)->positions());
+    for (const double gradient : {1e-4, thesis_gradient, 1e-9}) {
+      RelaxationOptions options;
+      options.host = host;
+      options.tolerance = gradient / (embedded::largest_weight(scene.membrane) * scene.rest->diagonal());
+      options.max_iterations = 100;
+      Relaxation found;
+      double cpu = 0;
+      for (int run = 0; run < (settings.brief ? 1 : 3); ++run) {
+        const double before = cpu_seconds();
+        found = embedded::relax(solver, scene.membrane, options);
+        const double seconds = cpu_seconds() - before;
+        cpu = run == 0 ? seconds : std::min(cpu, seconds);
+      }
+      std::vector<double> iterations;
+      double all = 0;
+      double whole = 0;
+      int divided = 0;
+      int not_converged = 0;
+      for (const embedded::FollowedStop& stop : found.stops) {
+        iterations.push_back(stop.iterations);
+        all += stop.iterations;
+        not_converged += stop.stopped == "converged" ? 0 : 1;
+        const bool is_divided = stop.load_steps > 1 || stop.stopped != "converged";
+        divided += is_divided ? 1 : 0;
+        if (!is_divided) whole += stop.iterations;
+      }
+      const auto steps = static_cast<double>(found.stops.size());
+      table.row({scene.name, number(gradient, 1), number(all / steps), number(whole / (steps - divided)),
+                 number(median(iterations), 2), number(quantile(iterations, 1), 3), std::to_string(divided),
+                 std::to_string(not_converged), number(found.energy, 8), number(1e3 * cpu / steps)});
+    }
+  }
+  report.table(table);
+}
+
 void measure_time(Report& report, const NetworkSettings& settings, const StretchedTorus& scene) {
   report.heading("Time of an iteration");
   report.text(
@@ -401,6 +459,7 @@ void draw_figure(Report& report, const StretchedTorus& scene) {
 void measure_stretched_torus(Report& report, const NetworkSettings& settings) {
   const std::array<StretchedTorus, 2> scenes{thesis_torus(settings, true), thesis_torus(settings, false)};
   compare_ways(report, settings, scenes);
+  follow_with_the_host(report, settings, scenes);
   measure_time(report, settings, scenes[0]);
   measure_cut_loci(report, settings, scenes);
   draw_figure(report, scenes[0]);

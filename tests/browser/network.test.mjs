@@ -9,6 +9,23 @@ setUp({ webgl: true });
 /** A square of the plane, 2 wide. */
 const SQUARE = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n";
 
+/** A torus of so many places along it and around its tube; its axis is y. */
+function torus(along, around) {
+  const rows = [];
+  for (let i = 0; i < along; ++i) {
+    for (let j = 0; j < around; ++j) {
+      const [u, v] = [(2 * Math.PI * i) / along, (2 * Math.PI * j) / around];
+      const out = 1.2 + 0.5 * Math.cos(v);
+      rows.push(`v ${out * Math.sin(u)} ${0.5 * Math.sin(v)} ${out * Math.cos(u)}`);
+    }
+  }
+  const number = (i, j) => (i % along) * around + (j % around) + 1;
+  for (let i = 0; i < along; ++i) {
+    for (let j = 0; j < around; ++j) rows.push(`f ${number(i, j)} ${number(i + 1, j)} ${number(i + 1, j + 1)}`, `f ${number(i, j)} ${number(i + 1, j + 1)} ${number(i, j + 1)}`);
+  }
+  return rows.join("\n");
+}
+
 const fact = (page, term) => page.locator(".relaxation .facts dt", { hasText: term }).locator("+ dd").textContent();
 const button = (page, name) => page.getByRole("button", { name, exact: true });
 const number = (page, name) => page.getByLabel(`${name}, as a number`, { exact: true });
@@ -28,9 +45,11 @@ async function open(options) {
   return page;
 }
 
-async function square(options) {
+const square = (options) => surface(SQUARE, options);
+
+async function surface(obj, options) {
   const page = await open(options);
-  await page.locator('input[type="file"]').setInputFiles({ name: "square.obj", mimeType: "model/obj", buffer: Buffer.from(SQUARE) });
+  await page.locator('input[type="file"]').setInputFiles({ name: "surface.obj", mimeType: "model/obj", buffer: Buffer.from(obj) });
   await page.locator(".facts").getByText("Handles").waitFor();
   await page.getByRole("radio", { name: "Network", exact: true }).check();
   return page;
@@ -44,7 +63,7 @@ async function sample() {
   return page;
 }
 
-const rested = (page) => page.locator(".relaxation .stop", { hasText: "at rest" }).waitFor();
+const rested = (page) => page.locator(".relaxation .stop", { hasText: "is at rest" }).waitFor();
 
 /** A share of the view's width and height, from its middle. */
 async function clickView(page, right, down) {
@@ -242,6 +261,96 @@ describe("a network on a surface", () => {
     await rested(other);
     assert.equal(await fact(other, "Energy"), await fact(page, "Energy"));
     await closePage(other);
+    await closePage(page);
+  });
+
+  it("lies on a shell that gives way before one's eyes, held at some vertices, and is saved with it", async () => {
+    const page = await surface(torus(30, 14));
+    const canvas = page.locator(".viewer canvas");
+    await enter(page, "Least distance of two points", 0.5);
+    await page.getByRole("radio", { name: "Shell", exact: true }).check();
+    await enter(page, "Young’s modulus of the shell (energy / length³)", 500);
+    await button(page, "Hold the lowest tenth").click();
+    const held = await page.getByLabel("Held vertices").inputValue();
+    assert.match(held, /^\d+.*\d$/);
+    await page.getByLabel(/^Supports: a click/).check();
+    const heard = await announcements(page);
+    await clickView(page, 0, 0);
+    await until(async () => (await page.getByLabel("Held vertices").inputValue()) !== held, "another support");
+    await until(async () => (await heard()).some((words) => /Vertex \d+ is held/.test(words)), "words about it");
+    await clickView(page, 0, 0);
+    await until(async () => (await page.getByLabel("Held vertices").inputValue()) === held, "that it is let go again");
+    await page.getByLabel(/^Supports: a click/).uncheck();
+    await button(page, "Make the network").click();
+    await until(() => button(page, "Make the network").isDisabled(), "the network");
+    await canvas.focus();
+    for (let k = 0; k < 14; ++k) await page.keyboard.press("ArrowRight");
+    await page.waitForTimeout(300);
+    await picture(page, "host-made");
+    const before = await canvas.screenshot();
+    await button(page, "Relax").click();
+    await rested(page);
+    assert.equal(await page.locator(".host-legend").isVisible(), true);
+    const { host } = page.relaxations.at(-1);
+    assert.equal(host.kind, "shell");
+    assert.equal(host.youngs_modulus, 500);
+    assert.ok(host.fixed_vertices.length > 2);
+    assert.ok(Number(await fact(page, "Largest displacement")) > 0.02);
+    assert.ok(Number(await fact(page, "Volume over that at rest")) < 0.99);
+    const sum = (await Promise.all(["springs", "stretching the shell", "bending the shell"].map((term) => fact(page, `Energy of ${term}`)))).reduce((all, text) => all + Number(text), 0);
+    const energy = Number(await page.locator(".relaxation .facts dt", { hasText: /^Energy$/ }).locator("+ dd").textContent());
+    assert.ok(Math.abs(sum - energy) < 0.002 * energy, `${sum} is ${energy}`);
+    await page.waitForTimeout(300);
+    await picture(page, "host-shell");
+    const after = await canvas.screenshot();
+    assert.notDeepEqual(after, before, "the surface is drawn as it is now");
+    await page.getByLabel("Colour of the surface").selectOption("none");
+    await page.waitForTimeout(300);
+    const bent = await canvas.screenshot();
+    await enter(page, "Iteration that is seen", 1);
+    await page.waitForTimeout(300);
+    assert.notDeepEqual(await canvas.screenshot(), bent, "the surface is seen on its way");
+    await picture(page, "host-on-the-way");
+    await enter(page, "Iteration that is seen", 999);
+    await until(async () => (await canvas.screenshot()).equals(bent), "the end again");
+    await page.getByLabel("Show the shape at rest").check();
+    await page.waitForTimeout(300);
+    assert.notDeepEqual(await canvas.screenshot(), bent, "the shape at rest is another one");
+    await page.getByLabel("Colour of the surface").selectOption("stretch");
+    await page.waitForTimeout(300);
+    await picture(page, "host-at-rest");
+    await page.getByLabel("Show the shape at rest").uncheck();
+    const [obj, again] = [await saved(page, () => button(page, "OBJ").click()), page.relaxations.at(-1)];
+    assert.match(obj.text, /^o host/m);
+    assert.deepEqual(again, page.relaxations.at(-2), "the file is of the same request");
+    const other = await openPage(browser, page.url());
+    await until(() => other.getByRole("radio", { name: "Shell", exact: true }).isChecked(), "the host of the link");
+    assert.equal(await other.getByLabel("Held vertices").inputValue(), held);
+    await button(other, "Relax").click();
+    await rested(other);
+    assert.equal(await fact(other, "Largest displacement"), await fact(page, "Largest displacement"));
+    await closePage(other);
+    await page.getByRole("radio", { name: "Solid", exact: true }).check();
+    await enter(page, "Gravity along −z (energy / length⁴)", 5);
+    await page.emulateMedia({ colorScheme: "dark" });
+    await button(page, "Relax").click();
+    await page.locator(".relaxation .facts dt", { hasText: "Tetrahedra" }).waitFor();
+    assert.ok(page.relaxations.at(-1).host.gravity[2] < 0);
+    await page.waitForTimeout(300);
+    await picture(page, "host-solid");
+    await closePage(page);
+  });
+
+  it("gives way on the sample as it is offered, and comes to rest", async () => {
+    const page = await sample();
+    for (const kind of ["Shell", "Solid"]) {
+      await page.getByRole("radio", { name: kind, exact: true }).check();
+      await button(page, "Relax").click();
+      await page.locator(".relaxation .facts dt", { hasText: kind === "Shell" ? "bending the shell" : "Tetrahedra" }).waitFor();
+      await rested(page);
+      await page.waitForTimeout(300);
+      await picture(page, `host-sample-${kind.toLowerCase()}`);
+    }
     await closePage(page);
   });
 

@@ -1,5 +1,6 @@
 #include "moving_network.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -8,6 +9,20 @@
 #include "supple/base/error.h"
 
 namespace supple::embedded {
+namespace {
+
+/// Of a load step, for the difference of gradients: rounding and curvature spoil it about as much.
+constexpr double small_share = 1e-6;
+
+/// Two sides of a face in its tangent coordinates.
+Eigen::Matrix2d sides_of(const surface::TriangleMesh& mesh, FaceId face) {
+  const auto& [a, b, c] = mesh.faces()[index(face)];
+  Eigen::Matrix<double, 3, 2> sides;
+  sides << mesh.positions()[b] - mesh.positions()[a], mesh.positions()[c] - mesh.positions()[a];
+  return surface::tangent_frame(mesh, face).transpose() * sides;
+}
+
+}  // namespace
 
 MovingNetwork::MovingNetwork(const surface::GeodesicSolver& solver, const Network& network,
                              std::vector<bool> held_points, std::vector<bool> held_coordinates,
@@ -74,26 +89,41 @@ void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>&
   load_ = load;
 }
 
-// With the energy's derivatives by points p and vertices v, an equilibrium stays one where H_pp dp + H_pv dv = 0.
+// With the energy's derivatives by points p and the load t, an equilibrium stays one where H_pp dp + H_pt dt = 0. H_pt
+// is the difference of gradients for points that keep their places in the material while the surface moves a little:
+// that is as good as its derivative here, at the price of one gradient.
 void MovingNetwork::begin_step() {
   start_ = state();
   tangent_ = Eigen::VectorXd::Zero(unknowns_.degrees_of_freedom());
-  const Eigen::VectorXd nodes = nodes_at(load_);
-  NetworkState at(solver_, start_.points, nodes);
-  GeodesicElements elements(*solver_, network_, held_points_, options_);
-  elements.prepare(at, 2, {execution_.cancellation, nullptr, nullptr});
-  numerics::EnergySum sum;
-  sum.clear(at.dimension(), 2);
-  elements.add(at, 2, sum);
-  if (!std::isfinite(sum.value)) return;
-  const numerics::SparseMatrix all = sum.hessian.matrix(at.dimension());
-  Eigen::VectorXd change = Eigen::VectorXd::Zero(at.dimension());
-  change.tail(nodes.size()) = nodes_at(announced_) - nodes;
-  const Eigen::VectorXd unbalanced = unknowns_.restrict((all * change).head(unknowns_.degrees_of_freedom()));
   const numerics::Evaluation here = system_->evaluate(2);
+  Eigen::VectorXd unbalanced = -system_->full_gradient();
+  std::shared_ptr<const surface::GeodesicSolver> ahead;
+  try {
+    ahead = surface_at(load_ + small_share * (announced_ - load_));
+  } catch (const Error&) {
+    return;
+  }
+  NetworkState carried(ahead->mesh(), start_.points);
+  GeodesicElements elements(*ahead, network_, held_points_, options_);
+  elements.take_strips(*elements_);
+  elements.prepare(carried, 1, {execution_.cancellation, nullptr, nullptr});
+  numerics::EnergySum sum;
+  sum.clear(carried.dimension(), 1);
+  elements.add(carried, 1, sum);
+  if (!std::isfinite(sum.value)) return;
+  for (std::size_t i = 0; i < start_.points.size(); ++i) {
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    if (carried.on_tip(i)) {
+      unbalanced.segment<2>(row).setZero();
+      continue;
+    }
+    const FaceId face = start_.points[i].face;
+    const Eigen::Matrix2d change = sides_of(ahead->mesh(), face) * sides_of(solver_->mesh(), face).inverse();
+    unbalanced.segment<2>(row) += change.transpose() * sum.gradient.segment<2>(row);
+  }
   numerics::ShiftedCholesky cholesky;
   if (!cholesky.factorize(here.hessian, 0)) return;
-  const Eigen::VectorXd answer = -cholesky.solve(unbalanced);
+  const Eigen::VectorXd answer = -cholesky.solve(unknowns_.restrict(unbalanced)) / small_share;
   if (answer.allFinite()) tangent_ = unknowns_.expand(answer);
 }
 

@@ -29,7 +29,7 @@ constexpr double longest_expansion = 64;
 /// weaker, the tolerance is this.
 constexpr double host_rounding = 1e-14;
 /// A way between two positions of a moving surface is not divided below this share of it.
-constexpr double shortest_load_step = 1.0 / 64;
+constexpr double shortest_load_step = 1.0 / 8;
 /// Springs whose final paths one task describes.
 constexpr std::size_t springs_of_a_task = 64;
 

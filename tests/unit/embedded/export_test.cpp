@@ -80,6 +80,40 @@ TEST(NetworkExport, HasTheTrianglesOfAMembraneAfterTheSprings) {
   EXPECT_FALSE(contains(write_vtu(small.mesh, ExportedNetwork().network, small.relaxation), "stretch"));
 }
 
+TEST(NetworkExport, HasAHostThatGaveWayAfterTheNetwork) {
+  ExportedNetwork small;
+  small.network.springs.pop_back();
+  small.relaxation.springs.pop_back();
+  small.relaxation.host.vertices = {{0, 0, 0.5}, {2, 0, 0}, {0, 2, 0}};
+  EXPECT_EQ(write_obj(small.mesh, small.network, small.relaxation),
+            "o network\nv 0 0 0\nv 1 0.1 0\nv 2 0 0\nl 1 2 3\no host\nv 0 0 0.5\nv 2 0 0\nv 0 2 0\nf 4 5 6\n");
+  const std::string shell = write_vtu(small.mesh, small.network, small.relaxation);
+  EXPECT_TRUE(contains(shell, "NumberOfPoints=\"6\" NumberOfCells=\"2\""));
+  EXPECT_TRUE(contains(shell, "0 1 2\n3 4 5") || contains(shell, "0 1 2 3 4 5")) << shell;
+  EXPECT_TRUE(contains(shell, "Name=\"host\""));
+  const auto values_of = [](const std::string& text, const std::string& name) {
+    const auto begin = text.find('>', text.find("Name=\"" + name + "\"")) + 1;
+    std::string values;
+    for (const char c : text.substr(begin, text.find('<', begin) - begin))
+      if (c >= '0' && c <= '9') values += c;
+    return values;
+  };
+  EXPECT_EQ(values_of(shell, "host"), "01");
+  EXPECT_EQ(values_of(shell, "types"), "45");
+  // Of a solid its tetrahedra, and no faces.
+  small.relaxation.host.inside = {{0.5, 0.5, -1}};
+  small.relaxation.host.tetrahedra = {{0, 1, 2, 3}};
+  const std::string solid = write_vtu(small.mesh, small.network, small.relaxation);
+  EXPECT_TRUE(contains(solid, "NumberOfPoints=\"7\" NumberOfCells=\"2\""));
+  EXPECT_EQ(values_of(solid, "types"), "410");
+  EXPECT_EQ(values_of(solid, "offsets"), "37");
+  // A membrane's corners stand between the springs and the host.
+  small.network.triangles = {{{0, 1, 2}, {1, 1, 1}}};
+  small.relaxation.triangles.resize(1);
+  EXPECT_TRUE(contains(write_obj(small.mesh, small.network, small.relaxation), "f 4 5 6\no host\n"));
+  EXPECT_TRUE(contains(write_obj(small.mesh, small.network, small.relaxation), "f 7 8 9\n"));
+}
+
 TEST(NetworkExport, DrawsConvergenceOnLogarithmicAxesAndLeavesZerosOut) {
   const std::vector<RelaxationStep> history{{100, 10, 0, 0}, {10, 1e-3, 1, 0}, {1, 0, 1, 0}};
   const auto svg = write_convergence_svg(history);

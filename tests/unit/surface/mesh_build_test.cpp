@@ -317,8 +317,7 @@ TEST(MeshWithPositions, RefusesAnotherNumberOfPositions) {
   for (const int change : {-1, 1}) {
     std::vector<Eigen::Vector3d> positions = mesh.positions();
     positions.resize(positions.size() + change, Eigen::Vector3d::Ones());
-    EXPECT_EQ(places(expect_error("mesh.position_count", [&] { mesh.with_positions(positions); })),
-              Places{"vertices"});
+    EXPECT_EQ(places(expect_error("mesh.position_count", [&] { mesh.with_positions(positions); })), Places{"vertices"});
   }
   EXPECT_EQ(TriangleMesh().with_positions({}).face_count(), 0);
 }
