@@ -46,7 +46,7 @@ describe("a network’s state", () => {
   });
 
   it("goes to another mesh without lengths and numbers of the old one", () => {
-    const other = onAnotherMesh({ ...picked, method: "lbfgs" }, { area: 100 });
+    const other = onAnotherMesh({ ...picked, method: "lbfgs" }, { area: 100, bounding_box: { lower: [], upper: [], diagonal: 10 } });
     expect(other).toMatchObject({ method: "lbfgs", fixed: [], drawn: [], restLength: 0 });
     expect((4 * 0.7 * 100) / (Math.PI * other.radius ** 2)).toBeCloseTo(250, -1);
   });

@@ -4,6 +4,7 @@ import { Client } from "../src/contract/client";
 import type { EmbeddedSystem, EmbeddedSystemRequest } from "../src/contract/types";
 import { findings } from "../src/mesh/findings";
 import { NetworkSession } from "../src/mesh/network_session";
+import { DEFAULT_NETWORK } from "../src/mesh/network_state";
 import { NetworkView } from "../src/mesh/network_view";
 import { MeshSession } from "../src/mesh/session";
 
@@ -17,10 +18,11 @@ function answerTo(request: EmbeddedSystemRequest): EmbeddedSystem {
   const share = request.paths ? 0.9 : 1;
   return {
     mesh: ID, points: PLACES.map((_, vertex) => ({ face: 0, barycentric: [0, 1, 2].map((corner) => (corner === vertex ? share : (1 - share) / 2)) })), positions: PLACES,
-    springs: springs.map(({ between }) => ({ between, length: 1, energy: 0.25, compressed: false, at_cut_locus: false, path: [{ position: [0, 0, 0] }, { position: [0.5, 0.1, 0] }, { position: [1, 0, 0] }] })),
+    springs: springs.map(({ between }) => ({ between, length: 1, energy: 0.25, compressed: false, at_cut_locus: false, path: [[0, 0, 0], [0.5, 0.1, 0], [1, 0, 0]].map((position) => ({ face: 0, barycentric: [1, 0, 0], position })) })),
     energy: 0.5, terms: [], gradient_norm: 1e-12, iterations: 2,
     history: [3, 1e-3, 1e-12].map((gradient_norm, k) => ({ energy: 2 - k, gradient_norm, step_length: 0, regularization: 0 })),
     ...(request.triangles && { triangles: [[0, 1, 2]], membrane: [{ energy: 0.5, stretches: [1.5, 0.75], at_cut_locus: false }] }),
+    ...(request.host && { host: { vertices: PLACES.map(([x, y, z]) => [2 * x, y, z]), largest_displacement: 1 } }),
     stopped: "converged", mollified: false, at_vertices: [], loose_points: [], warnings: [],
     accuracy: { tolerance: 1e-9, gradient_tolerance: 2e-9, gradient_norm: 1e-12, mollifier_length: 1e-6 }, effects: [], cost: { seconds: 0.1, stages: [], quantities: {} },
   } as unknown as EmbeddedSystem;
@@ -189,6 +191,53 @@ describe("a network session", () => {
     expect(network.isStale).toBe(false);
     network.change({ youngsModulus: 3 });
     expect(network.isStale).toBe(true);
+  });
+
+  it("shows the surface as it gives way, in the end as well, at rest on demand, and starts anew to go on", async () => {
+    const { network, view } = await begun();
+    network.changeHost({ kind: "shell", supports: [0] });
+    const relaxed = network.relax();
+    await telling();
+    expect(asked[0]).not.toHaveProperty("host");
+    expect(asked[1]).toMatchObject({ host: { kind: "shell", fixed_vertices: [0] } });
+    expect(view.host.get()).toBeNull();
+    const vertices = PLACES.map(([x, y, z]) => [1.5 * x, y, z]);
+    tell?.("progress", { ...moved(1), vertices });
+    await vi.waitFor(() => expect(view.host.get()?.vertices).toEqual(vertices));
+    expect(view.deformation.get()).toBeCloseTo(1.5, 12);
+    expect(view.host.get()?.colours).toHaveLength(1);
+    tell?.("finished");
+    await relaxed;
+    expect(view.host.get()?.vertices?.[1]).toEqual([2, 0, 0]);
+    expect(view.deformation.get()).toBeCloseTo(2, 12);
+    view.deformationBy.set("none");
+    expect(view.host.get()?.colours).toBeNull();
+    view.atRest.set(true);
+    expect(view.host.get()?.vertices).toBeNull();
+    const [first] = view.picture.get()?.positions ?? [];
+    expect(first[0]).toBeCloseTo(0.05, 12);
+    expect(first[1]).toBeCloseTo(0.05, 12);
+    view.atRest.set(false);
+    view.frame.set(network.relaxing.get()?.frames[0] ?? null);
+    expect(view.host.get()).toBeNull();
+    stopTelling();
+    const further = network.relax(true);
+    await telling();
+    expect(asked.at(-1)).toEqual({ ...asked[1], max_iterations: 202 });
+    tell?.("finished");
+    await further;
+    network.support(2);
+    expect(network.isStale).toBe(true);
+    network.support(2);
+    expect(network.isStale).toBe(false);
+  });
+
+  it("has a host for the size of its mesh where a link tells of none, and supports that the mesh has", async () => {
+    const { network } = await begun();
+    network.restore(DEFAULT_NETWORK);
+    expect(network.state.get().host.thickness).toBe(0.06);
+    network.restore({ ...DEFAULT_NETWORK, host: { ...DEFAULT_NETWORK.host, kind: "shell", supports: [1, 3] } });
+    expect(network.state.get().host).toMatchObject({ thickness: 0.03, supports: [1] });
   });
 
   it("asks for the triangles of picked points too", async () => {

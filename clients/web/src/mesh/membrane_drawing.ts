@@ -5,38 +5,15 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import type { Drape } from "./membrane_drape";
 import type { Rgb } from "./spring_colours";
-import { lightOfSurface } from "./surface_material";
+import { facesMaterial } from "./surface_material";
 
 /** How much nearer triangles and their sides come than the surface that they lie on, in smallest steps of depth. */
 const TRIANGLES_NEARER = 150;
 const SIDES_NEARER = 260;
 
-const vertexShader = /* glsl */ `
-  attribute vec3 colour;
-  varying vec3 vColour;
-  varying vec3 vNormal;
-  varying vec3 vView;
-  void main() {
-    vColour = colour;
-    vNormal = normalMatrix * normal;
-    vec4 view = modelViewMatrix * vec4(position, 1.0);
-    vView = view.xyz;
-    gl_Position = projectionMatrix * view;
-  }`;
-
-const fragmentShader = /* glsl */ `
-  varying vec3 vColour;
-  varying vec3 vNormal;
-  varying vec3 vView;
-  ${lightOfSurface}
-  void main() {
-    gl_FragColor = vec4(lit(vColour, vNormal, vView), 1.0);
-    #include <colorspace_fragment>
-  }`;
-
 export class MembraneDrawing {
   readonly group = new THREE.Group();
-  private readonly material = new THREE.ShaderMaterial({ vertexShader, fragmentShader, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -TRIANGLES_NEARER });
+  private readonly material = facesMaterial({ polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -TRIANGLES_NEARER });
   private readonly lineMaterial = new LineMaterial({ linewidth: 1.4, polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -SIDES_NEARER });
   private drape: Drape | null = null;
   private triangles: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;

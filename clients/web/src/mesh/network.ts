@@ -1,5 +1,6 @@
 // A network that was made, the requests that make, relax and save it, and what is known of its springs on the way.
 import type { EmbeddedSystem, EmbeddedSystemRequest, NetworkSpring, SurfacePoint } from "../contract/types";
+import { hostFields } from "./host";
 import { energyDensity, type MembraneMaterial, straightSides, type Stretches, stretchesOf, type Triple } from "./membrane";
 import type { Vector } from "./mesh_data";
 import { hasMembrane, hasSprings, type NetworkState, type Pair } from "./network_state";
@@ -56,23 +57,29 @@ export function relaxationRequest(mesh: string, state: NetworkState, network: Ne
       triangles: network.triangles.map((corners) => [...corners]),
       membrane: { youngs_modulus: state.youngsModulus, poisson_ratio: state.poissonRatio, thickness: state.thickness, rest_scale: state.restScale },
     }),
+    ...hostFields(state.host),
     fixed_points: state.fixed.filter((point) => point < start.length),
     method: state.method,
     spring_length: state.springLength,
     accuracy: { tolerance: state.tolerance, mollifier_length: state.mollifierLength },
     max_iterations: state.maxIterations,
     paths: true,
-    effects: { mollifier: state.mollifier, kept_strips: state.keptStrips },
+    effects: { mollifier: state.mollifier, kept_strips: state.keptStrips, ...(state.host.kind === "shell" && { bending: state.host.bends ? "on" : "off" }) },
   };
 }
 
 /**
- * Asks for a file of a network as it is: with all points held, nothing moves. A membrane would be at rest there: it is relaxed
- * once more from where it started, with the same result.
+ * Asks for a file of a network as it is: with all points held, nothing moves. A membrane would be at rest there, and a host that
+ * gives way would move again: these are relaxed once more from where they started, with the same result.
  */
 export function fileRequest(request: EmbeddedSystemRequest, points: readonly SurfacePoint[]): EmbeddedSystemRequest {
-  if (request.triangles) return request;
+  if (startsAtRest(request)) return request;
   return { ...request, points: [...points], fixed_points: points.map((_, point) => point), max_iterations: 1 };
+}
+
+/** Whether a relaxation has a state at rest that it starts from, so that it cannot go on from where another ended. */
+export function startsAtRest({ triangles, host }: Pick<EmbeddedSystemRequest, "triangles" | "host">): boolean {
+  return triangles !== undefined || host !== undefined;
 }
 
 export interface SpringValues {

@@ -7,7 +7,7 @@ import type { Triple } from "./membrane";
 import type { Vector } from "./mesh_data";
 import type { Rgb } from "./spring_colours";
 
-export type DotKind = "free" | "fixed" | "chosen";
+export type DotKind = "free" | "fixed" | "chosen" | "support";
 
 export interface NetworkPicture {
   readonly positions: readonly Vector[];
@@ -87,8 +87,8 @@ export class NetworkDrawing {
     const dots = this.positions.length;
     const free = dots > MANY_POINTS ? 5 : dots > FEW_POINTS ? 9 : 12;
     const geometry = new THREE.BufferGeometry();
-    const kinds: Record<DotKind, THREE.Color> = { free: colourOf("free"), fixed: colourOf("fixed"), chosen: colourOf("chosen") };
-    const sizes: Record<DotKind, number> = { free, fixed: 15, chosen: 17 };
+    const kinds: Record<DotKind, THREE.Color> = { free: colourOf("free"), fixed: colourOf("fixed"), chosen: colourOf("chosen"), support: colourOf("support") };
+    const sizes: Record<DotKind, number> = { free, fixed: 15, chosen: 17, support: dots > FEW_POINTS ? 7 : 11 };
     this.dotMaterial.uniforms.rim.value = colourOf("rim");
     geometry.setAttribute("position", new THREE.Float32BufferAttribute(this.positions.flatMap((place) => [...place]), 3));
     geometry.setAttribute("colour", new THREE.Float32BufferAttribute(this.positions.flatMap((_, k) => kinds[picture?.kinds[k] ?? "free"].toArray()), 3));

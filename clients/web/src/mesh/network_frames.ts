@@ -4,6 +4,8 @@ import type { Vector } from "./mesh_data";
 export interface Frame {
   readonly iteration: number;
   readonly positions: readonly Vector[];
+  /** Of a host that gives way; absent where they are as in the mesh, or not told. */
+  readonly vertices?: readonly Vector[];
 }
 
 /** Numbers that all frames together keep at most: 8 bytes each, and what arrays cost. */
@@ -22,7 +24,8 @@ export class Frames {
   add(frame: Frame): void {
     if (this.count++ % this.every !== 0) return;
     this.kept.push(frame);
-    if (3 * frame.positions.length * this.kept.length <= MOST_NUMBERS || this.kept.length < 3) return;
+    const places = frame.positions.length + (frame.vertices?.length ?? 0);
+    if (3 * places * this.kept.length <= MOST_NUMBERS || this.kept.length < 3) return;
     this.kept = this.kept.filter((_, k) => k % 2 === 0);
     this.every *= 2;
   }

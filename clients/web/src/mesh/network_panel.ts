@@ -1,7 +1,9 @@
-// Which network: its points, its springs, what is fixed, and how it is relaxed.
+// Which network: its points, its springs, what is fixed, what carries it, and how it is relaxed.
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
-import { h, uniqueId } from "../base/dom";
+import { h } from "../base/dom";
 import type { EffectSwitch } from "../contract/types";
+import { hostControls } from "./host_panel";
+import { listField } from "./list_field";
 import type { ClickMode, NetworkSession } from "./network_session";
 import {
   type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS, MODULUS_LIMITS, MOLLIFIER_LENGTHS, MOST_ITERATIONS, MOST_SEED, MOST_WEIGHT, type NetworkState, type PointSource, POISSON_LIMITS, radiusLimits,
@@ -22,7 +24,7 @@ const powers = (values: readonly number[]): Choice<string>[] => values.map((valu
 
 export function networkPanel(mesh: MeshSession, network: NetworkSession): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Network" },
-    pointControls(mesh, network), elementControls(network), springControls(mesh, network), membraneControls(network), fixedField(network), moreControls(network), actions(mesh, network));
+    pointControls(mesh, network), elementControls(network), springControls(mesh, network), membraneControls(network), fixedField(network), hostControls(mesh, network), moreControls(network), actions(mesh, network));
   mesh.tool.watch((tool) => (element.hidden = tool !== "network"));
   return element;
 }
@@ -124,30 +126,6 @@ function fixedField(network: NetworkSession): HTMLElement {
   });
   network.state.watch((state) => field.set(writeFixed(state.fixed)));
   return field.element;
-}
-
-interface ListField {
-  readonly element: HTMLElement;
-  set(text: string): void;
-}
-
-/** A field for a list that is written by hand; what is no such list is said at the field. */
-function listField<Value>(label: string, placeholder: string, fault: string, read: (text: string) => Value | null, take: (value: Value) => boolean): ListField {
-  const id = uniqueId("list");
-  const input = h("input", { class: "number list", id, placeholder, autocomplete: "off", spellcheck: "false" });
-  input.addEventListener("input", () => input.setCustomValidity(""));
-  input.addEventListener("change", () => {
-    const value = read(input.value);
-    if (value !== null && take(value)) return;
-    input.setCustomValidity(fault);
-    input.reportValidity();
-  });
-  return {
-    element: h("div", { class: "field" }, h("label", { for: id }, label), input),
-    set(text) {
-      if (document.activeElement !== input || input.validity.valid) input.value = text;
-    },
-  };
 }
 
 function moreControls(network: NetworkSession): HTMLElement {

@@ -3,9 +3,10 @@ import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { EmbeddedSystem, EmbeddedSystemRequest, Job, SurfacePoint } from "../contract/types";
-import type { Vector } from "./mesh_data";
+import type { MeshData, Vector } from "./mesh_data";
+import { type Host, hostFor, lowestVertices, withSupport } from "./host";
 import type { Triple } from "./membrane";
-import { fileRequest, makingRequest, materialOf, type Network, networkKey, relaxationRequest } from "./network";
+import { fileRequest, makingRequest, materialOf, type Network, networkKey, relaxationRequest, startsAtRest } from "./network";
 import { type Frame, Frames } from "./network_frames";
 import { changed, DEFAULT_NETWORK, hasMembrane, hasSprings, onAnotherMesh, type NetworkState, withFixed, within, withoutPoint, withSpring } from "./network_state";
 import type { MeshActivity, MeshSession } from "./session";
@@ -43,6 +44,8 @@ export class NetworkSession {
   readonly relaxing = new Observable<Relaxing | null>(null);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
   readonly mode = new Observable<ClickMode>("add");
+  /** Whether a click on the surface holds a vertex of a host that gives way. */
+  readonly supporting = new Observable(false);
   /** The first of two points to join. */
   readonly chosen = new Observable<number | null>(null);
   private running: AbortController | null = null;
@@ -74,12 +77,32 @@ export class NetworkSession {
 
   /** The network of a link, once its mesh is there. */
   restore(state: NetworkState): void {
-    this.state.set(state);
+    const info = this.session.mesh.get()?.info;
+    const supports = state.host.supports.filter((vertex) => vertex < (info?.vertices ?? 0));
+    // A link tells nothing of a rigid host: shells and solids are then as they are at first.
+    const host = state.host.kind === "rigid" && info ? hostFor(info.bounding_box.diagonal) : { ...state.host, supports };
+    this.state.set({ ...state, host });
     this.follow();
   }
 
   fix(point: number): void {
     this.state.set(withFixed(this.state.get(), point));
+  }
+
+  changeHost(change: Partial<Host>): void {
+    const host = { ...this.state.get().host, ...change };
+    if (host.kind === "rigid") this.supporting.set(false);
+    this.change({ host });
+  }
+
+  /** Holds a vertex of the host, or lets it go. */
+  support(vertex: number): void {
+    this.changeHost(withSupport(this.state.get().host, vertex));
+  }
+
+  supportLowest(): void {
+    const data = this.session.mesh.get()?.data;
+    if (data) this.changeHost({ supports: lowestVertices(data) });
   }
 
   /** Chooses the first of two points, or joins the second to it. */
@@ -94,6 +117,11 @@ export class NetworkSession {
   removePicked(point: number): void {
     this.state.set(withoutPoint(this.state.get(), point));
     this.session.setPoints(this.session.points.get().filter((_, k) => k !== point));
+  }
+
+  /** The mesh at rest. */
+  get data(): MeshData | null {
+    return this.session.mesh.get()?.data ?? null;
   }
 
   /** Whether what is seen is the network of the state. */
@@ -115,8 +143,8 @@ export class NetworkSession {
   }
 
   /**
-   * Relaxes the network from where its points were made, or goes on from where the last relaxation ended. A membrane, which is at
-   * rest where it starts, goes the same way once more and then further.
+   * Relaxes the network from where its points were made, or goes on from where the last relaxation ended. A membrane or a host that
+   * gives way, which is at rest where it starts, goes the same way once more and then further.
    */
   relax(goOn = false): Promise<void> {
     const start = goOn ? this.relaxing.get()?.answer : null;
@@ -124,7 +152,7 @@ export class NetworkSession {
       const network = this.isMade ? (this.network.get() as Network) : await this.made(signal);
       const asked = relaxationRequest(this.mesh, this.state.get(), network);
       if (!start) return this.follows(asked, asked, network, network.positions, signal);
-      if (asked.triangles) return this.follows({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
+      if (startsAtRest(asked)) return this.follows({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
       await this.follows({ ...asked, points: start.points }, asked, network, start.positions as unknown as Vector[], signal);
     });
   }
@@ -206,7 +234,7 @@ export class NetworkSession {
     const answer = await this.compute(request, "Relaxing", signal, ({ partial }) => {
       if (!partial || !("gradient_norm" in partial) || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
       steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
-      if (partial.positions && partial.iteration > 0) frames.add({ iteration: partial.iteration, positions: partial.positions as unknown as Vector[] });
+      if (partial.positions && partial.iteration > 0) frames.add({ iteration: partial.iteration, positions: partial.positions as unknown as Vector[], ...(partial.vertices && { vertices: partial.vertices as unknown as Vector[] }) });
       this.relaxing.set({ request, asked, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
     });
     if (signal.aborted) return;

@@ -1,5 +1,6 @@
 // What a person decides about a network: where its points come from, what joins them, how it is relaxed.
 import type { EffectSwitch, EmbeddedSystemRequest, Mesh } from "../contract/types";
+import { type Host, hostFor, hostOnAnotherMesh } from "./host";
 
 export type PointSource = "poisson_disk" | "per_face" | "picked";
 export type SpringSource = "voronoi_dual" | "adjacent_faces" | "drawn";
@@ -43,6 +44,7 @@ export interface NetworkState {
   readonly mollifier: EffectSwitch;
   readonly mollifierLength: number;
   readonly keptStrips: EffectSwitch;
+  readonly host: Host;
 }
 
 export const POINT_SOURCES: readonly PointSource[] = ["poisson_disk", "per_face", "picked"];
@@ -68,6 +70,7 @@ export const DEFAULT_NETWORK: NetworkState = {
   points: "poisson_disk", elements: "springs", radius: 1, seed: 1, springs: "voronoi_dual", drawn: [], restLength: 0, weight: 1, fixed: [],
   youngsModulus: 1, poissonRatio: 0.3, thickness: 1, restScale: 0.9,
   method: "newton", springLength: "geodesic", tolerance: 1e-9, maxIterations: 200, mollifier: "automatic", mollifierLength: 1e-6, keptStrips: "automatic",
+  host: hostFor(1),
 };
 
 /** The radius of about so many random points on a surface. */
@@ -81,8 +84,8 @@ export function radiusLimits({ area }: Pick<Mesh, "area">): readonly [number, nu
 }
 
 /** What of a network makes sense on any mesh, with the rest as a mesh has it at first. */
-export function onAnotherMesh(state: NetworkState, { area }: Pick<Mesh, "area">): NetworkState {
-  return { ...state, radius: radiusOf(area, POINTS_AT_FIRST), restLength: 0, fixed: [], drawn: [] };
+export function onAnotherMesh(state: NetworkState, mesh: Pick<Mesh, "area" | "bounding_box">): NetworkState {
+  return { ...state, radius: radiusOf(mesh.area, POINTS_AT_FIRST), restLength: 0, fixed: [], drawn: [], host: hostOnAnotherMesh(state.host, mesh) };
 }
 
 /** A change, with what no longer makes sense after it: springs and fixed points go by the numbers of points. */

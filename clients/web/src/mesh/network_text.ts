@@ -1,6 +1,7 @@
 // Numbers of points and springs as they are written by hand, and all of a network in a link.
 import { plain } from "../base/format";
 import type { EffectSwitch } from "../contract/types";
+import { readHost, writeHost } from "./host_text";
 import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MOST_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, within } from "./network_state";
 
 const MOST_POINTS = 100_000;
@@ -50,7 +51,7 @@ export function writeNetwork(state: NetworkState): string {
   const membrane = [elements, ...[state.youngsModulus, state.poissonRatio, state.thickness, state.restScale].map(plain)];
   const fields = [points, plain(radius), seed, springs, plain(restLength), plain(weight), method, springLength, plain(tolerance), maxIterations, mollifier, plain(mollifierLength), keptStrips, ...(hasMembrane(state) ? membrane : [])];
   const lists = [state.fixed.length > 0 && `fixed=${state.fixed.join(",")}`, state.drawn.length > 0 && `springs=${writeSprings(state.drawn).replace(/ /g, "")}`];
-  return [`network=${fields.join(",")}`, ...lists.filter((text) => text !== false)].join("&");
+  return [`network=${fields.join(",")}`, ...lists.filter((text) => text !== false), ...writeHost(state.host)].join("&");
 }
 
 /** The network of a link's fields, with defaults for what is none; null where the link has no network. */
@@ -84,6 +85,7 @@ export function readNetwork(fields: ReadonlyMap<string, string>, picked: number)
     keptStrips: oneOf(SWITCHES, keptStrips, "automatic"),
     fixed: readFixed(fields.get("fixed") ?? "") ?? [],
     drawn: readSprings(fields.get("springs") ?? "") ?? [],
+    host: readHost(fields),
   };
   return within(state, state.points === "picked" ? picked : MOST_POINTS);
 }

@@ -51,7 +51,27 @@ export function meshPage({ client, link }: Surroundings): Page {
     viewer?.setMarks(marks, session.finding.get().mean);
   }
 
+  /** Vertices that are held, where the surface has them now. */
+  function showSupports(): void {
+    const loaded = session.mesh.get();
+    const { kind, supports } = network.state.get().host;
+    const seen = ofNetwork() ? view.host.get()?.vertices : null;
+    viewer?.setSupports(loaded && ofNetwork() && kind !== "rigid" ? supports.map((vertex) => seen?.[vertex] ?? session.position({ vertex })) : []);
+  }
+
+  function hold({ face, barycentric }: NonNullable<Pick["place"]>): void {
+    const vertex = session.mesh.get()?.data.faces[3 * face + barycentric.indexOf(Math.max(...barycentric))];
+    if (vertex === undefined) return;
+    network.support(vertex);
+    announce(`Vertex ${vertex} is ${network.state.get().host.supports.includes(vertex) ? "held" : "free"}.`, "change");
+  }
+
   function pick({ place, point }: Pick): void {
+    if (ofNetwork() && network.supporting.get()) {
+      if (place) hold(place);
+      else announce("There is no surface here.");
+      return;
+    }
     const mode = network.state.get().points === "picked" ? network.mode.get() : "fix";
     if (!ofNetwork() || mode === "add") {
       if (place) session.add({ face: place.face, barycentric: [...place.barycentric] });
@@ -71,15 +91,18 @@ export function meshPage({ client, link }: Surroundings): Page {
       showMarks();
     });
     for (const part of [session.points, session.tool]) part.watch(showMarks);
+    // The surface before the network, which lies on it.
+    for (const part of [view.host, session.tool]) part.watch(() => viewer.setHost(ofNetwork() ? view.host.get() : null));
+    for (const part of [view.host, session.tool, session.mesh, network.state]) part.watch(showSupports);
     for (const part of [view.picture, session.tool]) part.watch(() => viewer.setNetwork(ofNetwork() ? view.picture.get() : null));
   }
   session.finding.watch((finding) => {
     if (finding.facts.length > 0) announce(finding.facts.map(([term, value]) => `${term}: ${value}`).join(". "));
   });
-  for (const part of [session.tool, network.state, network.mode]) {
+  for (const part of [session.tool, network.state, network.mode, network.supporting]) {
     part.watch(() => {
       const { points } = network.state.get();
-      const click = !ofNetwork() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
+      const click = ofNetwork() && network.supporting.get() ? "Click to hold the nearest vertex or let it go" : !ofNetwork() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
       hint.textContent = `${click}, drag to turn, scroll to come nearer. With the keyboard: arrows and + −.`;
     });
   }

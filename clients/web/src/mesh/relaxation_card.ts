@@ -7,6 +7,7 @@ import { digits, seconds } from "../base/format";
 import { svgOf } from "../base/svg_file";
 import type { Cost, Effect, EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
+import { hostFacts, hostLegend } from "./host_legend";
 import { frameAt } from "./network_frames";
 import type { FileKind, NetworkSession, Relaxing } from "./network_session";
 import type { ColourBy, NetworkView, StretchRange, TriangleColourBy } from "./network_view";
@@ -21,7 +22,7 @@ export const STOP_SENTENCES: Record<EmbeddedSystem["stopped"], string> = {
 };
 
 const MOST_ROWS = 60;
-/** Points of a network whose positions the events of its job carry. */
+/** Points of a network, and vertices of a host, whose positions the events of its job carry. */
 const MOST_SEEN = 5000;
 
 export function relaxationCard(network: NetworkSession, view: NetworkView): HTMLElement {
@@ -46,9 +47,9 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const history = button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" });
   const request = button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" });
   const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
-  const side = h("div", { class: "relaxation-side" }, ofTriangles, ofSprings, slider, h("div", { class: "row" }, ...files, history, request));
+  const side = h("div", { class: "relaxation-side" }, ofTriangles, ofSprings, hostLegend(view), slider);
   const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true },
-    h("h2", {}, "Relaxation"), sentence, stale, notes, goOn, h("div", { class: "relaxation-body" }, stage, facts, side), bill);
+    h("h2", {}, "Relaxation"), sentence, stale, notes, goOn, h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files, history, request), bill);
 
   function saveRequest(): void {
     const relaxing = network.relaxing.get();
@@ -83,7 +84,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     const { answer } = relaxing;
     ofTriangles.hidden = relaxing.network.triangles.length === 0;
     ofSprings.hidden = relaxing.network.pairs.length === 0 && !ofTriangles.hidden;
-    sentence.textContent = answer ? STOP_SENTENCES[answer.stopped] : relaxing.network.points.length > MOST_SEEN ? "The network is relaxing. It has too many points to be seen on its way." : "The network is relaxing.";
+    sentence.textContent = answer ? STOP_SENTENCES[answer.stopped] : onTheWay(relaxing, view.restVertices);
     replace(notes, ...(answer ? notesOf(answer) : []).map((words) => h("p", { class: "note" }, words)));
     for (const part of [...files, history, request, goOn]) part.disabled = !answer;
     goOn.hidden = answer?.stopped !== "iteration_limit";
@@ -118,6 +119,12 @@ function legend(ramp: readonly Rgb[]): { element: HTMLElement; show: (range: Ran
   };
 }
 
+function onTheWay({ network, request }: Relaxing, vertices: number): string {
+  if (network.points.length > MOST_SEEN) return "The network is relaxing. It has too many points to be seen on its way.";
+  if (request.host && vertices > MOST_SEEN) return "The network is relaxing. The surface has too many vertices to be seen on its way.";
+  return "The network is relaxing.";
+}
+
 function factsOf({ answer, steps, network }: Relaxing, iteration: number | null, stretches: StretchRange | null): [string, string][] {
   const step = iteration === null ? steps.at(-1) : steps.find((one) => one.iteration === iteration);
   const rows: [string, string][] = [
@@ -135,6 +142,7 @@ function factsOf({ answer, steps, network }: Relaxing, iteration: number | null,
     const compressed = answer.springs.filter((spring) => spring.compressed).length;
     rows.push(["Under compression", compressed === 0 ? "none" : String(compressed)]);
   }
+  if (iteration === null) rows.push(...hostFacts(answer));
   return [...rows, ["Time", seconds(answer.cost.seconds)]];
 }
 

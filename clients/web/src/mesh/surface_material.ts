@@ -1,4 +1,4 @@
-// How the surface looks: plain, or coloured by distance with isolines.
+// How the surface looks: plain, coloured by distance with isolines, or each face in a colour.
 import * as THREE from "three";
 
 /** Near to far. */
@@ -29,6 +29,37 @@ const vertexShader = /* glsl */ `
     gl_Position = projectionMatrix * view;
   }`;
 
+const facesVertexShader = /* glsl */ `
+  attribute vec3 colour;
+  varying vec3 vColour;
+  varying vec3 vNormal;
+  varying vec3 vView;
+  void main() {
+    vColour = colour;
+    vNormal = normalMatrix * normal;
+    vec4 view = modelViewMatrix * vec4(position, 1.0);
+    vView = view.xyz;
+    gl_Position = projectionMatrix * view;
+  }`;
+
+const facesFragmentShader = /* glsl */ `
+  varying vec3 vColour;
+  varying vec3 vNormal;
+  varying vec3 vView;
+  ${lightOfSurface}
+  void main() {
+    gl_FragColor = vec4(lit(vColour, vNormal, vView), 1.0);
+    #include <colorspace_fragment>
+  }`;
+
+/** The surface steps back a little, so that lines on it are seen. */
+const BACK = { polygonOffset: true, polygonOffsetFactor: 1.5, polygonOffsetUnits: 2 };
+
+/** For faces that have a colour each. */
+export function facesMaterial(offset: THREE.MaterialParameters = BACK): THREE.ShaderMaterial {
+  return new THREE.ShaderMaterial({ vertexShader: facesVertexShader, fragmentShader: facesFragmentShader, side: THREE.DoubleSide, ...offset });
+}
+
 const fragmentShader = /* glsl */ `
   uniform vec3 plain;
   uniform vec3 ramp[5];
@@ -57,10 +88,7 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
     vertexShader,
     fragmentShader,
     side: THREE.DoubleSide,
-    // The surface steps back a little, so that lines on it are seen.
-    polygonOffset: true,
-    polygonOffsetFactor: 1.5,
-    polygonOffsetUnits: 2,
+    ...BACK,
     uniforms: {
       plain: { value: new THREE.Color(0.66, 0.7, 0.73) },
       ramp: { value: RAMP.map((rgb) => new THREE.Vector3(...rgb)) },

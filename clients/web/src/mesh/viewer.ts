@@ -7,9 +7,11 @@ import { dark } from "../base/theme";
 import { SceneView } from "../scene/scene_view";
 import { drape, type Drape } from "./membrane_drape";
 import { MembraneDrawing } from "./membrane_drawing";
+import { HostDrawing } from "./host_drawing";
 import { barycentricOf, type MeshData, roundStep, type Vector } from "./mesh_data";
 import { SurfaceGrid } from "./nearest_on_surface";
 import { NetworkDrawing, type NetworkPicture } from "./network_drawing";
+import type { Rgb } from "./spring_colours";
 import { surfaceMaterial } from "./surface_material";
 
 const CLICK_PIXELS = 5;
@@ -19,8 +21,17 @@ const FROM = new THREE.Vector3(0.35, 0.45, 1);
 
 /** A point of a network that is hit this near, in pixels. */
 const POINT_PIXELS = 14;
+const DOT_COLOURS = { free: "--solid", fixed: "--target", chosen: "--simulated", support: "--missed", rim: "--surface" } as const;
 /** How far behind the surface, of its radius, a point of a network is still seen. */
 const BEHIND = 0.05;
+
+/** A surface that gave way. */
+export interface HostPicture {
+  /** Where its vertices are; null for the mesh as it is. */
+  readonly vertices: readonly Vector[] | null;
+  /** One for each face; null for a plain surface. */
+  readonly colours: readonly Rgb[] | null;
+}
 
 export interface Pick {
   /** Where the surface was hit; null beside it. */
@@ -37,13 +48,19 @@ export class MeshViewer {
   private readonly lines = new THREE.Group();
   private readonly network = new NetworkDrawing();
   private readonly membrane = new MembraneDrawing();
-  /** Of the mesh, once a membrane lies on it. */
+  private readonly supports = new NetworkDrawing();
+  private readonly host = new HostDrawing();
+  private supported: readonly Vector[] = [];
+  /** Of the surface as it is seen, once a membrane lies on it. */
   private grid: SurfaceGrid | null = null;
   private draped: { positions: NetworkPicture["positions"]; triangles: NetworkPicture["triangles"]; drape: Drape } | null = null;
   private picture: NetworkPicture | null = null;
   private readonly lineMaterial = new LineMaterial({ linewidth: 5 });
   private surface: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
   private data: MeshData | null = null;
+  /** The mesh as it is seen, which may have given way. */
+  private shape: MeshData | null = null;
+  private shapeVertices: readonly Vector[] | null = null;
   private radius = 1;
 
   /** Throws where the browser has no WebGL. */
@@ -51,14 +68,15 @@ export class MeshViewer {
     this.view = new SceneView("No mesh yet");
     this.view.resized = (width, height) => {
       this.lineMaterial.resolution.set(width, height);
-      this.network.resized(width, height, this.view.pixelRatio);
+      for (const drawing of [this.network, this.supports]) drawing.resized(width, height, this.view.pixelRatio);
       this.membrane.resized(width, height);
     };
-    this.view.scene.add(this.marks, this.lines, this.membrane.group, this.network.group);
+    this.view.scene.add(this.marks, this.lines, this.host.group, this.membrane.group, this.supports.group, this.network.group);
     this.listen();
     dark.watch((isDark) => {
       this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
       this.setNetwork(this.picture);
+      this.setSupports(this.supported);
     });
   }
 
@@ -69,8 +87,9 @@ export class MeshViewer {
   setMesh(data: MeshData, words: string): void {
     this.surface?.geometry.dispose();
     this.surface?.removeFromParent();
-    this.data = data;
-    [this.grid, this.draped] = [null, null];
+    this.data = this.shape = data;
+    [this.grid, this.draped, this.shapeVertices] = [null, null, null];
+    this.host.show(null, null);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(data.positions), 3));
     geometry.setIndex(new THREE.BufferAttribute(data.faces, 1));
@@ -84,6 +103,34 @@ export class MeshViewer {
     this.radius = sphere.radius || 1;
     this.view.showAll(sphere, FROM);
     this.setField(null);
+  }
+
+  /** The surface as it gave way and the colours of its faces; as the mesh has it, and plain, with null. */
+  setHost(picture: HostPicture | null): void {
+    if (!this.surface || !this.data) return;
+    const vertices = picture?.vertices ?? null;
+    const { geometry } = this.surface;
+    if (vertices !== this.shapeVertices) {
+      this.shapeVertices = vertices;
+      this.shape = vertices ? { positions: Float64Array.from(vertices.flatMap((place) => [...place])), faces: this.data.faces } : this.data;
+      [this.grid, this.draped] = [null, null];
+      const attribute = geometry.getAttribute("position") as THREE.BufferAttribute;
+      attribute.array.set(this.shape.positions);
+      attribute.needsUpdate = true;
+      geometry.computeVertexNormals();
+      geometry.computeBoundingSphere();
+    }
+    this.surface.visible = !picture?.colours;
+    this.host.show(geometry, picture?.colours ?? null);
+    this.view.draw();
+  }
+
+  /** Marks vertices that are held. */
+  setSupports(places: readonly Vector[]): void {
+    this.supported = places;
+    const colour = pageColours();
+    this.supports.show({ positions: places, kinds: places.map(() => "support"), lines: [], colours: [], triangles: [], triangleColours: [], straight: false }, (kind) => colour(DOT_COLOURS[kind]));
+    this.view.draw();
   }
 
   /** Colours by distance, one for each vertex (below 0 where there is none); plain without. Returns the spacing of the isolines. */
@@ -135,20 +182,19 @@ export class MeshViewer {
   setNetwork(picture: NetworkPicture | null): void {
     this.picture = picture;
     const colour = pageColours();
-    const names = { free: "--solid", fixed: "--target", chosen: "--simulated", rim: "--surface" };
-    this.network.show(picture, (kind) => colour(names[kind]));
+    this.network.show(picture, (kind) => colour(DOT_COLOURS[kind]));
     this.membrane.show(this.drapeOf(picture), picture?.triangleColours ?? [], colour("--solid"));
     this.view.draw();
   }
 
   /** Where only colours change, the drape stays. */
   private drapeOf(picture: NetworkPicture | null): Drape | null {
-    if (!picture || picture.triangles.length === 0 || !this.data || !this.surface) return null;
+    if (!picture || picture.triangles.length === 0 || !this.shape || !this.surface) return null;
     const { positions, triangles } = picture;
     if (this.draped?.positions !== positions || this.draped.triangles !== triangles) {
-      this.grid ??= new SurfaceGrid(this.data);
+      this.grid ??= new SurfaceGrid(this.shape);
       const normals = this.surface.geometry.getAttribute("normal").array;
-      this.draped = { positions, triangles, drape: drape(this.data, this.grid, normals, positions, triangles) };
+      this.draped = { positions, triangles, drape: drape(this.shape, this.grid, normals, positions, triangles) };
     }
     return this.draped.drape;
   }
@@ -164,7 +210,7 @@ export class MeshViewer {
   }
 
   private pick(event: PointerEvent): void {
-    if (!this.surface || !this.data) return;
+    if (!this.surface || !this.shape) return;
     const { camera, canvas } = this.view;
     const box = canvas.getBoundingClientRect();
     const place = new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
@@ -175,7 +221,7 @@ export class MeshViewer {
     const face = hit?.faceIndex ?? null;
     const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
     const point = this.network.nearest(event.clientX - box.left, event.clientY - box.top, POINT_PIXELS, camera, box, depth);
-    this.onPick({ place: face === null ? null : { face, barycentric: barycentricOf(this.data, face, hit.point.toArray()) }, point });
+    this.onPick({ place: face === null ? null : { face, barycentric: barycentricOf(this.shape, face, hit.point.toArray()) }, point });
   }
 }
 

@@ -1,0 +1,25 @@
+// A field for a list that is written by hand; what is no such list is said at the field.
+import { h, uniqueId } from "../base/dom";
+
+export interface ListField {
+  readonly element: HTMLElement;
+  set(text: string): void;
+}
+
+export function listField<Value>(label: string, placeholder: string, fault: string, read: (text: string) => Value | null, take: (value: Value) => boolean): ListField {
+  const id = uniqueId("list");
+  const input = h("input", { class: "number list", id, placeholder, autocomplete: "off", spellcheck: "false" });
+  input.addEventListener("input", () => input.setCustomValidity(""));
+  input.addEventListener("change", () => {
+    const value = read(input.value);
+    if (value !== null && take(value)) return;
+    input.setCustomValidity(fault);
+    input.reportValidity();
+  });
+  return {
+    element: h("div", { class: "field" }, h("label", { for: id }, label), input),
+    set(text) {
+      if (document.activeElement !== input || input.validity.valid) input.value = text;
+    },
+  };
+}

@@ -1,0 +1,131 @@
+import { describe, expect, it } from "vitest";
+import { DEFORMATION_RAMP, deformationColour, deformationOf, greatestFactor } from "../src/mesh/deformation";
+import { type Host, hostFault, hostFor, hostLimits, lowestVertices, withSupport } from "../src/mesh/host";
+import { hostFacts } from "../src/mesh/host_legend";
+import { readSupports, writeSupports } from "../src/mesh/host_text";
+import { readMeshLink, writeMeshLink } from "../src/mesh/link";
+import type { MeshData, Vector } from "../src/mesh/mesh_data";
+import { fileRequest, type Network, networkKey, relaxationRequest } from "../src/mesh/network";
+import { DEFAULT_NETWORK, type NetworkState, onAnotherMesh } from "../src/mesh/network_state";
+
+const MESH = "ab".repeat(32);
+const network: Network = { points: [{ vertex: 0 }, { vertex: 1 }], positions: [[0, 0, 0], [1, 0, 0]], pairs: [[0, 1]], triangles: [] };
+const shell: Host = { ...hostFor(2), kind: "shell", thickness: 0.1, shellModulus: 50, poissonRatio: 0.25, supports: [3, 4, 5, 9] };
+const on = (host: Host): NetworkState => ({ ...DEFAULT_NETWORK, host });
+
+describe("the request of a network", () => {
+  it("says what carries it, and nothing where that is rigid", () => {
+    expect(relaxationRequest(MESH, on({ ...shell, kind: "rigid" }), network)).not.toHaveProperty("host");
+    const request = relaxationRequest(MESH, on(shell), network);
+    expect(request.host).toEqual({ kind: "shell", thickness: 0.1, youngs_modulus: 50, poisson_ratio: 0.25, fixed_vertices: [3, 4, 5, 9] });
+    expect(request.effects?.bending).toBe("on");
+    const kept = relaxationRequest(MESH, on({ ...shell, keepsVolume: true, volumeWeight: 7, volumeScale: 1.5, bends: false }), network);
+    expect(kept.host).toMatchObject({ volume_weight: 7, volume_scale: 1.5 });
+    expect(kept.effects?.bending).toBe("off");
+  });
+
+  it("has gravity downwards on a solid, where there is any", () => {
+    const solid: Host = { ...shell, kind: "solid", solidModulus: 80, gravity: 0.5 };
+    const request = relaxationRequest(MESH, on(solid), network);
+    expect(request.host).toEqual({ kind: "solid", youngs_modulus: 80, poisson_ratio: 0.25, gravity: [0, 0, -0.5], fixed_vertices: [3, 4, 5, 9] });
+    expect(request.effects).not.toHaveProperty("bending");
+    expect(relaxationRequest(MESH, on({ ...solid, gravity: 0 }), network).host).not.toHaveProperty("gravity");
+  });
+
+  it("is sent once more for a file, since a host that gave way would move again", () => {
+    const request = relaxationRequest(MESH, on(shell), network);
+    expect(fileRequest(request, [{ vertex: 5 }, { vertex: 6 }])).toBe(request);
+  });
+
+  it("is about the same network whatever carries it", () => {
+    expect(networkKey(MESH, on(shell), [])).toBe(networkKey(MESH, DEFAULT_NETWORK, []));
+  });
+});
+
+describe("a host", () => {
+  it("has lengths and moduli for the size of its mesh, within what the page offers", () => {
+    for (const diagonal of [0.02, 1, 9, 400]) {
+      const [host, limits] = [hostFor(diagonal), hostLimits(diagonal)];
+      expect(host.thickness / diagonal).toBeCloseTo(0.03, 2);
+      for (const name of ["thickness", "shellModulus", "solidModulus", "volumeWeight", "gravity"] as const) {
+        const [lower, upper] = limits[name];
+        expect(host[name]).toBeGreaterThanOrEqual(lower);
+        expect(host[name]).toBeLessThan(upper);
+      }
+    }
+    const moved = onAnotherMesh(on({ ...shell, keepsVolume: true }), { area: 1, bounding_box: { lower: [], upper: [], diagonal: 20 } }).host;
+    expect(moved).toMatchObject({ kind: "shell", thickness: 0.6, keepsVolume: true, poissonRatio: 0.25, supports: [] });
+  });
+
+  it("is held at a vertex, or let go", () => {
+    expect(withSupport(shell, 1).supports).toEqual([1, 3, 4, 5, 9]);
+    expect(withSupport(shell, 4).supports).toEqual([3, 5, 9]);
+  });
+
+  it("stands on the lowest tenth of its height", () => {
+    expect(lowestVertices({ positions: Float64Array.from([0, 0, 1, 5, 0, -1, 0, 5, -0.81, 0, 0, -0.79]) })).toEqual([1, 2]);
+  });
+
+  it("that does not go with the mesh is told", () => {
+    const [open, closed] = [{ boundary_loops: 1 }, { boundary_loops: 0 }];
+    expect(hostFault(shell, open)).toBeNull();
+    expect(hostFault({ ...shell, keepsVolume: true }, open)).toMatch(/no volume/);
+    expect(hostFault({ ...shell, kind: "solid" }, open)).toMatch(/closed/);
+    expect(hostFault({ ...shell, kind: "solid", gravity: 1, supports: [1, 2] }, closed)).toMatch(/three supports/);
+    expect(hostFault({ ...shell, kind: "solid", gravity: 1 }, closed)).toBeNull();
+  });
+});
+
+describe("held vertices as they are written", () => {
+  it("are numbers and rows of them", () => {
+    expect(readSupports("9, 3-5; 4")).toEqual([3, 4, 5, 9]);
+    expect(readSupports("")).toEqual([]);
+    expect(writeSupports([3, 4, 5, 9, 11, 12])).toBe("3-5, 9, 11, 12");
+    for (const text of ["x", "5-3", "1-", "-2", "0-999999999"]) expect(readSupports(text)).toBeNull();
+  });
+});
+
+describe("a link with a host", () => {
+  const link = (network: NetworkState) => ({ mesh: MESH, tool: "network" as const, points: [], network });
+
+  it("brings it back with its supports", () => {
+    for (const host of [shell, { ...shell, kind: "solid" as const, gravity: 0.25, keepsVolume: true, bends: false }]) {
+      expect(readMeshLink(writeMeshLink(link(on(host))))?.network?.host).toEqual(host);
+    }
+    expect(writeMeshLink(link(on({ ...shell, kind: "rigid" })))).not.toContain("host=");
+  });
+
+  it("leaves out what is no value", () => {
+    const read = readMeshLink(`mesh=${MESH}&tool=network&network=poisson_disk&host=shell,-1,x,3,0.9&supports=a`);
+    expect(read?.network?.host).toEqual({ ...DEFAULT_NETWORK.host, kind: "shell", solidModulus: 3 });
+    expect(readMeshLink(`mesh=${MESH}&tool=network&network=poisson_disk&host=jelly`)?.network?.host).toEqual(DEFAULT_NETWORK.host);
+  });
+});
+
+describe("a surface that gave way", () => {
+  const mesh: MeshData = { positions: Float64Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]), faces: Uint32Array.from([0, 1, 2, 1, 3, 2]) };
+  const now: Vector[] = [[0, 0, 5], [2, 0, 5], [0, 1, 5], [2, 1, 5]];
+
+  it("is measured by area and by stretch, whichever way it went", () => {
+    for (const value of deformationOf(mesh, now, "area")) expect(value).toBeCloseTo(2, 12);
+    const sheared: Vector[] = [[0, 0, 0], [2, 0, 0], [0, 0.5, 0], [2, 0.5, 0]];
+    for (const value of deformationOf(mesh, sheared, "area")) expect(value).toBeCloseTo(1, 12);
+    for (const value of deformationOf(mesh, sheared, "stretch")) expect(value).toBeCloseTo(2, 12);
+  });
+
+  it("is coloured alike for a half and a double, and neutrally where nothing changed", () => {
+    expect(greatestFactor([1, 0.5, 1.25])).toBe(2);
+    expect(greatestFactor([1, 0, Infinity])).toBeGreaterThan(1);
+    expect(deformationColour(1, 2)).toEqual(DEFORMATION_RAMP[2]);
+    expect(deformationColour(0.5, 2)).toEqual(DEFORMATION_RAMP[0]);
+    expect(deformationColour(2, 2)).toEqual(DEFORMATION_RAMP[4]);
+  });
+
+  it("is told in numbers, term by term", () => {
+    const terms = [{ name: "geodesic_springs", energy: 2 }, { name: "shell_bending", energy: 0.5 }, { name: "new_term", energy: -1 }];
+    expect(hostFacts({ terms })).toEqual([]);
+    expect(hostFacts({ terms, host: { vertices: [], largest_displacement: 0.25, volume_ratio: 0.9 } })).toEqual([
+      ["Energy of springs", "2"], ["Energy of bending the shell", "0.5"], ["new term", "−1"], ["Largest displacement", "0.25"], ["Volume over that at rest", "0.9"],
+    ]);
+  });
+});
