@@ -356,6 +356,10 @@ describe("a network on a surface", () => {
     for (const kind of ["Shell", "Solid"]) {
       await page.getByRole("radio", { name: kind, exact: true }).check();
       await button(page, "Relax").click();
+      await page.locator(".relaxation .stop", { hasText: "is relaxing" }).waitFor();
+      await page.locator(".host-legend").waitFor();
+      assert.equal(await page.locator(".working").isVisible(), true, "the surface is redrawn while it is worked on");
+      await picture(page, `host-sample-${kind.toLowerCase()}-running`);
       await page.locator(".relaxation .facts dt", { hasText: kind === "Shell" ? "bending the shell" : "Tetrahedra" }).waitFor();
       await rested(page);
       await page.waitForTimeout(300);
