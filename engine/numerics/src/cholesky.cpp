@@ -104,7 +104,7 @@ struct ShiftedCholesky::Implementation {
   }
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const {
-    const Eigen::VectorXd x = solve_bordered(b);
+    Eigen::VectorXd x = solve_bordered(b);
     if (low_rank.size() == 0) return x;
     return x - inverse_low_rank * capacitance.solve(low_rank.transpose() * x);
   }

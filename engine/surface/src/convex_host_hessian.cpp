@@ -43,7 +43,7 @@ class ConvexLength {
 
   /// With the crossings where they make the sum least.
   MatrixXd hessian() {
-    const MatrixXd by_all = matrix_.topLeftCorner(size_, size_);
+    MatrixXd by_all = matrix_.topLeftCorner(size_, size_);
     if (crossings_ == 0) return by_all;
     MatrixXd crossings = matrix_.bottomRightCorner(crossings_, crossings_);
     crossings.diagonal().array() += crossing_shift * crossings.diagonal().mean();
