@@ -25,7 +25,7 @@ Eigen::Matrix2d sides_of(const surface::TriangleMesh& mesh, FaceId face) {
 }  // namespace
 
 MovingNetwork::MovingNetwork(const surface::GeodesicSolver& solver, const Network& network,
-                             std::vector<bool> held_points, std::vector<bool> held_coordinates,
+                             std::vector<bool> held_points, const std::vector<bool>& held_coordinates,
                              GeodesicElementsOptions options, const MovingHost& host, double gradient_tolerance,
                              Execution execution)
     : first_(solver),

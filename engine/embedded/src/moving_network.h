@@ -24,7 +24,7 @@ class MovingNetwork {
 
   /// `solver` is that of the mesh; all outlive this. Throws "host.positions".
   MovingNetwork(const surface::GeodesicSolver& solver, const Network& network, std::vector<bool> held_points,
-                std::vector<bool> held_coordinates, GeodesicElementsOptions options, const MovingHost& host,
+                const std::vector<bool>& held_coordinates, GeodesicElementsOptions options, const MovingHost& host,
                 double gradient_tolerance, Execution execution);
 
   /// Moves the surface to a load, the points with it.

@@ -104,7 +104,7 @@ std::array<Vector3d, 4> corners_at(const NetworkState& state, const std::array<s
 double volume_of(const std::vector<surface::Triangle>& faces, const auto& position) {
   double volume = 0;
   // From a corner of the surface, so that places far from the origin keep their digits.
-  const Vector3d origin = position(faces.front()[0]);
+  const Vector3d& origin = position(faces.front()[0]);
   for (const auto& [a, b, c] : faces)
     volume += (position(a) - origin).dot((position(b) - origin).cross(position(c) - origin));
   return volume / 6;

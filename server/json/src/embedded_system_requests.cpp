@@ -9,7 +9,7 @@ namespace supple::json {
 namespace {
 
 constexpr int most_relaxation_iterations = 100'000;
-constexpr std::size_t most_regions = 1000;
+constexpr std::size_t most_solid_regions = 1000;
 constexpr std::size_t most_positions = 1000;
 
 /// Calls read(fields) for the object that stands in place of an array.
@@ -161,7 +161,7 @@ void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid
   fields.number("element_size", solid.element_size, 0, any, true);
   read_vector(fields, "gravity", solid.gravity);
   read_indices(fields, "fixed_vertices", limits, solid.fixed_vertices);
-  const auto* regions = fields.array("regions", false, 0, most_regions, "");
+  const auto* regions = fields.array("regions", false, 0, most_solid_regions, "");
   for (std::size_t i = 0; regions && i < regions->size(); ++i) {
     Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
     embedded::SolidRegion& read = solid.regions.emplace_back();
