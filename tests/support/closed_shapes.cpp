@@ -76,9 +76,9 @@ TriangleMesh genus3(int n) {
 
 TriangleMesh rabbit(int n) {
   Soup soup = cell_surface({5, 3, 7}, n, [](int x, int y, int z) {
-    if (z < 2) return x < 4 || (z == 0 && y != 1);  // body and paws
+    if (z < 2) return x < 4 || (z == 0 && y != 1);                       // body and paws
     if (z < 4) return x == 2 || x == 3 || (x == 4 && y == 1 && z == 2);  // head and nose
-    return x == 2 && y != 1;  // ears
+    return x == 2 && y != 1;                                             // ears
   });
   smooth(soup, n * n);
   return std::move(soup).build();
