@@ -1,7 +1,7 @@
 // Elastic networks on surfaces: what a step costs, what accuracy costs, and how methods compare. Writes CSV files and,
-// where every study ran, networks.md; plot_networks.py and plot_membranes.py draw them.
+// where every study ran, networks.md; plot_networks.py, plot_membranes.py and plot_hosts.py draw them.
 //
-// The study `membranes` writes a page of its own, membranes.md.
+// The studies `membranes` and `hosts` write pages of their own, membranes.md and hosts.md.
 //
 //   network_bench [--short] [--out DIR] [STUDY ...]      default: all studies into docs/bench
 #include "network_bench.h"
@@ -11,6 +11,7 @@
 
 #include "command_line.h"
 #include "measurement.h"
+#include "network_hosts.h"
 #include "network_membranes.h"
 #include "supple/base/threads.h"
 
@@ -44,6 +45,15 @@ void write_page_of_membranes(const std::filesystem::path& folder, const supple::
   report.write(introduction(settings, " membranes", "plot_membranes.py"));
 }
 
+void write_page_of_hosts(const std::filesystem::path& folder, const supple::bench::NetworkSettings& settings) {
+  supple::bench::Report report(folder, "hosts", "Hosts that give way: measured times and convergence");
+  supple::bench::measure_host_scenes(report, settings);
+  supple::bench::measure_host_steps(report, settings);
+  supple::bench::measure_host_accuracy(report, settings);
+  supple::bench::measure_host_effects(report, settings);
+  report.write(introduction(settings, " hosts", "plot_hosts.py"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -71,6 +81,7 @@ int main(int argc, char** argv) {
   add("vertices", draw_kinds_of_vertices);
   const std::size_t of_networks = studies.size();
   studies.push_back({"membranes", [&] { write_page_of_membranes(folder, settings); }});
+  studies.push_back({"hosts", [&] { write_page_of_hosts(folder, settings); }});
   const int status =
       run_program(argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)}, studies);
   if (status == 0 && ran == of_networks) report->write(introduction(settings, "", "plot_networks.py"));

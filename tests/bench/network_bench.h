@@ -53,6 +53,7 @@ struct TimedStep {
   double cpu_seconds = 0;
   double wall_seconds = 0;
   double search = 0;  ///< wall seconds by what they went into
+  double host_derivatives = 0;
   double assembly = 0;
   double solve = 0;
   double motion = 0;

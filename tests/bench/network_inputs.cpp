@@ -143,6 +143,7 @@ TimedRun timed_run(const surface::GeodesicSolver& solver, const Network& network
     timed.cpu_seconds = cpu - cpu_apart;
     timed.wall_seconds = wall - wall_apart;
     timed.search = stage_seconds(run.cost, "search");
+    timed.host_derivatives = stage_seconds(run.cost, "host_derivatives");
     timed.assembly = stage_seconds(run.cost, "assembly");
     timed.solve = stage_seconds(run.cost, "step");
     timed.motion = stage_seconds(run.cost, "motion");
@@ -160,6 +161,7 @@ TimedRun timed_run(const surface::GeodesicSolver& solver, const Network& network
     step.cpu_seconds -= start.cpu_seconds;
     step.wall_seconds -= start.wall_seconds;
     step.search -= start.search;
+    step.host_derivatives -= start.host_derivatives;
     step.assembly -= start.assembly;
     step.solve -= start.solve;
     step.motion -= start.motion;
