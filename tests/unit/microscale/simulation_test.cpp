@@ -374,17 +374,22 @@ TEST(Simulator, TakesOptionsUpToTheirLimitsAndNoFurther) {
     return std::vector<std::string>{};
   };
   using Refused = std::vector<std::string>;
+  // clang 14 cannot capture a structured binding by reference, hence `value = value`.
   for (const auto& [value, within] : {std::pair(0.99e-12, false), {1e-12, true}, {1e-2, true}, {1.01e-2, false}})
-    EXPECT_EQ(refused([&](auto& o) { o.tolerance = value; }), within ? Refused{} : Refused{"tolerance"}) << value;
+    EXPECT_EQ(refused([value = value](auto& o) { o.tolerance = value; }), within ? Refused{} : Refused{"tolerance"})
+        << value;
   for (const auto& [value, within] : {std::pair(0, false), {1, true}, {10'000, true}, {10'001, false}})
-    EXPECT_EQ(refused([&](auto& o) { o.max_iterations = value; }), within ? Refused{} : Refused{"max_iterations"});
+    EXPECT_EQ(refused([value = value](auto& o) { o.max_iterations = value; }),
+              within ? Refused{} : Refused{"max_iterations"});
   for (const auto& [value, within] : {std::pair(0.99e-5, false), {1e-5, true}, {10.0, true}, {10.1, false}})
-    EXPECT_EQ(refused([&](auto& o) { o.max_load_step = value; }), within ? Refused{} : Refused{"max_load_step"})
+    EXPECT_EQ(refused([value = value](auto& o) { o.max_load_step = value; }),
+              within ? Refused{} : Refused{"max_load_step"})
         << value;
   const Refused ratio{"material/poisson_ratio"};
   for (const auto& [value, within] : {std::pair(-1.0, false), {-0.99, true}, {0.4998, true}, {0.4999, false}}) {
-    EXPECT_EQ(refused([&](auto& o) { o.material.poisson_ratio = value; }), within ? Refused{} : ratio) << value;
-    EXPECT_EQ(refused([&](auto& o) {
+    EXPECT_EQ(refused([value = value](auto& o) { o.material.poisson_ratio = value; }), within ? Refused{} : ratio)
+        << value;
+    EXPECT_EQ(refused([value = value](auto& o) {
                 o.material = {Law::incompressible_plane_stress, 1, value};
               }),
               Refused{})
