@@ -33,6 +33,25 @@ void write_point(JsonWriter& out, const surface::SurfacePoint& point) {
   out.begin_object().field("face", index(point.face)).key("barycentric").numbers(point.barycentric).end_object();
 }
 
+void write_positions(JsonWriter& out, std::string_view name, const surface::TriangleMesh& mesh,
+                     std::span<const surface::SurfacePoint> points) {
+  out.key(name).begin_array();
+  for (const auto& point : points) out.numbers(surface::position(mesh, point));
+  out.end_array();
+}
+
+void write_indices(JsonWriter& out, std::span<const std::int32_t> indices) {
+  out.begin_array();
+  for (const auto i : indices) out.integer(i);
+  out.end_array();
+}
+
+void write_warnings(JsonWriter& out, std::span<const std::string> warnings) {
+  out.key("warnings").begin_array();
+  for (const auto& warning : warnings) out.string(warning);
+  out.end_array();
+}
+
 void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path) {
   out.begin_array();
   for (const auto& point : path) {

@@ -1,6 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
@@ -13,6 +18,13 @@ void write_bill(JsonWriter& out, const Bill& bill);
 
 /// A point of a surface.
 void write_point(JsonWriter& out, const surface::SurfacePoint& point);
+/// A field with the places in space of points of a surface.
+void write_positions(JsonWriter& out, std::string_view name, const surface::TriangleMesh& mesh,
+                     std::span<const surface::SurfacePoint> points);
+/// An array of indices.
+void write_indices(JsonWriter& out, std::span<const std::int32_t> indices);
+/// The field "warnings".
+void write_warnings(JsonWriter& out, std::span<const std::string> warnings);
 /// A path on a surface.
 void write_path(JsonWriter& out, const std::vector<surface::PathPoint>& path);
 

@@ -7,13 +7,6 @@
 namespace supple::json {
 namespace {
 
-void write_positions(JsonWriter& out, const surface::TriangleMesh& mesh,
-                     std::span<const surface::SurfacePoint> points) {
-  out.key("positions").begin_array();
-  for (const auto& point : points) out.numbers(surface::position(mesh, point));
-  out.end_array();
-}
-
 void write_spring_state(JsonWriter& out, const embedded::Spring& spring, const embedded::SpringState& state,
                         bool with_path) {
   out.begin_object().key("between").begin_array().integer(spring.from).integer(spring.to).end_array();
@@ -89,12 +82,6 @@ void write_host(JsonWriter& out, const embedded::Relaxation& relaxation) {
   out.end_object();
 }
 
-void write_point_indices(JsonWriter& out, std::string_view name, std::span<const std::int32_t> indices) {
-  out.key(name).begin_array();
-  for (const auto i : indices) out.integer(i);
-  out.end_array();
-}
-
 }  // namespace
 
 std::string write_embedded_system(const EmbeddedSystemRequest& request, const surface::TriangleMesh& mesh,
@@ -105,18 +92,14 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
   out.begin_object().field("mesh", request.mesh).key("points").begin_array();
   for (const auto& point : relaxation.points) write_point(out, point);
   out.end_array();
-  write_positions(out, mesh, relaxation.points);
+  write_positions(out, "positions", mesh, relaxation.points);
   out.key("springs").begin_array();
   for (std::size_t i = 0; i < relaxation.springs.size(); ++i)
     write_spring_state(out, network.springs[i], relaxation.springs[i], options.paths);
   out.end_array();
   if (triangles) {
     out.key("triangles").begin_array();
-    for (const auto& corners : *triangles) {
-      out.begin_array();
-      for (const auto corner : corners) out.integer(corner);
-      out.end_array();
-    }
+    for (const auto& corners : *triangles) write_indices(out, corners);
     out.end_array();
   }
   if (!relaxation.triangles.empty()) {
@@ -135,11 +118,9 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
   out.field("gradient_norm", relaxation.gradient_norm).field("iterations", relaxation.iterations);
   write_relaxation_history(out, relaxation.history);
   out.field("stopped", relaxation.stopped).field("mollified", relaxation.mollified);
-  write_point_indices(out, "at_vertices", relaxation.at_vertices);
-  write_point_indices(out, "loose_points", relaxation.loose_points);
-  out.key("warnings").begin_array();
-  for (const auto& warning : relaxation.warnings) out.string(warning);
-  out.end_array();
+  write_indices(out.key("at_vertices"), relaxation.at_vertices);
+  write_indices(out.key("loose_points"), relaxation.loose_points);
+  write_warnings(out, relaxation.warnings);
   out.key("accuracy")
       .begin_object()
       .field("tolerance", options.tolerance)
@@ -160,7 +141,7 @@ std::string write_partial_relaxation(int iteration, const embedded::RelaxationSt
       .field("iteration", iteration)
       .field("energy", step.energy)
       .field("gradient_norm", step.gradient_norm);
-  if (points.size() <= most_partial_positions) write_positions(out, mesh, points);
+  if (points.size() <= most_partial_positions) write_positions(out, "positions", mesh, points);
   if (moves && mesh.positions().size() <= most_partial_positions) write_vertices(out, mesh.positions());
   out.end_object();
   return out.take();

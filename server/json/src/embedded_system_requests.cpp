@@ -21,11 +21,6 @@ void read_builder(Fields& fields, std::string_view name, Read read) {
   builder.finish();
 }
 
-bool is_builder(Fields& fields, std::string_view name) {
-  const auto* value = fields.optional(name);
-  return value && value->is_object();
-}
-
 void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemRequest& request) {
   if (!is_builder(fields, "points")) {
     return fields.points("points", request.points.emplace<0>(), 1, limits.max_points, "--max-points");
@@ -124,16 +119,6 @@ void read_membrane(Fields& fields, EmbeddedSystemRequest& request) {
     membrane.number("thickness", request.material.thickness, 0, any, true);
     membrane.number("rest_scale", request.rest_scale, 0, any, true);
   });
-}
-
-void read_indices(Fields& fields, std::string_view name, const Limits& limits, std::vector<std::int32_t>& indices) {
-  const auto* entries = fields.array(name, false, 0, limits.max_points, "--max-points");
-  if (!entries) return;
-  indices.reserve(entries->size());
-  for (std::size_t i = 0; i < entries->size(); ++i) {
-    const auto at = fields.at(name) + "/" + std::to_string(i);
-    indices.push_back(read_array_index((*entries)[i], at, fields.faults()));
-  }
 }
 
 void read_vector(Fields& fields, std::string_view name, Eigen::Vector3d& vector) {

@@ -17,4 +17,19 @@ double read_deadline(Fields& fields, const Limits& limits) {
   return deadline;
 }
 
+bool is_builder(Fields& fields, std::string_view name) {
+  const auto* value = fields.optional(name);
+  return value && value->is_object();
+}
+
+void read_indices(Fields& fields, std::string_view name, const Limits& limits, std::vector<std::int32_t>& indices) {
+  const auto* entries = fields.array(name, false, 0, limits.max_points, "--max-points");
+  if (!entries) return;
+  indices.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const auto at = fields.at(name) + "/" + std::to_string(i);
+    indices.push_back(read_array_index((*entries)[i], at, fields.faults()));
+  }
+}
+
 }  // namespace supple::json

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -24,6 +25,12 @@ inline constexpr double largest_stretch = 4;
 
 /// The field "deadline" in seconds, or its default. Throws "request.limit_exceeded".
 double read_deadline(Fields& fields, const Limits& limits);
+
+/// Whether the field holds an object, which stands in place of an array and says how to make one.
+bool is_builder(Fields& fields, std::string_view name);
+
+/// An optional array of indices of points or vertices, as many as there may be points.
+void read_indices(Fields& fields, std::string_view name, const Limits& limits, std::vector<std::int32_t>& indices);
 
 /// Calls read(fields) for an optional nested object.
 template <class Read>

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <optional>
 #include <variant>
 
 #include "computation_route.h"
 #include "handlers.h"
 #include "points.h"
+#include "state_pace.h"
 #include "supple/base/part_of_execution.h"
 #include "supple/embedded/export.h"
 #include "supple/embedded/network_plan.h"
@@ -19,8 +19,6 @@ using json::EmbeddedSystemRequest;
 
 /// What builders take of the whole computation, as far as progress is concerned.
 constexpr double building_share = 0.2;
-/// Between two intermediate states that are written down; job queues show no more of them.
-constexpr std::chrono::milliseconds state_period{100};
 
 enum class NetworkFile { none, obj, vtu, svg };
 constexpr std::array<std::string_view, 4> media_types{"application/json", "model/obj", "application/x-vtu+xml",
@@ -73,9 +71,7 @@ class StatePublisher {
   void operator()(const embedded::RelaxationStep& step, std::span<const surface::SurfacePoint> points,
                   const surface::TriangleMesh& surface) {
     const int iteration = iteration_++;
-    const auto now = std::chrono::steady_clock::now();
-    if (iteration > 0 && now - last_ < state_period) return;
-    last_ = now;
+    if (!pace_.is_due()) return;
     sink_.publish(json::write_partial_relaxation(iteration, step, surface, points, host_moves_));
   }
 
@@ -83,7 +79,7 @@ class StatePublisher {
   ProgressSink& sink_;
   bool host_moves_;
   int iteration_ = 0;
-  std::chrono::steady_clock::time_point last_{};
+  StatePace pace_;
 };
 
 std::string write_network_file(NetworkFile file, const surface::TriangleMesh& mesh, const embedded::Network& network,
