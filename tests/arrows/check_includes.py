@@ -17,6 +17,7 @@ ROOMS = {
     "engine/surface": {"base", "numerics", "surface"},
     "engine/meshing": {"base", "meshing"},
     "engine/embedded": {"base", "numerics", "surface", "meshing", "embedded"},
+    "engine/voronoi": {"base", "numerics", "surface", "voronoi"},
     "engine/tiling": {"base", "meshing", "tiling"},
     "engine/microscale": {"base", "numerics", "tiling", "microscale"},
     "engine/weave": {"base", "numerics", "weave"},

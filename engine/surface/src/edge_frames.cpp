@@ -71,4 +71,11 @@ Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& bary
   return {head * frame.length + apex * frame.apex_x(), apex * frame.apex_y};
 }
 
+Eigen::Vector3d across_side(const SurfacePoint& point, int side, std::int32_t across) {
+  Eigen::Vector3d other = Eigen::Vector3d::Zero();
+  other[across % 3] = point.barycentric[(side + 1) % 3];
+  other[(across + 1) % 3] = point.barycentric[side];
+  return other;
+}
+
 }  // namespace supple::surface

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "supple/surface/surface_point.h"
 #include "supple/surface/triangle_mesh.h"
 
 namespace supple::surface {
@@ -99,5 +100,8 @@ struct SearchMesh {
 
 /// Planar coordinates, in the frame of halfedge 3 f + side, of the point of face f with the given barycentrics.
 Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side);
+
+/// Barycentric coordinates of a point of a side in the face beyond, whose halfedge there is `across`: the ends swap.
+Eigen::Vector3d across_side(const SurfacePoint& point, int side, std::int32_t across);
 
 }  // namespace supple::surface

@@ -11,7 +11,11 @@ namespace supple::surface {
 
 /// Upper bounds of the distances to every vertex: Dijkstra's algorithm over the mesh's edges and, across each edge
 /// whose two faces unfold to a convex quadrilateral, the straight line between the opposite vertices. O(n log n).
-std::vector<double> edge_graph_distances(const SearchMesh& mesh, std::span<const SurfacePoint> sources, double limit,
-                                         const Execution& execution);
+struct EdgeGraphField {
+  std::vector<double> distances;             ///< per vertex
+  std::vector<std::int32_t> vertex_sources;  ///< where the way begins; -1 where unreached
+};
+EdgeGraphField edge_graph_field(const SearchMesh& mesh, std::span<const SurfacePoint> sources, double limit,
+                                const Execution& execution);
 
 }  // namespace supple::surface

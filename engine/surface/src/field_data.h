@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "path_assembly.h"
 #include "supple/surface/geodesic_field.h"
@@ -19,6 +22,21 @@ struct GeodesicField::Data {
   LargeVector<Window> windows;        ///< empty unless kept
   std::vector<Trail> trails;          ///< the full ones that others refer to; empty unless kept
   std::vector<std::int32_t> first;    ///< per halfedge, where the windows that enter its face begin, and the end
+  std::vector<std::int32_t>
+      vertex_sources;  ///< per vertex the source, -1 if unreached; empty unless kept or edge_graph
+  /// Of each source that is at no vertex its face, or both faces of its edge; ascending. Filled where vertex_sources
+  /// is.
+  std::vector<std::pair<std::int32_t, std::int32_t>> sources_in_faces;
+
+  /// Fills sources_in_faces.
+  void sort_sources();
+  /// Fills vertex_sources from the records.
+  void follow_records();
+  template <typename Visit>
+  void visit_sources(std::int32_t face, Visit&& visit) const {
+    auto place = std::lower_bound(sources_in_faces.begin(), sources_in_faces.end(), std::pair(face, std::int32_t{-1}));
+    for (; place != sources_in_faces.end() && place->first == face; ++place) visit(place->second);
+  }
 
   SearchState state() const { return {mesh.get(), trails, records.data(), sources}; }
   /// The target with its best arrival.

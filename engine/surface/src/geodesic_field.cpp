@@ -1,12 +1,55 @@
 #include "supple/surface/geodesic_field.h"
 
+#include <array>
+
 #include "field_data.h"
 #include "supple/base/error.h"
 
 namespace supple::surface {
+namespace {
+
+Error not_kept() { return {"field.not_kept", "The field was computed without what point queries need."}; }
+
+/// Unit direction of a side of the face whose first side has this frame, in that frame.
+Eigen::Vector2d side_direction(const EdgeFrame& frame, int side) {
+  if (side == 0) return {1, 0};
+  if (side == 1) return Eigen::Vector2d(-frame.right_x(), frame.apex_y) / frame.right_length;
+  return Eigen::Vector2d(-frame.apex_x(), -frame.apex_y) / frame.left_length;
+}
+
+}  // namespace
+
+void GeodesicField::Data::sort_sources() {
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const SurfacePoint& source = sources[i];
+    if (corner_of(source) >= 0) continue;
+    const auto number = static_cast<std::int32_t>(i);
+    sources_in_faces.emplace_back(index(source.face), number);
+    const int side = side_of(source);
+    const std::int32_t across = side < 0 ? -1 : mesh->mesh->twin(3 * index(source.face) + side);
+    if (across >= 0) sources_in_faces.emplace_back(TriangleMesh::face_of(across), number);
+  }
+  std::sort(sources_in_faces.begin(), sources_in_faces.end());
+}
+
+void GeodesicField::Data::follow_records() {
+  vertex_sources.assign(records.size(), -1);
+  std::vector<std::int32_t> way;
+  for (std::size_t v = 0; v < records.size(); ++v) {
+    // From pseudo-source to pseudo-source, each of which is nearer, down to the source or to one that is known.
+    std::int32_t at = static_cast<std::int32_t>(v);
+    way.clear();
+    while (vertex_sources[at] < 0 && distances[at] < kInfinity && records[at].origin >= 0) {
+      way.push_back(at);
+      at = records[at].origin;
+    }
+    if (vertex_sources[at] < 0 && distances[at] < kInfinity) vertex_sources[at] = -1 - records[at].origin;
+    for (const std::int32_t passed : way) vertex_sources[passed] = vertex_sources[at];
+  }
+}
 
 SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
-  if (!kept) throw Error("field.not_kept", "The field was computed without what point queries need.");
+  if (!kept) throw not_kept();
   SearchTarget target = make_target(*mesh, point);
   if (arrive_near_vertex(*mesh, sources, target)) return target;
   const std::int32_t face = index(point.face);
@@ -22,7 +65,7 @@ SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
       h = m.rotate(h);
     } while (h >= 0 && h != start);
   } else {
-    for (std::size_t i = 0; i < sources.size(); ++i) offer_direct(*mesh, target, sources[i], static_cast<int>(i));
+    visit_sources(face, [&](std::int32_t i) { offer_direct(*mesh, target, sources[i], i); });
     for (int side = 0; side < 3; ++side) offer_windows(3 * face + side);
   }
   for (int corner = 0; corner < 3; ++corner) {
@@ -44,6 +87,11 @@ int GeodesicField::nearest_source(const SurfacePoint& point) const {
   return source_of(data_->state(), data_->query(point));
 }
 
+const std::vector<std::int32_t>& GeodesicField::vertex_sources() const {
+  if (data_->vertex_sources.empty()) throw not_kept();
+  return data_->vertex_sources;
+}
+
 double GeodesicField::relative_error_bound() const { return data_->relative_error_bound; }
 
 std::int64_t GeodesicField::window_count() const { return data_->window_count; }
@@ -52,7 +100,48 @@ std::int64_t GeodesicField::memory_bytes() const {
   return static_cast<std::int64_t>(
       sizeof(Data) + data_->distances.capacity() * sizeof(double) + data_->records.capacity() * sizeof(VertexRecord) +
       data_->windows.capacity() * sizeof(Window) + data_->trails.capacity() * sizeof(Trail) +
-      data_->first.capacity() * sizeof(std::int32_t));
+      (data_->first.capacity() + data_->vertex_sources.capacity()) * sizeof(std::int32_t) +
+      data_->sources_in_faces.capacity() * sizeof(data_->sources_in_faces[0]));
+}
+
+void GeodesicField::arrivals(FaceId face, std::vector<FaceArrival>& arrivals) const {
+  const Data& data = *data_;
+  if (data.vertex_sources.empty()) throw not_kept();
+  arrivals.clear();
+  const std::int32_t f = index(face);
+  const EdgeFrame& frame = data.mesh->frames[3 * f];
+  const std::array<Eigen::Vector2d, 3> corners{Eigen::Vector2d(0, 0), Eigen::Vector2d(frame.length, 0),
+                                               Eigen::Vector2d(frame.apex_x(), frame.apex_y)};
+  for (int i = 0; i < 3; ++i) {
+    const std::int32_t v = data.mesh->mesh->faces()[f][i];
+    if (data.vertex_sources[v] < 0) continue;
+    arrivals.push_back({.image = corners[i], .sigma = data.distances[v], .source = data.vertex_sources[v]});
+  }
+  data.visit_sources(f, [&](std::int32_t i) {
+    Eigen::Vector3d barycentric = data.sources[i].barycentric;
+    if (index(data.sources[i].face) != f) {
+      // On the common edge, written in the other face.
+      const int side = side_of(data.sources[i]);
+      const std::int32_t across = data.mesh->mesh->twin(3 * index(data.sources[i].face) + side);
+      barycentric = across_side(data.sources[i], side, across);
+    }
+    arrivals.push_back({.image = planar_point(frame, barycentric, 0), .sigma = 0, .source = i});
+  });
+  if (!data.kept) return;
+  for (int side = 0; side < 3; ++side) {
+    const Eigen::Vector2d along = side_direction(frame, side);
+    const Eigen::Vector2d across(-along.y(), along.x());
+    const Eigen::Vector2d& tail = corners[side];
+    for (std::int32_t i = data.first[3 * f + side]; i < data.first[3 * f + side + 1]; ++i) {
+      const Window& w = data.windows[i];
+      arrivals.push_back({.image = tail + w.source_x * along - w.depth * across,
+                          .begin = tail + w.b0 * along,
+                          .end = tail + w.b1 * along,
+                          .sigma = w.sigma,
+                          .source = w.origin < 0 ? -1 - w.origin : data.vertex_sources[w.origin],
+                          .everywhere = false});
+    }
+  }
 }
 
 }  // namespace supple::surface

@@ -125,7 +125,10 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   const auto vertices = static_cast<std::size_t>(mesh().vertex_count());
   if (options.method == FieldMethod::edge_graph) {
     const StageTimer timer(execution.cost, "search");
-    data->distances = edge_graph_distances(*data->mesh, data->sources, options.max_distance, execution);
+    EdgeGraphField found = edge_graph_field(*data->mesh, data->sources, options.max_distance, execution);
+    data->distances = std::move(found.distances);
+    data->vertex_sources = std::move(found.vertex_sources);
+    data->sort_sources();
     return GeodesicField(std::move(data));
   }
   Implementation::Lease search(*implementation_);
@@ -150,6 +153,8 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   if (options.keep_windows) {
     search->take_kept(data->records, data->windows, data->first);
     data->trails.assign(search->trails().begin(), search->trails().end());
+    data->sort_sources();
+    data->follow_records();
   }
   data->kept = options.keep_windows;
   return GeodesicField(std::move(data));

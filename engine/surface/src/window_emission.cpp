@@ -17,14 +17,6 @@ WindowSource across_from(const EdgeFrame& frame, const Eigen::Vector2d& p) {
 }
 WindowSource across_from_apex(const EdgeFrame& frame) { return {frame.right_x(), frame.apex_y}; }
 
-/// A point of a side, seen from the face on the other side: its coordinates swap the ends.
-Eigen::Vector3d across_side(const SurfacePoint& point, int side, std::int32_t across) {
-  Eigen::Vector3d other = Eigen::Vector3d::Zero();
-  other[across % 3] = point.barycentric[(side + 1) % 3];
-  other[(across + 1) % 3] = point.barycentric[side];
-  return other;
-}
-
 }  // namespace
 
 WindowSource first_source(const SearchMesh& mesh, std::span<const SurfacePoint> sources, std::int32_t origin,

@@ -300,6 +300,40 @@ TEST(GeodesicField, FromSeveralSourcesIsTheLeastOfEach) {
   }
 }
 
+TEST(GeodesicField, IsTheLeastOfWhatArrivesInAFace) {
+  const auto mesh = share(testing::genus3(2));
+  const GeodesicSolver solver(mesh);
+  RandomStream stream("arrivals", 3);
+  std::vector<SurfacePoint> sources;
+  for (int i = 0; i < 4; ++i) sources.push_back(testing::random_point(*mesh, stream));
+  sources.push_back(testing::random_vertex_point(*mesh, stream));
+  sources.push_back(testing::random_edge_point(*mesh, stream));
+  const GeodesicField field = solver.field(sources, {.keep_windows = true});
+  const GeodesicField edges = solver.field(sources, {.method = FieldMethod::edge_graph});
+  std::vector<FaceArrival> arrivals;
+  for (std::int32_t f = 0; f < mesh->face_count(); ++f) {
+    SurfacePoint p{FaceId(f), {stream.uniform(), stream.uniform(), stream.uniform()}};
+    p.barycentric /= p.barycentric.sum();
+    const Eigen::Vector2d place =
+        tangent_frame(*mesh, p.face).transpose() * (position(*mesh, p) - mesh->positions()[mesh->faces()[f][0]]);
+    const auto least = [&](const GeodesicField& of) {
+      of.arrivals(p.face, arrivals);
+      return *std::min_element(arrivals.begin(), arrivals.end(), [&](const FaceArrival& a, const FaceArrival& b) {
+        return a.length_to(place) < b.length_to(place);
+      });
+    };
+    const FaceArrival nearest = least(field);
+    EXPECT_NEAR(nearest.length_to(place), field.distance(p), 1e-12);
+    EXPECT_EQ(nearest.source, field.nearest_source(p));
+    EXPECT_GE(least(edges).length_to(place), field.distance(p) - 1e-12);
+  }
+  for (std::int32_t v = 0; v < mesh->vertex_count(); ++v) {
+    const SurfacePoint p = vertex_point(*mesh, VertexId(v));
+    EXPECT_EQ(field.vertex_sources()[v], field.nearest_source(p));
+    EXPECT_GE(edges.vertex_sources()[v], 0);
+  }
+}
+
 TEST(GeodesicField, WithoutKeptWindowsRefusesPointQueries) {
   const auto mesh = share(testing::icosphere(1));
   const GeodesicSolver solver(mesh);

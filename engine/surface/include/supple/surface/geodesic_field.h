@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "supple/surface/face_arrival.h"
 #include "supple/surface/geodesic.h"
 
 namespace supple::surface {
@@ -40,6 +41,14 @@ class GeodesicField {
   Geodesic geodesic(const SurfacePoint& point, const GeodesicOptions& options = {}) const;
   /// Index of the source that the point is nearest to; -1 where unreached. Same errors.
   int nearest_source(const SurfacePoint& point) const;
+
+  /// The source that each vertex is nearest to, of several one; -1 where unreached. Throws "field.not_kept" for windows
+  /// that were not kept.
+  const std::vector<std::int32_t>& vertex_sources() const;
+  /// The bundles of paths that reach a face, into `arrivals`, which is cleared: the distance at any point of the face,
+  /// its border included, is the least length_to() of them. Some are nowhere the shortest. Of an edge_graph these are
+  /// the ways by the corners and those from sources in the face. O(their number). Same error.
+  void arrivals(FaceId face, std::vector<FaceArrival>& arrivals) const;
 
   /// Guaranteed bound on the relative error of every distance; NaN where the method gives none (edge_graph).
   double relative_error_bound() const;

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "supple/voronoi/diagram.h"
+
+namespace supple::voronoi {
+
+/// The weights of the terms of the energy; a term of weight 0 is left out and costs nothing. Lengths count in units of
+/// the mean cell size, root of area over sites, so that every term is a number without a unit.
+struct ObjectiveWeights {
+  double edge_length = 0;  ///< (1/2) sum over Voronoi edges of (g(x_i, x_j) - L)^2 (thesis eq. 3.29)
+  double planarity = 0;   ///< (1/2) sum over cells of the mean squared distance of its vertices from a plane (eq. 3.30)
+  double regularity = 0;  ///< (1/2) sum over cells and their vertices of g(s_i, x_j)^2 (eq. 3.31)
+  double centroidal = 0;  ///< (1/2) sum over cells of the integral of g(s_i, x)^2: centroidal cells
+  double equal_area = 0;  ///< (1/2) sum over cells of (A_i - mean)^2
+};
+
+enum class OptimizationMethod {
+  gauss_newton,  ///< exact gradients, Gauss-Newton Hessians, one sparse factorization an iteration
+  lbfgs
+};
+
+/// One state on the way.
+struct OptimizationStep {
+  double energy = 0;
+  double gradient_norm = 0;
+  double step_length = 0;  ///< root of the sum of the sites' squared ways; 0 for the start
+};
+
+struct OptimizationOptions {
+  ObjectiveWeights weights;
+  OptimizationMethod method = OptimizationMethod::gauss_newton;
+  /// Of eq. 3.29, mesh units; 0 for the mean length of the start.
+  double edge_length = 0;
+  /// Converged once |grad E| <= tolerance * (gradient norm of the start, or of one at which each site pulls with 1).
+  double tolerance = 1e-6;
+  int max_iterations = 100;
+  /// Sites that stay where they are.
+  std::vector<std::int32_t> fixed_sites;
+  /// Called with the start and the state after every iteration, on the thread of the caller.
+  std::function<void(const OptimizationStep& step, const Diagram& diagram)> observer{};
+};
+
+struct Optimization {
+  Diagram diagram;  ///< at the end
+  struct Term {
+    std::string name;   ///< "edge_length", "planarity", "regularity", "centroidal" or "equal_area"
+    double energy = 0;  ///< times its weight
+  };
+  std::vector<Term> terms;  ///< that took part
+  double energy = 0;
+  double gradient_norm = 0;
+  double gradient_tolerance = 0;
+  int iterations = 0;
+  std::vector<OptimizationStep> history;
+  std::string stopped;  ///< "converged", "step_too_small" or "iteration_limit"
+  DiagramStatistics before;
+  DiagramStatistics after;
+};
+
+/// Moves the sites to a local minimum of the energy. The diagram is made anew at every state that is tried, so that
+/// cells change their neighbours freely; it never rises in energy from one iteration to the next.
+///
+/// Bills "propagation", "cells", "derivatives", "step" and one effect for each term. Throws what `diagram` throws,
+/// "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance, max_iterations, edge_length),
+/// "voronoi.fixed_site".
+Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface::SurfacePoint> sites,
+                      const OptimizationOptions& options, const Execution& execution = {});
+
+}  // namespace supple::voronoi

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "supple/surface/face_arrival.h"
+
+namespace supple::voronoi {
+
+/// A distance and the site that it is from.
+struct Nearest {
+  double distance = 0;
+  std::int32_t site = -1;
+};
+
+/// A distance with its gradient in the plane of the face.
+struct Slope {
+  double distance = 0;
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+};
+
+/// Indices of those arrivals that may be the shortest in a part of a face.
+using Active = std::vector<std::int32_t>;
+
+/// The distances from all sites within one face: the lower envelope of what arrives there. Every arrival grows by at
+/// most 1 per unit of length, so that one which is longer than another at a point by more than twice a radius is so
+/// everywhere within that radius.
+class FaceDistances {
+ public:
+  /// Room for the arrivals of a face, filled by GeodesicField::arrivals.
+  std::vector<surface::FaceArrival>& arrivals() { return arrivals_; }
+  const std::vector<surface::FaceArrival>& arrivals() const { return arrivals_; }
+
+  /// All arrivals.
+  void all(Active& active) const;
+  /// Those of `active` that may be the shortest within `radius` of a point, into `kept`. Returns the nearest there.
+  Nearest prune(const Active& active, const Eigen::Vector2d& point, double radius, Active& kept) const;
+
+  Nearest nearest(const Active& active, const Eigen::Vector2d& point) const;
+  /// The distance from one site, infinite where none of its arrivals is active.
+  Slope from_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point) const;
+  /// Whether all are of one site.
+  bool of_one_site(const Active& active) const;
+
+ private:
+  std::vector<surface::FaceArrival> arrivals_;
+};
+
+}  // namespace supple::voronoi

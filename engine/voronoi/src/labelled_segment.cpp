@@ -1,0 +1,202 @@
+#include "labelled_segment.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace supple::voronoi {
+namespace {
+
+using Eigen::Vector2d;
+using surface::FaceArrival;
+
+/// Of the segment: shorter parts are not looked for.
+constexpr double shortest_part = 1e-13;
+/// Relative to the distance: sites this close to each other are equally near.
+constexpr double tie = 1e-12;
+/// Halvings after which equal labels at both ends of a part are believed, and after which ties are looked for.
+constexpr int deep = 16;
+constexpr int tie_depth = 6;
+constexpr int most_root_steps = 80;
+
+class Labeller {
+ public:
+  Labeller(const FaceDistances& distances, const Vector2d& from, const Vector2d& to, LabelledSegment& result)
+      : distances_(distances), from_(from), way_(to - from), length_(way_.norm()), result_(result) {}
+
+  void label(const Active& active, double begin, double end, int depth) {
+    Active kept;
+    const double middle = 0.5 * (begin + end);
+    const double radius = 0.5 * (end - begin) * length_;
+    const Nearest nearest = distances_.prune(active, at(middle), radius, kept);
+    if (distances_.of_one_site(kept)) return append(begin, nearest.site);
+    if (kept.size() == 2 && straight(kept, begin) && straight(kept, end)) return label_two(kept, begin, end);
+    if (!(end - begin > shortest_part)) return append(begin, nearest.site);
+    if (depth >= tie_depth && tied(kept, {begin, middle, end})) {
+      if (!has(kept, result_.sites.back())) append(begin, nearest.site);
+      return;
+    }
+    if (depth >= deep && two_sites(kept)) return label_deep(kept, begin, end);
+    label(kept, begin, middle, depth + 1);
+    label(kept, middle, end, depth + 1);
+  }
+
+  /// From `share` on the nearest site is this one.
+  void append(double share, std::int32_t site) {
+    if (result_.sites.back() == site) return;
+    if (!result_.cuts.empty() && !(share > result_.cuts.back())) {
+      // The part before has no length.
+      result_.sites.back() = site;
+      if (result_.sites.size() > 1 && result_.sites[result_.sites.size() - 2] == site && result_.cuts.size() > 0) {
+        result_.sites.pop_back();
+        result_.cuts.pop_back();
+      }
+      return;
+    }
+    result_.cuts.push_back(share);
+    result_.sites.push_back(site);
+  }
+
+ private:
+  Vector2d at(double share) const { return from_ + share * way_; }
+
+  bool has(const Active& active, std::int32_t site) const {
+    return std::any_of(active.begin(), active.end(),
+                       [&](std::int32_t i) { return distances_.arrivals()[i].source == site; });
+  }
+
+  bool two_sites(const Active& active) const {
+    const auto& arrivals = distances_.arrivals();
+    const std::int32_t first = arrivals[active.front()].source;
+    std::int32_t second = first;
+    for (const std::int32_t i : active) {
+      const std::int32_t site = arrivals[i].source;
+      if (site == first || site == second) continue;
+      if (second != first) return false;
+      second = site;
+    }
+    return true;
+  }
+
+  /// Whether each arrival comes straight from its image.
+  bool straight(const Active& active, double share) const {
+    const Vector2d point = at(share);
+    return std::all_of(active.begin(), active.end(), [&](std::int32_t i) {
+      const FaceArrival& arrival = distances_.arrivals()[i];
+      return &arrival.turns_at(point) == &arrival.image;
+    });
+  }
+
+  bool tied(const Active& active, const std::array<double, 3>& shares) const {
+    for (const double share : shares) {
+      const Vector2d point = at(share);
+      const double least = distances_.nearest(active, point).distance;
+      for (const std::int32_t i : active) {
+        const double own = distances_.from_site(active, distances_.arrivals()[i].source, point).distance;
+        if (own > least + tie * least) return false;
+      }
+    }
+    return true;
+  }
+
+  double gap(const FaceArrival& a, const FaceArrival& b, double share) const {
+    const Vector2d point = at(share);
+    return a.length_to(point) - b.length_to(point);
+  }
+
+  /// Two arrivals: |x - A| - |x - B| = c on a line, where squaring twice leaves a quadratic equation of the share.
+  void label_two(const Active& two, double begin, double end) {
+    const FaceArrival& a = distances_.arrivals()[two[0]];
+    const FaceArrival& b = distances_.arrivals()[two[1]];
+    const double c = b.sigma - a.sigma;
+    const Vector2d unit = way_ / length_;
+    const Vector2d to_a = a.image - from_;
+    const Vector2d to_b = b.image - from_;
+    const double along_b = to_b.dot(unit);
+    // |x - A|^2 - |x - B|^2 - c^2 = p t + q with t the way along the segment.
+    const double p = 2 * (along_b - to_a.dot(unit));
+    const double q = to_a.squaredNorm() - to_b.squaredNorm() - c * c;
+    std::array<double, 2> roots{};
+    int count = 0;
+    if (c == 0) {
+      if (p != 0) roots[count++] = -q / p;
+    } else {
+      const double qa = p * p - 4 * c * c;
+      const double half = p * q + 4 * c * c * along_b;
+      const double qc = q * q - 4 * c * c * to_b.squaredNorm();
+      const double square = half * half - qa * qc;
+      if (square >= 0) {
+        const double big = -(half + std::copysign(std::sqrt(square), half));
+        if (qa != 0) roots[count++] = big / qa;
+        if (big != 0) roots[count++] = qc / big;
+      }
+    }
+    std::sort(roots.begin(), roots.begin() + count);
+    double before = begin;
+    const auto nearer = [&](double share) {
+      const double difference = gap(a, b, share);
+      const std::int32_t present = result_.sites.back();
+      if (std::abs(difference) <= tie * a.length_to(at(share)) && (present == a.source || present == b.source))
+        return present;
+      return difference <= 0 ? a.source : b.source;
+    };
+    for (int i = 0; i < count; ++i) {
+      const double share = roots[i] / length_;
+      if (!(share > before && share < end)) continue;
+      append(before, nearer(0.5 * (before + share)));
+      before = polished(a, b, share, begin, end);
+    }
+    append(before, nearer(0.5 * (before + end)));
+  }
+
+  /// A root with the digits that its closed form has lost.
+  double polished(const FaceArrival& a, const FaceArrival& b, double share, double begin, double end) const {
+    const Vector2d unit = way_ / length_;
+    for (int i = 0; i < 3; ++i) {
+      const Vector2d point = at(share);
+      const Vector2d from_a = point - a.image;
+      const Vector2d from_b = point - b.image;
+      const double slope = (from_a.dot(unit) / from_a.norm() - from_b.dot(unit) / from_b.norm()) * length_;
+      const double next = share - gap(a, b, share) / slope;
+      if (!(next > begin && next < end) || !(std::abs(next - share) < 1e-3 * (end - begin))) break;
+      share = next;
+    }
+    return share;
+  }
+
+  /// Two sites and several arrivals, of which more than one may be needed: the cut between different ends by halving.
+  void label_deep(const Active& kept, double begin, double end) {
+    const std::int32_t first = distances_.nearest(kept, at(begin)).site;
+    const std::int32_t last = distances_.nearest(kept, at(end)).site;
+    append(begin, first);
+    if (first == last) return;
+    for (int i = 0; i < most_root_steps && end - begin > 1e-16; ++i) {
+      const double middle = 0.5 * (begin + end);
+      if (!(middle > begin && middle < end)) break;
+      (distances_.nearest(kept, at(middle)).site == first ? begin : end) = middle;
+    }
+    append(end, last);
+  }
+
+  const FaceDistances& distances_;
+  Vector2d from_;
+  Vector2d way_;
+  double length_;
+  LabelledSegment& result_;
+};
+
+}  // namespace
+
+LabelledSegment label_segment(const FaceDistances& distances, const Active& active, const Vector2d& from,
+                              const Vector2d& to, std::int32_t site_at_from, std::int32_t site_at_to) {
+  LabelledSegment result;
+  result.sites.push_back(site_at_from);
+  Labeller labeller(distances, from, to, result);
+  labeller.label(active, 0, 1, 0);
+  labeller.append(1, site_at_to);
+  for (const double share : result.cuts)
+    result.distances.push_back(distances.nearest(active, from + share * (to - from)).distance);
+  return result;
+}
+
+}  // namespace supple::voronoi

@@ -1,0 +1,221 @@
+#include "supple/voronoi/diagram.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "support/cgal_geodesics.h"
+#include "support/expect_error.h"
+#include "support/sampling.h"
+#include "support/shapes.h"
+
+namespace supple::voronoi {
+namespace {
+
+using surface::GeodesicSolver;
+using surface::SurfacePoint;
+using surface::TriangleMesh;
+
+double area_of(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const auto& f : mesh.faces()) {
+    const auto& p = mesh.positions();
+    area += 0.5 * (p[f[1]] - p[f[0]]).cross(p[f[2]] - p[f[0]]).norm();
+  }
+  return area;
+}
+
+std::vector<SurfacePoint> drawn_sites(const TriangleMesh& mesh, int count, std::uint64_t seed) {
+  return random_sites(mesh, count, seed);
+}
+
+/// What holds of every diagram: areas, borders that close, vertices of three or more sites, points that are equidistant
+/// from their sites and no nearer to another by an independent search for each site.
+void expect_valid(const TriangleMesh& mesh, const Diagram& diagram, double tolerance) {
+  const GeodesicSolver solver(testing::share(mesh));
+  std::vector<surface::GeodesicField> fields;
+  for (const SurfacePoint& site : diagram.sites) fields.push_back(solver.field({&site, 1}, {.keep_windows = true}));
+  double area = diagram.unreached_area;
+  for (const DiagramCell& cell : diagram.cells) area += cell.area;
+  EXPECT_NEAR(area, area_of(mesh), 1e-11 * area_of(mesh));
+
+  const auto expect_at = [&](const DiagramPoint& point, std::int32_t site) {
+    EXPECT_NEAR(fields[static_cast<std::size_t>(site)].distance(point.point), point.distance, tolerance)
+        << "site " << site << " at " << point.position.transpose() << " kind " << static_cast<int>(point.kind);
+  };
+  const auto expect_nearest = [&](const DiagramPoint& point) {
+    for (const auto& field : fields) EXPECT_GE(field.distance(point.point), point.distance - tolerance);
+  };
+  for (const DiagramPoint& point : diagram.points) expect_nearest(point);
+  for (const DiagramVertex& vertex : diagram.vertices) {
+    EXPECT_GE(vertex.sites.size(), 3U);
+    for (const std::int32_t site : vertex.sites)
+      expect_at(diagram.points[static_cast<std::size_t>(vertex.point)], site);
+  }
+  std::map<std::int32_t, int> ends;
+  for (const DiagramEdge& edge : diagram.edges) {
+    EXPECT_NE(edge.sites[0], edge.sites[1]);
+    for (const std::int32_t point : edge.points)
+      for (const std::int32_t site : edge.sites) expect_at(diagram.points[static_cast<std::size_t>(point)], site);
+    for (const std::int32_t vertex : edge.vertices)
+      if (vertex >= 0) ++ends[vertex];
+  }
+  for (std::size_t i = 0; i < diagram.vertices.size(); ++i)
+    EXPECT_EQ(ends[static_cast<std::int32_t>(i)], static_cast<int>(diagram.vertices[i].sites.size()));
+  // Every place of a border has a cell on either side.
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i)
+    for (const std::int32_t other : diagram.cells[i].neighbours) {
+      const auto& back = diagram.cells[static_cast<std::size_t>(other)].neighbours;
+      EXPECT_TRUE(std::binary_search(back.begin(), back.end(), static_cast<std::int32_t>(i)));
+    }
+  // Pieces cover the cut faces.
+  std::map<std::int32_t, double> covered;
+  for (const DiagramPiece& piece : diagram.pieces) {
+    const auto corner = [&](int i) {
+      const auto& b = diagram.corners[static_cast<std::size_t>(piece.first_corner + i)];
+      return Eigen::Vector2d(b[1], b[2]);
+    };
+    for (int i = 2; i < piece.corner_count; ++i) {
+      const Eigen::Vector2d a = corner(i - 1) - corner(0);
+      const Eigen::Vector2d b = corner(i) - corner(0);
+      covered[piece.face] += a.x() * b.y() - a.y() * b.x();
+    }
+  }
+  for (const auto& [face, share] : covered) {
+    EXPECT_EQ(diagram.face_sites[static_cast<std::size_t>(face)], -1);
+    EXPECT_NEAR(share, 1, 1e-9) << "face " << face;
+  }
+}
+
+/// Euler characteristic of the cells, which are discs where there are many sites.
+int characteristic(const Diagram& diagram) {
+  return static_cast<int>(diagram.vertices.size()) - static_cast<int>(diagram.edges.size()) +
+         static_cast<int>(diagram.cells.size());
+}
+
+Diagram made(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sites, const DiagramOptions& options = {}) {
+  return diagram(GeodesicSolver(testing::share(mesh)), sites, options);
+}
+
+TEST(Diagram, OfASphereIsValid) {
+  const TriangleMesh mesh = testing::icosphere(3);
+  const Diagram result = made(mesh, drawn_sites(mesh, 40, 1));
+  expect_valid(mesh, result, 1e-10);
+  EXPECT_EQ(characteristic(result), 2);
+  EXPECT_EQ(result.dual.size(), 76U);
+}
+
+TEST(Diagram, OfAHandleIsValid) {
+  const TriangleMesh mesh = testing::torus(24, 12);
+  const Diagram result = made(mesh, drawn_sites(mesh, 60, 2));
+  expect_valid(mesh, result, 1e-10);
+  EXPECT_EQ(characteristic(result), 0);
+}
+
+TEST(Diagram, OfMoreSitesThanFacesIsValid) {
+  const TriangleMesh mesh = testing::icosphere(1);
+  const Diagram result = made(mesh, drawn_sites(mesh, 300, 3));
+  expect_valid(mesh, result, 1e-10);
+  EXPECT_EQ(characteristic(result), 2);
+}
+
+TEST(Diagram, WithBoundaryIsValid) {
+  for (const TriangleMesh& mesh :
+       {testing::open_hemisphere(), testing::l_shape(4), testing::slit_annulus(), testing::saddle(6)}) {
+    const Diagram result = made(mesh, drawn_sites(mesh, 20, 4));
+    expect_valid(mesh, result, 1e-10);
+  }
+}
+
+TEST(Diagram, OfOneSiteIsOneCell) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const Diagram result = made(mesh, drawn_sites(mesh, 1, 5));
+  EXPECT_TRUE(result.points.empty());
+  EXPECT_NEAR(result.cells[0].area, area_of(mesh), 1e-12);
+}
+
+TEST(Diagram, OfFewSitesIsValid) {
+  for (int count = 2; count <= 5; ++count) {
+    const TriangleMesh mesh = testing::genus3(2);
+    expect_valid(mesh, made(mesh, drawn_sites(mesh, count, 6)), 1e-10);
+  }
+}
+
+TEST(Diagram, HasItsSitesOnVertices) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  std::vector<SurfacePoint> sites;
+  for (int v = 0; v < mesh.vertex_count(); ++v) sites.push_back(vertex_point(mesh, VertexId(v)));
+  const Diagram result = made(mesh, sites);
+  expect_valid(mesh, result, 1e-10);
+  EXPECT_EQ(characteristic(result), 2);
+}
+
+TEST(Diagram, HasItsSitesOnEdges) {
+  const TriangleMesh mesh = testing::torus(16, 8);
+  RandomStream random("voronoi", 7);
+  std::vector<SurfacePoint> sites;
+  for (int i = 0; i < 50; ++i) sites.push_back(testing::random_edge_point(mesh, random));
+  expect_valid(mesh, made(mesh, sites), 1e-10);
+}
+
+TEST(Diagram, OfFourSitesAtOneDistanceHasAVertexOfFour) {
+  const TriangleMesh mesh = testing::flat_grid(8, 8);
+  std::vector<SurfacePoint> sites;
+  for (const int v : {2 * 9 + 2, 2 * 9 + 6, 6 * 9 + 2, 6 * 9 + 6}) sites.push_back(vertex_point(mesh, VertexId(v)));
+  const Diagram result = made(mesh, sites);
+  expect_valid(mesh, result, 1e-10);
+  ASSERT_EQ(result.vertices.size(), 1U);
+  EXPECT_EQ(result.vertices[0].sites.size(), 4U);
+  EXPECT_EQ(result.dual.size(), 2U);
+  for (const DiagramCell& cell : result.cells) EXPECT_NEAR(cell.area, 16, 1e-12);
+}
+
+TEST(Diagram, OfNearlyCoincidentSitesIsValid) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  for (const double gap : {1e-3, 1e-6, 1e-9, 1e-11}) {
+    std::vector<SurfacePoint> sites = drawn_sites(mesh, 12, 8);
+    SurfacePoint near = sites[3];
+    near.barycentric += Eigen::Vector3d(gap, -gap, 0);
+    sites.push_back(near);
+    const Diagram result = made(mesh, sites);
+    expect_valid(mesh, result, 1e-10);
+    EXPECT_GT(result.cells[3].area, 0);
+    EXPECT_GT(result.cells[12].area, 0);
+  }
+}
+
+TEST(Diagram, OfCoincidentSitesGivesTheFirstTheCell) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  std::vector<SurfacePoint> sites = drawn_sites(mesh, 12, 9);
+  sites.insert(sites.begin() + 5, sites[2]);
+  const Diagram result = made(mesh, sites);
+  EXPECT_EQ(result.cells[5].area, 0);
+  EXPECT_TRUE(result.cells[5].boundary.empty());
+  EXPECT_EQ(result.warnings.size(), 1U);
+  std::set<std::int32_t> used;
+  for (const DiagramEdge& edge : result.edges) used.insert(edge.sites.begin(), edge.sites.end());
+  EXPECT_EQ(used.size(), 12U);
+  EXPECT_EQ(used.count(5), 0U);
+  double area = 0;
+  for (const DiagramCell& cell : result.cells) area += cell.area;
+  EXPECT_NEAR(area, area_of(mesh), 1e-11);
+}
+
+TEST(Diagram, NamesTheSiteThatIsNoPoint) {
+  const TriangleMesh mesh = testing::icosphere(1);
+  std::vector<SurfacePoint> sites = drawn_sites(mesh, 3, 1);
+  sites[2].face = FaceId(1000);
+  const auto error = testing::expect_error("point.face_out_of_range", [&] { made(mesh, sites); });
+  ASSERT_FALSE(error.details().empty());
+  EXPECT_EQ(error.details()[0].where, "sites/2/face");
+  testing::expect_error("voronoi.no_sites", [&] { made(mesh, {}); });
+  testing::expect_error("voronoi.too_many_sites", [&] { random_sites(mesh, 10'000'000); });
+}
+
+}  // namespace
+}  // namespace supple::voronoi
