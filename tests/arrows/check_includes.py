@@ -30,11 +30,11 @@ ROOMS = {
     "engine/lab": {"base", "files", "numerics", "tiling", "microscale", "dataset", "neural", "training", "lab"},
     "server/problem": {"base", "problem"},
     "server/http": {"base", "problem", "http"},
-    "server/json": {"base", "numerics", "surface", "embedded", "tiling", "microscale", "weave", "neural", "design", "problem", "json"},
+    "server/json": {"base", "numerics", "surface", "embedded", "voronoi", "tiling", "microscale", "weave", "neural", "design", "problem", "json"},
     "server/store": {"base", "numerics", "surface", "neural", "design", "problem", "store"},
     "server/metrics": {"base", "problem", "metrics"},
     "server/jobs": {"base", "problem", "store", "jobs"},
-    "server/routes": {"base", "surface", "embedded", "tiling", "microscale", "weave", "neural", "design", "problem", "http",
+    "server/routes": {"base", "surface", "embedded", "voronoi", "tiling", "microscale", "weave", "neural", "design", "problem", "http",
                       "json", "store", "metrics", "jobs", "routes"},
     "clients": set(),
 }

@@ -13,6 +13,7 @@ void add_geodesic_command(CLI::App& program, const GlobalOptions& options);
 void add_field_command(CLI::App& program, const GlobalOptions& options);
 void add_karcher_command(CLI::App& program, const GlobalOptions& options);
 void add_relax_command(CLI::App& program, const GlobalOptions& options);
+void add_voronoi_command(CLI::App& program, const GlobalOptions& options);
 void add_exponential_map_command(CLI::App& program, const GlobalOptions& options);
 void add_family_command(CLI::App& program, const GlobalOptions& options);
 void add_structure_command(CLI::App& program, const GlobalOptions& options);

@@ -2,25 +2,30 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 
 #include "failure.h"
 #include "numbers.h"
+#include "session.h"
 
 namespace supple::cli {
 namespace {
 
 struct HostOption {
   const char* name;
-  const char* kind;  ///< shell or solid; nullptr: both
+  const char* kind;  ///< shell, solid or moving; nullptr: the first two
   bool given;
 };
 
-std::array<HostOption, 10> host_options(const HostArguments& arguments) {
+std::array<HostOption, 12> host_options(const HostArguments& arguments) {
   return {{{"--host-youngs-modulus", nullptr, arguments.youngs_modulus > 0},
            {"--host-poisson-ratio", nullptr, arguments.poisson_ratio > -1},
            {"--fix-vertex", nullptr, !arguments.vertices.empty()},
+           {"--move-vertex", nullptr, !arguments.moves.empty()},
+           {"--positions", "moving", !arguments.positions.empty()},
            {"--host-thickness", "shell", arguments.thickness > 0},
            {"--volume-weight", "shell", arguments.volume_weight >= 0},
            {"--volume-scale", "shell", arguments.volume_scale > 0},
@@ -47,22 +52,66 @@ nlohmann::json region_of(const std::string& text) {
           {"youngs_modulus", numbers[6]}};
 }
 
+std::int64_t vertex_index(double number, const std::string& text) {
+  if (number < 0 || number != std::floor(number) || number > 2147483647.0)
+    throw Failure(ExitCode::usage, fmt::format("'{}' names no vertex by its index", text));
+  return static_cast<std::int64_t>(number);
+}
+
 nlohmann::json vertices_of(const std::vector<std::string>& texts) {
   nlohmann::json vertices = nlohmann::json::array();
   for (const auto& text : texts) {
     for (const double number : parse_numbers(text, "list of vertices")) {
-      if (number < 0 || number != std::floor(number) || number > 2147483647.0)
-        throw Failure(ExitCode::usage, fmt::format("'{}' names no vertex by its index", text));
-      vertices.push_back(static_cast<std::int64_t>(number));
+      vertices.push_back(vertex_index(number, text));
     }
   }
   return vertices;
+}
+
+nlohmann::json move_of(const std::string& text) {
+  const auto numbers = parse_numbers(text, "vertex that is moved");
+  if (numbers.size() < 4 || numbers.size() % 3 != 1)
+    throw Failure(ExitCode::usage, fmt::format("'{}' moves no vertex: I,X,Y,Z[,X,Y,Z...]", text));
+  nlohmann::json positions = nlohmann::json::array();
+  for (std::size_t k = 1; k < numbers.size(); k += 3) positions.push_back({numbers[k], numbers[k + 1], numbers[k + 2]});
+  return {{"vertex", vertex_index(numbers[0], text)}, {"positions", std::move(positions)}};
+}
+
+/// The vertices of an OBJ file, or rows of three numbers.
+nlohmann::json positions_in(const std::string& file) {
+  std::istringstream lines(read_file(file));
+  nlohmann::json positions = nlohmann::json::array();
+  const bool is_obj = file.size() > 4 && file.compare(file.size() - 4, 4, ".obj") == 0;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::istringstream words(line);
+    std::string first;
+    words >> first;
+    if (first.empty() || first[0] == '#' || (is_obj && first != "v")) continue;
+    if (!is_obj) {
+      std::replace(line.begin(), line.end(), ',', ' ');
+      words.clear();
+      words.str(line);
+    }
+    std::array<double, 3> place{};
+    if (!(words >> place[0] >> place[1] >> place[2]))
+      throw Failure(ExitCode::usage, fmt::format("line {} of {} is no position of a vertex: X Y Z", number, file));
+    positions.push_back(place);
+  }
+  return positions;
 }
 
 void check_complete(const nlohmann::json& host, const std::string& kind) {
   if ((kind == "shell" || kind == "solid") && !host.contains("youngs_modulus"))
     throw Failure(ExitCode::usage, fmt::format("a {} needs --host-youngs-modulus", kind));
   if (kind == "shell" && !host.contains("thickness")) throw Failure(ExitCode::usage, "a shell needs --host-thickness");
+  if (kind == "moving" && !host.contains("positions"))
+    throw Failure(ExitCode::usage, "a moving surface needs --positions");
+}
+
+bool has_term(const nlohmann::json& answer, const char* name) {
+  const auto& terms = answer.at("terms");
+  return std::any_of(terms.begin(), terms.end(), [&](const auto& term) { return term.at("name") == name; });
 }
 
 }  // namespace
@@ -70,8 +119,9 @@ void check_complete(const nlohmann::json& host, const std::string& kind) {
 void add_host_options(CLI::App& command, HostArguments& arguments) {
   command
       .add_option("--host-kind", arguments.kind,
-                  "What carries the network and gives way under it: a thin shell, or the surface of a solid (rigid)")
-      ->check(CLI::IsMember({"rigid", "shell", "solid"}));
+                  "What carries the network: a thin shell or the surface of a solid, which give way under it, or a "
+                  "surface that is moving as --positions say (rigid)")
+      ->check(CLI::IsMember({"rigid", "shell", "solid", "moving"}));
   command.add_option("--host-thickness", arguments.thickness, "Of a shell, in mesh units")->check(CLI::PositiveNumber);
   command
       .add_option("--host-youngs-modulus", arguments.youngs_modulus,
@@ -105,6 +155,18 @@ void add_host_options(CLI::App& command, HostArguments& arguments) {
           "--fix-vertex", arguments.vertices,
           "Vertices of a shell or a solid that stay where they are: indices separated by commas; may be repeated")
       ->allow_extra_args(false);
+  command
+      .add_option(
+          "--move-vertex", arguments.moves,
+          "A vertex I,X,Y,Z[,X,Y,Z...] of a shell or a solid that is taken to these places, in mesh units, once "
+          "all is at rest; the rest follows; may be repeated")
+      ->allow_extra_args(false);
+  command
+      .add_option(
+          "--positions", arguments.positions,
+          "Where all vertices of a moving surface go: an OBJ file of the same mesh, or text with a row X Y Z for "
+          "each vertex; may be repeated, one after the other")
+      ->allow_extra_args(false);
 }
 
 void set_host(const HostArguments& arguments, nlohmann::json& request) {
@@ -131,6 +193,10 @@ void set_host(const HostArguments& arguments, nlohmann::json& request) {
   if (!arguments.regions.empty()) host["regions"] = nlohmann::json::array();
   for (const auto& region : arguments.regions) host["regions"].push_back(region_of(region));
   if (!arguments.vertices.empty()) host["fixed_vertices"] = vertices_of(arguments.vertices);
+  if (!arguments.moves.empty()) host["moved_vertices"] = nlohmann::json::array();
+  for (const auto& move : arguments.moves) host["moved_vertices"].push_back(move_of(move));
+  if (!arguments.positions.empty()) host["positions"] = nlohmann::json::array();
+  for (const auto& file : arguments.positions) host["positions"].push_back(positions_in(file));
   if (arguments.no_bending) request["effects"]["bending"] = "off";
   check_complete(host, kind);
 }
@@ -142,11 +208,12 @@ void print_host(const nlohmann::json& answer) {
   if (host->contains("tetrahedra")) {
     fmt::print("solid of {} tetrahedra and {} nodes", host->at("tetrahedra").get<std::int64_t>(),
                host->at("nodes").get<std::int64_t>());
-  } else if (const auto stops = host->find("stops"); stops != host->end()) {
-    fmt::print("moving surface of {} vertices, {} positions", host->at("vertices").size(), stops->size());
-  } else {
+  } else if (has_term(answer, "shell_membrane")) {
     fmt::print("shell of {} vertices", host->at("vertices").size());
+  } else {
+    fmt::print("moving surface of {} vertices", host->at("vertices").size());
   }
+  if (const auto stops = host->find("stops"); stops != host->end()) fmt::print(", {} positions", stops->size());
   fmt::print(", moved by up to {:.6g}", host->at("largest_displacement").get<double>());
   if (const auto ratio = host->find("volume_ratio"); ratio != host->end())
     fmt::print(", encloses {:.6g} of its volume at rest", ratio->get<double>());

@@ -29,6 +29,7 @@ Examples:
   supple field bunny.obj v0 --output distances.ply
   supple karcher bunny.obj v0 v300 12:0.2,0.3,0.5 --weights 1,1,2
   supple relax bunny.obj --poisson-disk 0.2 --voronoi-dual --rest-length 0.15 --obj network.obj
+  supple voronoi bunny.obj --random 200 --optimize centroidal --obj cells.obj
   supple exponential-map bunny.obj v0 --tangent 0.1,0,0.2
   supple structure IH21 --svg tiling.svg
   supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv
@@ -63,6 +64,7 @@ int run(int argument_count, char** arguments) {
   supple::cli::add_field_command(program, options);
   supple::cli::add_karcher_command(program, options);
   supple::cli::add_relax_command(program, options);
+  supple::cli::add_voronoi_command(program, options);
   supple::cli::add_exponential_map_command(program, options);
   supple::cli::add_family_command(program, options);
   supple::cli::add_structure_command(program, options);

@@ -41,6 +41,18 @@ std::optional<std::vector<double>> spaced_numbers_in(std::string_view text) {
 
 }  // namespace
 
+std::int64_t index_of(double number, const std::string& text, const char* what) {
+  if (number < 0 || number != std::floor(number) || number > 2147483647.0)
+    throw Failure(ExitCode::usage, fmt::format("'{}' names no {} by its index", text, what));
+  return static_cast<std::int64_t>(number);
+}
+
+std::vector<std::int64_t> parse_indices(const std::string& text, const char* what) {
+  std::vector<std::int64_t> indices;
+  for (const double number : parse_numbers(text, "list of indices")) indices.push_back(index_of(number, text, what));
+  return indices;
+}
+
 std::optional<std::int64_t> integer_in(std::string_view text) { return number_in<std::int64_t>(text); }
 
 std::optional<std::vector<double>> numbers_in(std::string_view text) {

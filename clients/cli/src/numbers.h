@@ -21,6 +21,12 @@ double parse_number(const std::string& text, const char* what);
 /// Failure(usage) that quotes the text and names `what`.
 std::vector<double> parse_series(const std::string& text, const char* what);
 
+/// A number that counts from 0. Throws Failure(usage) that quotes `text` and names `what`: "point".
+std::int64_t index_of(double number, const std::string& text, const char* what);
+
+/// Indices separated by commas. Throws the same.
+std::vector<std::int64_t> parse_indices(const std::string& text, const char* what);
+
 /// The integer that all of `text` is, or nothing.
 std::optional<std::int64_t> integer_in(std::string_view text);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -54,24 +53,12 @@ struct RelaxArguments {
   bool history = false;
 };
 
-std::int64_t point_index(double number, const std::string& text) {
-  if (number < 0 || number != std::floor(number) || number > 2147483647.0)
-    throw Failure(ExitCode::usage, fmt::format("'{}' names no point by its index", text));
-  return static_cast<std::int64_t>(number);
-}
-
-nlohmann::json point_indices(const std::string& text) {
-  nlohmann::json indices = nlohmann::json::array();
-  for (const double number : parse_numbers(text, "list of points")) indices.push_back(point_index(number, text));
-  return indices;
-}
-
 /// "0,1" or "0,1,rest_length" or "0,1,rest_length,weight".
 nlohmann::json parse_spring(const std::string& text, const RelaxArguments& arguments) {
   const auto numbers = parse_numbers(text, "spring");
   if (numbers.size() < 2 || numbers.size() > 4)
     throw Failure(ExitCode::usage, fmt::format("'{}' is no spring: I,J[,REST_LENGTH[,WEIGHT]]", text));
-  nlohmann::json spring = {{"between", {point_index(numbers[0], text), point_index(numbers[1], text)}}};
+  nlohmann::json spring = {{"between", {index_of(numbers[0], text, "point"), index_of(numbers[1], text, "point")}}};
   const double rest_length = numbers.size() > 2 ? numbers[2] : arguments.rest_length;
   const double weight = numbers.size() > 3 ? numbers[3] : arguments.weight;
   if (numbers.size() > 2 || rest_length >= 0) spring["rest_length"] = rest_length;
@@ -102,9 +89,9 @@ void set_triangles(const RelaxArguments& arguments, nlohmann::json& request) {
     throw Failure(ExitCode::usage, "give triangles by one of --triangle, --membrane and --network with triangles");
   if (arguments.membrane) request["triangles"] = {{"kind", "voronoi_dual"}};
   for (const auto& text : arguments.triangles) {
-    auto corners = point_indices(text);
+    auto corners = parse_indices(text, "point");
     if (corners.size() != 3) throw Failure(ExitCode::usage, fmt::format("'{}' is no triangle: I,J,K", text));
-    request["triangles"].push_back(std::move(corners));
+    request["triangles"].push_back(corners);
   }
   if (arguments.youngs_modulus > 0) request["membrane"]["youngs_modulus"] = arguments.youngs_modulus;
   if (arguments.poisson_ratio > -1) request["membrane"]["poisson_ratio"] = arguments.poisson_ratio;
@@ -141,7 +128,7 @@ nlohmann::json network_request(const RelaxArguments& arguments) {
   set_triangles(arguments, request);
   set_springs(arguments, request);
   set_host(arguments.host, request);
-  if (!arguments.fixed.empty()) request["fixed_points"] = point_indices(arguments.fixed);
+  if (!arguments.fixed.empty()) request["fixed_points"] = parse_indices(arguments.fixed, "point");
   if (arguments.euclidean) request["spring_length"] = "euclidean";
   if (!arguments.method.empty()) request["method"] = arguments.method;
   if (arguments.tolerance > 0) request["accuracy"]["tolerance"] = arguments.tolerance;
@@ -294,7 +281,11 @@ void add_relax_command(CLI::App& program, const GlobalOptions& options) {
       "  supple relax bunny.obj --per-face 0.3,0.3,0.4 --adjacent-faces --fixed 0,17 --plot convergence.svg\n"
       "  supple relax bunny.obj --poisson-disk 0.2 --membrane --rest-scale 0.9 --vtu membrane.vtu\n"
       "  supple relax bunny.obj --poisson-disk 0.2 --voronoi-dual --host-kind solid --host-youngs-modulus 50 --obj "
-      "soft.obj");
+      "soft.obj\n"
+      "  supple relax bunny.obj v0 v300 --spring 0,1 --fixed 0 --host-kind shell --host-thickness 0.01 "
+      "--host-youngs-modulus 1e4 --fix-vertex 0,1,2 --move-vertex 900,0,0.2,1\n"
+      "  supple relax step0.obj v0 v300 --spring 0,1 --fixed 0 --host-kind moving --positions step1.obj --positions "
+      "step2.obj");
   command->callback([&options, arguments] { run(options, *arguments); });
 }
 

@@ -1,5 +1,5 @@
-"""Geodesics and elastic networks on triangle meshes; simulations, neural models and designs of periodic structures; weaves of
-elastic strands; answered by a supple-server.
+"""Geodesics, Voronoi diagrams and elastic networks on triangle meshes; simulations, neural models and designs of periodic
+structures; weaves of elastic strands; answered by a supple-server.
 
 ::
 
@@ -11,6 +11,8 @@ elastic strands; answered by a supple-server.
         field = mesh.field([0])
         mean = mesh.karcher_mean([0, 300, (12, (0.2, 0.3, 0.5))])
         network = mesh.relax_network(supple.PoissonDisk(0.1), supple.VoronoiDual(rest_length=0.08))
+
+        cells = mesh.optimize_voronoi(supple.RandomSites(100), {"centroidal": 1})
 
         curve = client.simulate("IH01", None, supple.Uniaxial(0.0, [1.05, 1.1, 1.15]))
         curve.green_strain, curve.stress
@@ -68,6 +70,7 @@ from .errors import (
     InvalidPoint,
     InvalidRequest,
     InvalidStructure,
+    InvalidVoronoi,
     InvalidWeave,
     JobCancelled,
     NotFound,
@@ -88,6 +91,20 @@ from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, Relax
 from .points import PointLike, SurfacePoint, Vertex
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
 from .tilings import CellMesh, Family, Structure, Tile
+from .voronoi import RandomSites, Sites, VoronoiOptions
+from .voronoi_answers import (
+    OptimizationStep,
+    OptimizedVoronoi,
+    PartialOptimization,
+    Spread,
+    VoronoiCell,
+    VoronoiDiagram,
+    VoronoiEdge,
+    VoronoiPiece,
+    VoronoiPieces,
+    VoronoiStatistics,
+    VoronoiVertex,
+)
 from .weave_answers import (
     Crossing,
     CrossingMember,
@@ -149,6 +166,7 @@ __all__ = [
     "InvalidPoint",
     "InvalidRequest",
     "InvalidStructure",
+    "InvalidVoronoi",
     "InvalidWeave",
     "Job",
     "JobCancelled",
@@ -165,7 +183,10 @@ __all__ = [
     "ModelInfo",
     "Moving",
     "NotFound",
+    "OptimizationStep",
+    "OptimizedVoronoi",
     "PartialDesign",
+    "PartialOptimization",
     "PartialRelaxation",
     "PartialRound",
     "PatchMesh",
@@ -181,6 +202,7 @@ __all__ = [
     "PrintStatistics",
     "ProblemError",
     "ProfileCurve",
+    "RandomSites",
     "Region",
     "RegionDesigns",
     "RelaxationOptions",
@@ -192,9 +214,11 @@ __all__ = [
     "SheetState",
     "Shell",
     "Simulation",
+    "Sites",
     "Solid",
     "SolidRegion",
     "SplitErrors",
+    "Spread",
     "Spring",
     "State",
     "Strand",
@@ -210,7 +234,15 @@ __all__ = [
     "Verification",
     "Vertex",
     "Violation",
+    "VoronoiCell",
+    "VoronoiDiagram",
     "VoronoiDual",
+    "VoronoiEdge",
+    "VoronoiOptions",
+    "VoronoiPiece",
+    "VoronoiPieces",
+    "VoronoiStatistics",
+    "VoronoiVertex",
     "Weave",
     "WeaveHomogenization",
     "WeaveLayout",

@@ -11,6 +11,7 @@
           InvalidPoint         a surface point does not lie on the mesh
           InvalidNetwork       points and springs that make no network on the mesh
           InvalidHost          a mesh or a material that makes no shell or solid
+          InvalidVoronoi       sites or objectives that make no Voronoi diagram of the mesh
           InvalidStructure     a tiling's parameters give no structure
           InvalidDesign        no design problem, or one that no design has equilibria for
           InvalidWeave         strands, crossings or loads that do not fit together
@@ -92,6 +93,10 @@ class InvalidHost(InvalidRequest):
     """The mesh, a material or fixed vertices make no shell or solid under a network; `faults` names the entries."""
 
 
+class InvalidVoronoi(InvalidRequest):
+    """Sites, objectives or options that make no Voronoi diagram of the mesh; `faults` names the entries."""
+
+
 class InvalidStructure(InvalidRequest):
     """A tiling's parameters give no structure, or none that can be meshed."""
 
@@ -153,6 +158,8 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
         return InvalidNetwork
     if code.startswith(("host.", "solid.")):
         return InvalidHost
+    if code.startswith("voronoi."):
+        return InvalidVoronoi
     if code.startswith("tiling."):
         return InvalidStructure
     if code.startswith("design."):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Sequence, Union
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,18 @@ from .weaves import given, vector_of
 
 def _indices(vertices: Sequence[int]) -> Optional[List[int]]:
     return [int(vertex) for vertex in vertices] or None
+
+
+def _moves(moved: Mapping[int, ArrayLike]) -> Optional[List[Dict[str, Any]]]:
+    wire = []
+    for vertex, positions in moved.items():
+        places = np.asarray(positions, dtype=np.float64)
+        if places.ndim == 1:
+            places = places[np.newaxis]
+        if places.ndim != 2 or places.shape[1] != 3 or len(places) == 0:
+            raise ValueError(f"vertex {vertex} is moved to positions of shape {np.shape(positions)}; expected (3,) or (k, 3)")
+        wire.append({"vertex": int(vertex), "positions": places.tolist()})
+    return wire or None
 
 
 @dataclass(frozen=True)
@@ -29,6 +41,10 @@ class Shell:
             enclosed volume V, V0 that of the mesh, which must then be closed. 0 on the server's side: the volume is free.
         volume_scale: the volume to keep over that of the mesh, positive: above 1 the shell is blown up. 1 on the server's side.
         fixed_vertices: indices of vertices that stay where they are.
+        moved_vertices: where vertices are taken once all is at rest, by their indices: a position of shape (3,), or several of
+            shape (k, 3), one after the other on straight ways and in step with the others'; mesh units. The rest follows
+            from equilibrium to equilibrium. None of them is fixed; with the fixed ones they hold the host at three vertices
+            or more, not all on one line.
     """
 
     thickness: float
@@ -37,11 +53,12 @@ class Shell:
     volume_weight: Optional[float] = None
     volume_scale: Optional[float] = None
     fixed_vertices: Sequence[int] = ()
+    moved_vertices: Mapping[int, ArrayLike] = field(default_factory=dict)
 
     def to_wire(self) -> Dict[str, Any]:
         return {"kind": "shell", "thickness": float(self.thickness), "youngs_modulus": float(self.youngs_modulus),
                 **given(poisson_ratio=self.poisson_ratio, volume_weight=self.volume_weight, volume_scale=self.volume_scale,
-                        fixed_vertices=_indices(self.fixed_vertices))}
+                        fixed_vertices=_indices(self.fixed_vertices), moved_vertices=_moves(self.moved_vertices))}
 
 
 @dataclass(frozen=True)
@@ -74,6 +91,10 @@ class Solid:
         gravity: force per volume at rest, energy per mesh unit to the fourth; needs three fixed vertices that are not on one
             line. None for none.
         fixed_vertices: indices of vertices of the mesh that stay where they are.
+        moved_vertices: where vertices are taken once all is at rest, by their indices: a position of shape (3,), or several of
+            shape (k, 3), one after the other on straight ways and in step with the others'; mesh units. The rest follows
+            from equilibrium to equilibrium. None of them is fixed; with the fixed ones they hold the host at three vertices
+            or more, not all on one line.
     """
 
     youngs_modulus: float
@@ -82,13 +103,14 @@ class Solid:
     regions: Sequence[SolidRegion] = ()
     gravity: Optional[Vector3] = None
     fixed_vertices: Sequence[int] = ()
+    moved_vertices: Mapping[int, ArrayLike] = field(default_factory=dict)
 
     def to_wire(self) -> Dict[str, Any]:
         return {"kind": "solid", "youngs_modulus": float(self.youngs_modulus),
                 **given(poisson_ratio=self.poisson_ratio, element_size=self.element_size,
                         regions=[region.to_wire() for region in self.regions] or None,
                         gravity=vector_of(self.gravity, 3, "gravity"),
-                        fixed_vertices=_indices(self.fixed_vertices))}
+                        fixed_vertices=_indices(self.fixed_vertices), moved_vertices=_moves(self.moved_vertices))}
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,14 @@ from .design_answers import PartialDesign, PartialRound, partial_from_wire
 from .errors import RequestTimeout, SuppleError
 from .network_answers import PartialRelaxation, partial_relaxation_from_wire
 from .transport import Answer, Transport
+from .voronoi_answers import PartialOptimization, partial_optimization_from_wire
 
 Result = TypeVar("Result")
 Progress = Callable[[float, str], None]
 """Called as `progress(fraction, stage)`: the share of the work that is done, in [0, 1], and what runs now."""
+
+Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization]
+"""What a job has found so far."""
 
 FIRST_POLL = 0.05
 LONGEST_POLL = 1.0
@@ -36,7 +40,8 @@ class JobStatus:
         stage: what runs now; empty where nothing does.
         created: when the job was accepted, RFC 3339 in UTC.
         partial: the best design so far while designs are being searched for, then the structure that was simulated last; of
-            a network that is relaxed, its state after the latest iteration; None elsewhere.
+            a network that is relaxed or a Voronoi diagram that is optimized, its state after the latest iteration; None
+            elsewhere.
     """
 
     id: str
@@ -46,18 +51,22 @@ class JobStatus:
     progress: float
     stage: str
     created: str
-    partial: Union[PartialDesign, PartialRound, PartialRelaxation, None] = None
+    partial: Optional[Partial] = None
 
     @property
     def finished(self) -> bool:
         return self.state not in UNFINISHED
 
 
-def _partial(document: Mapping[str, Any]) -> Union[PartialDesign, PartialRound, PartialRelaxation, None]:
+def _partial(document: Mapping[str, Any]) -> Optional[Partial]:
     partial = document.get("partial")
     if partial is None:
         return None
-    return partial_relaxation_from_wire(partial) if document["kind"] == "embedded-systems" else partial_from_wire(partial)
+    if document["kind"] == "embedded-systems":
+        return partial_relaxation_from_wire(partial)
+    if document["kind"] == "voronoi-optimizations":
+        return partial_optimization_from_wire(partial)
+    return partial_from_wire(partial)
 
 
 def status_from_wire(document: Mapping[str, Any]) -> JobStatus:

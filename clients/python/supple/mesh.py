@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import computations, networks
+from . import computations, networks, voronoi
 from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo, MeshRepair
 from .hosts import Host
 from .jobs import Job, Progress, run, submit
@@ -15,6 +15,8 @@ from .network_answers import RelaxedNetwork
 from .networks import Membrane, NetworkPoints, NetworkSprings, RelaxationOptions
 from .points import PointLike
 from .transport import Transport
+from .voronoi import Sites, VoronoiOptions
+from .voronoi_answers import OptimizedVoronoi, VoronoiDiagram
 
 _VERTEX = np.dtype("<f8")
 _FACE = np.dtype([("corners", "u1"), ("vertices", "<i4", (3,))])
@@ -270,6 +272,119 @@ class Mesh:
             self.id, points, springs, fixed_points, options, False, deadline, membrane, host
         )
         return run(self._transport, networks.network_file(document, kind), timeout, progress)
+
+    def voronoi(
+        self,
+        sites: Sites,
+        *,
+        method: Optional[str] = None,
+        relative_error: Optional[float] = None,
+        points: bool = False,
+        pieces: bool = False,
+        statistics: bool = True,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> VoronoiDiagram:
+        """The geodesic Voronoi diagram of sites: each cell has the points that are nearer to its site than to any other.
+
+        Args:
+            sites: one by one, or `RandomSites`.
+            method: "exact" (as without it), "bounded" (each distance within `relative_error`, with less work) or "edges"
+                (along edges and across pairs of faces, without a bound).
+            relative_error: allowed for every distance, in (0, 1]; means "bounded". 0.01 on the server's side.
+            points: whether `VoronoiDiagram.points` are returned, which lie where `positions` do.
+            pieces: whether `VoronoiDiagram.pieces` are returned, by which cells are coloured.
+            statistics: whether edges, cells and vertices are measured.
+
+        Raises `InvalidVoronoi` (codes "voronoi.no_sites", "voronoi.too_many_sites", "voronoi.invalid_option"), and
+        `InvalidRequest` (code "request.limit_exceeded") where there are more sites than the server takes.
+        """
+        document = voronoi.diagram_document(self.id, sites, method, relative_error, points, pieces, statistics, deadline)
+        return run(self._transport, voronoi.diagram(document), timeout, progress)
+
+    def start_voronoi(
+        self,
+        sites: Sites,
+        *,
+        method: Optional[str] = None,
+        relative_error: Optional[float] = None,
+        points: bool = False,
+        pieces: bool = False,
+        statistics: bool = True,
+        deadline: Optional[float] = None,
+    ) -> Job[VoronoiDiagram]:
+        """`voronoi` as a job."""
+        document = voronoi.diagram_document(self.id, sites, method, relative_error, points, pieces, statistics, deadline)
+        return submit(self._transport, voronoi.diagram(document))
+
+    def optimize_voronoi(
+        self,
+        sites: Sites,
+        objectives: Mapping[str, float],
+        fixed_sites: Sequence[int] = (),
+        *,
+        options: Optional[VoronoiOptions] = None,
+        points: bool = False,
+        pieces: bool = False,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> OptimizedVoronoi:
+        """Moves sites until their Voronoi diagram has a local minimum of the weighted sum of objectives.
+
+        Args:
+            sites: where they start: one by one, or `RandomSites`.
+            objectives: weights by name, at least 0, of "edge_length" (edges as long as `VoronoiOptions.target_length`),
+                "planarity" (cells whose vertices lie in a plane), "regularity" (vertices near their sites), "centroidal"
+                (sites at the centres of their cells) and "equal_area". Lengths count in units of the mean cell size, so
+                that all of them are numbers without a unit.
+            fixed_sites: indices of sites that stay where they are.
+            options: how the minimum is found.
+            points, pieces: as in `voronoi`.
+
+        Raises `InvalidVoronoi` with the codes of `voronoi`, "voronoi.no_objective" and "voronoi.fixed_site"; `faults` names
+        the entries.
+        """
+        document = voronoi.optimization_document(
+            self.id, sites, objectives, fixed_sites, options, points, pieces, deadline
+        )
+        return run(self._transport, voronoi.optimization(document), timeout, progress)
+
+    def start_optimize_voronoi(
+        self,
+        sites: Sites,
+        objectives: Mapping[str, float],
+        fixed_sites: Sequence[int] = (),
+        *,
+        options: Optional[VoronoiOptions] = None,
+        points: bool = False,
+        pieces: bool = False,
+        deadline: Optional[float] = None,
+    ) -> Job[OptimizedVoronoi]:
+        """`optimize_voronoi` as a job, whose `status().partial` is the diagram on its way (`PartialOptimization`)."""
+        document = voronoi.optimization_document(
+            self.id, sites, objectives, fixed_sites, options, points, pieces, deadline
+        )
+        return submit(self._transport, voronoi.optimization(document))
+
+    def voronoi_file(
+        self,
+        sites: Sites,
+        *,
+        kind: str = "obj",
+        method: Optional[str] = None,
+        relative_error: Optional[float] = None,
+        panel_scale: Optional[float] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> bytes:
+        """A Voronoi diagram as a file: `kind` is "obj" or "vtu" (borders and the surface cut along them, mesh units), "svg"
+        (flat panels with numbered edges, `panel_scale` millimetres for each mesh unit, 1 on the server's side) or "csv" (the
+        panels' lengths and angles). Of an optimized diagram, give its `sites`. The other arguments are those of `voronoi`."""
+        document = voronoi.diagram_document(self.id, sites, method, relative_error, False, False, True, deadline)
+        return run(self._transport, voronoi.diagram_file(document, kind, panel_scale), timeout, progress)
 
     def exponential_map(
         self,

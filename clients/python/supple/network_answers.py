@@ -56,13 +56,15 @@ class PartialRelaxation:
 
 @dataclass(frozen=True)
 class FollowedStop:
-    """How a network followed a moving surface to one of its positions.
+    """How a network followed a moving surface, or a network and its host moved vertices, to one of their positions.
 
     Attributes:
         energy, gradient_norm: as in `RelaxedNetwork`, there.
         iterations: steps of the solver on the way from the position before.
         load_steps: parts that this way was divided into.
         stopped: as in `RelaxedNetwork`.
+        reached: share of the way from the position before; below 1 where moved vertices cannot go on, since elements of the
+            host would be turned inside out, or no equilibrium is found: it is then the last stop.
     """
 
     energy: float
@@ -70,6 +72,7 @@ class FollowedStop:
     iterations: int
     load_steps: int
     stopped: str
+    reached: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class HostState:
         largest_displacement: longest way of a vertex, or of a node inside, mesh units.
         volume_ratio: enclosed volume over that at rest; None for open surfaces.
         tetrahedra, nodes: of a solid, the vertices of the mesh among its nodes; None for others.
-        stops: of a moving surface, one for each of its positions; None for others.
+        stops: of a moving surface or of moved vertices, one for each of their positions; None for others.
     """
 
     vertices: Array
@@ -174,7 +177,8 @@ def _host(host: Optional[Mapping[str, Any]]) -> Optional[HostState]:
         tetrahedra=host.get("tetrahedra"),
         nodes=host.get("nodes"),
         stops=None if stops is None else tuple(
-            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"]) for s in stops
+            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"], s["reached"])
+            for s in stops
         ),
     )
 

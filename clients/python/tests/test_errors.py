@@ -18,6 +18,7 @@ from supple import errors
     (410, "job.cancelled", errors.JobCancelled),
     (410, "job.dismissed", errors.JobCancelled),
     (409, "design.superseded", errors.Superseded),
+    (422, "voronoi.no_objective", errors.InvalidVoronoi),
     (422, "design.invalid_target", errors.InvalidDesign),
     (422, "design.no_equilibrium", errors.InvalidDesign),
     (504, "job.deadline_exceeded", errors.DeadlineExceeded),

@@ -68,6 +68,12 @@ def test_hosts_become_what_the_contract_says() -> None:
     assert solid.to_wire() == {
         "kind": "solid", "youngs_modulus": 50.0, "element_size": 0.2, "gravity": [0, 0, -1], "fixed_vertices": [0],
         "regions": [{"lower": [0, 0, 0], "upper": [1, 1, 1], "youngs_modulus": 5.0}]}
+    moved = supple.Solid(2, moved_vertices={np.int64(3): (0, 0, 1), 4: [[0, 0, 1], [1, 0, 1]]}).to_wire()["moved_vertices"]
+    assert moved == [{"vertex": 3, "positions": [[0, 0, 1]]}, {"vertex": 4, "positions": [[0, 0, 1], [1, 0, 1]]}]
+    assert supple.Shell(1, 2, moved_vertices={3: (0, 0, 1)}).to_wire()["moved_vertices"] == moved[:1]
+    for wrong in ((0, 1), np.zeros((0, 3)), [[0, 1]]):
+        with pytest.raises(ValueError, match="vertex 7 is moved"):
+            supple.Solid(2, moved_vertices={7: wrong}).to_wire()
     assert supple.Shell(1, 2).to_wire() == {"kind": "shell", "thickness": 1.0, "youngs_modulus": 2.0}
     assert supple.Solid(2).to_wire() == {"kind": "solid", "youngs_modulus": 2.0}
     moving = supple.Moving([np.eye(3), [[0, 0, 1], [1, 0, 1], [0, 1, 1]]]).to_wire()
@@ -87,9 +93,9 @@ def test_an_answer_of_a_host_that_gives_way_has_its_vertices() -> None:
     solid = relaxed_network_from_wire({**ANSWER, "host": {**host, "volume_ratio": 0.9, "tetrahedra": 7, "nodes": 12}}).host
     assert solid is not None and (solid.volume_ratio, solid.tetrahedra, solid.nodes) == (0.9, 7, 12)
     assert solid.stops is None
-    stop = {"energy": 1.5, "gradient_norm": 1e-9, "iterations": 4, "load_steps": 2, "stopped": "converged"}
+    stop = {"energy": 1.5, "gradient_norm": 1e-9, "iterations": 4, "load_steps": 2, "stopped": "converged", "reached": 0.25}
     moved = relaxed_network_from_wire({**ANSWER, "host": {**host, "stops": [stop]}}).host
-    assert moved is not None and moved.stops == (supple.FollowedStop(1.5, 1e-9, 4, 2, "converged"),)
+    assert moved is not None and moved.stops == (supple.FollowedStop(1.5, 1e-9, 4, 2, "converged", 0.25),)
     assert relaxed_network_from_wire(ANSWER).host is None
 
 

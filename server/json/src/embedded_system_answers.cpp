@@ -76,6 +76,7 @@ void write_host(JsonWriter& out, const embedded::Relaxation& relaxation) {
           .field("iterations", stop.iterations)
           .field("load_steps", stop.load_steps)
           .field("stopped", stop.stopped)
+          .field("reached", stop.reached)
           .end_object();
     out.end_array();
   }

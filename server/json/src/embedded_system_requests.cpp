@@ -121,6 +121,23 @@ void read_membrane(Fields& fields, EmbeddedSystemRequest& request) {
   });
 }
 
+void read_moved_vertices(Fields& fields, const Limits& limits, std::vector<embedded::MovedVertex>& moved) {
+  const auto* entries = fields.array("moved_vertices", false, 0, limits.max_points, "--max-points");
+  if (!entries) return;
+  moved.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    Fields entry((*entries)[i], fields.at("moved_vertices") + "/" + std::to_string(i), fields.faults());
+    embedded::MovedVertex& read = moved.emplace_back();
+    if (const auto* vertex = entry.required("vertex"))
+      read.vertex = read_array_index(*vertex, entry.at("vertex"), entry.faults());
+    const auto* positions = entry.array("positions", true, 1, most_positions, "");
+    for (std::size_t k = 0; positions && k < positions->size(); ++k)
+      read_components((*positions)[k], entry.at("positions") + "/" + std::to_string(k), entry.faults(),
+                      read.positions.emplace_back(Eigen::Vector3d::Zero()), -any, any);
+    entry.finish();
+  }
+}
+
 void read_vector(Fields& fields, std::string_view name, Eigen::Vector3d& vector) {
   if (const auto* value = fields.optional(name))
     read_components(*value, fields.at(name), fields.faults(), vector, -any, any);
@@ -136,6 +153,7 @@ void read_shell(Fields& fields, const Limits& limits, embedded::ShellHost& shell
   fields.number("volume_weight", shell.volume_weight, 0, any);
   fields.number("volume_scale", shell.volume_scale, 0, any, true);
   read_indices(fields, "fixed_vertices", limits, shell.fixed_vertices);
+  read_moved_vertices(fields, limits, shell.moved_vertices);
 }
 
 void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid) {
@@ -146,6 +164,7 @@ void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid
   fields.number("element_size", solid.element_size, 0, any, true);
   read_vector(fields, "gravity", solid.gravity);
   read_indices(fields, "fixed_vertices", limits, solid.fixed_vertices);
+  read_moved_vertices(fields, limits, solid.moved_vertices);
   const auto* regions = fields.array("regions", false, 0, most_solid_regions, "");
   for (std::size_t i = 0; regions && i < regions->size(); ++i) {
     Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());

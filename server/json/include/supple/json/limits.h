@@ -9,20 +9,21 @@ struct Limits {
   std::size_t depth = 32;              ///< nesting of arrays and objects; fixed
   std::size_t max_values = 8'000'000;  ///< JSON values of one body; about 50 bytes of memory each
   std::size_t max_pairs = 100'000;
-  std::size_t max_points = 100'000;      ///< points of a mean or a network, sources of a field
+  std::size_t max_points = 100'000;      ///< points of a mean or a network, sources of a field, sites
   std::size_t max_springs = 300'000;     ///< of a network: about the edges of a triangulation of max_points
   std::size_t max_parameters = 32;       ///< of a tiling; fixed
   std::size_t max_states = 1000;         ///< of a load path
   std::size_t max_strains = 100'000;     ///< of an evaluation of a model
   int max_mesh_nodes = 100'000;          ///< of one cell of a structure
   std::size_t max_deformed = 1'000'000;  ///< nodes of an answer's deformed meshes or strands, over all states; fixed
-  std::size_t max_print_points = 1'000'000;  ///< of a toolpath; fixed
-  std::size_t max_gcode_lines = 200'000;     ///< of a G-code file that is checked; fixed
-  double max_deadline = 3600;                ///< seconds
-  double default_deadline = 600;             ///< seconds
-  std::size_t max_strands = 20'000;          ///< of a weave's layout; fixed
-  std::size_t max_strand_points = 100'000;   ///< points of all strands of a layout; fixed
-  std::size_t max_path_points = 1'000'000;   ///< points of all known paths of a request; fixed
+  std::size_t max_print_points = 1'000'000;   ///< of a toolpath; fixed
+  std::size_t max_border_points = 1'000'000;  ///< of an answer's Voronoi diagram; fixed
+  std::size_t max_gcode_lines = 200'000;      ///< of a G-code file that is checked; fixed
+  double max_deadline = 3600;                 ///< seconds
+  double default_deadline = 600;              ///< seconds
+  std::size_t max_strands = 20'000;           ///< of a weave's layout; fixed
+  std::size_t max_strand_points = 100'000;    ///< points of all strands of a layout; fixed
+  std::size_t max_path_points = 1'000'000;    ///< points of all known paths of a request; fixed
 };
 
 }  // namespace supple::json

@@ -1,0 +1,243 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "failure.h"
+#include "numbers.h"
+#include "surface_point.h"
+#include "weave_arguments.h"
+
+namespace supple::cli {
+namespace {
+
+constexpr const char* diagrams_path = "/v1/voronoi-diagrams";
+constexpr const char* optimizations_path = "/v1/voronoi-optimizations";
+
+struct VoronoiArguments {
+  std::string mesh;
+  std::vector<std::string> sites;
+  std::string sites_file;
+  std::string method;
+  double relative_error = 0;
+  std::string objectives;
+  double target_length = 0;
+  std::string fixed;
+  std::string minimizer;
+  double tolerance = 0;
+  double panel_scale = 0;
+  double deadline = 0;
+  std::string obj_file;
+  std::string vtu_file;
+  std::string svg_file;
+  std::string csv_file;
+  int random = 0;
+  int seed = -1;
+  int max_iterations = 0;
+  bool history = false;
+
+  std::array<std::pair<const std::string*, const char*>, 4> files() const {
+    return {{{&obj_file, "model/obj"},
+             {&vtu_file, "application/x-vtu+xml"},
+             {&svg_file, "image/svg+xml"},
+             {&csv_file, "text/csv"}}};
+  }
+};
+
+nlohmann::json voronoi_sites(const VoronoiArguments& arguments) {
+  const int ways = static_cast<int>(!arguments.sites.empty()) + static_cast<int>(arguments.random > 0) +
+                   static_cast<int>(!arguments.sites_file.empty());
+  if (ways != 1) throw Failure(ExitCode::usage, "give sites, or one of --random and --sites");
+  if (!arguments.sites_file.empty()) {
+    auto document = object_in_file(arguments.sites_file);
+    if (!document.contains("sites"))
+      throw Failure(ExitCode::local_file, fmt::format("{} has no field sites", arguments.sites_file));
+    return document.at("sites");
+  }
+  if (arguments.random > 0) {
+    nlohmann::json random = {{"count", arguments.random}};
+    if (arguments.seed >= 0) random["seed"] = arguments.seed;
+    return random;
+  }
+  nlohmann::json sites = nlohmann::json::array();
+  for (const auto& site : arguments.sites) sites.push_back(parse_surface_point(site));
+  return sites;
+}
+
+/// "centroidal" or "edge_length=1,planarity=0.5": names with weights, 1 without one.
+nlohmann::json voronoi_objectives(const std::string& text) {
+  nlohmann::json objectives = nlohmann::json::object();
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string part = text.substr(at, end - at);
+    const std::size_t equals = part.find('=');
+    if (equals == 0 || part.empty())
+      throw Failure(ExitCode::usage, fmt::format("'{}' names no objectives: NAME[=WEIGHT][,NAME[=WEIGHT]]...", text));
+    objectives[part.substr(0, equals)] =
+        equals == std::string::npos ? 1.0 : parse_number(part.substr(equals + 1), "weight of an objective");
+    at = end + 1;
+  }
+  return objectives;
+}
+
+nlohmann::json diagram_request(const VoronoiArguments& arguments) {
+  nlohmann::json request = {{"sites", voronoi_sites(arguments)}};
+  if (!arguments.method.empty()) request["accuracy"]["method"] = arguments.method;
+  if (arguments.relative_error > 0) {
+    request["accuracy"]["relative_error"] = arguments.relative_error;
+    if (arguments.method.empty()) request["accuracy"]["method"] = "bounded";
+  }
+  if (arguments.panel_scale > 0) request["panel_scale"] = arguments.panel_scale;
+  if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
+  return request;
+}
+
+nlohmann::json optimization_request(const VoronoiArguments& arguments) {
+  if (!arguments.method.empty() || arguments.relative_error > 0)
+    throw Failure(ExitCode::usage,
+                  "diagrams are optimized by exact distances: leave out --method and --relative-error");
+  nlohmann::json request = {{"sites", voronoi_sites(arguments)},
+                            {"objectives", voronoi_objectives(arguments.objectives)}};
+  if (arguments.target_length > 0) request["target_length"] = arguments.target_length;
+  if (!arguments.fixed.empty()) request["fixed_sites"] = parse_indices(arguments.fixed, "site");
+  if (!arguments.minimizer.empty()) request["method"] = arguments.minimizer;
+  if (arguments.tolerance > 0) request["accuracy"]["tolerance"] = arguments.tolerance;
+  if (arguments.max_iterations > 0) request["max_iterations"] = arguments.max_iterations;
+  if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
+  return request;
+}
+
+constexpr std::array<std::pair<const char*, const char*>, 4> spreads{{{"edge_length", "edge length"},
+                                                                      {"planarity", "off the plane"},
+                                                                      {"area", "cell area"},
+                                                                      {"vertex_distance", "vertex / site"}}};
+
+void print_spread(const std::string& name, const nlohmann::json& spread) {
+  fmt::print("{:<24}", name);
+  for (const char* column : {"mean", "least", "greatest", "deviation"})
+    fmt::print("  {:>12.6g}", spread.at(column).get<double>());
+  fmt::print("\n");
+}
+
+void print_statistics(const nlohmann::json& answer) {
+  const auto& statistics = answer.at("statistics");
+  fmt::print("{:<24}  {:>12}  {:>12}  {:>12}  {:>12}\n", "", "mean", "least", "greatest", "deviation");
+  for (const auto& [key, name] : spreads) {
+    if (!statistics.contains("before")) {
+      print_spread(name, statistics.at(key));
+      continue;
+    }
+    print_spread(fmt::format("{}, before", name), statistics.at("before").at(key));
+    print_spread(fmt::format("{}, after", name), statistics.at("after").at(key));
+  }
+}
+
+void print_optimization(const nlohmann::json& answer, bool history) {
+  fmt::print("energy      {:.12g}\n", answer.at("energy").get<double>());
+  for (const auto& term : answer.at("terms"))
+    fmt::print("  {:<18}{:.12g}\n", term.at("name").get<std::string>(), term.at("energy").get<double>());
+  fmt::print("|gradient|  {:.3e} (asked for {:.3e})\n", answer.at("gradient_norm").get<double>(),
+             answer.at("accuracy").at("gradient_tolerance").get<double>());
+  fmt::print("stopped     {} after {} iterations\n", answer.at("stopped").get<std::string>(),
+             answer.at("iterations").get<int>());
+  if (!history) return;
+  fmt::print("{:>4}  {:>16}  {:>12}  {:>12}\n", "step", "energy", "|gradient|", "moved");
+  const auto& states = answer.at("history");
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto& state = states.at(i);
+    fmt::print("{:>4}  {:>16.9g}  {:>12.3e}  {:>12.3e}\n", i, state.at("energy").get<double>(),
+               state.at("gradient_norm").get<double>(), state.at("step_length").get<double>());
+  }
+}
+
+void print_diagram(const nlohmann::json& answer, bool history) {
+  fmt::print("diagram     {} cells, {} edges, {} vertices\n", answer.at("cells").size(), answer.at("edges").size(),
+             answer.at("vertices").size());
+  if (answer.contains("stopped")) print_optimization(answer, history);
+  if (answer.at("unreached_area").get<double>() > 0)
+    fmt::print("no site     on an area of {:.6g}\n", answer.at("unreached_area").get<double>());
+  print_statistics(answer);
+  for (const auto& warning : answer.at("warnings")) fmt::print("warning     {}\n", warning.get<std::string>());
+  fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
+}
+
+void run(const GlobalOptions& options, const VoronoiArguments& arguments) {
+  const bool optimized = !arguments.objectives.empty();
+  auto request = optimized ? optimization_request(arguments) : diagram_request(arguments);
+  Session session(options);
+  request["mesh"] = session.mesh_id(arguments.mesh);
+  const nlohmann::json answer = session.compute(optimized ? optimizations_path : diagrams_path, request).json();
+  // A file of an optimized diagram is that of the sites at the end, which need not be found again.
+  nlohmann::json drawn = optimized ? nlohmann::json{{"mesh", request["mesh"]}} : request;
+  drawn["sites"] = answer.at("sites");
+  if (arguments.panel_scale > 0) drawn["panel_scale"] = arguments.panel_scale;
+  bool on_terminal = false;
+  for (const auto& [file, media_type] : arguments.files()) {
+    if (file->empty()) continue;
+    on_terminal |= *file == "-";
+    write_file(*file, session.compute(diagrams_path, drawn, media_type).body);
+  }
+  if (on_terminal) return;
+  session.json() ? print_json(answer) : print_diagram(answer, arguments.history);
+}
+
+void add_optimization_options(CLI::App& command, VoronoiArguments& arguments) {
+  command.add_option("--optimize", arguments.objectives,
+                     "Move the sites until these objectives are small: edge_length, planarity, regularity, centroidal, "
+                     "equal_area; NAME[=WEIGHT][,NAME[=WEIGHT]]...");
+  command.add_option("--target-length", arguments.target_length, "Of all edges, in mesh units (the mean at the start)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("-f,--fixed", arguments.fixed, "Sites that stay where they are: indices separated by commas");
+  command.add_option("--minimizer", arguments.minimizer, "How to optimize (gauss_newton)")
+      ->check(CLI::IsMember({"gauss_newton", "lbfgs"}));
+  command
+      .add_option("-t,--tolerance", arguments.tolerance,
+                  "Stop once |gradient| <= tolerance * root of the sites' number / mean cell size (1e-6)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--max-iterations", arguments.max_iterations, "Give up after so many (100)")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--history", arguments.history, "Show every iteration");
+}
+
+}  // namespace
+
+void add_voronoi_command(CLI::App& program, const GlobalOptions& options) {
+  const auto arguments = std::make_shared<VoronoiArguments>();
+  CLI::App* command =
+      program.add_subcommand("voronoi", "The geodesic Voronoi diagram of sites on the surface, as it is or optimized");
+  command->add_option("mesh", arguments->mesh, "Mesh")->required();
+  command->add_option("sites", arguments->sites, "The sites, in their order");
+  command->add_option("--random", arguments->random, "So many random sites, spread evenly over the area")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", arguments->seed, "Of the random sites (1)")->check(CLI::NonNegativeNumber);
+  command->add_option("--sites", arguments->sites_file,
+                      "A JSON file with the field sites, as an earlier answer with --json has it");
+  command->add_option("-m,--method", arguments->method, "What distances the diagram is made of (exact)")
+      ->check(CLI::IsMember({"exact", "bounded", "edges"}));
+  command
+      ->add_option("-e,--relative-error", arguments->relative_error, "Allowed error of every distance; bounded (0.01)")
+      ->check(CLI::Range(0.0, 1.0));
+  add_optimization_options(*command, *arguments);
+  command->add_option("--obj", arguments->obj_file,
+                      "Write borders and cells as OBJ, - for the terminal; each file divides the surface once more");
+  command->add_option("--vtu", arguments->vtu_file, "Write cells and borders for ParaView");
+  command->add_option("--svg", arguments->svg_file, "Write flat panels with numbered edges, in mm");
+  command->add_option("--csv", arguments->csv_file, "Write the panels' lengths and angles");
+  command->add_option("--panel-scale", arguments->panel_scale, "Millimetres per mesh unit on the panels (1)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+      ->check(CLI::PositiveNumber);
+  command->footer(
+      "Examples:\n  supple voronoi bunny.obj v0 v300 v900 --obj cells.obj\n"
+      "  supple voronoi bunny.obj --random 200 --seed 3 --relative-error 0.01\n"
+      "  supple voronoi bunny.obj --random 200 --optimize centroidal --vtu cells.vtu\n"
+      "  supple voronoi shell.obj --random 60 --optimize edge_length=1,planarity=20 --svg panels.svg --csv panels.csv "
+      "--panel-scale 250");
+  command->callback([&options, arguments] { run(options, *arguments); });
+}
+
+}  // namespace supple::cli

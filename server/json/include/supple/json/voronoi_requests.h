@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "supple/json/requests.h"
+#include "supple/voronoi/diagram.h"
+#include "supple/voronoi/optimization.h"
+
+/// The requests of Voronoi diagrams as types; they are read like those of requests.h and throw the same. Whether sites
+/// lie on the mesh is not asked here.
+namespace supple::json {
+
+struct RandomSites {
+  std::int64_t count = 0;
+  std::uint64_t seed = 1;
+};
+
+using SitesSpec = std::variant<std::vector<PointSpec>, RandomSites>;
+
+/// What an answer says of a diagram besides its cells.
+struct DiagramInclude {
+  bool points = false;  ///< the borders' points as points of the surface
+  bool pieces = false;  ///< whose each vertex and each part of a face is
+};
+
+struct VoronoiDiagramRequest {
+  std::string mesh;
+  SitesSpec sites;
+  voronoi::DiagramOptions options;
+  DiagramInclude include;
+  bool statistics = true;
+  double panel_scale = 1;  ///< millimetres per mesh unit
+  double deadline = 0;     ///< seconds; set also where the request leaves it out
+};
+VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits& limits);
+
+struct VoronoiOptimizationRequest {
+  std::string mesh;
+  SitesSpec sites;
+  voronoi::OptimizationOptions options;  ///< without an observer
+  DiagramInclude include;
+  double panel_scale = 1;
+  double deadline = 0;
+};
+VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, const Limits& limits);
+
+}  // namespace supple::json
