@@ -3,7 +3,9 @@ import type { SurfacePoint } from "../contract/types";
 import type { NetworkState } from "./network_state";
 import { readNetwork, writeNetwork } from "./network_text";
 import { MOST_STARTS, type Tool, TOOLS } from "./session";
+import { readVoronoi, type VoronoiState, writeVoronoi } from "./voronoi_state";
 
+/** Of one link; more sites than these are not kept, unless they are random ones. */
 const MOST_POINTS = 200;
 
 export interface MeshLink {
@@ -14,11 +16,13 @@ export interface MeshLink {
   starts?: number;
   /** Where the tool is the network. */
   network: NetworkState | null;
+  /** Where the tool is Voronoi; the points are its sites, unless they are random. */
+  voronoi?: VoronoiState | null;
 }
 
-export function writeMeshLink({ mesh, tool, points, starts = 1, network }: MeshLink): string {
-  const places = points.map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
-  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}${tool === "mean" && starts > 1 ? `&starts=${starts}` : ""}${network && tool === "network" ? `&${writeNetwork(network)}` : ""}`;
+export function writeMeshLink({ mesh, tool, points, starts = 1, network, voronoi }: MeshLink): string {
+  const places = points.slice(0, MOST_POINTS).map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
+  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}${tool === "mean" && starts > 1 ? `&starts=${starts}` : ""}${network && tool === "network" ? `&${writeNetwork(network)}` : ""}${voronoi && tool === "voronoi" ? `&${writeVoronoi(voronoi)}` : ""}`;
 }
 
 /** Null where the text is no such link; points that are none are left out. */
@@ -30,8 +34,13 @@ export function readMeshLink(text: string): MeshLink | null {
   const points = places.map(readPoint).filter((point): point is SurfacePoint => point !== null);
   const starts = /^\d{1,3}$/.test(fields.get("starts") ?? "") ? Math.min(MOST_STARTS, Number(fields.get("starts"))) : 1;
   return {
-    mesh, tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path", points, ...(starts > 1 && { starts }), network: readNetwork(fields, points.length),
+    mesh, tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path", points, ...(starts > 1 && { starts }), network: readNetwork(fields, points.length), ...voronoiOf(fields),
   };
+}
+
+function voronoiOf(fields: ReadonlyMap<string, string>): Pick<MeshLink, "voronoi"> {
+  const voronoi = readVoronoi(fields);
+  return voronoi ? { voronoi } : {};
 }
 
 /** A vertex as "v12", a point of a face as "12:0.2,0.3,0.5". */

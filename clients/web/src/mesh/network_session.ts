@@ -232,7 +232,7 @@ export class NetworkSession {
     const gradientTolerance = (request.accuracy?.tolerance ?? 0) * weight * diagonal;
     this.relaxing.set({ request, asked, network, steps, frames: frames.all, gradientTolerance, answer: null });
     const answer = await this.compute(request, "Relaxing", signal, ({ partial }) => {
-      if (!partial || !("gradient_norm" in partial) || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
+      if (!partial || !("gradient_norm" in partial) || "step_length" in partial || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
       steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
       if (partial.positions && partial.iteration > 0) frames.add({ iteration: partial.iteration, positions: partial.positions as unknown as Vector[], ...(partial.vertices && { vertices: partial.vertices as unknown as Vector[] }) });
       this.relaxing.set({ request, asked, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });

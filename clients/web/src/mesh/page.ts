@@ -12,19 +12,27 @@ import { NetworkView } from "./network_view";
 import { relaxationCard } from "./relaxation_card";
 import { type MeshActivity, MeshSession } from "./session";
 import { MeshViewer, type Pick } from "./viewer";
+import { voronoiCard } from "./voronoi_card";
+import { VoronoiSession } from "./voronoi_session";
+import { VoronoiView } from "./voronoi_view";
 
 /** Vertices of the sample that are seen at first. */
 const SAMPLE_POINTS = [442, 1223, 1785];
+/** How far an arrow moves a site of a Voronoi diagram, in pixels. */
+const NUDGE_PIXELS = 8;
 
 export function meshPage({ client, link }: Surroundings): Page {
   const session = new MeshSession(client, findings);
   const network = new NetworkSession(session, client);
   const view = new NetworkView(network);
+  const voronoi = new VoronoiSession(session, client);
+  const cells = new VoronoiView(voronoi);
   const status = h("div", { class: "status" });
   const stage = h("section", { class: "card mesh-stage", "aria-label": "View" });
   const card = h("div", {}, relaxationCard(network, view));
+  const diagram = h("div", {}, voronoiCard(voronoi, cells));
   const element = h("div", { class: "mesh-page" },
-    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, () => void openSample()), h("div", { class: "column right" }, stage, card));
+    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, voronoi, nudge, () => void openSample()), h("div", { class: "column right" }, stage, card, diagram));
   const viewer = makeViewer();
   const hint = h("p", { class: "hint" });
   replace(stage, viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint, status);
@@ -44,10 +52,11 @@ export function meshPage({ client, link }: Surroundings): Page {
   }
 
   const ofNetwork = () => session.tool.get() === "network";
+  const ofVoronoi = () => session.tool.get() === "voronoi";
 
   function showMarks(): void {
     if (!session.mesh.get()) return;
-    const marks = ofNetwork() ? [] : session.points.get().map((point) => session.position(point));
+    const marks = ofNetwork() || ofVoronoi() ? [] : session.points.get().map((point) => session.position(point));
     viewer?.setMarks(marks, session.finding.get().mean);
   }
 
@@ -66,7 +75,24 @@ export function meshPage({ client, link }: Surroundings): Page {
     announce(`Vertex ${vertex} is ${network.state.get().host.supports.includes(vertex) ? "held" : "free"}.`, "change");
   }
 
-  function pick({ place, point }: Pick): void {
+  /** Moves the chosen site of a diagram to what is seen beside it. */
+  function nudge(right: number, down: number): void {
+    const site = voronoi.chosen.get();
+    const from = site === null ? undefined : voronoi.sites.get()[site];
+    if (site === null || !from || !viewer) return;
+    const place = viewer.beside(voronoi.position(from), NUDGE_PIXELS * right, NUDGE_PIXELS * down);
+    if (place) voronoi.move(site, { face: place.face, barycentric: [...place.barycentric] }, true);
+    else announce("There is no surface beside the site.");
+  }
+
+  function pickSite({ place, point }: Pick): void {
+    if (point !== null) voronoi.chosen.set(point);
+    else if (place) voronoi.place({ face: place.face, barycentric: [...place.barycentric] });
+  }
+
+  function pick(picked: Pick): void {
+    if (ofVoronoi()) return pickSite(picked);
+    const { place, point } = picked;
     if (ofNetwork() && network.supporting.get()) {
       if (place) hold(place);
       else announce("There is no surface here.");
@@ -82,6 +108,9 @@ export function meshPage({ client, link }: Surroundings): Page {
 
   if (viewer) {
     viewer.onPick = pick;
+    viewer.onNudge = nudge;
+    viewer.onDrag = (site, { face, barycentric }, done) => voronoi.move(site, { face, barycentric: [...barycentric] }, done);
+    session.tool.watch(() => (viewer.drags = ofVoronoi()));
     session.mesh.watch((loaded) => {
       if (loaded) viewer.setMesh(loaded.data, `Surface of ${loaded.info.faces} faces`);
     });
@@ -94,7 +123,8 @@ export function meshPage({ client, link }: Surroundings): Page {
     // The surface before the network, which lies on it.
     for (const part of [view.host, session.tool]) part.watch(() => viewer.setHost(ofNetwork() ? view.host.get() : null));
     for (const part of [view.host, session.tool, session.mesh, network.state]) part.watch(showSupports);
-    for (const part of [view.picture, session.tool]) part.watch(() => viewer.setNetwork(ofNetwork() ? view.picture.get() : null));
+    for (const part of [cells.cells, session.tool]) part.watch(() => !ofNetwork() && viewer.setCells(ofVoronoi() ? cells.cells.get() : null));
+    for (const part of [view.picture, cells.picture, session.tool]) part.watch(() => viewer.setNetwork(ofNetwork() ? view.picture.get() : ofVoronoi() ? cells.picture.get() : null));
   }
   session.finding.watch((finding) => {
     if (finding.facts.length > 0) announce(finding.facts.map(([term, value]) => `${term}: ${value}`).join(". "));
@@ -102,41 +132,52 @@ export function meshPage({ client, link }: Surroundings): Page {
   for (const part of [session.tool, network.state, network.mode, network.supporting]) {
     part.watch(() => {
       const { points } = network.state.get();
+      if (ofVoronoi()) {
+        hint.textContent = "Click to add a site, drag one to move it; drag beside it to turn, scroll to come nearer. With the keyboard: arrows and + −; with Shift, arrows move the chosen site.";
+        return;
+      }
       const click = ofNetwork() && network.supporting.get() ? "Click to hold the nearest vertex or let it go" : !ofNetwork() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
       hint.textContent = `${click}, drag to turn, scroll to come nearer. With the keyboard: arrows and + −.`;
     });
   }
   session.tool.watch(() => {
     card.hidden = !ofNetwork();
-    element.classList.toggle("with-network", ofNetwork());
+    diagram.hidden = !ofVoronoi();
+    element.classList.toggle("with-network", ofNetwork() || ofVoronoi());
   });
 
   // On a small screen the view is far from the button that starts it.
-  let isRelaxing = false;
-  network.relaxing.watch((relaxing) => {
-    const now = relaxing !== null && relaxing.answer === null;
-    if (now && !isRelaxing) stage.scrollIntoView({ block: "nearest" });
-    isRelaxing = now;
-  });
+  for (const part of [network.relaxing, voronoi.optimizing]) {
+    let isRunning = false;
+    part.watch((work: { readonly answer: unknown } | null) => {
+      const now = work !== null && work.answer === null;
+      if (now && !isRunning) stage.scrollIntoView({ block: "nearest" });
+      isRunning = now;
+    });
+  }
 
   let stop = () => {};
   const working = new Working("Progress", () => stop());
 
   function showActivity(): void {
-    const [activity, cancel]: [MeshActivity, () => void] =
-      ofNetwork() && session.activity.get().kind === "idle" ? [network.activity.get(), () => network.cancel()] : [session.activity.get(), () => session.cancel()];
+    const own = ofNetwork() ? network : ofVoronoi() ? voronoi : session;
+    const busy = session.activity.get().kind === "idle" ? own : session;
+    const activity: MeshActivity = busy.activity.get();
+    const cancel = () => busy.cancel();
     stop = cancel;
     if (activity.kind === "idle") replace(status);
     else if (activity.kind === "failed") replace(status, h("p", { class: "note", role: "alert" }, activity.sentence));
     else working.show(status, activity.words, activity.progress);
   }
-  for (const part of [session.activity, network.activity, session.tool]) part.watch(showActivity);
+  for (const part of [session.activity, network.activity, voronoi.activity, session.tool]) part.watch(showActivity);
 
   function writeLink(): void {
     const loaded = session.mesh.get();
-    if (loaded) link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...session.points.get()], starts: session.starts.get(), network: network.state.get() }));
+    if (!loaded) return;
+    const points = ofVoronoi() ? (voronoi.state.get().scattered ? [] : voronoi.sites.get()) : session.points.get();
+    link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...points], starts: session.starts.get(), network: network.state.get(), voronoi: voronoi.state.get() }));
   }
-  for (const part of [session.mesh, session.points, session.tool, session.starts, network.state]) part.watch(writeLink);
+  for (const part of [session.mesh, session.points, session.tool, session.starts, network.state, voronoi.state, voronoi.sites]) part.watch(writeLink);
   stage.addEventListener("dragover", (event) => event.preventDefault());
   stage.addEventListener("drop", (event) => {
     event.preventDefault();
@@ -152,7 +193,8 @@ export function meshPage({ client, link }: Surroundings): Page {
       if (linked && linked.mesh !== session.mesh.get()?.info.id) {
         session.setTool(linked.tool);
         session.setStarts(linked.starts ?? 1);
-        await session.open(linked.mesh, linked.points);
+        await session.open(linked.mesh, linked.tool === "voronoi" ? [] : linked.points);
+        if (linked.voronoi && linked.tool === "voronoi" && session.mesh.get()?.info.id === linked.mesh) await voronoi.restore(linked.voronoi, linked.points);
         if (linked.network && session.mesh.get()?.info.id === linked.mesh) network.restore(linked.network);
       } else writeLink();
     },

@@ -10,11 +10,13 @@ import { ordered, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { type MeshSession, MOST_STARTS, type Tool } from "./session";
 import { cssGradient } from "./spring_colours";
 import { RAMP } from "./surface_material";
+import { type Nudge, voronoiPanel } from "./voronoi_panel";
+import type { VoronoiSession } from "./voronoi_session";
 
 const FILE_TYPES = ".obj,.off,.ply,.stl";
 
-export function meshPanel(session: MeshSession, network: NetworkSession, sample: () => void): HTMLElement {
-  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network), findingCard(session));
+export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: Nudge, sample: () => void): HTMLElement {
+  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network), voronoiPanel(session, voronoi, nudge), findingCard(session));
 }
 
 function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
@@ -79,8 +81,9 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
     distance: "Distance to the nearest point, with isolines.",
     mean: "The point of least mean squared distance, and the paths to it. There may be several minima: further searches may find a lower one.",
     network: "An elastic network or membrane whose points slide on the surface until it is at rest.",
+    voronoi: "Cells of the points that are nearer to one site than to any other, by shortest paths; as they are, or optimized.",
   };
-  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, { value: "network", words: "Network" }], (value) => session.setTool(value));
+  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, { value: "network", words: "Network" }, { value: "voronoi", words: "Voronoi" }], (value) => session.setTool(value));
   const help = h("p", { class: "muted" });
   const starts = new Slider({
     label: "Searches from different starts", lower: 1, upper: MOST_STARTS, step: 1, digits: 0,
@@ -106,7 +109,7 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   const remove = (index: number) => (ofNetwork() ? network.removePicked(index) : session.setPoints(session.points.get().filter((_, k) => k !== index)));
   const showPoints = () => {
     const points = session.points.get();
-    const picked = !ofNetwork() || network.state.get().points === "picked";
+    const picked = session.tool.get() !== "voronoi" && (!ofNetwork() || network.state.get().points === "picked");
     list.hidden = form.hidden = !picked;
     clear.hidden = !picked || points.length === 0;
     replace(list, ...points.map((point, k) =>

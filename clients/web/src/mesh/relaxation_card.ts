@@ -5,6 +5,7 @@ import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { digits, seconds } from "../base/format";
 import { svgOf } from "../base/svg_file";
+import { table } from "../base/tables";
 import type { Cost, Effect, EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
 import { hostFacts, hostLegend } from "./host_legend";
@@ -152,14 +153,6 @@ function notesOf(answer: EmbeddedSystem): string[] {
   const held = answer.at_vertices.length;
   if (held > 0) sentences.push(`${held === 1 ? "1 point" : `${held} points`} came to rest exactly at a vertex, where no direction descends.`);
   return sentences;
-}
-
-function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[], kind = ""): HTMLElement {
-  return h("div", { class: `table-box ${kind}`.trim(), tabindex: 0, role: "region", "aria-label": caption },
-    h("table", {},
-      h("caption", {}, caption),
-      h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
-      h("tbody", {}, ...rows.map(([first, ...others]) => h("tr", {}, h("th", { scope: "row" }, first), ...others.map((words) => h("td", {}, words)))))));
 }
 
 const plainName = (name: string): string => name.replace(/_/g, " ");

@@ -7,14 +7,14 @@ import type { Geodesics, KarcherMean, Mesh, Repair, SurfacePoint } from "../cont
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
 import { helpAgainst, ordered, uploadPath } from "./repair";
 
-export type Tool = "path" | "distance" | "mean" | "network";
-export const TOOLS: readonly Tool[] = ["path", "distance", "mean", "network"];
+export type Tool = "path" | "distance" | "mean" | "network" | "voronoi";
+export const TOOLS: readonly Tool[] = ["path", "distance", "mean", "network", "voronoi"];
 
 /** Searches for a mean that a person may ask for, each as long as the first. */
 export const MOST_STARTS = 50;
 
-/** Tools whose answer follows the points by itself; a network is relaxed when a person says so. */
-type Following = Exclude<Tool, "network">;
+/** Tools whose answer follows the points by itself; networks and Voronoi diagrams have sessions of their own. */
+type Following = Exclude<Tool, "network" | "voronoi">;
 
 export interface Loaded {
   readonly info: Mesh;
@@ -183,9 +183,10 @@ export class MeshSession {
     const mesh = this.mesh.get();
     const points = this.points.get();
     const tool = this.tool.get();
-    if (!mesh || tool === "network" || points.length < (tool === "distance" ? 1 : 2)) {
+    const isFollowing = tool !== "network" && tool !== "voronoi";
+    if (!mesh || !isFollowing || points.length < (tool === "distance" ? 1 : 2)) {
       this.requests.cancel();
-      if (tool === "network") this.activity.set({ kind: "idle" });
+      if (!isFollowing) this.activity.set({ kind: "idle" });
       return this.finding.set(NOTHING);
     }
     this.requests.submit(async (signal) => {

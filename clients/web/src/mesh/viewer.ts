@@ -7,6 +7,7 @@ import { dark } from "../base/theme";
 import { SceneView } from "../scene/scene_view";
 import { drape, type Drape } from "./membrane_drape";
 import { MembraneDrawing } from "./membrane_drawing";
+import { CellDrawing, type CellPicture } from "./cell_drawing";
 import { HostDrawing } from "./host_drawing";
 import { barycentricOf, type MeshData, roundStep, type Vector } from "./mesh_data";
 import { SurfaceGrid } from "./nearest_on_surface";
@@ -33,15 +34,27 @@ export interface HostPicture {
   readonly colours: readonly Rgb[] | null;
 }
 
+/** A place on the surface. */
+export interface Place {
+  face: number;
+  barycentric: Vector;
+}
+
 export interface Pick {
   /** Where the surface was hit; null beside it. */
-  place: { face: number; barycentric: Vector } | null;
+  place: Place | null;
   /** The point of the network that was hit. */
   point: number | null;
 }
 
 export class MeshViewer {
   onPick: (pick: Pick) => void = () => {};
+  /** Whether a point of the network, when it is seized, is dragged along the surface instead of turning the view. */
+  drags = false;
+  /** A point that is dragged, the place that it is at, and whether it was let go there. */
+  onDrag: (point: number, place: Place, done: boolean) => void = () => {};
+  /** Shift and an arrow key: steps to the right and down. */
+  onNudge: (right: number, down: number) => void = () => {};
   private readonly view: SceneView;
   private readonly material = surfaceMaterial();
   private readonly marks = new THREE.Group();
@@ -50,6 +63,7 @@ export class MeshViewer {
   private readonly membrane = new MembraneDrawing();
   private readonly supports = new NetworkDrawing();
   private readonly host = new HostDrawing();
+  private readonly cells = new CellDrawing();
   private supported: readonly Vector[] = [];
   /** Of the surface as it is seen, once a membrane lies on it. */
   private grid: SurfaceGrid | null = null;
@@ -71,7 +85,7 @@ export class MeshViewer {
       for (const drawing of [this.network, this.supports]) drawing.resized(width, height, this.view.pixelRatio);
       this.membrane.resized(width, height);
     };
-    this.view.scene.add(this.marks, this.lines, this.host.group, this.membrane.group, this.supports.group, this.network.group);
+    this.view.scene.add(this.marks, this.lines, this.host.group, this.cells.group, this.membrane.group, this.supports.group, this.network.group);
     this.listen();
     dark.watch((isDark) => {
       this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
@@ -90,6 +104,7 @@ export class MeshViewer {
     this.data = this.shape = data;
     [this.grid, this.draped, this.shapeVertices] = [null, null, null];
     this.host.show(null, null);
+    this.cells.show(null, [], null);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(data.positions), 3));
     geometry.setIndex(new THREE.BufferAttribute(data.faces, 1));
@@ -123,6 +138,23 @@ export class MeshViewer {
     this.surface.visible = !picture?.colours;
     this.host.show(geometry, picture?.colours ?? null);
     this.view.draw();
+  }
+
+  /** Cells in place of the plain surface; none with null. */
+  setCells(picture: CellPicture | null): void {
+    if (!this.surface || !this.data) return;
+    this.cells.show(this.data, this.surface.geometry.getAttribute("normal").array, picture);
+    this.surface.visible = !picture;
+    this.view.draw();
+  }
+
+  /** The place of the surface that is seen so many pixels to the right of a place and below it; null beside the surface. */
+  beside(place: Vector, right: number, down: number): Place | null {
+    const { camera, canvas } = this.view;
+    camera.updateMatrixWorld();
+    const seen = new THREE.Vector3(...place).project(camera);
+    const { width, height } = canvas.getBoundingClientRect();
+    return this.hit(new THREE.Vector2(seen.x + (2 * right) / width, seen.y - (2 * down) / height))?.place ?? null;
   }
 
   /** Marks vertices that are held. */
@@ -202,26 +234,72 @@ export class MeshViewer {
   private listen(): void {
     const { canvas } = this.view;
     let down: readonly [number, number] | null = null;
+    let dragged: { point: number; place: Place | null } | null = null;
     canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
-    canvas.addEventListener("pointerup", (event) => {
-      if (down && event.button === 0 && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) this.pick(event);
-      down = null;
+    // Before the controls that turn the view, which then hear nothing of it.
+    canvas.addEventListener("pointerdown", (event) => {
+      const point = this.drags && event.button === 0 && event.isPrimary ? this.pointAt(event) : null;
+      if (point === null) return;
+      event.stopImmediatePropagation();
+      canvas.setPointerCapture(event.pointerId);
+      canvas.focus();
+      dragged = { point, place: null };
+      down = [event.clientX, event.clientY];
+    }, { capture: true });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!dragged || !down) return;
+      if (!dragged.place && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) return;
+      const place = this.hit(this.placeOf(event))?.place;
+      if (!place) return;
+      dragged.place = place;
+      this.onDrag(dragged.point, place, false);
     });
+    const release = (event: PointerEvent) => {
+      const { point, place } = dragged ?? { point: 0, place: null };
+      const wasDragged = place !== null;
+      dragged = null;
+      if (place) this.onDrag(point, place, true);
+      else if (event.type === "pointerup" && down && event.button === 0 && !wasDragged && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) this.pick(event);
+      down = null;
+    };
+    canvas.addEventListener("pointerup", release);
+    canvas.addEventListener("pointercancel", release);
+    canvas.addEventListener("keydown", (event) => {
+      const steps: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+      const step = event.shiftKey && this.drags ? steps[event.key] : undefined;
+      if (!step) return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      this.onNudge(...step);
+    }, { capture: true });
+  }
+
+  /** Where the pointer is, from -1 to 1. */
+  private placeOf(event: PointerEvent): THREE.Vector2 {
+    const box = this.view.canvas.getBoundingClientRect();
+    return new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+  }
+
+  private hit(at: THREE.Vector2): { place: Place; distance: number } | null {
+    if (!this.surface || !this.shape) return null;
+    const ray = new THREE.Raycaster();
+    this.view.camera.updateMatrixWorld(); // where drawing is slow, nothing has done so yet
+    ray.setFromCamera(at, this.view.camera);
+    const hit = ray.intersectObject(this.surface)[0];
+    const face = hit?.faceIndex ?? null;
+    return face === null ? null : { place: { face, barycentric: barycentricOf(this.shape, face, hit.point.toArray()) }, distance: hit.distance };
+  }
+
+  private pointAt(event: PointerEvent): number | null {
+    const box = this.view.canvas.getBoundingClientRect();
+    const hit = this.hit(this.placeOf(event));
+    const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
+    return this.network.nearest(event.clientX - box.left, event.clientY - box.top, POINT_PIXELS, this.view.camera, box, depth);
   }
 
   private pick(event: PointerEvent): void {
     if (!this.surface || !this.shape) return;
-    const { camera, canvas } = this.view;
-    const box = canvas.getBoundingClientRect();
-    const place = new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
-    const ray = new THREE.Raycaster();
-    camera.updateMatrixWorld(); // where drawing is slow, nothing has done so yet
-    ray.setFromCamera(place, camera);
-    const hit = ray.intersectObject(this.surface)[0];
-    const face = hit?.faceIndex ?? null;
-    const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
-    const point = this.network.nearest(event.clientX - box.left, event.clientY - box.top, POINT_PIXELS, camera, box, depth);
-    this.onPick({ place: face === null ? null : { face, barycentric: barycentricOf(this.shape, face, hit.point.toArray()) }, point });
+    this.onPick({ place: this.hit(this.placeOf(event))?.place ?? null, point: this.pointAt(event) });
   }
 }
 

@@ -1,0 +1,92 @@
+// A Voronoi diagram in numbers: its cells, how it was optimized, what it was like before and is after, and its files.
+import { announce } from "../base/announce";
+import { button, Select, Slider } from "../base/controls";
+import { h, replace } from "../base/dom";
+import { download } from "../base/download";
+import { digits, seconds } from "../base/format";
+import { table } from "../base/tables";
+import type { VoronoiOptimization, VoronoiStatistics } from "../contract/types";
+import { ConvergencePlot } from "./convergence_plot";
+import { cssGradient } from "./spring_colours";
+import { RAMP } from "./surface_material";
+import { statisticsRows } from "./voronoi_statistics";
+import type { VoronoiFile, VoronoiSession } from "./voronoi_session";
+import { type CellColourBy, type VoronoiView } from "./voronoi_view";
+
+export const VORONOI_STOPS: Record<VoronoiOptimization["stopped"], string> = {
+  converged: "The sites are at rest: the gradient is below the tolerance.",
+  step_too_small: "The sites are at rest: no step lowers the energy any more.",
+  iteration_limit: "The limit of iterations came first: the sites are not at rest yet.",
+};
+
+const FILE_KINDS: readonly (readonly [VoronoiFile, string, string])[] = [
+  ["obj", "model/obj", "Save borders and cells as OBJ"], ["vtu", "application/xml", "Save cells and borders as VTU"], ["svg", "image/svg+xml", "Save flat panels as SVG"], ["csv", "text/csv", "Save the panels’ lengths and angles as CSV"],
+];
+
+export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLElement {
+  const plot = new ConvergencePlot();
+  const stage = h("div", { class: "convergence-stage" }, plot.element);
+  new ResizeObserver(() => plot.resize(stage.clientWidth, stage.clientHeight)).observe(stage);
+  const sentence = h("p", { class: "stop" });
+  const facts = h("dl", { class: "facts" });
+  const notes = h("div", { class: "notes" });
+  const statistics = h("div");
+  const colours = new Select<CellColourBy>("Colour of the cells", [{ value: "cells", words: "One for each" }, { value: "area", words: "By area" }, { value: "none", words: "None" }], (value) => view.colourBy.set(value));
+  const bar = h("div", { class: "ramp", "aria-hidden": "true" });
+  bar.style.background = cssGradient(RAMP);
+  const [least, most] = [h("span"), h("span")];
+  const scale = h("div", {}, bar, h("div", { class: "ramp-words" }, least, most));
+  let panelScale = 100;
+  const panels = new Slider({ label: "Millimetres for each unit, on panels", lower: 0.1, upper: 1000, digits: 3, changed: (value) => (panelScale = value) });
+  panels.value = panelScale;
+  const files = FILE_KINDS.map(([kind, type, title]) => button(kind.toUpperCase(), () => void voronoi.file(kind, panelScale, (text) => download(`voronoi.${kind}`, type, text)), { icon: "download", title }));
+  const side = h("div", { class: "relaxation-side" }, colours.element, scale, panels.element);
+  const card = h("section", { class: "card relaxation voronoi", "aria-label": "Diagram", hidden: true },
+    h("h2", {}, "Diagram"), sentence, notes, h("div", { class: "relaxation-body" }, stage, facts, side), statistics, h("div", { class: "row" }, ...files));
+
+  function factsNow(): [string, string][] {
+    const diagram = voronoi.divided.get()?.diagram;
+    const optimizing = voronoi.optimizing.get();
+    const step = optimizing?.steps.at(-1);
+    return [
+      ...(diagram ? [["Cells", diagram.cells.length.toLocaleString("en")], ["Edges", diagram.edges.length.toLocaleString("en")], ["Vertices", diagram.vertices.length.toLocaleString("en")]] as [string, string][] : []),
+      ...(step ? [["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration", String(step.iteration)]] as [string, string][] : []),
+      ...(diagram && (!optimizing || optimizing.answer) ? [["Time", seconds(diagram.cost.seconds)]] as [string, string][] : []),
+    ];
+  }
+
+  function draw(): void {
+    const divided = voronoi.divided.get();
+    const optimizing = voronoi.optimizing.get();
+    card.hidden = !divided;
+    if (!divided) return;
+    const answer = optimizing?.answer ?? null;
+    sentence.textContent = answer ? VORONOI_STOPS[answer.stopped] : optimizing ? "The sites are moving." : "";
+    sentence.hidden = sentence.textContent === "";
+    stage.hidden = !optimizing;
+    if (optimizing) plot.update({ steps: optimizing.steps, tolerance: answer?.accuracy.gradient_tolerance ?? 0, current: optimizing.steps.at(-1)?.iteration ?? null });
+    replace(facts, ...factsNow().flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+    replace(notes, ...divided.diagram.warnings.map((words) => h("p", { class: "note" }, words)));
+    if (divided.now) replace(statistics, statisticsTable(divided.before, divided.now));
+    for (const file of files) file.disabled = optimizing !== null && !answer;
+  }
+  for (const part of [voronoi.divided, voronoi.optimizing]) part.watch(draw);
+  voronoi.divided.watch((divided) => {
+    if (!divided?.now) return;
+    const stopped = "stopped" in divided.diagram ? VORONOI_STOPS[divided.diagram.stopped] : "";
+    announce([stopped, ...factsNow().map(([term, value]) => `${term}: ${value}.`)].join(" ").trim());
+  });
+  view.colourBy.watch((value) => {
+    colours.value = value;
+    scale.hidden = value !== "area";
+  });
+  view.range.watch((range) => {
+    least.textContent = digits(range.least, 3);
+    most.textContent = digits(range.most, 3);
+  });
+  return card;
+}
+
+function statisticsTable(before: VoronoiStatistics | null, now: VoronoiStatistics): HTMLElement {
+  return table("Statistics", ["Quantity", "Mean", "Deviation", "Least", "Greatest"], statisticsRows(before, now));
+}

@@ -1,0 +1,100 @@
+// What a person decides about a Voronoi diagram besides its sites: how exact it is, and what is to be small.
+import { plain } from "../base/format";
+import type { SurfacePoint, VoronoiDiagramRequest, VoronoiObjectives, VoronoiOptimizationRequest } from "../contract/types";
+
+export type Objective = keyof VoronoiObjectives;
+export type Minimizer = NonNullable<VoronoiOptimizationRequest["method"]>;
+/** Of distances; the second is within so much of exact. */
+export type Exactness = "exact" | "bounded" | "edges";
+
+export interface VoronoiState {
+  /** Random sites. */
+  readonly count: number;
+  readonly seed: number;
+  /** Whether the sites are the random ones, unchanged. */
+  readonly scattered: boolean;
+  readonly exactness: Exactness;
+  readonly weights: Readonly<Record<Objective, number>>;
+  /** Mesh units; 0 for the mean length at the start. */
+  readonly targetLength: number;
+  /** Ascending. */
+  readonly fixed: readonly number[];
+  readonly minimizer: Minimizer;
+  readonly tolerance: number;
+  readonly maxIterations: number;
+}
+
+export const OBJECTIVES: readonly Objective[] = ["centroidal", "regularity", "equal_area", "edge_length", "planarity"];
+export const EXACTNESSES: readonly Exactness[] = ["exact", "bounded", "edges"];
+export const MINIMIZERS: readonly Minimizer[] = ["gauss_newton", "lbfgs"];
+export const VORONOI_TOLERANCES: readonly number[] = [1e-2, 1e-4, 1e-6];
+export const MOST_SITES = 2000;
+export const MOST_SITE_SEED = 999;
+export const MOST_OBJECTIVE_WEIGHT = 100;
+export const MOST_VORONOI_ITERATIONS = 1000;
+export const RELATIVE_ERROR = 0.01;
+
+export const DEFAULT_VORONOI: VoronoiState = {
+  count: 60, seed: 1, scattered: false, exactness: "exact",
+  weights: { centroidal: 1, regularity: 0, equal_area: 0, edge_length: 0, planarity: 0 },
+  targetLength: 0, fixed: [], minimizer: "gauss_newton", tolerance: 1e-4, maxIterations: 100,
+};
+
+export function hasObjective({ weights }: VoronoiState): boolean {
+  return OBJECTIVES.some((name) => weights[name] > 0);
+}
+
+/** Holds a site, or lets it go. */
+export function withHeld(state: VoronoiState, site: number): VoronoiState {
+  const fixed = state.fixed.includes(site) ? state.fixed.filter((one) => one !== site) : [...state.fixed, site].sort((a, b) => a - b);
+  return { ...state, fixed };
+}
+
+/** Without a site: those after it have other numbers. */
+export function withoutSite(state: VoronoiState, site: number): VoronoiState {
+  return { ...state, scattered: false, fixed: state.fixed.filter((one) => one !== site).map((one) => (one > site ? one - 1 : one)) };
+}
+
+export function diagramRequest(mesh: string, state: VoronoiState, sites: VoronoiDiagramRequest["sites"], statistics: boolean): VoronoiDiagramRequest {
+  const accuracy = state.exactness === "bounded" ? { method: state.exactness, relative_error: RELATIVE_ERROR } : { method: state.exactness };
+  return { mesh, sites, accuracy, pieces: true, statistics };
+}
+
+export function optimizationRequest(mesh: string, state: VoronoiState, sites: readonly SurfacePoint[]): VoronoiOptimizationRequest {
+  const objectives = Object.fromEntries(OBJECTIVES.filter((name) => state.weights[name] > 0).map((name) => [name, state.weights[name]]));
+  return {
+    mesh, sites: [...sites], objectives, pieces: true,
+    ...(state.weights.edge_length > 0 && state.targetLength > 0 && { target_length: state.targetLength }),
+    fixed_sites: state.fixed.filter((site) => site < sites.length),
+    method: state.minimizer, accuracy: { tolerance: state.tolerance }, max_iterations: state.maxIterations,
+  };
+}
+
+/** The fields of a diagram in a link; the sites are its points. */
+export function writeVoronoi(state: VoronoiState): string {
+  const fields = [state.count, state.seed, state.scattered ? 1 : 0, state.exactness, ...OBJECTIVES.map((name) => plain(state.weights[name])), plain(state.targetLength), state.minimizer, plain(state.tolerance), state.maxIterations];
+  return `voronoi=${fields.join(",")}${state.fixed.length > 0 ? `&held=${state.fixed.join(",")}` : ""}`;
+}
+
+/** With defaults for what is none; null where the link has no diagram. */
+export function readVoronoi(fields: ReadonlyMap<string, string>): VoronoiState | null {
+  const values = fields.get("voronoi")?.split(",");
+  if (!values) return null;
+  const number = (k: number, least: number, most: number, otherwise: number) => {
+    const value = Number(values[k] || NaN);
+    return value >= least && value <= most ? value : otherwise;
+  };
+  const whole = (k: number, least: number, most: number, otherwise: number) => Math.round(number(k, least, most, otherwise));
+  const first = 4;
+  const after = first + OBJECTIVES.length;
+  const weights = Object.fromEntries(OBJECTIVES.map((name, k) => [name, number(first + k, 0, MOST_OBJECTIVE_WEIGHT, 0)])) as Record<Objective, number>;
+  const held = (fields.get("held") ?? "").split(",").filter((text) => /^\d{1,6}$/.test(text)).map(Number);
+  const { count, seed, tolerance, maxIterations } = DEFAULT_VORONOI;
+  return {
+    count: whole(0, 1, MOST_SITES, count), seed: whole(1, 0, MOST_SITE_SEED, seed), scattered: values[2] === "1",
+    exactness: EXACTNESSES.find((one) => one === values[3]) ?? "exact", weights,
+    targetLength: number(after, 0, Infinity, 0), fixed: [...new Set(held)].sort((a, b) => a - b),
+    minimizer: MINIMIZERS.find((one) => one === values[after + 1]) ?? "gauss_newton",
+    tolerance: number(after + 2, 1e-12, 1, tolerance), maxIterations: whole(after + 3, 1, MOST_VORONOI_ITERATIONS, maxIterations),
+  };
+}
