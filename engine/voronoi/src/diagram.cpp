@@ -25,6 +25,10 @@ constexpr std::int64_t most_sites = 1'000'000;
 /// Relative to the mean edge: sites closer than this are one, and so are Voronoi vertices.
 constexpr double same_site = 1e-13;
 constexpr double same_vertex = 1e-10;
+/// And so are the places that unfolding shows a site at.
+constexpr double same_place = 1e-9;
+/// How often a triangle is divided in four for quadrature.
+constexpr int most_divisions = 3;
 /// Faces of one task: each takes some microseconds.
 constexpr std::int32_t faces_of_a_task = 256;
 
@@ -83,9 +87,11 @@ struct Workspace {
 
 class Builder {
  public:
-  Builder(const TriangleMesh& mesh, const surface::GeodesicField& field, Diagram& diagram)
+  Builder(const TriangleMesh& mesh, const surface::GeodesicField& field, const DiagramOptions& options,
+          Diagram& diagram)
       : mesh_(mesh),
         field_(field),
+        options_(options),
         diagram_(diagram),
         sides_(mesh),
         faces_(static_cast<std::size_t>(mesh.face_count())) {}
@@ -166,7 +172,8 @@ class Builder {
     }
     if (whole) return;
     field_.arrivals(FaceId(face), work.distances.arrivals());
-    CutFace result = cut_face(work.distances, planar_corners(mesh_, face), {&sides[0], &sides[1], &sides[2]});
+    CutFace result = cut_face(work.distances, planar_corners(mesh_, face), {&sides[0], &sides[1], &sides[2]},
+                              options_.border_samples);
     if (result.borders.empty() && result.pieces.size() == 1) {
       site = result.pieces.front().site;
       return;
@@ -225,6 +232,7 @@ class Builder {
       add_face(face, corners, own, parts);
     }
     close_at_boundary(parts);
+    if (options_.cell_samples) sample_cells(execution);
     assemble_cells(parts, same_vertex * mesh_.mean_edge_length(), diagram_);
     if (execution.cost == nullptr) return;
     execution.cost->add_quantity("cut_faces", static_cast<double>(cut_faces));
@@ -250,7 +258,72 @@ class Builder {
                                  static_cast<std::int32_t>(piece.corners.size())});
       for (const Vector2d& corner : piece.corners) diagram_.corners.push_back(barycentric(corners, corner));
     }
+    for (const FaceSample& sample : own.samples)
+      diagram_.border_samples.push_back(
+          {{sample.left, sample.right}, {FaceId(face), barycentric(corners, sample.place)}, sample.weight});
     for (const auto& [site, area] : own.areas) diagram_.cells[static_cast<std::size_t>(site)].area += area;
+  }
+
+  void sample_cells(const Execution& execution) {
+    std::vector<std::int32_t> first_piece(faces_.size() + 1, 0);
+    for (const DiagramPiece& piece : diagram_.pieces) ++first_piece[static_cast<std::size_t>(piece.face) + 1];
+    for (std::size_t face = 0; face < faces_.size(); ++face) first_piece[face + 1] += first_piece[face];
+    std::vector<std::vector<CellSample>> found(faces_.size());
+    for_faces(execution, [&](std::int32_t face, Workspace& work) {
+      const std::int32_t site = diagram_.face_sites[static_cast<std::size_t>(face)];
+      if (site == unreached) return;
+      const std::array<Vector2d, 3> corners = planar_corners(mesh_, face);
+      field_.arrivals(FaceId(face), work.distances.arrivals());
+      std::vector<CellSample>& samples = found[static_cast<std::size_t>(face)];
+      if (site >= 0) return sample_polygon(face, site, corners, {corners.begin(), corners.end()}, work, samples);
+      for (std::int32_t i = first_piece[static_cast<std::size_t>(face)];
+           i < first_piece[static_cast<std::size_t>(face) + 1]; ++i) {
+        const DiagramPiece& piece = diagram_.pieces[static_cast<std::size_t>(i)];
+        std::vector<Vector2d> polygon;
+        for (std::int32_t k = 0; k < piece.corner_count; ++k) {
+          const Vector3d& b = diagram_.corners[static_cast<std::size_t>(piece.first_corner + k)];
+          polygon.emplace_back(b[0] * corners[0] + b[1] * corners[1] + b[2] * corners[2]);
+        }
+        sample_polygon(face, piece.site, corners, polygon, work, samples);
+      }
+    });
+    for (const std::vector<CellSample>& samples : found)
+      diagram_.cell_samples.insert(diagram_.cell_samples.end(), samples.begin(), samples.end());
+  }
+
+  /// Points of quadrature in a polygon, the triangles of which are divided where paths from the site come from several
+  /// directions.
+  void sample_polygon(std::int32_t face, std::int32_t site, const std::array<Vector2d, 3>& corners,
+                      const std::vector<Vector2d>& polygon, Workspace& work, std::vector<CellSample>& samples) const {
+    work.active.clear();
+    const auto& arrivals = work.distances.arrivals();
+    for (std::size_t i = 0; i < arrivals.size(); ++i)
+      if (arrivals[i].source == site) work.active.push_back(static_cast<std::int32_t>(i));
+    const double tolerance = same_place * mesh_.mean_edge_length();
+    const auto divide = [&](const auto& self, const Vector2d& a, const Vector2d& b, const Vector2d& c,
+                            int divisions) -> void {
+      if (divisions > 0) {
+        const Slope at_a = work.distances.from_site(work.active, site, a);
+        for (const Vector2d& other : {b, c, Vector2d((a + b + c) / 3)}) {
+          const Slope there = work.distances.from_site(work.active, site, other);
+          if (there.arrival < 0 || work.distances.same_paths(at_a.arrival, a, there.arrival, other, tolerance))
+            continue;
+          const Vector2d ab = 0.5 * (a + b);
+          const Vector2d bc = 0.5 * (b + c);
+          const Vector2d ca = 0.5 * (c + a);
+          self(self, a, ab, ca, divisions - 1);
+          self(self, b, bc, ab, divisions - 1);
+          self(self, c, ca, bc, divisions - 1);
+          return self(self, ab, bc, ca, divisions - 1);
+        }
+      }
+      const double doubled = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+      if (doubled == 0) return;
+      for (const Vector2d& corner : {a, b, c})
+        samples.push_back({site, {FaceId(face), barycentric(corners, (a + b + c + 3 * corner) / 6)}, doubled / 6});
+    };
+    for (std::size_t i = 2; i < polygon.size(); ++i)
+      divide(divide, polygon[0], polygon[i - 1], polygon[i], most_divisions);
   }
 
   /// The mesh's boundary closes the cells there.
@@ -286,6 +359,7 @@ class Builder {
 
   const TriangleMesh& mesh_;
   const surface::GeodesicField& field_;
+  const DiagramOptions& options_;
   Diagram& diagram_;
   CutSides sides_;
   std::vector<std::unique_ptr<CutFace>> faces_;
@@ -332,6 +406,8 @@ void renumber(const std::vector<std::int32_t>& site_of_source, Diagram& diagram)
   for (DiagramVertex& vertex : diagram.vertices) rename_all(vertex.sites);
   for (DiagramEdge& edge : diagram.edges) rename_all(edge.sites);
   for (std::array<std::int32_t, 3>& triangle : diagram.dual) rename_all(triangle);
+  for (BorderSample& sample : diagram.border_samples) rename_all(sample.sites);
+  for (CellSample& sample : diagram.cell_samples) rename(sample.site);
   for (DiagramPiece& piece : diagram.pieces) rename(piece.site);
   rename_all(diagram.vertex_sites);
   rename_all(diagram.face_sites);
@@ -394,7 +470,7 @@ Diagram diagram(const surface::GeodesicSolver& solver, std::span<const surface::
     return solver.field(sources, field_options, own);
   }();
   if (execution.cost != nullptr) execution.cost->add_quantity("windows", static_cast<double>(field.window_count()));
-  Builder(mesh, field, result).run(execution);
+  Builder(mesh, field, options, result).run(execution);
   if (sources.size() < sites.size()) renumber(site_of_source, result);
   if (result.unreached_area > 0)
     result.warnings.emplace_back("Some components of the mesh have no site; they belong to no cell.");

@@ -18,9 +18,21 @@ constexpr double outside = 1e-9;
 /// Relative to the distance: distances to the sites of a vertex differ by no more, and no other site is nearer by more.
 constexpr double equidistance = 2e-13;
 constexpr int most_newton_steps = 30;
-/// Points of Gauss-Legendre quadrature in [0, 1] along a part of a border.
-constexpr std::array<double, 4> nodes{0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
-constexpr std::array<double, 4> weights{0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
+/// Relative to the face: shorter parts of borders count as straight, and curves are found to this.
+constexpr double shortest_curve = 1e-9;
+constexpr double curve_rounding = 1e-13;
+constexpr int most_curve_steps = 60;
+/// Relative to the face: images closer than this are one.
+constexpr double same_image = 1e-9;
+/// Bends are found to this part of a border.
+constexpr double bend_width = 1e-13;
+/// Bends this near to an end are none: there it is not sure which way paths come.
+constexpr double bend_margin = 1e-7;
+constexpr int bend_samples = 8;
+constexpr int most_changes = 12;  // of the ways along one part
+/// Points of Gauss and Legendre's quadrature in [0, 1] along a part of a border.
+constexpr std::array<double, 3> nodes{0.1127016653792583, 0.5, 0.8872983346207417};
+constexpr std::array<double, 3> weights{5.0 / 18, 8.0 / 18, 5.0 / 18};
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -70,8 +82,8 @@ struct Stop {
 
 class Cutter {
  public:
-  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, CutFace& result)
-      : distances_(distances), result_(result) {
+  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples, CutFace& result)
+      : distances_(distances), samples_(samples), result_(result) {
     for (const surface::FaceArrival& arrival : distances.arrivals())
       if (arrival.everywhere && arrival.sigma == 0) sites_.push_back({arrival.image, arrival.source});
     for (int i = 0; i < 3; ++i) size_ = std::max(size_, (corners[(i + 1) % 3] - corners[i]).norm());
@@ -98,7 +110,7 @@ class Cutter {
       }
     }
     const bool hidden = has_hidden_site(sides, round);
-    if (!hidden && cuts.empty()) return add_piece(round.front().site, round, 0, round.size(), nullptr);
+    if (!hidden && cuts.empty()) return add_piece(round.front().site, round, 0, round.size(), {});
     Active kept;
     distances_.prune(active, centre, radius, kept);
     if (!hidden && cuts.size() == 2) return cut_in_two(round, cuts, kept);
@@ -108,7 +120,7 @@ class Cutter {
       if (meet(sides, round, cuts, kept, longest, place)) return cut_at_vertex(round, cuts, place, kept);
     }
     if (small)
-      return cuts.empty() ? add_piece(round.front().site, round, 0, round.size(), nullptr)
+      return cuts.empty() ? add_piece(round.front().site, round, 0, round.size(), {})
                           : cut_at_vertex(round, cuts, centre, kept);
     halve(sides, kept);
   }
@@ -211,14 +223,13 @@ class Cutter {
     return true;
   }
 
-  /// The polygon of what lies between two cuts of the way round, and what is beyond the cuts: a Voronoi vertex or
-  /// nothing.
+  /// The polygon of what lies between two stops of the way round, and then `beyond`.
   void add_piece(std::int32_t site, const std::vector<Stop>& round, std::size_t begin, std::size_t end,
-                 const Vector2d* beyond) {
+                 const std::vector<Vector2d>& beyond) {
     FacePiece piece{site, {}};
-    piece.corners.reserve(end - begin + 2);
+    piece.corners.reserve(end - begin + beyond.size());
     for (std::size_t i = begin; i < end; ++i) piece.corners.push_back(round[i % round.size()].place);
-    if (beyond != nullptr) piece.corners.push_back(*beyond);
+    piece.corners.insert(piece.corners.end(), beyond.begin(), beyond.end());
     double doubled = 0;
     for (std::size_t i = 2; i < piece.corners.size(); ++i)
       doubled += cross(piece.corners[i - 1] - piece.corners[0], piece.corners[i] - piece.corners[0]);
@@ -228,73 +239,192 @@ class Cutter {
 
   /// The piece between two neighbouring cuts, and what is beyond.
   void add_piece_between(const std::vector<Stop>& round, const std::vector<std::size_t>& cuts, std::size_t i,
-                         const Vector2d* beyond) {
+                         const std::vector<Vector2d>& beyond) {
     const std::size_t begin = cuts[i];
     const std::size_t end = i + 1 < cuts.size() ? cuts[i + 1] : cuts[0] + round.size();
     add_piece(round[begin].site, round, begin, end + 1, beyond);
   }
 
   void cut_in_two(const std::vector<Stop>& round, const std::vector<std::size_t>& cuts, const Active& active) {
-    for (std::size_t i = 0; i < 2; ++i) add_piece_between(round, cuts, i, nullptr);
     // What follows the first cut lies on the left of the way from the second cut to the first.
-    add_border(round[cuts[1]].cut, round[cuts[0]].cut, round[cuts[0]].site, round[cuts[1]].site, active);
+    std::vector<Vector2d> bends =
+        add_border(round[cuts[1]].cut, round[cuts[0]].cut, round[cuts[0]].site, round[cuts[1]].site, active);
+    add_piece_between(round, cuts, 0, bends);
+    std::reverse(bends.begin(), bends.end());
+    add_piece_between(round, cuts, 1, bends);
   }
 
   void cut_at_vertex(const std::vector<Stop>& round, const std::vector<std::size_t>& cuts, const Vector2d& place,
                      const Active& active) {
     const auto vertex = static_cast<std::int32_t>(result_.points.size());
     result_.points.push_back({place, distances_.nearest(active, place).distance, true});
+    std::vector<std::vector<Vector2d>> bends;  // from the vertex to each cut
     for (std::size_t i = 0; i < cuts.size(); ++i) {
-      add_piece_between(round, cuts, i, &place);
       const std::size_t before = (i + cuts.size() - 1) % cuts.size();
-      add_border(vertex, round[cuts[i]].cut, round[cuts[i]].site, round[cuts[before]].site, active);
+      bends.push_back(add_border(vertex, round[cuts[i]].cut, round[cuts[i]].site, round[cuts[before]].site, active));
+    }
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      const std::vector<Vector2d>& next = bends[(i + 1) % cuts.size()];
+      std::vector<Vector2d> beyond(next.rbegin(), next.rend());
+      beyond.push_back(place);
+      beyond.insert(beyond.end(), bends[i].begin(), bends[i].end());
+      add_piece_between(round, cuts, i, beyond);
     }
   }
 
-  /// A part of a border, the area between it and the straight line, and its length: where the two sites are equally
-  /// near, over points of the line.
-  void add_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right, const Active& active) {
-    const Vector2d begin = place_of(from);
-    const Vector2d way = place_of(to) - begin;
-    const double length = way.norm();
+  /// A border as a function over the straight line between its ends.
+  struct Curve {
+    Vector2d begin, way, along, normal;
+    std::int32_t left, right;
+    double length;
+  };
+  /// A place of it.
+  struct CurvePoint {
+    Vector2d place = Vector2d::Zero();
+    double height = 0;   ///< over the line
+    double stretch = 1;  ///< how much longer than the line the border is here
+    Slope left{}, right{};
+  };
+
+  /// A border between two points: where it bends because paths from one of its sites come another way, it has a point.
+  /// Returns these.
+  std::vector<Vector2d> add_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right,
+                                   const Active& active) {
+    Curve curve;
+    curve.begin = place_of(from);
+    curve.way = place_of(to) - curve.begin;
+    curve.length = curve.way.norm();
+    curve.left = left;
+    curve.right = right;
+    std::vector<Vector2d> bends;
+    if (curve.length > shortest_curve * size_) {
+      curve.along = curve.way / curve.length;
+      curve.normal = Vector2d(-curve.along.y(), curve.along.x());
+      if (several_ways(left, active) || several_ways(right, active)) find_all_bends(curve, active, bends);
+    }
+    std::int32_t before = from;
+    for (const Vector2d& bend : bends) {
+      const auto number = static_cast<std::int32_t>(result_.points.size());
+      result_.points.push_back({bend, distances_.nearest(active, bend).distance, false});
+      add_smooth_border(before, number, left, right, active);
+      before = number;
+    }
+    add_smooth_border(before, to, left, right, active);
+    return bends;
+  }
+
+  bool same_ways(const CurvePoint& a, const CurvePoint& b) const {
+    const double tolerance = same_image * size_;
+    return distances_.same_paths(a.left.arrival, a.place, b.left.arrival, b.place, tolerance) &&
+           distances_.same_paths(a.right.arrival, a.place, b.right.arrival, b.place, tolerance);
+  }
+
+  /// Whether paths from a site come from more than one image.
+  bool several_ways(std::int32_t site, const Active& active) const {
+    const surface::FaceArrival* first = nullptr;
+    for (const std::int32_t i : active) {
+      const surface::FaceArrival& arrival = distances_.arrivals()[i];
+      if (arrival.source != site) continue;
+      if (first == nullptr) first = &arrival;
+      if ((arrival.image - first->image).norm() > same_image * size_) return true;
+    }
+    return false;
+  }
+
+  void find_all_bends(const Curve& curve, const Active& active, std::vector<Vector2d>& bends) const {
+    CurvePoint before;
+    double begin = bend_margin;
+    if (!on_curve(curve, begin, active, before)) return;
+    for (int i = 1; i <= bend_samples; ++i) {
+      const double end = i == bend_samples ? 1 - bend_margin : static_cast<double>(i) / bend_samples;
+      CurvePoint after;
+      if (!on_curve(curve, end, active, after)) return;
+      find_bends(curve, begin, before, end, after, most_changes, active, bends);
+      begin = end;
+      before = after;
+    }
+  }
+
+  /// Halves until it has both sides of a place where paths change.
+  void find_bends(const Curve& curve, double begin, const CurvePoint& first, double end, const CurvePoint& last,
+                  int changes, const Active& active, std::vector<Vector2d>& bends) const {
+    if (changes == 0 || same_ways(first, last)) return;
+    double low = begin;
+    double high = end;
+    CurvePoint after = last;
+    while (high - low > bend_width) {
+      const double middle = 0.5 * (low + high);
+      CurvePoint point;
+      if (!on_curve(curve, middle, active, point)) return;
+      if (same_ways(first, point)) {
+        low = middle;
+      } else {
+        high = middle;
+        after = point;
+      }
+    }
+    bends.push_back(after.place);
+    find_bends(curve, high, after, end, last, changes - 1, active, bends);
+  }
+
+  /// A part of a border without bends: the area between it and the straight line, its length, points of quadrature.
+  void add_smooth_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right,
+                         const Active& active) {
+    Curve curve;
+    curve.begin = place_of(from);
+    curve.way = place_of(to) - curve.begin;
+    curve.length = curve.way.norm();
+    curve.left = left;
+    curve.right = right;
+    std::array<CurvePoint, nodes.size()> points;
+    bool curved = curve.length > shortest_curve * size_;
+    if (curved) {
+      curve.along = curve.way / curve.length;
+      curve.normal = Vector2d(-curve.along.y(), curve.along.x());
+    }
+    for (std::size_t i = 0; i < nodes.size() && curved; ++i)
+      curved = on_curve(curve, nodes[i], active, points[i]) && std::abs(points[i].height) < curve.length;
     double area = 0;
-    double along = length;
-    if (length > 1e-9 * size_) {
-      const Vector2d normal(-way.y() / length, way.x() / length);
-      double stretch = 0;
-      double height = 0;
-      bool curved = true;
-      for (std::size_t i = 0; i < nodes.size() && curved; ++i) {
-        double h = 0;
-        double slope = 0;
-        for (int step = 0; step < 6; ++step) {
-          const Vector2d x = begin + nodes[i] * way + h * normal;
-          const Slope a = distances_.from_site(active, left, x);
-          const Slope b = distances_.from_site(active, right, x);
-          const Vector2d gradient = a.gradient - b.gradient;
-          const double across = gradient.dot(normal);
-          if (!std::isfinite(a.distance + b.distance) || across == 0) {
-            curved = false;
-            break;
-          }
-          const double change = -(a.distance - b.distance) / across;
-          h += change;
-          slope = -gradient.dot(way) / (length * across);
-          if (std::abs(change) <= 1e-14 * size_) break;
-        }
-        if (!(std::abs(h) < length) || !std::isfinite(slope)) curved = false;
-        height += weights[i] * h;
-        stretch += weights[i] * std::sqrt(1 + slope * slope);
-      }
-      if (curved) {
-        area = height * length;
-        along = stretch * length;
-      }
+    double along = 0;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!curved) points[i] = {curve.begin + nodes[i] * curve.way};
+      const double part = weights[i] * points[i].stretch * curve.length;
+      area += weights[i] * points[i].height * curve.length;
+      along += part;
+      if (samples_) result_.samples.push_back({left, right, points[i].place, part});
     }
     // A border that lies on the left of its straight line takes from the cell there.
     areas_.emplace_back(left, -area);
     areas_.emplace_back(right, area);
     result_.borders.push_back({from, to, left, right, along});
+  }
+
+  /// The border over a point of its straight line: Newton's method, within a bracket once there is one, because it may
+  /// go back and forth about a bend.
+  bool on_curve(const Curve& curve, double share, const Active& active, CurvePoint& point) const {
+    const Vector2d base = curve.begin + share * curve.way;
+    point.height = 0;
+    double below = -std::numeric_limits<double>::infinity();
+    double above = std::numeric_limits<double>::infinity();
+    for (int step = 0; step < most_curve_steps; ++step) {
+      point.place = base + point.height * curve.normal;
+      point.left = distances_.from_site(active, curve.left, point.place);
+      point.right = distances_.from_site(active, curve.right, point.place);
+      const double gap = point.left.distance - point.right.distance;
+      const Vector2d gradient = point.left.gradient - point.right.gradient;
+      const double across = gradient.dot(curve.normal);
+      if (!std::isfinite(gap) || !(across < 0)) return false;  // towards the left cell its site comes nearer
+      point.stretch = gradient.norm() / -across;
+      const double change = -gap / across;
+      if (std::abs(change) <= curve_rounding * size_) return true;
+      (gap > 0 ? below : above) = point.height;
+      double next = point.height + change;
+      if (!(next > below && next < above)) next = 0.5 * (below + above);
+      if (!(std::abs(next) < curve.length)) return false;
+      if (next == point.height) return true;
+      point.height = next;
+    }
+    return true;
   }
 
   void halve(const Sides& sides, const Active& active) {
@@ -323,6 +453,7 @@ class Cutter {
   }
 
   const FaceDistances& distances_;
+  bool samples_;
   CutFace& result_;
   std::vector<Vector2d> cut_places_;
   std::vector<InnerSite> sites_;
@@ -333,9 +464,9 @@ class Cutter {
 }  // namespace
 
 CutFace cut_face(const FaceDistances& distances, const std::array<Vector2d, 3>& corners,
-                 const std::array<const LabelledSegment*, 3>& sides) {
+                 const std::array<const LabelledSegment*, 3>& sides, bool samples) {
   CutFace result;
-  Cutter cutter(distances, corners, result);
+  Cutter cutter(distances, corners, samples, result);
   Sides whole;
   std::int32_t number = 0;
   for (int i = 0; i < 3; ++i) {

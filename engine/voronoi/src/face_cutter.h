@@ -27,6 +27,14 @@ struct FaceBorder {
   double length = 0;        ///< along the border
 };
 
+/// A point of quadrature on a border.
+struct FaceSample {
+  std::int32_t left = -1;
+  std::int32_t right = -1;
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  double weight = 0;
+};
+
 /// A cell's part of a face: corners in the plane of the face, counterclockwise.
 struct FacePiece {
   std::int32_t site = -1;
@@ -38,6 +46,7 @@ struct CutFace {
   std::vector<FacePoint> points;
   std::vector<FaceBorder> borders;
   std::vector<FacePiece> pieces;
+  std::vector<FaceSample> samples;  ///< if asked for
   /// Of each site that has a part of the face, its area with curved borders.
   std::vector<std::pair<std::int32_t, double>> areas;
   std::int64_t subdivisions = 0;
@@ -51,6 +60,6 @@ struct CutFace {
 /// sides. Any other triangle is halved. Triangles below 1e-12 of the face that are still not simple are a Voronoi
 /// vertex of all cells that show on their sides.
 CutFace cut_face(const FaceDistances& distances, const std::array<Eigen::Vector2d, 3>& corners,
-                 const std::array<const LabelledSegment*, 3>& sides);
+                 const std::array<const LabelledSegment*, 3>& sides, bool samples = false);
 
 }  // namespace supple::voronoi

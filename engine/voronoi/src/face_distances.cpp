@@ -1,5 +1,6 @@
 #include "face_distances.h"
 
+#include <cmath>
 #include <limits>
 
 namespace supple::voronoi {
@@ -61,7 +62,16 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
   if (best == nullptr) return {least, Eigen::Vector2d::Zero()};
   const Eigen::Vector2d way = point - best->turns_at(point);
   const double length = way.norm();
-  return {least, length > 0 ? Eigen::Vector2d(way / length) : Eigen::Vector2d::Zero()};
+  return {least, length > 0 ? Eigen::Vector2d(way / length) : Eigen::Vector2d::Zero(),
+          static_cast<std::int32_t>(best - arrivals_.data())};
+}
+
+bool FaceDistances::same_paths(std::int32_t a, const Eigen::Vector2d& at_a, std::int32_t b, const Eigen::Vector2d& at_b,
+                               double tolerance) const {
+  const Eigen::Vector2d& turn_a = arrivals_[a].turns_at(at_a);
+  const Eigen::Vector2d& turn_b = arrivals_[b].turns_at(at_b);
+  if ((turn_a - turn_b).norm() > tolerance) return false;
+  return std::abs(arrivals_[a].length_to(turn_a) - arrivals_[b].length_to(turn_b)) <= tolerance;
 }
 
 bool FaceDistances::of_one_site(const Active& active) const {

@@ -19,6 +19,7 @@ struct Nearest {
 struct Slope {
   double distance = 0;
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+  std::int32_t arrival = -1;  ///< index of the arrival that is the shortest
 };
 
 /// Indices of those arrivals that may be the shortest in a part of a face.
@@ -41,6 +42,10 @@ class FaceDistances {
   Nearest nearest(const Active& active, const Eigen::Vector2d& point) const;
   /// The distance from one site, infinite where none of its arrivals is active.
   Slope from_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point) const;
+  /// Whether two arrivals, each at a point where it is the shortest of its site, are one bundle of straight paths, up
+  /// to `tolerance` of length.
+  bool same_paths(std::int32_t a, const Eigen::Vector2d& at_a, std::int32_t b, const Eigen::Vector2d& at_b,
+                  double tolerance) const;
   /// Whether all are of one site.
   bool of_one_site(const Active& active) const;
 

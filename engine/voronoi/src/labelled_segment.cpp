@@ -15,7 +15,7 @@ constexpr double shortest_part = 1e-13;
 /// Relative to the distance: sites this close to each other are equally near.
 constexpr double tie = 1e-12;
 /// Halvings after which equal labels at both ends of a part are believed, and after which ties are looked for.
-constexpr int deep = 16;
+constexpr int deep = 12;
 constexpr int tie_depth = 6;
 constexpr int most_root_steps = 80;
 

@@ -19,14 +19,19 @@ struct FaceArrival {
   std::int32_t source = -1;  ///< the source at which the paths begin
   bool everywhere = true;
 
+  static constexpr double rounding = 1e-12;  ///< radians
+
   /// Where the path to a point of the face turns last: the image, or the end of the interval that it has to go round.
+  /// Straight paths that miss the interval by rounding, as those to a point next to its end, still count as straight.
   const Eigen::Vector2d& turns_at(const Eigen::Vector2d& point) const {
     if (everywhere) return image;
     const Eigen::Vector2d to = point - image;
-    const Eigen::Vector2d first = begin - image;
-    if (first.x() * to.y() - first.y() * to.x() > 0) return begin;
-    const Eigen::Vector2d last = end - image;
-    return last.x() * to.y() - last.y() * to.x() < 0 ? end : image;
+    const auto misses = [&](const Eigen::Vector2d& edge, double side) {
+      const double across = side * (edge.x() * to.y() - edge.y() * to.x());
+      return across > 0 && across * across > rounding * rounding * edge.squaredNorm() * to.squaredNorm();
+    };
+    if (misses(begin - image, 1)) return begin;
+    return misses(end - image, -1) ? end : image;
   }
   /// Length of the shortest of these paths to a point of the face: never less than the point's distance.
   double length_to(const Eigen::Vector2d& point) const {

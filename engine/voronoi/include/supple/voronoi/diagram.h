@@ -25,6 +25,24 @@ struct DiagramOptions {
   DiagramMethod method = DiagramMethod::exact;
   /// Of `bounded`: the allowed relative error of every distance, in (0, 1].
   double relative_error = 1e-2;
+  /// Whether points of quadrature along the borders and in the cells are wanted.
+  bool border_samples = false;
+  bool cell_samples = false;
+};
+
+/// A point of a border for integrals along it: three for each part of a border within a face (Gauss and Legendre's).
+struct BorderSample {
+  std::array<std::int32_t, 2> sites{-1, -1};
+  surface::SurfacePoint point;
+  double weight = 0;  ///< length of the border that it stands for
+};
+
+/// A point of a cell for integrals over it: three for each triangle, exact for quadratic functions there. Triangles
+/// that shortest paths from the site reach from several directions are divided up to three times.
+struct CellSample {
+  std::int32_t site = -1;
+  surface::SurfacePoint point;
+  double weight = 0;  ///< area that it stands for
 };
 
 /// A point of the cells' borders. Borders are curves (arcs of hyperbolas, smooth within a face but for cut loci);
@@ -92,10 +110,12 @@ struct Diagram {
   /// The site of each vertex of the mesh: the nearest, of several one; -1 where no path leads to one.
   std::vector<std::int32_t> vertex_sites;
   /// Faces that more than one cell has a part of are cut into pieces; all other faces belong to one.
-  std::vector<std::int32_t> face_sites;  ///< of each face the site, -1 if it is cut, -2 where no path leads to one
-  std::vector<DiagramPiece> pieces;      ///< of cut faces, ascending by face
-  std::vector<Eigen::Vector3d> corners;  ///< barycentric coordinates in the piece's face
-  double unreached_area = 0;             ///< of components without a site
+  std::vector<std::int32_t> face_sites;      ///< of each face the site, -1 if it is cut, -2 where no path leads to one
+  std::vector<DiagramPiece> pieces;          ///< of cut faces, ascending by face
+  std::vector<Eigen::Vector3d> corners;      ///< barycentric coordinates in the piece's face
+  std::vector<BorderSample> border_samples;  ///< empty unless asked for
+  std::vector<CellSample> cell_samples;      ///< empty unless asked for
+  double unreached_area = 0;                 ///< of components without a site
   /// What deserves attention, one sentence each: sites in one place, components without a site.
   std::vector<std::string> warnings;
 };

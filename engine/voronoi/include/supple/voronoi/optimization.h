@@ -35,7 +35,7 @@ struct OptimizationOptions {
   OptimizationMethod method = OptimizationMethod::gauss_newton;
   /// Of eq. 3.29, mesh units; 0 for the mean length of the start.
   double edge_length = 0;
-  /// Converged once |grad E| <= tolerance * (gradient norm of the start, or of one at which each site pulls with 1).
+  /// Converged once |grad E| <= tolerance * sqrt(sites) / (mean cell size).
   double tolerance = 1e-6;
   int max_iterations = 100;
   /// Sites that stay where they are.

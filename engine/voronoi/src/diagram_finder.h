@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "sites_state.h"
+#include "supple/base/execution.h"
+#include "supple/surface/geodesic_solver.h"
+
+namespace supple::voronoi {
+
+/// Which of what a state can know the terms need.
+struct Needs {
+  bool edge_lengths = false;
+  bool border_pulls = false;
+  bool cell_samples = false;
+};
+
+/// Finds what terms ask for at a state, once.
+class DiagramFinder {
+ public:
+  /// `solver` outlives the finder.
+  DiagramFinder(const surface::GeodesicSolver& solver, Needs needs) : solver_(solver), needs_(needs) {}
+
+  /// Order 0: the diagram, and what values need; 1: motions and pulls too.
+  void find(SitesState& state, int order, const Execution& execution) const;
+
+  const surface::GeodesicSolver& solver() const { return solver_; }
+
+ private:
+  const surface::GeodesicSolver& solver_;
+  Needs needs_;
+};
+
+/// Geodesics from places to sites as pulls, in parallel. sites[i] is the site of places[i].
+std::vector<SitePull> site_pulls(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites,
+                                 const std::vector<surface::SurfacePoint>& places,
+                                 const std::vector<std::int32_t>& of_sites, const Execution& execution);
+
+/// The geodesics between the vertices of all edges that have two: `edges` receives their indices.
+std::vector<surface::TangentGeodesic> measure_edges(const surface::GeodesicSolver& solver, const Diagram& diagram,
+                                                    std::vector<std::int32_t>& edges, const Execution& execution);
+
+}  // namespace supple::voronoi

@@ -1,0 +1,215 @@
+#include "objectives.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supple::voronoi {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using numerics::EnergySum;
+
+/// Of the mean cell size: no site moves farther in a step.
+constexpr double longest_step = 0.5;
+
+/// The derivatives of a few numbers by the sites that they depend on.
+class SiteRows {
+ public:
+  explicit SiteRows(Eigen::Index rows) : rows_(rows) {}
+
+  /// The two columns of a site, zero at first.
+  Eigen::Block<MatrixXd> of(std::int32_t site) {
+    const auto place = std::find(sites_.begin(), sites_.end(), site);
+    const auto column = 2 * static_cast<Eigen::Index>(place - sites_.begin());
+    if (place == sites_.end()) {
+      sites_.push_back(site);
+      if (column + 2 > matrix_.cols()) matrix_.conservativeResize(rows_, std::max<Eigen::Index>(16, 2 * column));
+      matrix_.middleCols(column, 2).setZero();
+    }
+    return matrix_.block(0, column, rows_, 2);
+  }
+
+  /// Row `row` += scale * (coefficients . the vertex's coordinates).
+  void add_vertex(Eigen::Index row, const VertexMotion& motion, const Vector2d& coefficients) {
+    for (std::size_t k = 0; k < motion.pulls.size(); ++k)
+      of(motion.pulls[k].site).row(row) += coefficients.dot(motion.along[k]) * motion.pulls[k].by_site.transpose();
+  }
+
+  Eigen::Block<MatrixXd> matrix() { return matrix_.block(0, 0, rows_, 2 * static_cast<Eigen::Index>(sites_.size())); }
+
+  /// Adds the gradient and the Gauss-Newton Hessian of (scale / 2) |residuals|^2.
+  void add_to(EnergySum& sum, int order, double scale, const VectorXd& residuals) {
+    const auto jacobian = matrix();
+    const VectorXd slope = scale * (jacobian.transpose() * residuals);
+    std::vector<std::int32_t> rows;
+    for (const std::int32_t site : sites_) {
+      rows.push_back(2 * site);
+      rows.push_back(2 * site + 1);
+    }
+    std::vector<double> lower;
+    if (order >= 2) {
+      const MatrixXd hessian = scale * (jacobian.transpose() * jacobian);
+      for (Eigen::Index k = 0; k < hessian.rows(); ++k)
+        for (Eigen::Index l = 0; l <= k; ++l) lower.push_back(hessian(k, l));
+    }
+    sum.add_element(rows, order, 0, slope.data(), lower.data());
+  }
+
+ private:
+  Eigen::Index rows_;
+  std::vector<std::int32_t> sites_;
+  MatrixXd matrix_;
+};
+
+double squared(double x) { return x * x; }
+
+}  // namespace
+
+double DiagramTerm::largest_step(const SitesState& /*state*/, const VectorXd& step) const {
+  double longest = 0;
+  for (Eigen::Index i = 0; i + 1 < step.size(); i += 2) longest = std::max(longest, step.segment<2>(i).norm());
+  return longest > 0 ? longest_step * unit_ / longest : std::numeric_limits<double>::infinity();
+}
+
+void EdgeLengthTerm::add(const SitesState& state, int order, EnergySum& sum) const {
+  const Found& found = *state.found();
+  const double scale = weight() / squared(unit());
+  for (std::size_t i = 0; i < found.measured_edges.size(); ++i) {
+    const surface::TangentGeodesic& geodesic = found.edge_lengths[i];
+    const double residual = geodesic.distance - length_;
+    sum.value += 0.5 * scale * squared(residual);
+    if (order < 1) continue;
+    const auto& [a, b] = found.diagram.edges[static_cast<std::size_t>(found.measured_edges[i])].vertices;
+    SiteRows rows(1);
+    rows.add_vertex(0, found.motions[static_cast<std::size_t>(a)], -geodesic.from_direction);
+    rows.add_vertex(0, found.motions[static_cast<std::size_t>(b)], geodesic.to_direction);
+    rows.add_to(sum, order, scale, VectorXd::Constant(1, residual));
+  }
+}
+
+std::vector<Vector3d> vertex_positions(const Diagram& diagram, const DiagramCell& cell) {
+  std::vector<Vector3d> positions;
+  for (const std::int32_t vertex : cell.vertices)
+    positions.push_back(
+        diagram.points[static_cast<std::size_t>(diagram.vertices[static_cast<std::size_t>(vertex)].point)].position);
+  return positions;
+}
+
+FittedPlane fit_plane(const std::vector<Vector3d>& points) {
+  FittedPlane plane;
+  for (const Vector3d& point : points) plane.centre += point;
+  plane.centre /= static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vector3d& point : points) spread += (point - plane.centre) * (point - plane.centre).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  plane.normal = axes.eigenvectors().col(0);
+  plane.first = axes.eigenvectors().col(1);
+  plane.second = axes.eigenvectors().col(2);
+  plane.distances.resize(static_cast<Eigen::Index>(points.size()));
+  for (std::size_t j = 0; j < points.size(); ++j)
+    plane.distances[static_cast<Eigen::Index>(j)] = plane.normal.dot(points[j] - plane.centre);
+  return plane;
+}
+
+void PlanarityTerm::add(const SitesState& state, int order, EnergySum& sum) const {
+  const Found& found = *state.found();
+  const Diagram& diagram = found.diagram;
+  for (const DiagramCell& cell : diagram.cells) {
+    const auto count = static_cast<Eigen::Index>(cell.vertices.size());
+    if (count < 4) continue;  // three points lie in a plane
+    const std::vector<Vector3d> positions = vertex_positions(diagram, cell);
+    const FittedPlane plane = fit_plane(positions);
+    const double scale = weight() / (squared(unit()) * static_cast<double>(count));
+    sum.value += 0.5 * scale * plane.distances.squaredNorm();
+    if (order < 1) continue;
+    SiteRows rows(count);
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const auto vertex = static_cast<std::size_t>(cell.vertices[static_cast<std::size_t>(j)]);
+      const surface::SurfacePoint& at = diagram.points[static_cast<std::size_t>(diagram.vertices[vertex].point)].point;
+      rows.add_vertex(j, found.motions[vertex],
+                      surface::tangent_frame(state.mesh(), at.face).transpose() * plane.normal);
+    }
+    if (order >= 2) {
+      // The plane follows: what it can take up of the motion leaves the residuals as they are. They are orthogonal to
+      // that, so that the gradient does not change.
+      Eigen::MatrixX3d taken(count, 3);
+      for (Eigen::Index j = 0; j < count; ++j) {
+        const Vector3d offset = positions[static_cast<std::size_t>(j)] - plane.centre;
+        taken.row(j) << 1, offset.dot(plane.first), offset.dot(plane.second);
+      }
+      taken.colwise().normalize();
+      auto matrix = rows.matrix();
+      matrix -= taken * (taken.transpose() * matrix).eval();
+    }
+    rows.add_to(sum, order, scale, plane.distances);
+  }
+}
+
+void RegularityTerm::add(const SitesState& state, int order, EnergySum& sum) const {
+  const Found& found = *state.found();
+  for (std::size_t v = 0; v < found.diagram.vertices.size(); ++v) {
+    const DiagramVertex& vertex = found.diagram.vertices[v];
+    const double distance = found.diagram.points[static_cast<std::size_t>(vertex.point)].distance;
+    // The distances from all of its sites are and stay the same.
+    const double scale = weight() * static_cast<double>(vertex.sites.size()) / squared(unit());
+    sum.value += 0.5 * scale * squared(distance);
+    if (order < 1) continue;
+    const VertexMotion& motion = found.motions[v];
+    SiteRows rows(1);
+    rows.add_vertex(0, motion, motion.pulls[0].by_place);
+    rows.of(motion.pulls[0].site).row(0) += motion.pulls[0].by_site.transpose();
+    rows.add_to(sum, order, scale, VectorXd::Constant(1, distance));
+  }
+}
+
+void CentroidalTerm::add(const SitesState& state, int order, EnergySum& sum) const {
+  const Found& found = *state.found();
+  const double scale = weight() / squared(squared(unit()));
+  for (std::size_t i = 0; i < found.cell_pulls.size(); ++i) {
+    const SitePull& pull = found.cell_pulls[i];
+    const double area = found.diagram.cell_samples[i].weight;
+    sum.value += 0.5 * scale * area * squared(pull.distance);
+    if (order < 1) continue;
+    sum.gradient.segment<2>(2 * pull.site) += scale * area * pull.distance * pull.by_site;
+  }
+  if (order < 2) return;
+  for (std::size_t i = 0; i < found.diagram.cells.size(); ++i) {
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    for (int k = 0; k < 2; ++k) sum.hessian.add(row + k, row + k, scale * found.diagram.cells[i].area);
+  }
+}
+
+void EqualAreaTerm::add(const SitesState& state, int order, EnergySum& sum) const {
+  const Found& found = *state.found();
+  const Diagram& diagram = found.diagram;
+  const double scale = weight() / squared(squared(unit()));
+  double total = 0;
+  for (const DiagramCell& cell : diagram.cells) total += cell.area;
+  const double mean = total / static_cast<double>(diagram.cells.size());
+  for (const DiagramCell& cell : diagram.cells) sum.value += 0.5 * scale * squared(cell.area - mean);
+  if (order < 1) return;
+  std::vector<SiteRows> rows(diagram.cells.size(), SiteRows(1));
+  for (std::size_t i = 0; i < diagram.border_samples.size(); ++i) {
+    const SitePull& left = found.border_pulls[2 * i];
+    const SitePull& right = found.border_pulls[2 * i + 1];
+    const double steepness = (left.by_place - right.by_place).norm();
+    if (!(steepness > 0)) continue;
+    // Towards the right the border moves by minus the change of the difference of the distances, over its slope.
+    const double share = diagram.border_samples[i].weight / steepness;
+    for (const double side : {1.0, -1.0}) {
+      SiteRows& own = rows[static_cast<std::size_t>(side > 0 ? left.site : right.site)];
+      own.of(left.site).row(0) -= side * share * left.by_site.transpose();
+      own.of(right.site).row(0) += side * share * right.by_site.transpose();
+    }
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    rows[i].add_to(sum, order, scale, VectorXd::Constant(1, diagram.cells[i].area - mean));
+}
+
+}  // namespace supple::voronoi

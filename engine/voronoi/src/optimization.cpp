@@ -1,0 +1,156 @@
+#include "supple/voronoi/optimization.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "objectives.h"
+#include "supple/base/error.h"
+#include "supple/numerics/minimizer.h"
+#include "supple/numerics/system.h"
+
+namespace supple::voronoi {
+namespace {
+
+void check(const OptimizationOptions& options, std::size_t sites) {
+  std::vector<Error::Detail> faults;
+  const ObjectiveWeights& w = options.weights;
+  const std::pair<const char*, double> weights[] = {{"edge_length", w.edge_length},
+                                                    {"planarity", w.planarity},
+                                                    {"regularity", w.regularity},
+                                                    {"centroidal", w.centroidal},
+                                                    {"equal_area", w.equal_area}};
+  bool any = false;
+  for (const auto& [name, weight] : weights) {
+    if (!(weight >= 0 && std::isfinite(weight)))
+      faults.push_back({std::string("objectives/") + name, "must be finite and not negative"});
+    any = any || weight > 0;
+  }
+  if (!(options.tolerance > 0)) faults.push_back({"tolerance", "must be above 0"});
+  if (options.max_iterations < 0 || options.max_iterations > 10'000)
+    faults.push_back({"max_iterations", "must be from 0 to 10000"});
+  if (!(options.edge_length >= 0 && std::isfinite(options.edge_length)))
+    faults.push_back({"edge_length", "must be finite and not negative"});
+  if (!faults.empty())
+    throw Error("voronoi.invalid_option", "An option of the optimization is out of its range.", std::move(faults));
+  if (!any)
+    throw Error("voronoi.no_objective", "An optimization needs an objective of positive weight.",
+                {{"objectives", "all weights are 0"}});
+  for (std::size_t i = 0; i < options.fixed_sites.size(); ++i) {
+    const std::int32_t site = options.fixed_sites[i];
+    if (site < 0 || static_cast<std::size_t>(site) >= sites)
+      throw Error("voronoi.fixed_site", "A site to be held does not exist.",
+                  {{"fixed_sites/" + std::to_string(i),
+                    "is " + std::to_string(site) + ", the sites are 0 to " + std::to_string(sites - 1)}});
+  }
+}
+
+DiagramStatistics::Spread spread_of(const std::vector<double>& values) {
+  DiagramStatistics::Spread spread;
+  if (values.empty()) return spread;
+  spread.least = *std::min_element(values.begin(), values.end());
+  spread.greatest = *std::max_element(values.begin(), values.end());
+  for (const double value : values) spread.mean += value;
+  spread.mean /= static_cast<double>(values.size());
+  for (const double value : values) spread.deviation += (value - spread.mean) * (value - spread.mean);
+  spread.deviation = std::sqrt(spread.deviation / static_cast<double>(values.size()));
+  return spread;
+}
+
+}  // namespace
+
+DiagramStatistics statistics(const surface::GeodesicSolver& solver, const Diagram& diagram,
+                             const Execution& execution) {
+  DiagramStatistics result;
+  std::vector<std::int32_t> edges;
+  std::vector<double> values;
+  for (const surface::TangentGeodesic& length : measure_edges(solver, diagram, edges, execution))
+    values.push_back(length.distance);
+  result.edge_length = spread_of(values);
+  values.clear();
+  std::vector<double> ratios;
+  std::vector<double> areas;
+  for (const DiagramCell& cell : diagram.cells) {
+    areas.push_back(cell.area);
+    if (cell.vertices.empty()) continue;
+    const FittedPlane plane = fit_plane(vertex_positions(diagram, cell));
+    for (Eigen::Index j = 0; j < plane.distances.size(); ++j) values.push_back(std::abs(plane.distances[j]));
+    double mean = 0;
+    std::vector<double> distances;
+    for (const std::int32_t vertex : cell.vertices) {
+      const auto point = static_cast<std::size_t>(diagram.vertices[static_cast<std::size_t>(vertex)].point);
+      distances.push_back(diagram.points[point].distance);
+      mean += distances.back() / static_cast<double>(cell.vertices.size());
+    }
+    for (const double distance : distances)
+      if (mean > 0) ratios.push_back(distance / mean);
+  }
+  result.planarity = spread_of(values);
+  result.area = spread_of(areas);
+  result.vertex_distance = spread_of(ratios);
+  return result;
+}
+
+Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface::SurfacePoint> sites,
+                      const OptimizationOptions& options, const Execution& execution) {
+  check(options, sites.size());
+  const surface::TriangleMesh& mesh = solver.mesh();
+  const ObjectiveWeights& w = options.weights;
+  const auto finder =
+      std::make_shared<const DiagramFinder>(solver, Needs{w.edge_length > 0, w.equal_area > 0, w.centroidal > 0});
+  Execution quiet = execution;
+  quiet.progress = nullptr;
+  Optimization result;
+  Diagram start = diagram(solver, sites, {}, quiet);
+  result.before = statistics(solver, start, quiet);
+  sites = start.sites;
+  double area = 0;
+  for (const DiagramCell& cell : start.cells) area += cell.area;
+  const double unit = std::sqrt(area / static_cast<double>(sites.size()));
+  const double length = options.edge_length > 0 ? options.edge_length : result.before.edge_length.mean;
+
+  numerics::System<SitesState>::Terms terms;
+  if (w.edge_length > 0) terms.push_back(std::make_shared<EdgeLengthTerm>(finder, w.edge_length, unit, length));
+  if (w.planarity > 0) terms.push_back(std::make_shared<PlanarityTerm>(finder, w.planarity, unit));
+  if (w.regularity > 0) terms.push_back(std::make_shared<RegularityTerm>(finder, w.regularity, unit));
+  if (w.centroidal > 0) terms.push_back(std::make_shared<CentroidalTerm>(finder, w.centroidal, unit));
+  if (w.equal_area > 0) terms.push_back(std::make_shared<EqualAreaTerm>(finder, w.equal_area, unit));
+  std::vector<bool> held(2 * sites.size(), false);
+  for (const std::int32_t site : options.fixed_sites)
+    for (std::size_t k = 0; k < 2; ++k) held[2 * static_cast<std::size_t>(site) + k] = true;
+  const SitesState state(mesh, std::move(sites));
+  numerics::System<SitesState> system(state, terms, numerics::Unknowns(held), {.execution = execution});
+  numerics::MinimizerOptions minimizer;
+  minimizer.method = options.method == OptimizationMethod::lbfgs ? numerics::MinimizerMethod::lbfgs
+                                                                 : numerics::MinimizerMethod::newton;
+  const auto count = static_cast<double>(system.state().sites().points().size());
+  result.gradient_tolerance = options.tolerance * std::sqrt(count) / unit;
+  minimizer.gradient_tolerance = result.gradient_tolerance;
+  minimizer.max_iterations = options.max_iterations;
+  minimizer.step_tolerance = 1e-12 * unit;
+  minimizer.first_step = unit * unit;
+  minimizer.after_step = [&](const numerics::MinimizerStep& step) {
+    result.history.push_back({step.value, step.gradient_norm, step.step_length});
+    if (options.observer && system.state().found())
+      options.observer(result.history.back(), system.state().found()->diagram);
+  };
+  const numerics::MinimizerResult found = numerics::minimize(system, minimizer, execution);
+  result.energy = found.value;
+  result.gradient_norm = found.gradient_norm;
+  result.iterations = found.iterations;
+  result.stopped = numerics::to_string(found.stop);
+  SitesState end = system.state();
+  finder->find(end, 0, quiet);
+  for (const auto& term : terms) {
+    numerics::EnergySum sum;
+    term->add(end, 0, sum);
+    result.terms.push_back({std::string(term->name()), sum.value});
+  }
+  result.diagram = std::move(end.found()->diagram);
+  result.after = statistics(solver, result.diagram, quiet);
+  return result;
+}
+
+}  // namespace supple::voronoi
