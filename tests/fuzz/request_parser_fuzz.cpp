@@ -1,4 +1,4 @@
-// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to > in the seeds, chooses the parser, the rest
+// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to @ in the seeds, chooses the parser, the rest
 // is the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client
 // would get is valid JSON in UTF-8.
 
@@ -13,6 +13,7 @@
 #include "supple/json/model_requests.h"
 #include "supple/json/requests.h"
 #include "supple/json/structure_requests.h"
+#include "supple/json/voronoi_requests.h"
 #include "supple/json/weave_requests.h"
 #include "supple/json/weave_toolpath_requests.h"
 
@@ -109,6 +110,16 @@ void check_weave(const json::WeaveSpec& weave) {
   if (const auto* layout = std::get_if<json::LayoutSpec>(&weave.source)) check_layout(*layout);
 }
 
+void check_sites(const json::SitesSpec& sites) {
+  if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&sites)) {
+    require(!given->empty() && given->size() <= limits().max_points);
+    for (const auto& point : *given) check_point(point);
+  } else {
+    const auto count = std::get<json::RandomSites>(sites).count;
+    require(count >= 1 && static_cast<std::size_t>(count) <= limits().max_points);
+  }
+}
+
 void check_network(const json::EmbeddedSystemRequest& request) {
   if (const auto* points = std::get_if<std::vector<json::PointSpec>>(&request.points)) {
     require(!points->empty() && points->size() <= limits().max_points);
@@ -162,7 +173,7 @@ void check_printer(const weave::PrinterProfile& printer) {
 }
 
 void parse(unsigned which, std::string_view body) {
-  switch (which % 15) {
+  switch (which % 17) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -278,6 +289,25 @@ void parse(unsigned which, std::string_view body) {
     case 14: {
       const auto request = json::parse_embedded_system(body, limits());
       check_network(request);
+      return check_deadline(request.deadline);
+    }
+    case 15: {
+      const auto request = json::parse_voronoi_diagram(body, limits());
+      check_sites(request.sites);
+      require(request.options.relative_error > 0 && request.options.relative_error <= 1);
+      require(request.panel_scale > 0 && std::isfinite(request.panel_scale));
+      return check_deadline(request.deadline);
+    }
+    case 16: {
+      const auto request = json::parse_voronoi_optimization(body, limits());
+      check_sites(request.sites);
+      const auto& weights = request.options.weights;
+      for (const double weight :
+           {weights.edge_length, weights.planarity, weights.regularity, weights.centroidal, weights.equal_area})
+        require(weight >= 0 && std::isfinite(weight));
+      for (const auto site : request.options.fixed_sites) require(site >= 0);
+      require(request.options.tolerance > 0 && request.options.max_iterations > 0);
+      require(request.options.edge_length >= 0 && std::isfinite(request.options.edge_length));
       return check_deadline(request.deadline);
     }
     default: {

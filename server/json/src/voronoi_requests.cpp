@@ -37,6 +37,7 @@ void read_include(Fields& fields, DiagramInclude& include, double& panel_scale) 
 void read_objectives(Fields& fields, voronoi::ObjectiveWeights& weights) {
   const auto* value = fields.required("objectives");
   if (!value) return;
+  if (value->is_object() && value->empty()) fields.faults().add(fields.at("objectives"), "must name an objective");
   Fields objectives(*value, fields.at("objectives"), fields.faults());
   objectives.number("edge_length", weights.edge_length, 0, any);
   objectives.number("planarity", weights.planarity, 0, any);

@@ -97,6 +97,12 @@ TEST(VoronoiRequests, CollectEveryFault) {
       (Where{"/objectives/planarity", "/objectives/area", "/target_length", "/accuracy/tolerance", "/statistics"}));
 }
 
+TEST(VoronoiRequests, NeedAnObjectiveByItsName) {
+  EXPECT_EQ(faults_of_optimization(two_sites_and(R"("objectives":{})")), (Where{"/objectives"}));
+  // Whether its weight is above 0 is asked by the engine.
+  EXPECT_NO_THROW(parse_voronoi_optimization(two_sites_and(R"("objectives":{"planarity":0})"), {}));
+}
+
 TEST(VoronoiRequests, TakeARelativeErrorWithTheMethodThatHasOneOnly) {
   EXPECT_EQ(faults_of_diagram(two_sites_and(R"("accuracy":{"relative_error":0.1})")),
             (Where{"/accuracy/relative_error"}));
