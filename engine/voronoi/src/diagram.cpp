@@ -132,6 +132,7 @@ class Builder {
     if (work.distances.arrivals().empty()) return unreached;
     work.distances.all(work.active);
     std::int32_t site = work.distances.arrivals().front().source;
+    work.kept = work.active;
     if (!work.distances.of_one_site(work.active)) {
       const Vector2d centre = (corners[0] + corners[1] + corners[2]) / 3;
       double radius = 0;
@@ -154,7 +155,7 @@ class Builder {
       if (site >= 0)
         sides_.at(h).sites.assign(1, site);
       else
-        sides_.at(h) = label_segment(work.distances, work.active, corners[static_cast<std::size_t>(h % 3)],
+        sides_.at(h) = label_segment(work.distances, work.kept, corners[static_cast<std::size_t>(h % 3)],
                                      corners[static_cast<std::size_t>((h + 1) % 3)], site_at(mesh_.tail(h)),
                                      site_at(mesh_.head(h)));
     }

@@ -11,8 +11,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Relative to the face: triangles below are not halved any more.
+/// Relative to the face: polygons below are not divided any more.
 constexpr double smallest_triangle = 1e-12;
+/// Lines between parts of one site are preferred to those between longer parts, and tried this often in a row: after
+/// that polygons are halved, because that makes them smaller for sure.
+constexpr double same_site_bonus = 1e3;
+constexpr int most_chords = 8;
 /// Relative to the triangle: a Voronoi vertex may be this far outside.
 constexpr double outside = 1e-9;
 /// Relative to the distance: distances to the sites of a vertex differ by no more, and no other site is nearer by more.
@@ -24,11 +28,16 @@ constexpr double curve_rounding = 1e-13;
 constexpr int most_curve_steps = 60;
 /// Relative to the face: images closer than this are one.
 constexpr double same_image = 1e-9;
-/// Bends are found to this part of a border.
-constexpr double bend_width = 1e-13;
+/// Bends are found to this part of a border; places where paths only begin to turn, where the border is smooth but for
+/// its curvature, to that one.
+constexpr double bend_width = 1e-12;
+constexpr double turn_width = 1e-7;
+/// Relative to the face: lengths that differ by less do not say which is shorter.
+constexpr double tie_gap = 1e-12;
+constexpr double tiny_gap = 1e-300;
 /// Bends this near to an end are none: there it is not sure which way paths come.
 constexpr double bend_margin = 1e-7;
-constexpr int bend_samples = 8;
+constexpr int most_bend_samples = 8;
 constexpr int most_changes = 12;  // of the ways along one part
 /// Points of Gauss and Legendre's quadrature in [0, 1] along a part of a border.
 constexpr std::array<double, 3> nodes{0.1127016653792583, 0.5, 0.8872983346207417};
@@ -53,26 +62,33 @@ Side reversed(const Side& side) {
   return result;
 }
 
-/// The two halves of a side.
-std::pair<Side, Side> halves(const Side& side) {
-  const Vector2d middle = 0.5 * (side.from + side.to);
+/// The parts of a side before and after a share of it.
+std::pair<Side, Side> split(const Side& side, double at) {
+  const Vector2d middle = side.from + at * (side.to - side.from);
   Side first{side.from, middle, {}, {}, {}};
   Side second{middle, side.to, {}, {}, {}};
   const auto before =
-      static_cast<std::size_t>(std::upper_bound(side.shares.begin(), side.shares.end(), 0.5) - side.shares.begin());
+      static_cast<std::size_t>(std::upper_bound(side.shares.begin(), side.shares.end(), at) - side.shares.begin());
   for (std::size_t i = 0; i < side.shares.size(); ++i) {
-    Side& half = i < before ? first : second;
-    half.cuts.push_back(side.cuts[i]);
-    half.shares.push_back(i < before ? 2 * side.shares[i] : 2 * side.shares[i] - 1);
+    Side& part = i < before ? first : second;
+    part.cuts.push_back(side.cuts[i]);
+    part.shares.push_back(i < before ? side.shares[i] / at : (side.shares[i] - at) / (1 - at));
   }
   first.sites.assign(side.sites.begin(), side.sites.begin() + static_cast<std::ptrdiff_t>(before) + 1);
   second.sites.assign(side.sites.begin() + static_cast<std::ptrdiff_t>(before), side.sites.end());
   return {first, second};
 }
 
-using Sides = std::array<Side, 3>;
+/// The sides of a convex polygon, counterclockwise.
+using Sides = std::vector<Side>;
 
-/// What one meets on the way round a triangle: corners and cuts.
+/// A place on a polygon's border.
+struct BorderPlace {
+  std::size_t side = 0;
+  double share = 0;
+};
+
+/// What one meets on the way round a polygon: corners and cuts.
 struct Stop {
   Vector2d place;
   std::int32_t cut = 0;    ///< number of the cut, `corner` for a corner
@@ -92,8 +108,9 @@ class Cutter {
   /// Of a cut of a side of the face.
   void add_cut(const Vector2d& place) { cut_places_.push_back(place); }
 
-  void cut(const Sides& sides, const Active& active) {
-    const Vector2d centre = (sides[0].from + sides[1].from + sides[2].from) / 3;
+  void cut(const Sides& sides, const Active& active, int depth) {
+    Vector2d centre = Vector2d::Zero();
+    for (const Side& side : sides) centre += side.from / static_cast<double>(sides.size());
     double radius = 0;
     double longest = 0;
     for (const Side& side : sides) {
@@ -122,7 +139,10 @@ class Cutter {
     if (small)
       return cuts.empty() ? add_piece(round.front().site, round, 0, round.size(), {})
                           : cut_at_vertex(round, cuts, centre, kept);
-    halve(sides, kept);
+    BorderPlace begin;
+    BorderPlace end;
+    if (hidden || depth >= most_chords || !choose_chord(sides, begin, end)) choose_middle(sides, longest, begin, end);
+    divide(sides, begin, end, kept, depth + 1);
   }
 
   /// The areas between the straight lines and the borders.
@@ -275,8 +295,10 @@ class Cutter {
   /// A border as a function over the straight line between its ends.
   struct Curve {
     Vector2d begin, way, along, normal;
-    std::int32_t left, right;
-    double length;
+    double length = 0;
+    std::int32_t left = -1, right = -1;
+    Active from_left, from_right;  ///< the arrivals that matter along it
+    int other_images = 0;          ///< that paths from the sites may come from besides one for each
   };
   /// A place of it.
   struct CurvePoint {
@@ -286,30 +308,47 @@ class Cutter {
     Slope left{}, right{};
   };
 
-  /// A border between two points: where it bends because paths from one of its sites come another way, it has a point.
-  /// Returns these.
-  std::vector<Vector2d> add_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right,
-                                   const Active& active) {
-    Curve curve;
+  void lay_curve(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right, const Active& active,
+                 Curve& curve) const {
     curve.begin = place_of(from);
     curve.way = place_of(to) - curve.begin;
     curve.length = curve.way.norm();
     curve.left = left;
     curve.right = right;
+    curve.other_images = 0;
+    if (!(curve.length > shortest_curve * size_)) return;
+    curve.along = curve.way / curve.length;
+    curve.normal = Vector2d(-curve.along.y(), curve.along.x());
+    // Borders bulge by less than a quarter of their length, or they are cut first.
+    const Vector2d middle = curve.begin + 0.5 * curve.way;
+    const double radius = 0.6 * curve.length;
+    const double tolerance = same_image * size_;
+    curve.other_images = distances_.prune_site(active, left, middle, radius, tolerance, curve.from_left) +
+                         distances_.prune_site(active, right, middle, radius, tolerance, curve.from_right);
+  }
+
+  /// A border between two points: where it bends because paths from one of its sites come another way, it has a point.
+  /// Returns these.
+  std::vector<Vector2d> add_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right,
+                                   const Active& active) {
     std::vector<Vector2d> bends;
-    if (curve.length > shortest_curve * size_) {
-      curve.along = curve.way / curve.length;
-      curve.normal = Vector2d(-curve.along.y(), curve.along.x());
-      if (several_ways(left, active) || several_ways(right, active)) find_all_bends(curve, active, bends);
+    Curve& curve = curve_;
+    lay_curve(from, to, left, right, active, curve);
+    if (curve.other_images == 0) {
+      add_smooth_border(from, to, curve);
+      return bends;
     }
+    find_all_bends(curve, bends);
     std::int32_t before = from;
     for (const Vector2d& bend : bends) {
       const auto number = static_cast<std::int32_t>(result_.points.size());
       result_.points.push_back({bend, distances_.nearest(active, bend).distance, false});
-      add_smooth_border(before, number, left, right, active);
+      lay_curve(before, number, left, right, active, curve);
+      add_smooth_border(before, number, curve);
       before = number;
     }
-    add_smooth_border(before, to, left, right, active);
+    lay_curve(before, to, left, right, active, curve);
+    add_smooth_border(before, to, curve);
     return bends;
   }
 
@@ -319,71 +358,77 @@ class Cutter {
            distances_.same_paths(a.right.arrival, a.place, b.right.arrival, b.place, tolerance);
   }
 
-  /// Whether paths from a site come from more than one image.
-  bool several_ways(std::int32_t site, const Active& active) const {
-    const surface::FaceArrival* first = nullptr;
-    for (const std::int32_t i : active) {
-      const surface::FaceArrival& arrival = distances_.arrivals()[i];
-      if (arrival.source != site) continue;
-      if (first == nullptr) first = &arrival;
-      if ((arrival.image - first->image).norm() > same_image * size_) return true;
-    }
-    return false;
-  }
-
-  void find_all_bends(const Curve& curve, const Active& active, std::vector<Vector2d>& bends) const {
+  void find_all_bends(const Curve& curve, std::vector<Vector2d>& bends) const {
     CurvePoint before;
     double begin = bend_margin;
-    if (!on_curve(curve, begin, active, before)) return;
-    for (int i = 1; i <= bend_samples; ++i) {
-      const double end = i == bend_samples ? 1 - bend_margin : static_cast<double>(i) / bend_samples;
+    if (!on_curve(curve, begin, before)) return;
+    const int samples = std::min(2 * curve.other_images, most_bend_samples);
+    for (int i = 1; i <= samples; ++i) {
+      const double end = i == samples ? 1 - bend_margin : static_cast<double>(i) / samples;
       CurvePoint after;
-      if (!on_curve(curve, end, active, after)) return;
-      find_bends(curve, begin, before, end, after, most_changes, active, bends);
+      if (!on_curve(curve, end, after)) return;
+      find_bends(curve, begin, before, end, after, most_changes, bends);
       begin = end;
       before = after;
     }
   }
 
-  /// Halves until it has both sides of a place where paths change.
+  /// Closes in on the first place where paths change. Where these are paths of two images that cross, the lengths say
+  /// where (the ITP method, Oliveira and Takahashi 2020); where paths begin or cease to turn at a vertex, halving does.
   void find_bends(const Curve& curve, double begin, const CurvePoint& first, double end, const CurvePoint& last,
-                  int changes, const Active& active, std::vector<Vector2d>& bends) const {
+                  int changes, std::vector<Vector2d>& bends) const {
     if (changes == 0 || same_ways(first, last)) return;
+    const auto gap = [&](const CurvePoint& point) {
+      const auto of_side = [&](const Slope& from, const Slope& to) {
+        const auto& arrivals = distances_.arrivals();
+        return from.arrival == to.arrival ? 0
+                                          : arrivals[static_cast<std::size_t>(from.arrival)].length_to(point.place) -
+                                                arrivals[static_cast<std::size_t>(to.arrival)].length_to(point.place);
+      };
+      return of_side(first.left, last.left) + of_side(first.right, last.right);
+    };
     double low = begin;
     double high = end;
+    double at_low = gap(first);
+    double at_high = gap(last);
+    const bool crosses = at_low < -tie_gap * size_ && at_high > tie_gap * size_;
+    const double width = crosses ? bend_width : turn_width;
     CurvePoint after = last;
-    while (high - low > bend_width) {
-      const double middle = 0.5 * (low + high);
+    // As many steps as halving and one more at most.
+    double reach = high - low;
+    while (high - low > width) {
+      const double half = 0.5 * (low + high);
+      double at = half;
+      if (crosses) {
+        const double secant = (at_high * low - at_low * high) / (at_high - at_low);
+        const double inwards = secant < half ? 1 : -1;
+        const double push = 0.2 * (high - low) * (high - low) / (end - begin);
+        at = push <= std::abs(half - secant) ? secant + inwards * push : half;
+        const double room = std::max(0.0, reach - 0.5 * (high - low));
+        if (std::abs(at - half) > room) at = half - inwards * room;
+        reach *= 0.5;
+      }
       CurvePoint point;
-      if (!on_curve(curve, middle, active, point)) return;
+      if (!on_curve(curve, at, point)) return;
       if (same_ways(first, point)) {
-        low = middle;
+        low = at;
+        at_low = crosses ? std::min(gap(point), -tiny_gap) : 0;
       } else {
-        high = middle;
+        high = at;
         after = point;
+        at_high = crosses ? std::max(gap(point), tiny_gap) : 0;
       }
     }
     bends.push_back(after.place);
-    find_bends(curve, high, after, end, last, changes - 1, active, bends);
+    find_bends(curve, high, after, end, last, changes - 1, bends);
   }
 
   /// A part of a border without bends: the area between it and the straight line, its length, points of quadrature.
-  void add_smooth_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right,
-                         const Active& active) {
-    Curve curve;
-    curve.begin = place_of(from);
-    curve.way = place_of(to) - curve.begin;
-    curve.length = curve.way.norm();
-    curve.left = left;
-    curve.right = right;
+  void add_smooth_border(std::int32_t from, std::int32_t to, const Curve& curve) {
     std::array<CurvePoint, nodes.size()> points;
     bool curved = curve.length > shortest_curve * size_;
-    if (curved) {
-      curve.along = curve.way / curve.length;
-      curve.normal = Vector2d(-curve.along.y(), curve.along.x());
-    }
     for (std::size_t i = 0; i < nodes.size() && curved; ++i)
-      curved = on_curve(curve, nodes[i], active, points[i]) && std::abs(points[i].height) < curve.length;
+      curved = on_curve(curve, nodes[i], points[i]) && std::abs(points[i].height) < curve.length;
     double area = 0;
     double along = 0;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -391,25 +436,25 @@ class Cutter {
       const double part = weights[i] * points[i].stretch * curve.length;
       area += weights[i] * points[i].height * curve.length;
       along += part;
-      if (samples_) result_.samples.push_back({left, right, points[i].place, part});
+      if (samples_) result_.samples.push_back({curve.left, curve.right, points[i].place, part});
     }
     // A border that lies on the left of its straight line takes from the cell there.
-    areas_.emplace_back(left, -area);
-    areas_.emplace_back(right, area);
-    result_.borders.push_back({from, to, left, right, along});
+    areas_.emplace_back(curve.left, -area);
+    areas_.emplace_back(curve.right, area);
+    result_.borders.push_back({from, to, curve.left, curve.right, along});
   }
 
   /// The border over a point of its straight line: Newton's method, within a bracket once there is one, because it may
   /// go back and forth about a bend.
-  bool on_curve(const Curve& curve, double share, const Active& active, CurvePoint& point) const {
+  bool on_curve(const Curve& curve, double share, CurvePoint& point) const {
     const Vector2d base = curve.begin + share * curve.way;
     point.height = 0;
     double below = -std::numeric_limits<double>::infinity();
     double above = std::numeric_limits<double>::infinity();
     for (int step = 0; step < most_curve_steps; ++step) {
       point.place = base + point.height * curve.normal;
-      point.left = distances_.from_site(active, curve.left, point.place);
-      point.right = distances_.from_site(active, curve.right, point.place);
+      point.left = distances_.from_site(curve.from_left, curve.left, point.place);
+      point.right = distances_.from_site(curve.from_right, curve.right, point.place);
       const double gap = point.left.distance - point.right.distance;
       const Vector2d gradient = point.left.gradient - point.right.gradient;
       const double across = gradient.dot(curve.normal);
@@ -427,29 +472,98 @@ class Cutter {
     return true;
   }
 
-  void halve(const Sides& sides, const Active& active) {
-    ++result_.subdivisions;
-    int longest = 0;
-    for (int i = 1; i < 3; ++i) {
-      if ((sides[i].to - sides[i].from).squaredNorm() > (sides[longest].to - sides[longest].from).squaredNorm())
-        longest = i;
+  /// The straight line between two arcs of the border that are not neighbours: of the same site if there are such, so
+  /// that nothing but that site may lie on it.
+  static bool choose_chord(const Sides& sides, BorderPlace& begin, BorderPlace& end) {
+    struct Arc {
+      std::int32_t site;
+      BorderPlace middle;  ///< of its longest straight part
+      double length = -1;
+    };
+    std::vector<Arc> arcs;
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      const Side& side = sides[k];
+      const double length = (side.to - side.from).norm();
+      double before = 0;
+      for (std::size_t i = 0; i < side.sites.size(); ++i) {
+        const double after = i < side.shares.size() ? side.shares[i] : 1;
+        if (arcs.empty() || i > 0) arcs.push_back({side.sites[i], {}});
+        Arc& arc = arcs.back();
+        if ((after - before) * length > arc.length) {
+          arc.length = (after - before) * length;
+          arc.middle = {k, 0.5 * (before + after)};
+        }
+        before = after;
+      }
     }
-    auto [first, second] = halves(sides[longest]);
-    const Side& next = sides[(longest + 1) % 3];
-    const Side& last = sides[(longest + 2) % 3];
-    // From the middle of the longest side to the corner across.
+    if (arcs.size() > 1 && arcs.front().site == arcs.back().site) {
+      if (arcs.back().length > arcs.front().length) arcs.front() = arcs.back();
+      arcs.pop_back();
+    }
+    const Arc* first = nullptr;
+    const Arc* second = nullptr;
+    double best = 0;
+    for (std::size_t i = 0; i < arcs.size(); ++i) {
+      for (std::size_t j = i + 2; j < arcs.size() && j - i + 1 < arcs.size(); ++j) {
+        if (arcs[i].middle.side == arcs[j].middle.side) continue;
+        const double worth =
+            std::min(arcs[i].length, arcs[j].length) * (arcs[i].site == arcs[j].site ? same_site_bonus : 1);
+        if (!(worth > best)) continue;
+        best = worth;
+        first = &arcs[i];
+        second = &arcs[j];
+      }
+    }
+    if (first == nullptr) return false;
+    begin = first->middle;
+    end = second->middle;
+    if (end.side < begin.side) std::swap(begin, end);
+    return true;
+  }
+
+  /// The straight line from the middle of the longest side to the corner or middle that is farthest from it along the
+  /// border.
+  static void choose_middle(const Sides& sides, double longest, BorderPlace& begin, BorderPlace& end) {
+    begin = {0, 0.5};
+    while ((sides[begin.side].to - sides[begin.side].from).norm() < longest) ++begin.side;
+    double best = -1;
+    const Vector2d from = 0.5 * (sides[begin.side].from + sides[begin.side].to);
+    for (std::size_t k = 1; k < sides.size(); ++k) {
+      const std::size_t side = (begin.side + k) % sides.size();
+      const double height = std::min(std::abs(cross(sides[begin.side].to - sides[begin.side].from,
+                                                    0.5 * (sides[side].from + sides[side].to) - from)),
+                                     longest * longest);
+      if (!(height > best)) continue;
+      best = height;
+      end = {side, 0.5};
+    }
+    if (end.side < begin.side) std::swap(begin, end);
+  }
+
+  /// Cuts the two parts of a polygon on the sides of a straight line between two places of different sides.
+  void divide(const Sides& sides, const BorderPlace& begin, const BorderPlace& end, const Active& active, int depth) {
+    ++result_.subdivisions;
+    auto [first_before, first_after] = split(sides[begin.side], begin.share);
+    auto [last_before, last_after] = split(sides[end.side], end.share);
+    const Vector2d from = first_before.to;
+    const Vector2d to = last_before.to;
     const LabelledSegment labelled =
-        label_segment(distances_, active, first.to, next.to, second.sites.front(), next.sites.back());
-    Side across{first.to, next.to, {}, labelled.cuts, labelled.sites};
+        label_segment(distances_, active, from, to, first_before.sites.back(), last_before.sites.back());
+    Side across{from, to, {}, labelled.cuts, labelled.sites};
     for (const double share : labelled.cuts) {
       across.cuts.push_back(static_cast<std::int32_t>(result_.points.size()));
-      const Vector2d place = across.from + share * (across.to - across.from);
+      const Vector2d place = from + share * (to - from);
       result_.points.push_back({place, distances_.nearest(active, place).distance, false});
     }
-    const Side back = reversed(across);
-    // `first` ends where `across` begins: its last site is that of `second`'s begin unless the cut is right there.
-    cut({std::move(first), std::move(across), last}, active);
-    cut({std::move(second), next, back}, active);
+    Sides between{reversed(across), std::move(first_after)};
+    for (std::size_t k = begin.side + 1; k < end.side; ++k) between.push_back(sides[k]);
+    between.push_back(std::move(last_before));
+    Sides beyond{std::move(across), std::move(last_after)};
+    for (std::size_t k = end.side + 1; k < sides.size(); ++k) beyond.push_back(sides[k]);
+    for (std::size_t k = 0; k < begin.side; ++k) beyond.push_back(sides[k]);
+    beyond.push_back(std::move(first_before));
+    cut(between, active, depth);
+    cut(beyond, active, depth);
   }
 
   const FaceDistances& distances_;
@@ -459,6 +573,7 @@ class Cutter {
   std::vector<InnerSite> sites_;
   std::vector<std::pair<std::int32_t, double>> areas_;
   double size_ = 0;
+  Curve curve_;
 };
 
 }  // namespace
@@ -467,20 +582,20 @@ CutFace cut_face(const FaceDistances& distances, const std::array<Vector2d, 3>& 
                  const std::array<const LabelledSegment*, 3>& sides, bool samples) {
   CutFace result;
   Cutter cutter(distances, corners, samples, result);
-  Sides whole;
+  Sides whole(3);
   std::int32_t number = 0;
   for (int i = 0; i < 3; ++i) {
     const Vector2d& from = corners[i];
     const Vector2d& to = corners[(i + 1) % 3];
-    whole[i] = {from, to, {}, sides[i]->cuts, sides[i]->sites};
+    whole[static_cast<std::size_t>(i)] = {from, to, {}, sides[i]->cuts, sides[i]->sites};
     for (const double share : sides[i]->cuts) {
-      whole[i].cuts.push_back(-1 - number++);
+      whole[static_cast<std::size_t>(i)].cuts.push_back(-1 - number++);
       cutter.add_cut(from + share * (to - from));
     }
   }
   Active active;
   distances.all(active);
-  cutter.cut(whole, active);
+  cutter.cut(whole, active, 0);
   cutter.finish();
   return result;
 }

@@ -55,10 +55,10 @@ struct CutFace {
 /// Cuts a face along the lower envelope of the distances in it, given how its sides (from corner i to corner i + 1) are
 /// cut.
 ///
-/// A triangle is simple where at most two cuts lie on its sides, or three or more of as many cells which meet in one
-/// point of it: cells are star-shaped round their sites, so that a cell without a site in the triangle shows on its
-/// sides. Any other triangle is halved. Triangles below 1e-12 of the face that are still not simple are a Voronoi
-/// vertex of all cells that show on their sides.
+/// A convex polygon is simple where at most two cuts lie on its sides, or three or more of as many cells which meet in
+/// one point of it: cells are star-shaped round their sites, so that a cell without a site in the polygon shows on its
+/// sides. Any other polygon is divided along a straight line. Polygons below 1e-12 of the face that are still not
+/// simple are a Voronoi vertex of all cells that show on their sides.
 CutFace cut_face(const FaceDistances& distances, const std::array<Eigen::Vector2d, 3>& corners,
                  const std::array<const LabelledSegment*, 3>& sides, bool samples = false);
 

@@ -1,5 +1,6 @@
 #include "face_distances.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,26 @@ Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point,
   for (const Candidate& candidate : candidates)
     if (candidate.length <= limit) kept.push_back(candidate.index);
   return best;
+}
+
+int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double radius,
+                              double tolerance, Active& kept) const {
+  kept.clear();
+  double best = std::numeric_limits<double>::infinity();
+  for (const std::int32_t i : active)
+    if (arrivals_[i].source == site) best = std::min(best, arrivals_[i].length_to(point));
+  const double limit = best + 2 * radius + rounding * best;
+  int others = 0;
+  for (const std::int32_t i : active) {
+    const surface::FaceArrival& arrival = arrivals_[i];
+    if (arrival.source != site || arrival.length_to(point) > limit) continue;
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](std::int32_t k) {
+      return (arrival.image - arrivals_[k].image).norm() <= tolerance;
+    });
+    if (!known && !kept.empty()) ++others;
+    kept.push_back(i);
+  }
+  return others;
 }
 
 Nearest FaceDistances::nearest(const Active& active, const Eigen::Vector2d& point) const {
