@@ -1,5 +1,6 @@
 #include "supple/json/voronoi_answers.h"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -124,6 +125,53 @@ void write_diagram(JsonWriter& out, const std::string& mesh_id, const surface::T
   out.field("unreached_area", diagram.unreached_area);
 }
 
+/// The borders as they are seen on the way: within a face a straight line says enough.
+class SeenBorders {
+ public:
+  explicit SeenBorders(const Diagram& diagram) : numbers_(diagram.points.size(), -1) {
+    for (const auto& edge : diagram.edges) {
+      auto& line = lines_.emplace_back();
+      const auto is_inner = [&](std::int32_t point) {
+        return diagram.points[static_cast<std::size_t>(point)].kind == voronoi::DiagramPoint::Kind::inner;
+      };
+      // One that is closed within a face has no others.
+      const auto inner = std::count_if(edge.points.begin(), edge.points.end(), is_inner);
+      const bool keeps_all = edge.points.front() == edge.points.back() && inner + 4 > std::ssize(edge.points);
+      for (std::size_t k = 0; k < edge.points.size(); ++k) {
+        const bool is_end = k == 0 || k + 1 == edge.points.size();
+        if (keeps_all || is_end || !is_inner(edge.points[k])) line.push_back(number(edge.points[k]));
+      }
+    }
+  }
+
+  /// "positions", "vertices" and "borders".
+  void write(JsonWriter& out, const Diagram& diagram) const {
+    out.key("positions").begin_array();
+    for (const auto point : points) out.numbers(diagram.points[static_cast<std::size_t>(point)].position);
+    out.end_array().key("vertices").begin_array();
+    for (const auto& vertex : diagram.vertices)
+      if (const auto seen = numbers_[static_cast<std::size_t>(vertex.point)]; seen >= 0) out.integer(seen);
+    out.end_array().key("borders").begin_array();
+    for (const auto& line : lines_) write_indices(out, line);
+    out.end_array();
+  }
+
+  std::vector<std::int32_t> points;  ///< of the diagram, in the order in which they are written
+
+ private:
+  std::int32_t number(std::int32_t point) {
+    auto& found = numbers_[static_cast<std::size_t>(point)];
+    if (found < 0) {
+      found = static_cast<std::int32_t>(points.size());
+      points.push_back(point);
+    }
+    return found;
+  }
+
+  std::vector<std::int32_t> numbers_;
+  std::vector<std::vector<std::int32_t>> lines_;
+};
+
 void write_diagram_accuracy(JsonWriter& out, const voronoi::DiagramOptions& options) {
   using Method = voronoi::DiagramMethod;
   constexpr std::array<std::string_view, 3> names{"exact", "bounded", "edges"};
@@ -199,14 +247,8 @@ std::string write_partial_optimization(int iteration, const voronoi::Optimizatio
       .field("gradient_norm", step.gradient_norm)
       .field("step_length", step.step_length);
   if (diagram.sites.size() <= most_partial_sites) write_positions(out, "site_positions", mesh, diagram.sites);
-  if (diagram.points.size() <= most_partial_border_points) {
-    write_border_positions(out, diagram);
-    out.key("vertices").begin_array();
-    for (const auto& vertex : diagram.vertices) out.integer(vertex.point);
-    out.end_array().key("borders").begin_array();
-    for (const auto& edge : diagram.edges) write_indices(out, edge.points);
-    out.end_array();
-  }
+  const SeenBorders seen(diagram);
+  if (seen.points.size() <= most_partial_border_points) seen.write(out, diagram);
   out.end_object();
   return out.take();
 }

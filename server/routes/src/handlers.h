@@ -12,6 +12,7 @@ void add_geodesics_route(http::Router& router, Services& services);
 void add_geodesic_field_route(http::Router& router, Services& services);
 void add_karcher_mean_route(http::Router& router, Services& services);
 void add_embedded_system_route(http::Router& router, Services& services);
+void add_voronoi_routes(http::Router& router, Services& services);
 void add_exponential_map_route(http::Router& router, Services& services);
 void add_structure_routes(http::Router& router, Services& services);
 void add_simulation_route(http::Router& router, Services& services);

@@ -15,6 +15,7 @@ http::Router make_router(Services& services) {
   add_geodesic_field_route(router, services);
   add_karcher_mean_route(router, services);
   add_embedded_system_route(router, services);
+  add_voronoi_routes(router, services);
   add_exponential_map_route(router, services);
   add_structure_routes(router, services);
   add_simulation_route(router, services);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "supple/problem/problem.h"
 #include "supple/surface/triangle_mesh.h"
@@ -139,11 +140,27 @@ TEST(VoronoiAnswers, ShowADiagramOnItsWayUnlessItIsLarge) {
   SmallDiagram small;
   const auto partial = json::parse(write_partial_optimization(3, {2, 1, 0.5}, small.mesh, small.diagram));
   EXPECT_EQ(partial, json::parse(R"({"iteration":3,"energy":2,"gradient_norm":1,"step_length":0.5,
-      "site_positions":[[0,2,0],[2,0,0]],"positions":[[1,0,0],[1,1,0],[1,2,0]],"vertices":[1],"borders":[[0,1]]})"));
+      "site_positions":[[0,2,0],[2,0,0]],"positions":[[1,0,0],[1,1,0]],"vertices":[1],"borders":[[0,1]]})"));
   small.diagram.points.resize(most_partial_border_points + 1);
+  small.diagram.edges[0].points.resize(most_partial_border_points + 1);
+  std::iota(small.diagram.edges[0].points.begin(), small.diagram.edges[0].points.end(), 0);
   small.diagram.sites.resize(most_partial_sites + 1, small.diagram.sites[0]);
   const auto large = json::parse(write_partial_optimization(3, {2, 1, 0.5}, small.mesh, small.diagram));
   EXPECT_EQ(large.size(), 4U);
+}
+
+TEST(VoronoiAnswers, ShowBordersOnTheirWayStraightWithinAFace) {
+  SmallDiagram small;
+  // A border of a crossing, an inner point, a crossing and the vertex, and one within a face.
+  small.diagram.points[2].kind = DiagramPoint::Kind::inner;
+  small.diagram.points.push_back({DiagramPoint::Kind::crossing, {FaceId{0}, {0.5, 0, 0.5}}, {1, 1.5, 0}, 1});
+  small.diagram.points.push_back({DiagramPoint::Kind::inner, {FaceId{0}, {0.5, 0, 0.5}}, {1.5, 1, 0}, 1});
+  small.diagram.edges[0].points = {0, 2, 3, 1};
+  small.diagram.edges.push_back({{0, 1}, {-1, -1}, {2, 4, 2}, 1});
+  const auto partial = json::parse(write_partial_optimization(3, {2, 1, 0.5}, small.mesh, small.diagram));
+  EXPECT_EQ(partial.at("positions"), json::parse("[[1,0,0],[1,1.5,0],[1,1,0],[1,2,0],[1.5,1,0]]"));
+  EXPECT_EQ(partial.at("borders"), json::parse("[[0,1,2],[3,4,3]]"));
+  EXPECT_EQ(partial.at("vertices"), json::parse("[2]"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::string write_voronoi_optimization(const VoronoiOptimizationRequest& request
 inline constexpr std::size_t most_partial_sites = 5000;
 inline constexpr std::size_t most_partial_border_points = 20'000;
 
-/// The diagram after an iteration.
+/// The diagram after an iteration. Its borders are straight within a face.
 std::string write_partial_optimization(int iteration, const voronoi::OptimizationStep& step,
                                        const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram);
 

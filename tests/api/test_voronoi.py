@@ -1,0 +1,291 @@
+"""Geodesic Voronoi diagrams and their optimization over the wire."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Callable, Dict, List
+
+import numpy as np
+import pytest
+
+from harness import Api, ServerProcess, pointers, problem_code
+from shapes import bumpy_sphere, flat_grid, sphere, two_triangles_apart
+from test_jobs import events, start_job
+
+DIAGRAMS = "/v1/voronoi-diagrams"
+OPTIMIZATIONS = "/v1/voronoi-optimizations"
+CORNERS = [0, 56, 63, 7]
+"""Vertices of a grid of 7 x 7 cells, counterclockwise: the borders of their cells run along no edge of it."""
+
+
+@pytest.fixture
+def odd_grid(api: Api) -> str:
+    return api.upload(*flat_grid(7))
+
+
+def at_vertices(*vertices: int) -> List[Dict[str, int]]:
+    return [{"vertex": v} for v in vertices]
+
+
+def four_sites(mesh: str, **more: Any) -> Dict[str, Any]:
+    """The corners of the unit square: its cells are the four squares of half its size."""
+    return {"mesh": mesh, "sites": at_vertices(*CORNERS), **more}
+
+
+def length(positions: Any) -> float:
+    return float(np.linalg.norm(np.diff(np.asarray(positions), axis=0), axis=1).sum())
+
+
+# --- diagrams ------------------------------------------------------------------------------------------------------------
+
+
+def test_four_sites_divide_a_square_into_four(api: Api, odd_grid: str) -> None:
+    answer = api.ok(DIAGRAMS, four_sites(odd_grid))
+    assert [cell["area"] for cell in answer["cells"]] == pytest.approx([0.25] * 4, rel=1e-12)
+    assert answer["unreached_area"] == 0 and answer["warnings"] == []
+    (vertex,) = answer["vertices"]
+    np.testing.assert_allclose(vertex["position"], [0.5, 0.5, 0], atol=1e-12)
+    np.testing.assert_allclose(answer["positions"][vertex["index"]], vertex["position"])
+    assert sorted(vertex["sites"]) == [0, 1, 2, 3] and vertex["distance"] == pytest.approx(np.sqrt(0.5), rel=1e-12)
+    # Counterclockwise seen from above: the sites are numbered so.
+    turn = vertex["sites"].index(0)
+    assert vertex["sites"][turn:] + vertex["sites"][:turn] == [0, 1, 2, 3]
+    assert len(answer["dual"]) == 2 and {site for triangle in answer["dual"] for site in triangle} == {0, 1, 2, 3}
+    assert len(answer["edges"]) == 4 and all(edge["length"] == pytest.approx(0.5, rel=1e-12) for edge in answer["edges"])
+    for edge in answer["edges"]:
+        ends = edge["vertices"]
+        assert sorted(ends, key=lambda end: end is None) == [0, None], "from the middle to the rim"
+        assert length([answer["positions"][p] for p in edge["points"]]) == pytest.approx(edge["length"], rel=1e-12)
+    assert answer["cells"][0]["neighbours"] == [1, 3]
+    accuracy = {"method": "exact", "relative_error": 0, "relative_error_bound": 0}
+    assert answer["accuracy"] == accuracy and {stage["name"] for stage in answer["cost"]["stages"]} >= {"propagation", "cells"}
+    spread = answer["statistics"]["area"]
+    assert (spread["mean"], spread["least"]) == pytest.approx((0.25, 0.25)) and spread["deviation"] == pytest.approx(0, abs=1e-9)
+
+
+def test_borders_are_polygons_with_their_cells_on_the_left(api: Api, odd_grid: str) -> None:
+    answer = api.ok(DIAGRAMS, four_sites(odd_grid))
+    for cell in answer["cells"]:
+        (border,) = cell["boundary"]
+        x, y, _ = np.asarray([answer["positions"][p] for p in border]).T
+        assert 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) == pytest.approx(cell["area"], rel=1e-12)
+
+
+def test_surface_points_pieces_and_statistics_come_where_they_are_asked_for(api: Api, sphere_mesh: str) -> None:
+    vertices, faces = sphere(3)
+    request = {"mesh": sphere_mesh, "sites": {"count": 20, "seed": 4}}
+    plain = api.ok(DIAGRAMS, {**request, "statistics": False})
+    assert not plain.keys() & {"points", "pieces", "statistics"}
+    full = api.ok(DIAGRAMS, {**request, "points": True, "pieces": True})
+    assert full["cells"] == plain["cells"], "the same seed gives the same sites"
+    for point, position in zip(full["points"], full["positions"]):
+        np.testing.assert_allclose(np.asarray(point["barycentric"]) @ vertices[faces[point["face"]]], position, atol=1e-12)
+    pieces = full["pieces"]
+    assert len(pieces["vertex_sites"]) == len(vertices) and len(pieces["face_sites"]) == len(faces)
+    areas = np.zeros(20)
+    for face, site in enumerate(pieces["face_sites"]):
+        if site is not None:
+            a, b, c = vertices[faces[face]]
+            areas[site] += np.linalg.norm(np.cross(b - a, c - a)) / 2
+    for piece in pieces["cut_faces"]:
+        assert pieces["face_sites"][piece["face"]] is None
+        corners = np.asarray(piece["corners"])
+        areas[piece["site"]] += sum(np.linalg.norm(np.cross(corners[k] - corners[0], corners[k + 1] - corners[0])) / 2
+                                    for k in range(1, len(corners) - 1))
+    # Borders are curves, pieces are polygons.
+    np.testing.assert_allclose(areas, [cell["area"] for cell in full["cells"]], rtol=0.02)
+
+
+def test_vertices_are_equally_far_from_their_sites(api: Api, sphere_mesh: str) -> None:
+    answer = api.ok(DIAGRAMS, {"mesh": sphere_mesh, "sites": {"count": 12}})
+    assert len(answer["vertices"]) == 20 and len(answer["edges"]) == 30, "V - E + F = 2, three edges at each vertex"
+    pairs = [{"from": vertex["point"], "to": answer["sites"][site]} for vertex in answer["vertices"] for site in vertex["sites"]]
+    found = [result["distance"] for result in api.ok("/v1/geodesics", {"mesh": sphere_mesh, "pairs": pairs})["results"]]
+    expected = [vertex["distance"] for vertex in answer["vertices"] for _ in vertex["sites"]]
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("accuracy, bound", [({"method": "bounded", "relative_error": 0.1}, 0.1),
+                                             ({"method": "bounded"}, 0.01), ({"method": "edges"}, None)])
+def test_less_exact_distances_give_a_diagram_near_the_exact_one(api: Api, sphere_mesh: str, accuracy: Dict[str, Any],
+                                                                bound: Any) -> None:
+    request = {"mesh": sphere_mesh, "sites": {"count": 12}}
+    exact = api.ok(DIAGRAMS, request)
+    answer = api.ok(DIAGRAMS, {**request, "accuracy": accuracy})
+    assert answer["accuracy"]["relative_error_bound"] == bound
+    assert [cell["area"] for cell in answer["cells"]] == pytest.approx([cell["area"] for cell in exact["cells"]], rel=0.25)
+    assert sum(cell["area"] for cell in answer["cells"]) == pytest.approx(sum(cell["area"] for cell in exact["cells"]), rel=1e-9)
+
+
+def test_components_without_a_site_and_sites_in_one_place_are_told(api: Api) -> None:
+    mesh = api.upload(*two_triangles_apart())
+    answer = api.ok(DIAGRAMS, {"mesh": mesh, "sites": at_vertices(0, 0), "pieces": True})
+    assert answer["unreached_area"] > 0 and len(answer["warnings"]) == 2
+    assert answer["cells"][1]["area"] == 0 and answer["cells"][1]["boundary"] == []
+    assert answer["cells"][0]["area"] + answer["unreached_area"] == pytest.approx(api.get(f"/v1/meshes/{mesh}").json()["area"])
+    assert None in answer["pieces"]["vertex_sites"] and None in answer["pieces"]["face_sites"]
+
+
+def test_one_site_has_the_whole_component(api: Api, sphere_mesh: str) -> None:
+    answer = api.ok(DIAGRAMS, {"mesh": sphere_mesh, "sites": at_vertices(5)})
+    (cell,) = answer["cells"]
+    assert cell["boundary"] == [] and cell["neighbours"] == [] and answer["edges"] == []
+    assert answer["statistics"]["edge_length"] == {"mean": 0, "least": 0, "greatest": 0, "deviation": 0}
+
+
+# --- refusals ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("change, where", [
+    ({"sites": []}, "/sites"), ({"sites": {"count": 0}}, "/sites/count"), ({"sites": {"seed": 3}}, "/sites/count"),
+    ({"accuracy": {"method": "fast"}}, "/accuracy/method"), ({"accuracy": {"relative_error": 0.1}}, "/accuracy/relative_error"),
+    ({"pieces": 1}, "/pieces"), ({"panel_scale": 0}, "/panel_scale"), ({"objectives": {}}, "/objectives"),
+])
+def test_bad_diagrams_are_pointed_to(api: Api, grid_mesh: str, change: Dict[str, Any], where: str) -> None:
+    response = api.post(DIAGRAMS, four_sites(grid_mesh, **change), faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid")
+    assert pointers(response) == [where]
+
+
+@pytest.mark.parametrize("change, where", [
+    ({"objectives": {"areas": 1}}, "/objectives/areas"), ({"objectives": {"planarity": -1}}, "/objectives/planarity"),
+    ({"method": "newton"}, "/method"), ({"accuracy": {"tolerance": 0}}, "/accuracy/tolerance"),
+    ({"target_length": 0}, "/target_length"), ({"fixed_sites": [-1]}, "/fixed_sites/0"), ({"statistics": True}, "/statistics"),
+])
+def test_bad_optimizations_are_pointed_to(api: Api, grid_mesh: str, change: Dict[str, Any], where: str) -> None:
+    request = four_sites(grid_mesh, objectives={"centroidal": 1})
+    response = api.post(OPTIMIZATIONS, {**request, **change}, faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid")
+    assert pointers(response) == [where]
+
+
+def test_sites_that_are_not_on_the_mesh_are_pointed_to(api: Api, grid_mesh: str) -> None:
+    for path, more in ((DIAGRAMS, {}), (OPTIMIZATIONS, {"objectives": {"centroidal": 1}})):
+        response = api.post(path, four_sites(grid_mesh, **more) | {"sites": [{"vertex": 0}, {"face": 128, "barycentric": [1, 0, 0]}]})
+        assert (response.status_code, problem_code(response)) == (422, "point.face_out_of_range")
+        assert pointers(response) == ["/sites/1"]
+    response = api.post(DIAGRAMS, four_sites("0" * 64))
+    assert (response.status_code, problem_code(response)) == (404, "mesh.not_found")
+
+
+def test_ten_million_sites_are_refused_at_once(api: Api, grid_mesh: str) -> None:
+    start = time.monotonic()
+    response = api.post(DIAGRAMS, four_sites(grid_mesh, sites={"count": 10_000_000}), faulty=True)
+    assert time.monotonic() - start < 1
+    assert (response.status_code, problem_code(response)) == (400, "request.limit_exceeded")
+    problem = response.json()
+    assert pointers(response) == ["/sites/count"]
+    assert (problem["setting"], problem["limit"], problem["value"]) == ("--max-points", 100_000, 10_000_000)
+
+
+def test_the_limit_of_sites_is_the_setting_of_points(new_server: Callable[..., ServerProcess], contract: Any) -> None:
+    api = Api(new_server("--max-points", "3"), contract)
+    mesh = api.upload(*flat_grid(7))
+    response = api.post(DIAGRAMS, four_sites(mesh))
+    assert (response.status_code, problem_code(response)) == (400, "request.limit_exceeded")
+    assert pointers(response) == ["/sites"] and response.json()["setting"] == "--max-points"
+    assert api.post(DIAGRAMS, four_sites(mesh) | {"sites": at_vertices(0, 7, 56)}).status_code == 200
+
+
+def test_an_optimization_needs_an_objective_and_fixed_sites_that_exist(api: Api, grid_mesh: str) -> None:
+    response = api.post(OPTIMIZATIONS, four_sites(grid_mesh, objectives={"centroidal": 0}))
+    assert (response.status_code, problem_code(response)) == (422, "voronoi.no_objective")
+    response = api.post(OPTIMIZATIONS, four_sites(grid_mesh, objectives={"centroidal": 1}, fixed_sites=[0, 4]))
+    assert (response.status_code, problem_code(response)) == (422, "voronoi.fixed_site")
+    assert pointers(response) == ["/fixed_sites/1"]
+
+
+# --- optimization --------------------------------------------------------------------------------------------------------
+
+
+def optimization(mesh: str, **more: Any) -> Dict[str, Any]:
+    return {"mesh": mesh, "sites": {"count": 30, "seed": 2}, "objectives": {"centroidal": 1},
+            "accuracy": {"tolerance": 1e-3}, **more}
+
+
+def test_sites_move_to_the_centres_of_their_cells(api: Api, sphere_mesh: str) -> None:
+    answer = api.ok(OPTIMIZATIONS, optimization(sphere_mesh))
+    history = answer["history"]
+    assert len(history) == answer["iterations"] + 1 and history[0]["step_length"] == 0
+    energies = [step["energy"] for step in history]
+    assert all(later <= earlier for earlier, later in zip(energies, energies[1:])) and energies[-1] < 0.95 * energies[0]
+    assert answer["energy"] == energies[-1] and answer["gradient_norm"] == history[-1]["gradient_norm"]
+    assert [term["name"] for term in answer["terms"]] == ["centroidal"]
+    if answer["stopped"] == "converged":
+        assert answer["gradient_norm"] <= answer["accuracy"]["gradient_tolerance"]
+    before, after = answer["statistics"]["before"], answer["statistics"]["after"]
+    assert after["area"]["deviation"] < before["area"]["deviation"]
+    again = api.ok(DIAGRAMS, {"mesh": sphere_mesh, "sites": answer["sites"]})
+    assert [cell["area"] for cell in again["cells"]] == pytest.approx([cell["area"] for cell in answer["cells"]], rel=1e-9)
+
+
+def test_fixed_sites_stay_and_every_objective_has_its_term(api: Api, sphere_mesh: str) -> None:
+    weights = {"edge_length": 1, "planarity": 2, "regularity": 1, "centroidal": 1, "equal_area": 0.5}
+    start = api.ok(DIAGRAMS, {"mesh": sphere_mesh, "sites": {"count": 30, "seed": 2}})
+    answer = api.ok(OPTIMIZATIONS, optimization(sphere_mesh, objectives=weights, fixed_sites=[3, 0], max_iterations=4,
+                                                points=True, pieces=True, target_length=0.4))
+    np.testing.assert_allclose([answer["site_positions"][k] for k in (0, 3)], [start["site_positions"][k] for k in (0, 3)], atol=1e-12)
+    assert answer["site_positions"][1] != start["site_positions"][1]
+    terms = {term["name"]: term["energy"] for term in answer["terms"]}
+    assert terms.keys() == weights.keys() and sum(terms.values()) == pytest.approx(answer["energy"], rel=1e-9)
+    assert answer["stopped"] in ("iteration_limit", "converged", "step_too_small") and answer["iterations"] <= 4
+    assert "points" in answer and "pieces" in answer
+    assert {effect["name"] for effect in answer["effects"]} >= weights.keys()
+
+
+def test_lbfgs_lowers_the_energy_too(api: Api, sphere_mesh: str) -> None:
+    answer = api.ok(OPTIMIZATIONS, optimization(sphere_mesh, method="lbfgs", max_iterations=15))
+    assert answer["history"][-1]["energy"] < answer["history"][0]["energy"]
+
+
+@pytest.fixture
+def slow_optimization(api: Api) -> Dict[str, Any]:
+    mesh = api.upload(*bumpy_sphere(3))
+    return optimization(mesh, sites={"count": 60}, accuracy={"tolerance": 1e-12}, max_iterations=1000,
+                        objectives={"centroidal": 1, "regularity": 1})
+
+
+def test_events_carry_the_diagram_on_its_way_until_the_job_is_cancelled(api: Api, slow_optimization: Dict[str, Any]) -> None:
+    job = start_job(api, OPTIMIZATIONS, slow_optimization)
+    partial: List[Dict[str, Any]] = []
+    kind = ""
+    for _, document in events(api, job):
+        kind = document["kind"]
+        if "partial" not in document or (partial and document["partial"]["iteration"] == partial[-1]["iteration"]):
+            continue
+        partial.append(document["partial"])
+        if len(partial) == 3:
+            assert api.delete(f"/v1/jobs/{job}").json()["state"] == "dismissed"
+    assert kind == "voronoi-optimizations" and len(partial) >= 3
+    for state in partial:
+        assert len(state["site_positions"]) == 60
+        assert len(state["borders"]) > 150 and max(max(border) for border in state["borders"]) < len(state["positions"])
+        assert len(state["vertices"]) > 100
+    assert partial[0]["iteration"] == 0 and partial[0]["step_length"] == 0
+    energies = [state["energy"] for state in partial]
+    assert energies == sorted(energies, reverse=True) and energies[-1] < energies[0]
+    assert partial[0]["site_positions"] != partial[-1]["site_positions"]
+    assert api.get(f"/v1/jobs/{job}/result").status_code == 410
+
+
+def test_a_deadline_ends_an_optimization(api: Api, slow_optimization: Dict[str, Any]) -> None:
+    response = api.post(OPTIMIZATIONS, {**slow_optimization, "deadline": 0.5})
+    assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded")
+
+
+def test_a_finished_job_survives_a_restart_and_an_unfinished_one_says_that_it_was_interrupted(
+        new_server: Callable[..., ServerProcess], contract: Any) -> None:
+    process = new_server()
+    api = Api(process, contract)
+    done = start_job(api, OPTIMIZATIONS, optimization(api.upload(*sphere(2)), max_iterations=2))
+    list(events(api, done))
+    answer = api.get(f"/v1/jobs/{done}/result").json()
+    slow = optimization(api.upload(*bumpy_sphere(5)), sites={"count": 300}, accuracy={"tolerance": 1e-12}, max_iterations=1000)
+    running = start_job(api, OPTIMIZATIONS, slow)
+    while api.get(f"/v1/jobs/{running}").json()["state"] == "accepted":
+        time.sleep(0.02)
+    process.kill()
+    process.start()
+    assert api.get(f"/v1/jobs/{done}/result").json() == answer
+    interrupted = api.get(f"/v1/jobs/{running}").json()
+    assert interrupted["state"] == "failed" and interrupted["error"]["code"] == "job.interrupted"
