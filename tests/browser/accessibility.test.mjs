@@ -109,6 +109,28 @@ describe("the mesh page with a network on a small screen", () => {
   });
 });
 
+describe("the mesh page with a Voronoi diagram", () => {
+  for (const [name, options] of [["light", { colorScheme: "light" }], ["dark", { colorScheme: "dark" }], ["small", { viewport: { width: 360, height: 740 } }]]) {
+    it(`keeps them too (${name})`, async () => {
+      const page = await openPage(browser, `${server.url}/#/mesh`, options);
+      await page.getByRole("button", { name: "Sample" }).click();
+      await page.locator('[aria-label="Result"]').waitFor();
+      await page.getByRole("radio", { name: "Voronoi", exact: true }).check();
+      await page.getByRole("button", { name: "Scatter sites" }).click();
+      await page.locator('[aria-label="Statistics"]').waitFor();
+      await page.getByLabel("Chosen site, as a number").fill("3");
+      await page.getByLabel("Chosen site, as a number").press("Enter");
+      await page.getByRole("button", { name: "Move the chosen site left" }).waitFor();
+      await page.getByText("Method and accuracy").click();
+      await page.getByLabel("Colour of the cells").selectOption("area");
+      assert.deepEqual(await violations(page), []);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
+      await picture(page, `voronoi-${name}`);
+      await closePage(page);
+    });
+  }
+});
+
 describe("the keyboard", () => {
   it("reaches the skip link first, and every control point", async () => {
     const design = await DesignPage.open(browser, server.url);

@@ -89,7 +89,7 @@ void write_pieces(JsonWriter& out, const surface::TriangleMesh& mesh, const Diag
   for (const auto& piece : diagram.pieces) {
     out.begin_object().field("site", piece.site).field("face", piece.face).key("corners").begin_array();
     for (std::int32_t k = 0; k < piece.corner_count; ++k) {
-      const auto& corner = diagram.corners[static_cast<std::size_t>(piece.first_corner + k)];
+      const auto& corner = diagram.corners[static_cast<std::size_t>(piece.first_corner) + static_cast<std::size_t>(k)];
       out.numbers(surface::position(mesh, {FaceId{piece.face}, corner}));
     }
     out.end_array().end_object();
