@@ -101,53 +101,96 @@ std::vector<Vector3d> vertex_positions(const Diagram& diagram, const DiagramCell
   return positions;
 }
 
-FittedPlane fit_plane(const std::vector<Vector3d>& points) {
+FittedPlane fit_plane(const std::vector<Vector3d>& points, const VectorXd& weights) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  const VectorXd w = weights.size() > 0 ? weights : VectorXd::Constant(count, 1.0 / static_cast<double>(count));
   FittedPlane plane;
-  for (const Vector3d& point : points) plane.centre += point;
-  plane.centre /= static_cast<double>(points.size());
+  for (Eigen::Index j = 0; j < count; ++j) plane.centre += w[j] * points[static_cast<std::size_t>(j)];
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Vector3d& point : points) spread += (point - plane.centre) * (point - plane.centre).transpose();
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const Vector3d offset = points[static_cast<std::size_t>(j)] - plane.centre;
+    spread += w[j] * offset * offset.transpose();
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
   plane.normal = axes.eigenvectors().col(0);
   plane.first = axes.eigenvectors().col(1);
   plane.second = axes.eigenvectors().col(2);
-  plane.distances.resize(static_cast<Eigen::Index>(points.size()));
-  for (std::size_t j = 0; j < points.size(); ++j)
-    plane.distances[static_cast<Eigen::Index>(j)] = plane.normal.dot(points[j] - plane.centre);
+  plane.distances.resize(count);
+  for (Eigen::Index j = 0; j < count; ++j)
+    plane.distances[j] = plane.normal.dot(points[static_cast<std::size_t>(j)] - plane.centre);
   return plane;
 }
+
+namespace {
+
+/// Of the vertices of a polygon: lengths of the sides that follow them, and what part of the perimeter is theirs.
+struct Perimeter {
+  explicit Perimeter(const std::vector<Vector3d>& corners) {
+    const auto count = static_cast<Eigen::Index>(corners.size());
+    sides.resize(count);
+    weights.resize(count);
+    for (Eigen::Index j = 0; j < count; ++j)
+      sides[j] = (corners[static_cast<std::size_t>((j + 1) % count)] - corners[static_cast<std::size_t>(j)]).norm();
+    length = sides.sum();
+    for (Eigen::Index j = 0; j < count; ++j) weights[j] = 0.5 * (sides[j] + sides[(j + count - 1) % count]) / length;
+  }
+  VectorXd sides;
+  VectorXd weights;
+  double length = 0;
+};
+
+}  // namespace
 
 void PlanarityTerm::add(const SitesState& state, int order, EnergySum& sum) const {
   const Found& found = *state.found();
   const Diagram& diagram = found.diagram;
+  const double scale = weight() / squared(unit());
   for (const DiagramCell& cell : diagram.cells) {
     const auto count = static_cast<Eigen::Index>(cell.vertices.size());
     if (count < 4) continue;  // three points lie in a plane
     const std::vector<Vector3d> positions = vertex_positions(diagram, cell);
-    const FittedPlane plane = fit_plane(positions);
-    const double scale = weight() / (squared(unit()) * static_cast<double>(count));
-    sum.value += 0.5 * scale * plane.distances.squaredNorm();
+    const Perimeter perimeter(positions);
+    if (!(perimeter.length > 0)) continue;
+    const FittedPlane plane = fit_plane(positions, perimeter.weights);
+    const VectorXd squares = plane.distances.array().square();
+    const double mean = perimeter.weights.dot(squares);
+    sum.value += 0.5 * scale * mean;
     if (order < 1) continue;
+    const auto position = [&](Eigen::Index j) -> const Vector3d& {
+      return positions[static_cast<std::size_t>((j + count) % count)];
+    };
+    const VectorXd roots = perimeter.weights.array().sqrt();
     SiteRows rows(count);
+    SiteRows of_weights(1);
     for (Eigen::Index j = 0; j < count; ++j) {
       const auto vertex = static_cast<std::size_t>(cell.vertices[static_cast<std::size_t>(j)]);
       const surface::SurfacePoint& at = diagram.points[static_cast<std::size_t>(diagram.vertices[vertex].point)].point;
-      rows.add_vertex(j, found.motions[vertex],
-                      surface::tangent_frame(state.mesh(), at.face).transpose() * plane.normal);
+      const Eigen::Matrix<double, 3, 2> frame = surface::tangent_frame(state.mesh(), at.face);
+      rows.add_vertex(j, found.motions[vertex], roots[j] * frame.transpose() * plane.normal);
+      // A side that grows gives its ends a larger part of the perimeter.
+      Vector3d pull = Vector3d::Zero();
+      for (const Eigen::Index side : {j, (j + count - 1) % count}) {
+        if (!(perimeter.sides[side] > 0)) continue;
+        const double worth = 0.5 * (squares[side] + squares[(side + 1) % count]) - mean;
+        const Vector3d along = (position(side + 1) - position(side)) / perimeter.sides[side];
+        pull += (side == j ? -1 : 1) * worth / perimeter.length * along;
+      }
+      of_weights.add_vertex(0, found.motions[vertex], frame.transpose() * pull);
     }
+    of_weights.add_to(sum, 1, 0.5 * scale, VectorXd::Ones(1));
     if (order >= 2) {
       // The plane follows: what it can take up of the motion leaves the residuals as they are. They are orthogonal to
       // that, so that the gradient does not change.
       Eigen::MatrixX3d taken(count, 3);
       for (Eigen::Index j = 0; j < count; ++j) {
-        const Vector3d offset = positions[static_cast<std::size_t>(j)] - plane.centre;
-        taken.row(j) << 1, offset.dot(plane.first), offset.dot(plane.second);
+        const Vector3d offset = position(j) - plane.centre;
+        taken.row(j) << roots[j], roots[j] * offset.dot(plane.first), roots[j] * offset.dot(plane.second);
       }
       taken.colwise().normalize();
       auto matrix = rows.matrix();
       matrix -= taken * (taken.transpose() * matrix).eval();
     }
-    rows.add_to(sum, order, scale, plane.distances);
+    rows.add_to(sum, order, scale, roots.cwiseProduct(plane.distances));
   }
 }
 

@@ -44,7 +44,9 @@ class EdgeLengthTerm : public DiagramTerm {
 };
 
 /// (1/2) sum over cells of the mean squared distance of their vertices from the plane that fits them best (thesis eq.
-/// 3.30). The plane is eliminated: its part of the residuals' derivatives is projected out (Kaufman 1975).
+/// 3.30), each vertex weighted by the half of the polygon's perimeter next to it: with equal weights the energy would
+/// jump where a cell gains or loses a vertex, and searches would end there. The plane is eliminated: its part of the
+/// residuals' derivatives is projected out (Kaufman 1975).
 class PlanarityTerm : public DiagramTerm {
  public:
   using DiagramTerm::DiagramTerm;
@@ -85,7 +87,8 @@ struct FittedPlane {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::VectorXd distances;
 };
-FittedPlane fit_plane(const std::vector<Eigen::Vector3d>& points);
+/// `weights` are of sum 1; without any all are equal.
+FittedPlane fit_plane(const std::vector<Eigen::Vector3d>& points, const Eigen::VectorXd& weights = {});
 /// Where the vertices of a cell are.
 std::vector<Eigen::Vector3d> vertex_positions(const Diagram& diagram, const DiagramCell& cell);
 

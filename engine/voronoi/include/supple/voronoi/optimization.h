@@ -12,7 +12,7 @@ namespace supple::voronoi {
 /// the mean cell size, root of area over sites, so that every term is a number without a unit.
 struct ObjectiveWeights {
   double edge_length = 0;  ///< (1/2) sum over Voronoi edges of (g(x_i, x_j) - L)^2 (thesis eq. 3.29)
-  double planarity = 0;   ///< (1/2) sum over cells of the mean squared distance of its vertices from a plane (eq. 3.30)
+  double planarity = 0;  ///< (1/2) sum over cells of the mean squared distance of their corners from a plane (eq. 3.30)
   double regularity = 0;  ///< (1/2) sum over cells and their vertices of g(s_i, x_j)^2 (eq. 3.31)
   double centroidal = 0;  ///< (1/2) sum over cells of the integral of g(s_i, x)^2: centroidal cells
   double equal_area = 0;  ///< (1/2) sum over cells of (A_i - mean)^2
