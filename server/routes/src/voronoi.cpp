@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <variant>
 
@@ -7,6 +9,7 @@
 #include "state_pace.h"
 #include "supple/base/part_of_execution.h"
 #include "supple/json/voronoi_answers.h"
+#include "supple/voronoi/export.h"
 
 namespace supple::routes {
 namespace {
@@ -15,6 +18,21 @@ using Sites = std::vector<surface::SurfacePoint>;
 
 /// What the statistics of a diagram and its file take of the whole computation, as far as progress is concerned.
 constexpr double statistics_share = 0.3;
+
+enum class DiagramFile { none, obj, vtu, svg, csv };
+constexpr std::array<std::string_view, 5> diagram_types{"application/json", "model/obj", "application/x-vtu+xml",
+                                                        "image/svg+xml", "text/csv"};
+
+/// Throws "http.not_acceptable".
+DiagramFile negotiate_diagram_file(const http::Request& request) {
+  const auto type = http::negotiate(request.header("Accept"), {diagram_types.begin(), diagram_types.end()});
+  if (!type) {
+    throw Error("http.not_acceptable",
+                "A Voronoi diagram is sent as application/json, model/obj, application/x-vtu+xml, image/svg+xml or "
+                "text/csv.");
+  }
+  return static_cast<DiagramFile>(std::find(diagram_types.begin(), diagram_types.end(), *type) - diagram_types.begin());
+}
 
 /// The sites one by one, or none yet where they are random, which is part of the computation.
 std::optional<Sites> given_sites(const surface::TriangleMesh& mesh, const json::SitesSpec& spec) {
@@ -30,13 +48,33 @@ Sites sites_of(const surface::TriangleMesh& mesh, const json::SitesSpec& spec, c
   return voronoi::random_sites(mesh, random.count, random.seed);
 }
 
+std::string write_diagram_file(DiagramFile file, const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram,
+                               double panel_scale, const Execution& execution) {
+  execution.checkpoint(1, "export");
+  const StageTimer timer(execution.cost, "export");
+  if (file == DiagramFile::obj) return voronoi::write_obj(mesh, diagram);
+  if (file == DiagramFile::vtu) return voronoi::write_vtu(mesh, diagram);
+  if (file == DiagramFile::svg) return voronoi::write_panels_svg(diagram, panel_scale);
+  return voronoi::write_panels_csv(diagram);
+}
+
+store::Result file_result(DiagramFile file, std::string body, const json::Bill& bill) {
+  store::Result result;
+  result.body = std::move(body);
+  result.content_type = diagram_types.at(static_cast<std::size_t>(file));
+  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
+  return result;
+}
+
 store::Result compute(const json::VoronoiDiagramRequest& request, const store::LoadedMesh& mesh,
-                      const std::optional<Sites>& given, const json::Limits& limits, const Execution& outer) {
+                      const std::optional<Sites>& given, DiagramFile file, const json::Limits& limits,
+                      const Execution& outer) {
   voronoi::Diagram diagram;
   std::optional<voronoi::DiagramStatistics> statistics;
+  std::string body;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const auto sites = sites_of(mesh.mesh(), request.sites, given, execution.cost);
-    const bool measured = request.statistics;
+    const bool measured = request.statistics && file == DiagramFile::none;
     const double first = measured ? 1 - statistics_share : 1;
     const PartOfExecution dividing(execution, 0, first);
     diagram = voronoi::diagram(mesh.solver, sites, request.options, dividing.execution());
@@ -45,7 +83,10 @@ store::Result compute(const json::VoronoiDiagramRequest& request, const store::L
       const StageTimer timer(execution.cost, "statistics");
       statistics = voronoi::statistics(mesh.solver, diagram, measuring.execution());
     }
+    if (file != DiagramFile::none)
+      body = write_diagram_file(file, mesh.mesh(), diagram, request.panel_scale, execution);
   });
+  if (file != DiagramFile::none) return file_result(file, std::move(body), bill);
   const auto* numbers = statistics ? &*statistics : nullptr;
   return json_result(json::write_voronoi_diagram(request, mesh.mesh(), diagram, numbers, bill, limits));
 }
@@ -68,15 +109,23 @@ class DiagramPublisher {
 };
 
 store::Result compute(const json::VoronoiOptimizationRequest& request, const store::LoadedMesh& mesh,
-                      const std::optional<Sites>& given, const json::Limits& limits, const Execution& outer) {
+                      const std::optional<Sites>& given, DiagramFile file, const json::Limits& limits,
+                      const Execution& outer) {
   voronoi::Optimization optimization;
+  std::string body;
   const auto bill = billed(outer, [&](const Execution& execution) {
     auto sites = sites_of(mesh.mesh(), request.sites, given, execution.cost);
     auto options = request.options;
     if (execution.progress) options.observer = DiagramPublisher(*execution.progress, mesh.mesh());
     optimization = voronoi::optimize(mesh.solver, std::move(sites), options, execution);
+    if (file != DiagramFile::none)
+      body = write_diagram_file(file, mesh.mesh(), optimization.diagram, request.panel_scale, execution);
   });
-  return json_result(json::write_voronoi_optimization(request, mesh.mesh(), optimization, bill, limits));
+  if (file == DiagramFile::none)
+    return json_result(json::write_voronoi_optimization(request, mesh.mesh(), optimization, bill, limits));
+  auto result = file_result(file, std::move(body), bill);
+  result.headers.emplace_back("Supple-Stopped", optimization.stopped);
+  return result;
 }
 
 template <class Request>
@@ -84,13 +133,14 @@ void add_voronoi_route(http::Router& router, Services& services, const std::stri
                        Request (*parse)(std::string_view, const json::Limits&)) {
   const auto handler = [&services, kind, parse](const http::Request& http_request) {
     require_ready(services);
+    const auto file = negotiate_diagram_file(http_request);
     auto request = parse(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, request.mesh);
     auto given = given_sites(mesh->mesh(), request.sites);
     jobs::Computation computation{kind, request.mesh, request.deadline, {}};
-    computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given),
+    computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file,
                        limits = services.limits.json](const Execution& execution) {
-      return compute(request, *mesh, given, limits, execution);
+      return compute(request, *mesh, given, file, limits, execution);
     };
     return answer_computation(services, http_request, std::move(computation));
   };
