@@ -136,6 +136,26 @@ def test_one_site_has_the_whole_component(api: Api, sphere_mesh: str) -> None:
     assert answer["statistics"]["edge_length"] == {"mean": 0, "least": 0, "greatest": 0, "deviation": 0}
 
 
+def test_a_border_without_vertices_is_closed(api: Api, sphere_mesh: str) -> None:
+    answer = api.ok(DIAGRAMS, {"mesh": sphere_mesh, "sites": {"count": 2, "seed": 3}})
+    (edge,) = answer["edges"]
+    assert edge["vertices"] == [None, None] and edge["points"][0] == edge["points"][-1]
+    assert answer["vertices"] == [] and answer["dual"] == []
+    assert edge["length"] == pytest.approx(2 * np.pi, rel=0.01), "a great circle"
+    for cell in answer["cells"]:
+        (border,) = cell["boundary"]
+        assert set(border) == set(edge["points"]) and cell["area"] == pytest.approx(2 * np.pi, rel=0.02)
+
+
+def test_more_sites_than_faces_divide_them(api: Api, grid_mesh: str) -> None:
+    answer = api.ok(DIAGRAMS, {"mesh": grid_mesh, "sites": {"count": 2000, "seed": 5}})
+    assert sum(cell["area"] for cell in answer["cells"]) == pytest.approx(1, rel=1e-9)
+    assert min(cell["area"] for cell in answer["cells"]) > 0
+    corners = [answer["site_positions"][site] for triangle in answer["dual"] for site in triangle]
+    a, b, c = np.asarray(corners).reshape(-1, 3, 3).transpose(1, 0, 2)
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all(), "counterclockwise"
+
+
 # --- refusals ------------------------------------------------------------------------------------------------------------
 
 

@@ -100,11 +100,16 @@ void write_pieces(JsonWriter& out, const surface::TriangleMesh& mesh, const Diag
 /// What the answers have in common, up to the area without a site.
 void write_diagram(JsonWriter& out, const std::string& mesh_id, const surface::TriangleMesh& mesh,
                    const Diagram& diagram, const DiagramInclude& include, const Limits& limits) {
-  if (diagram.points.size() > limits.max_border_points) {
-    problem::throw_limit("request.limit_exceeded", "The number of points of the cells' borders",
-                         static_cast<double>(limits.max_border_points), static_cast<double>(diagram.points.size()), "",
-                         "/sites");
-  }
+  const auto check = [](std::string_view what, std::size_t count, std::size_t limit, const char* field) {
+    if (count > limit) {
+      problem::throw_limit("request.limit_exceeded", std::string(what), static_cast<double>(limit),
+                           static_cast<double>(count), "", field);
+    }
+  };
+  check("The number of points of the cells' borders", diagram.points.size(), limits.max_border_points, "/sites");
+  if (include.pieces)
+    check("The number of corners of the pieces of cut faces", diagram.corners.size(), limits.max_piece_corners,
+          "/pieces");
   out.field("mesh", mesh_id).key("sites").begin_array();
   for (const auto& site : diagram.sites) write_point(out, site);
   out.end_array();

@@ -96,14 +96,22 @@ TEST(VoronoiAnswers, TellWhatErrorsOfDistancesAreBoundedBy) {
             json::parse(R"({"method":"edges","relative_error":0,"relative_error_bound":null})"));
 }
 
-TEST(VoronoiAnswers, RefuseBordersOfMorePointsThanOneAnswerHolds) {
-  const SmallDiagram small;
+TEST(VoronoiAnswers, RefuseBordersAndPiecesOfMorePointsThanOneAnswerHolds) {
+  SmallDiagram small;
   Limits limits;
   limits.max_border_points = 2;
   const auto error = ::supple::testing::expect_error("request.limit_exceeded", [&] {
     write_voronoi_diagram(small.request, small.mesh, small.diagram, nullptr, {}, limits);
   });
   EXPECT_EQ(::supple::testing::places(error), (std::vector<std::string>{"/sites"}));
+  limits = {};
+  limits.max_piece_corners = 3;
+  EXPECT_NO_THROW(write_voronoi_diagram(small.request, small.mesh, small.diagram, nullptr, {}, limits));
+  small.request.include.pieces = true;
+  const auto pieces = ::supple::testing::expect_error("request.limit_exceeded", [&] {
+    write_voronoi_diagram(small.request, small.mesh, small.diagram, nullptr, {}, limits);
+  });
+  EXPECT_EQ(::supple::testing::places(pieces), (std::vector<std::string>{"/pieces"}));
 }
 
 TEST(VoronoiAnswers, TellWhereAnOptimizationEndedAndHowItGotThere) {

@@ -18,6 +18,7 @@ struct Limits {
   std::size_t max_deformed = 1'000'000;  ///< nodes of an answer's deformed meshes or strands, over all states; fixed
   std::size_t max_print_points = 1'000'000;   ///< of a toolpath; fixed
   std::size_t max_border_points = 1'000'000;  ///< of an answer's Voronoi diagram; fixed
+  std::size_t max_piece_corners = 2'000'000;  ///< of the pieces of cut faces in such an answer; fixed
   std::size_t max_gcode_lines = 200'000;      ///< of a G-code file that is checked; fixed
   double max_deadline = 3600;                 ///< seconds
   double default_deadline = 600;              ///< seconds

@@ -6,7 +6,8 @@
 #include "supple/json/voronoi_requests.h"
 
 /// The answers of Voronoi diagrams as JSON text; they throw what those of answers.h throw, and
-/// "request.limit_exceeded" where the borders have more points than limits.max_border_points.
+/// "request.limit_exceeded" where the borders have more points than limits.max_border_points, or the pieces that are
+/// asked for more corners than limits.max_piece_corners.
 namespace supple::json {
 
 /// `statistics` may be null: then there are none in the answer.
