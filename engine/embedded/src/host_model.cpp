@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <string>
 
@@ -97,6 +98,33 @@ std::vector<std::int32_t> parts_of(std::size_t nodes, const std::vector<Element>
   return part;
 }
 
+void check_moved(const surface::TriangleMesh& mesh, const std::vector<std::int32_t>& fixed,
+                 const std::vector<MovedVertex>& moved) {
+  Faults faults;
+  std::vector<std::int32_t> held(fixed);
+  std::sort(held.begin(), held.end());
+  std::map<std::int32_t, std::size_t> known;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const std::string where = "host/moved_vertices/" + std::to_string(i);
+    const std::int32_t vertex = moved[i].vertex;
+    const auto known_before = known.emplace(vertex, i);
+    if (vertex < 0 || vertex >= mesh.vertex_count()) {
+      faults.add(where + "/vertex", "is " + std::to_string(vertex) + ", but vertices are numbered from 0 to " +
+                                        std::to_string(mesh.vertex_count() - 1));
+    } else if (!known_before.second) {
+      faults.add(where + "/vertex", "is " + std::to_string(vertex) + ", which host/moved_vertices/" +
+                                        std::to_string(known_before.first->second) + " moves already");
+    } else if (std::binary_search(held.begin(), held.end(), vertex)) {
+      faults.add(where + "/vertex",
+                 "is " + std::to_string(vertex) + ", which is one of the fixed vertices and stays where it is");
+    }
+    faults.require(!moved[i].positions.empty(), where + "/positions", "is empty, but a vertex is moved somewhere");
+    for (std::size_t k = 0; k < moved[i].positions.size(); ++k)
+      faults.require(moved[i].positions[k].allFinite(), where + "/positions/" + std::to_string(k), "is not finite");
+  }
+  faults.throw_if_any("host.moved_vertex");
+}
+
 Eigen::Index largest_entry(const Vector3d& v) {
   Eigen::Index at = 0;
   v.cwiseAbs().maxCoeff(&at);
@@ -113,11 +141,13 @@ HostModel::HostModel(const surface::TriangleMesh& mesh, const Host& host, const 
 void HostModel::make_shell(const surface::TriangleMesh& mesh, const ShellHost& shell) {
   check(shell);
   check_fixed(mesh, shell.fixed_vertices);
+  check_moved(mesh, shell.fixed_vertices, shell.moved_vertices);
   terms_.push_back(std::make_shared<ShellMembrane>(mesh, shell));
   if (shell.bending) terms_.push_back(std::make_shared<ShellHinges>(mesh, shell));
   if (shell.volume_weight > 0) terms_.push_back(std::make_shared<ShellVolume>(mesh, shell));
   place_nodes(mesh.positions());
   hold(shell.fixed_vertices);
+  hold(shell.moved_vertices);
   support(mesh.faces(), false);
   stiffness_ = shell.youngs_modulus * shell.thickness;
 }
@@ -125,6 +155,7 @@ void HostModel::make_shell(const surface::TriangleMesh& mesh, const ShellHost& s
 void HostModel::make_solid(const surface::TriangleMesh& mesh, const SolidHost& solid, const Execution& execution) {
   check(solid);
   check_fixed(mesh, solid.fixed_vertices);
+  check_moved(mesh, solid.fixed_vertices, solid.moved_vertices);
   {
     const StageTimer timer(execution.cost, "tetrahedra");
     tetrahedra_ = meshing::fill(mesh.positions(), mesh.faces(), {.element_size = solid.element_size}, execution);
@@ -133,6 +164,7 @@ void HostModel::make_solid(const surface::TriangleMesh& mesh, const SolidHost& s
   if (!solid.gravity.isZero(0)) terms_.push_back(std::make_shared<Gravity>(tetrahedra_, solid.gravity));
   place_nodes(tetrahedra_.nodes);
   hold(solid.fixed_vertices);
+  hold(solid.moved_vertices);
   support(tetrahedra_.tetrahedra, !solid.gravity.isZero(0));
   stiffness_ = solid.youngs_modulus;
   for (const SolidRegion& region : solid.regions) stiffness_ = std::max(stiffness_, region.youngs_modulus);
@@ -150,6 +182,11 @@ void HostModel::hold(const std::vector<std::int32_t>& fixed) {
     for (std::size_t k = 0; k < 3; ++k) held_[3 * static_cast<std::size_t>(vertex) + k] = true;
 }
 
+void HostModel::hold(const std::vector<MovedVertex>& moved) {
+  moved_ = moved;
+  for (const MovedVertex& one : moved) hold(std::vector<std::int32_t>{one.vertex});
+}
+
 // Three nodes that are not on a line, held to three, two and one directions, are what a body needs to stay where it is
 // and no more: they carry nothing where forces and moments sum to zero, as those of networks and hosts do.
 template <class Element>
@@ -163,7 +200,7 @@ void HostModel::support(const std::vector<Element>& elements, bool loaded) {
   const auto fixed = [&](std::size_t node) { return held_[3 * node] && held_[3 * node + 1] && held_[3 * node + 2]; };
   // What no element moves stays where it is.
   for (std::size_t i = 0; i < count; ++i)
-    if (part[i] < 0) hold({static_cast<std::int32_t>(i)});
+    if (part[i] < 0) hold(std::vector<std::int32_t>{static_cast<std::int32_t>(i)});
   for (std::int32_t p = 0; p < parts; ++p) {
     std::vector<std::size_t> own;
     for (std::size_t i = 0; i < count; ++i)
@@ -204,8 +241,15 @@ void HostModel::support(const std::vector<Element>& elements, bool loaded) {
       throw Error("host.unsupported",
                   "A solid under gravity has to be held by at least three fixed vertices that are not on one line.",
                   {{"host/fixed_vertices", "leave a part of the solid free to move as a whole"}});
+    // Their way would have to be that of the vertices which are moved, and is not known beforehand.
+    for (const MovedVertex& one : moved_)
+      if (part[static_cast<std::size_t>(one.vertex)] == p)
+        throw Error("host.unsupported",
+                    "A host of which vertices are moved has to be held by at least three vertices that are not on one "
+                    "line, fixed or moved.",
+                    {{"host/moved_vertices", "and fixed_vertices leave a part of the host free to move as a whole"}});
     ++supports_;
-    if (!fixed(first)) hold({static_cast<std::int32_t>(first)});
+    if (!fixed(first)) hold(std::vector<std::int32_t>{static_cast<std::int32_t>(first)});
     if (!fixed(second)) {
       const auto along = static_cast<std::size_t>(largest_entry(axis));
       for (std::size_t k = 0; k < 3; ++k)

@@ -19,8 +19,9 @@ namespace supple::embedded {
 class HostModel {
  public:
   /// A solid is filled with tetrahedra, which takes its time. Throws "host.invalid" (a number out of range),
-  /// "host.fixed_vertex" (no vertex of the mesh), "host.open_surface", "host.unsupported" (gravity on a solid that can
-  /// move as a whole) and what meshing::fill throws.
+  /// "host.fixed_vertex" (no vertex of the mesh), "host.moved_vertex" (no vertex of the mesh, fixed, or named twice; a
+  /// position that is not finite), "host.open_surface", "host.unsupported" (gravity or moved vertices on a part that
+  /// can move as a whole) and what meshing::fill throws.
   HostModel(const surface::TriangleMesh& mesh, const Host& host, const Execution& execution);
 
   bool gives_way() const { return nodes_.size() > 0; }
@@ -35,6 +36,8 @@ class HostModel {
   /// Nodes that are held to some directions, so that parts which nothing fixes cannot move as a whole. No force is
   /// needed for that.
   int supports() const { return supports_; }
+  /// Those that are taken elsewhere: held, too.
+  const std::vector<MovedVertex>& moved() const { return moved_; }
   const meshing::TetrahedralMesh& tetrahedra() const { return tetrahedra_; }  ///< of a solid; else empty
 
  private:
@@ -42,6 +45,7 @@ class HostModel {
   void make_solid(const surface::TriangleMesh& mesh, const SolidHost& solid, const Execution& execution);
   void place_nodes(std::span<const Eigen::Vector3d> positions);
   void hold(const std::vector<std::int32_t>& fixed);
+  void hold(const std::vector<MovedVertex>& moved);
   template <class Element>
   void support(const std::vector<Element>& elements, bool loaded);
 
@@ -50,6 +54,7 @@ class HostModel {
   std::vector<bool> held_;
   double stiffness_ = 0;
   int supports_ = 0;
+  std::vector<MovedVertex> moved_;
   meshing::TetrahedralMesh tetrahedra_;
 };
 

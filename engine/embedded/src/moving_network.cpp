@@ -1,26 +1,18 @@
 #include "moving_network.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "supple/base/error.h"
+#include "tangent_change.h"
 
 namespace supple::embedded {
 namespace {
 
 /// Of a load step, for the difference of gradients: rounding and curvature spoil it about as much.
 constexpr double small_share = 1e-6;
-
-/// Two sides of a face in its tangent coordinates.
-Eigen::Matrix2d sides_of(const surface::TriangleMesh& mesh, FaceId face) {
-  const auto& [a, b, c] = mesh.faces()[index(face)];
-  Eigen::Matrix<double, 3, 2> sides;
-  sides << mesh.positions()[b] - mesh.positions()[a], mesh.positions()[c] - mesh.positions()[a];
-  return surface::tangent_frame(mesh, face).transpose() * sides;
-}
 
 }  // namespace
 
@@ -117,8 +109,7 @@ void MovingNetwork::begin_step() {
       unbalanced.segment<2>(row).setZero();
       continue;
     }
-    const FaceId face = start_.points[i].face;
-    const Eigen::Matrix2d change = sides_of(ahead->mesh(), face) * sides_of(solver_->mesh(), face).inverse();
+    const Eigen::Matrix2d change = tangent_change(solver_->mesh(), ahead->mesh(), start_.points[i].face);
     unbalanced.segment<2>(row) += change.transpose() * sum.gradient.segment<2>(row);
   }
   numerics::ShiftedCholesky cholesky;

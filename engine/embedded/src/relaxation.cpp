@@ -10,10 +10,12 @@
 #include "euclidean_springs.h"
 #include "geodesic_elements.h"
 #include "host_model.h"
+#include "moved_supports.h"
 #include "moving_network.h"
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
+#include "supple/base/part_of_execution.h"
 #include "supple/numerics/minimizer.h"
 #include "supple/numerics/system.h"
 
@@ -30,6 +32,12 @@ constexpr double longest_expansion = 64;
 constexpr double host_rounding = 1e-14;
 /// A way between two positions of a moving surface is not divided below this share of it.
 constexpr double shortest_load_step = 1.0 / 8;
+/// That of vertices of a host that are moved, where elements may be close to being turned inside out.
+constexpr double shortest_support_step = 1.0 / 1024;
+/// From a tangent a load step that is short enough takes few iterations: one that takes more is divided.
+constexpr int iterations_of_support_step = 30;
+/// Of the computation, until network and host are at rest and vertices are moved.
+constexpr double share_before_moving = 0.2;
 /// Springs whose final paths one task describes.
 constexpr std::size_t springs_of_a_task = 64;
 
@@ -124,14 +132,19 @@ class RelaxationRun {
   Relaxation run() {
     const bool geodesic = options_.spring_length == SpringLength::geodesic;
     const bool mollified = geodesic && options_.mollifier == Switch::on;
-    numerics::MinimizerStop stop = minimize(mollified);
     const auto* moving = std::get_if<MovingHost>(&options_.host);
+    numerics::MinimizerStop stop;
+    {
+      const PartOfExecution part(execution_, 0, moving || !host_.moved().empty() ? share_before_moving : 1);
+      stop = minimize(mollified, part.execution());
+    }
     if (moving) stop = follow(*moving);
+    if (!host_.moved().empty()) stop = move_supports();
     if (geodesic && keeps_shape() && options_.mollifier == Switch::automatic &&
         stop != numerics::MinimizerStop::converged && result_.iterations < options_.max_iterations &&
         some_path_is_pinned()) {
       result_.mollified = true;
-      stop = minimize(true);
+      stop = minimize(true, execution_);
     }
     result_.mollified = result_.mollified || mollified;
     if (execution_.cost && geodesic)
@@ -255,7 +268,69 @@ class RelaxationRun {
     return stop;
   }
 
-  numerics::MinimizerStop minimize(bool mollified) {
+  /// From the equilibrium with all vertices where they are at first to those with the moved ones at their positions.
+  numerics::MinimizerStop move_supports() {
+    numerics::System<NetworkState>::Terms terms = host_.terms();
+    terms.push_back(make_term(false));
+    numerics::System<NetworkState> system(state_, terms, numerics::Unknowns(held()), {.execution = execution_});
+    MovedSupports scene(system, host_.moved(), result_.gradient_tolerance);
+    numerics::PathOptions options;
+    options.minimizer = minimizer_options();
+    options.minimizer.after_step = [&](const numerics::MinimizerStep& step) {
+      if (step.step_length > 0) tell(step, system.state());
+    };
+    options.max_iterations = std::min(options_.max_iterations, iterations_of_support_step);
+    options.smallest_step = shortest_support_step;
+    numerics::EquilibriumPath<MovedSupports> path(scene, options, execution_);
+    numerics::MinimizerStop stop = numerics::MinimizerStop::converged;
+    int load_steps = 0;
+    for (std::size_t k = 1; k <= scene.stops() && (k == 1 || result_.stops.back().reached == 1); ++k) {
+      const auto target = static_cast<double>(k);
+      scene.announce(target);
+      while (scene.load() < target && follow_supports(path, scene, target)) {
+      }
+      const auto counts = path.take_counts();
+      stop = path.result().stop;
+      if (scene.load() < target)
+        stop = path.stopped() == numerics::PathStop::iteration_limit ? numerics::MinimizerStop::iteration_limit
+                                                                     : numerics::MinimizerStop::step_too_small;
+      result_.stops.push_back({.energy = system.evaluate(0).value,
+                               .gradient_norm = path.result().gradient_norm,
+                               .iterations = counts.iterations,
+                               .load_steps = std::max(1, counts.load_steps),
+                               .stopped = std::string(numerics::to_string(stop)),
+                               .reached = scene.load() - (target - 1)});
+      result_.iterations += counts.iterations;
+      load_steps += counts.load_steps;
+    }
+    result_.energy = result_.stops.back().energy;
+    result_.gradient_norm = result_.stops.back().gradient_norm;
+    if (execution_.cost)
+      execution_.cost->add_effect("moved_vertices", true, "the host has vertices that are moved", load_steps);
+    state_ = system.state();
+    describe_energies(terms);
+    return stop;
+  }
+
+  /// A load step of moved vertices. Where even the shortest finds no equilibrium although no element is turned inside
+  /// out, the best state there is taken. False where there is none.
+  bool follow_supports(numerics::EquilibriumPath<MovedSupports>& path, MovedSupports& scene, double target) {
+    using Progress = numerics::EquilibriumPath<MovedSupports>::Progress;
+    const auto stops = static_cast<double>(scene.stops());
+    const PartOfExecution part(execution_, share_before_moving, 1 - share_before_moving);
+    part.execution().checkpoint(scene.load() / stops, "step");
+    if (path.step(target - scene.load()) != Progress::failed) return true;
+    scene.begin_step();
+    for (double share = 1; share >= shortest_load_step; share /= 2) {
+      if (!scene.predict(share)) continue;
+      path.settle();
+      return true;
+    }
+    scene.restart_step();
+    return false;
+  }
+
+  numerics::MinimizerStop minimize(bool mollified, const Execution& execution) {
     NetworkState start = host_.gives_way() ? first_state() : NetworkState(solver_.mesh(), state_.points());
     // The network last: where its paths lead over other faces, only its own places in the Hessian are new.
     numerics::System<NetworkState>::Terms terms = host_.terms();
@@ -267,7 +342,7 @@ class RelaxationRun {
     options.max_iterations = options_.max_iterations - result_.iterations;
     const bool again = !result_.history.empty();
     options.after_step = [&](const numerics::MinimizerStep& step) { tell(step, system.state()); };
-    const numerics::MinimizerResult found = numerics::minimize(system, options, execution_);
+    const numerics::MinimizerResult found = numerics::minimize(system, options, execution);
     result_.iterations += found.iterations + (again ? 1 : 0);
     result_.energy = found.value;
     result_.gradient_norm = found.gradient_norm;
@@ -315,7 +390,13 @@ class RelaxationRun {
       result_.warnings.push_back(
           "No fixed vertices hold " + std::string(host_.supports() == 1 ? "the host" : "parts of the host") +
           " as a whole: three of its vertices are held just enough that it cannot drift or turn, "
-          "which takes no force");
+          "which takes no force.");
+    if (!result_.stops.empty() && result_.stops.back().reached < 1)
+      result_.warnings.push_back("Moved vertices came " +
+                                 std::to_string(std::lround(100 * result_.stops.back().reached)) +
+                                 " percent of the way to their position " + std::to_string(result_.stops.size() - 1) +
+                                 ": shortly after, elements of the host would be turned inside out, or no equilibrium "
+                                 "is found.");
   }
 
   /// Other energies that are not finite are the minimizer's to refuse.
@@ -347,19 +428,19 @@ class RelaxationRun {
       result_.warnings.push_back(
           counted(compressed, "spring is", "springs are") +
           " shorter than at rest: compression pushes a shortest path towards places where another becomes as short, "
-          "and the energy has a kink there");
+          "and the energy has a kink there.");
     if (torn > 0)
       result_.warnings.push_back(counted(torn, "spring", "springs") +
                                  " under compression reached such a place: two shortest paths are equally long, and no "
-                                 "small motion of the ends lowers the energy along both");
+                                 "small motion of the ends lowers the energy along both.");
     if (torn_triangles > 0)
       result_.warnings.push_back(
           counted(torn_triangles, "triangle has", "triangles have") +
           " a side that pushes and has another shortest path: no small motion of its ends lowers "
-          "the energy along both");
+          "the energy along both.");
     if (!holds_.loose.empty())
       result_.warnings.push_back(counted(holds_.loose.size(), "point is", "points are") +
-                                 " held by no spring of positive weight and no triangle, and stayed in place");
+                                 " held by no spring of positive weight and no triangle, and stayed in place.");
   }
 
   void describe_springs() {

@@ -10,6 +10,14 @@ namespace supple::embedded {
 /// A surface that keeps its shape.
 struct RigidHost {};
 
+/// A vertex that is held, and is taken elsewhere once network and host are at rest.
+struct MovedVertex {
+  std::int32_t vertex = 0;
+  /// One after the other, each reached on a straight way from the one before, the first from the mesh. At least one;
+  /// where other vertices have more, it stays at its last.
+  std::vector<Eigen::Vector3d> positions{};
+};
+
 /// The surface is a thin elastic shell, at rest where the mesh has it: each face a constant-strain triangle of a
 /// compressible neo-Hookean sheet under plane stress, each inner edge a hinge (Grinspun, Hirani, Desbrun and Schroeder
 /// 2003, "Discrete shells"). An enclosed volume may be kept, or be blown up: E = volume_weight / 2 (V - volume_scale
@@ -22,6 +30,7 @@ struct ShellHost {
   double volume_scale = 1;                     ///< of the volume at rest, positive
   bool bending = true;                         ///< whether hinges resist
   std::vector<std::int32_t> fixed_vertices{};  ///< stay where they are, in any order
+  std::vector<MovedVertex> moved_vertices{};   ///< none of them fixed, each once
 };
 
 /// An axis-aligned box of another stiffness.
@@ -40,6 +49,7 @@ struct SolidHost {
   std::vector<SolidRegion> regions{};                 ///< by a tetrahedron's centre; of several the last counts
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< force per volume at rest, energy per mesh unit^4
   std::vector<std::int32_t> fixed_vertices{};         ///< of the surface; stay where they are, in any order
+  std::vector<MovedVertex> moved_vertices{};          ///< of the surface; none of them fixed, each once
 };
 
 /// The surface moves along given positions of its vertices and takes no notice of the network, which follows from one

@@ -74,13 +74,16 @@ struct TriangleState {
   bool at_cut_locus = false;
 };
 
-/// How the network followed a moving surface to one of its positions.
+/// How the network followed a moving surface or moved vertices to one of their positions.
 struct FollowedStop {
   double energy = 0;
   double gradient_norm = 0;
   int iterations = 0;
   int load_steps = 0;   ///< parts that the way to here was divided into
   std::string stopped;  ///< as Relaxation::stopped
+  /// Share of the way from the position before; below 1 where moved vertices cannot go on, since tetrahedra or faces
+  /// would be turned inside out: it is then the last stop.
+  double reached = 1;
 };
 
 /// A host that gave way or moved.
@@ -104,7 +107,7 @@ struct Relaxation {
   double energy = 0;                  ///< of all
   double network_energy = 0;          ///< of springs and triangles
   HostState host{};                   ///< empty on a rigid host
-  std::vector<FollowedStop> stops{};  ///< of a moving host: one for each of its positions
+  std::vector<FollowedStop> stops{};  ///< of a moving host and of moved vertices: one for each position
   double gradient_norm = 0;
   double gradient_tolerance = 0;  ///< what the norm is compared with
   int iterations = 0;
@@ -138,6 +141,11 @@ struct Relaxation {
 /// host does not notice where it touches itself, which the effect "self_contact" says. Bills "shell_membrane",
 /// "shell_bending", "shell_volume", "solid" and "gravity", and the stages "tetrahedra" and "host_derivatives".
 ///
+/// Vertices of a host that are moved stay where they are until network and host are at rest. Then they are taken to
+/// their positions, and points and nodes follow them in the same way (numerics::EquilibriumPath), from stable
+/// equilibrium to stable equilibrium. Where they cannot go on since elements would be turned inside out, the last
+/// equilibrium is the answer. Bills the effect "moved_vertices".
+///
 /// A network on a moving surface comes to rest on the mesh first and then follows the surface from position to position
 /// (numerics::EquilibriumPath): each step starts on the tangent to the path of equilibria, one that fails is halved,
 /// and where even the shortest fails the best state at the next position is taken, which `stops` tells. E may rise
@@ -146,8 +154,8 @@ struct Relaxation {
 /// Throws what checked_network throws, "network.invalid_option" (tolerance, max_iterations, mollifier_length, triangles
 /// with straight springs, a mollifier or straight springs on a host that gives way), "network.collapsed" where a
 /// triangle has no area at the start, which has no energy, and of the host "host.invalid", "host.fixed_vertex",
-/// "host.open_surface", "host.unsupported", "host.positions" (of a moving one: not as many as vertices, or faces
-/// without area), and what meshing::fill throws.
+/// "host.moved_vertex", "host.open_surface", "host.unsupported", "host.positions" (of a moving one: not as many as
+/// vertices, or faces without area), and what meshing::fill throws.
 Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options = {},
                  const Execution& execution = {});
 

@@ -1,0 +1,135 @@
+#include "moved_supports.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "tangent_change.h"
+
+namespace supple::embedded {
+namespace {
+
+/// Of a load step, for the difference of gradients: rounding and curvature spoil it about as much.
+constexpr double share_for_tangent = 1e-6;
+/// Shifts that the convex matrix gets where it cannot be factorized without, in mean entries of its diagonal.
+constexpr double least_shift = 1e-8;
+
+}  // namespace
+
+MovedSupports::MovedSupports(numerics::System<NetworkState>& system, const std::vector<MovedVertex>& moved,
+                             double gradient_tolerance)
+    : system_(system), gradient_tolerance_(gradient_tolerance), start_{system.state(), 0} {
+  std::size_t stops = 0;
+  Eigen::VectorXd places(3 * static_cast<Eigen::Index>(moved.size()));
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    vertices_.push_back(moved[i].vertex);
+    places.segment<3>(3 * static_cast<Eigen::Index>(i)) = system.state().node(moved[i].vertex);
+    stops = std::max(stops, moved[i].positions.size());
+  }
+  stops_.push_back(places);
+  for (std::size_t k = 0; k < stops; ++k) {
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      if (k < moved[i].positions.size()) places.segment<3>(3 * static_cast<Eigen::Index>(i)) = moved[i].positions[k];
+    stops_.push_back(places);
+  }
+}
+
+void MovedSupports::set_state(const State& state) {
+  system_.set_state(state.network);
+  system_.look_around();
+  load_ = state.load;
+}
+
+Eigen::VectorXd MovedSupports::way_of_supports(const NetworkState& from, double load) const {
+  const auto before = static_cast<std::size_t>(std::clamp(std::floor(load), 0.0, static_cast<double>(stops())));
+  const double share = load - static_cast<double>(before);
+  Eigen::VectorXd at = stops_[before];
+  if (share > 0) at += share * (stops_[before + 1] - at);
+  Eigen::VectorXd way = Eigen::VectorXd::Zero(from.dimension());
+  for (std::size_t i = 0; i < vertices_.size(); ++i)
+    way.segment<3>(from.node_row(vertices_[i])) =
+        at.segment<3>(3 * static_cast<Eigen::Index>(i)) - from.node(vertices_[i]);
+  return way;
+}
+
+// With the energy's derivatives by unknowns u and the load t, an equilibrium stays one where H_uu du + H_ut dt = 0.
+// H_ut is the difference of gradients for unknowns that stay while the supports move a little: that is as good as its
+// derivative here, at the price of one gradient. Coordinates of points turn with the faces that they are on.
+void MovedSupports::begin_step() {
+  start_ = state();
+  const NetworkState& from = start_.network;
+  tangent_ = way_of_supports(from, announced_);
+  if (system_.dimension() == 0) return;
+  const numerics::Evaluation here = system_.evaluate(2);
+  bool known = cholesky_.factorize(here.hessian, 0);
+  Eigen::VectorXd unbalanced = -system_.full_gradient();
+  if (!known) {
+    if (const auto convex = system_.convex_hessian()) {
+      const double scale = numerics::diagonal_scale(*convex);
+      for (double shift = 0; !known && shift <= 1; shift = std::max(least_shift, 10 * shift))
+        known = cholesky_.factorize(*convex, shift * scale);
+    }
+  }
+  if (!known) return;
+  NetworkState carried = from;
+  carried.move(share_for_tangent * tangent_);
+  if (carried.collapsed()) return;
+  system_.set_state(carried);
+  system_.look_around();
+  const Eigen::VectorXd moved = system_.full_gradient();
+  const bool finite = std::isfinite(system_.energy());
+  set_state(start_);
+  if (!finite) return;
+  unbalanced += moved;
+  for (std::size_t i = 0; i < from.points().size(); ++i) {
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    if (carried.on_tip(i)) {
+      unbalanced.segment<2>(row).setZero();
+      continue;
+    }
+    const Eigen::Matrix2d change = tangent_change(from.mesh(), carried.mesh(), from.points()[i].face);
+    unbalanced.segment<2>(row) += (change.transpose() - Eigen::Matrix2d::Identity()) * moved.segment<2>(row);
+  }
+  const Eigen::VectorXd answer = -cholesky_.solve(system_.restrict(unbalanced)) / share_for_tangent;
+  if (answer.allFinite()) tangent_ += system_.expand(answer);
+}
+
+bool MovedSupports::go(const State& from, const Eigen::VectorXd& step, double load) {
+  for (const auto& term : system_.terms())
+    if (term->largest_step(from.network, step) < 1) return false;
+  NetworkState next = from.network;
+  next.move(step);
+  if (next.collapsed()) return false;
+  set_state({std::move(next), load});
+  return std::isfinite(system_.evaluate(0).value);
+}
+
+bool MovedSupports::predict(double share) {
+  // A whole way ends where it is to end, to the last digit.
+  const double load = share == 1 ? announced_ : start_.load + share * (announced_ - start_.load);
+  Eigen::VectorXd step = share * tangent_;
+  const Eigen::VectorXd way = way_of_supports(start_.network, load);
+  for (const std::int32_t vertex : vertices_) {
+    const std::int32_t row = start_.network.node_row(vertex);
+    step.segment<3>(row) = way.segment<3>(row);
+  }
+  return go(start_, step, load);
+}
+
+bool MovedSupports::finish(const numerics::MinimizerResult& result) {
+  if (system_.dimension() == 0) return true;
+  const bool fresh = result.factorized_at >= 0 && result.history.back().regularization == 0 && !result.indefinite;
+  return fresh || cholesky_.factorize(system_.evaluate(2).hessian, 0);
+}
+
+Eigen::VectorXd MovedSupports::unit_mode(const Eigen::VectorXd& mode) const {
+  const double largest = mode.cwiseAbs().maxCoeff();
+  return mode * (std::as_const(system_).state().mesh().diagonal() / std::max(largest, 1e-300));
+}
+
+bool MovedSupports::move_along(const State& from, const Eigen::VectorXd& mode, double amount) {
+  return go(from, amount * mode, from.load);
+}
+
+}  // namespace supple::embedded

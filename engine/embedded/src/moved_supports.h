@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "network_state.h"
+#include "supple/embedded/host.h"
+#include "supple/numerics/equilibrium_path.h"
+#include "supple/numerics/system.h"
+
+namespace supple::embedded {
+
+/// A network and a host that gives way, of which some held vertices are moved, as numerics::EquilibriumPath follows
+/// them. The load is how far these are on their ways: k at the k-th of their positions, 0 where they were at first.
+class MovedSupports {
+ public:
+  /// Where points and nodes are, and how far the moved vertices.
+  struct State {
+    NetworkState network;
+    double load = 0;
+  };
+
+  /// `system` has the moved vertices where they are at first, among what it holds; it outlives this.
+  MovedSupports(numerics::System<NetworkState>& system, const std::vector<MovedVertex>& moved,
+                double gradient_tolerance);
+
+  /// The most positions that a vertex has.
+  std::size_t stops() const { return stops_.size() - 1; }
+  /// The load that steps go to from now on: not beyond the next whole number.
+  void announce(double load) { announced_ = load; }
+  double load() const { return load_; }
+  /// Back to where the load step began.
+  void restart_step() { set_state(start_); }
+  numerics::System<NetworkState>& system() { return system_; }
+
+  // What numerics::PathScene asks for.
+  numerics::Objective& objective() { return system_; }
+  numerics::ShiftedCholesky& cholesky() { return cholesky_; }
+  State state() const { return {std::as_const(system_).state(), load_}; }
+  void set_state(const State& state);
+  double gradient_tolerance() const { return gradient_tolerance_; }
+  bool unsettled(const numerics::MinimizerResult&) { return false; }
+  /// Whether it is stable.
+  bool finish(const numerics::MinimizerResult& result);
+  bool finish_unstable() { return true; }
+  void begin_step();
+  bool predict(double share);
+  void arrived(const numerics::Arrival&) {}
+  Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const;
+  Eigen::VectorXd expand(const Eigen::VectorXd& mode) const { return system_.expand(mode); }
+  bool move_along(const State& from, const Eigen::VectorXd& mode, double amount);
+  void left_branch() {}
+
+ private:
+  bool go(const State& from, const Eigen::VectorXd& step, double load);
+  /// By which all degrees of freedom differ at a load from a state, as far as they are those of moved vertices.
+  Eigen::VectorXd way_of_supports(const NetworkState& from, double load) const;
+
+  numerics::System<NetworkState>& system_;
+  std::vector<std::int32_t> vertices_;
+  std::vector<Eigen::VectorXd> stops_;  ///< coordinates of the moved vertices: at first, then at each position
+  double gradient_tolerance_;
+  double load_ = 0;
+  double announced_ = 0;
+  numerics::ShiftedCholesky cholesky_;
+  State start_;              ///< of the load step
+  Eigen::VectorXd tangent_;  ///< of all degrees of freedom at its start, for all of the announced change
+};
+
+}  // namespace supple::embedded

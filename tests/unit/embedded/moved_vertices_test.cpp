@@ -1,0 +1,320 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "geodesic_elements.h"
+#include "host_model.h"
+#include "moved_supports.h"
+#include "supple/base/cost_ledger.h"
+#include "supple/base/threads.h"
+#include "supple/embedded/network_builders.h"
+#include "supple/embedded/relaxation.h"
+#include "support/expect_error.h"
+#include "support/shapes.h"
+
+namespace supple::embedded {
+namespace {
+
+using Eigen::Vector3d;
+using surface::GeodesicSolver;
+using surface::TriangleMesh;
+using testing::expect_error;
+
+/// A bar along x, from 0 to 3, of unit cross-section, with cords along it.
+struct Bar {
+  explicit Bar(int n = 3) {
+    std::vector<Vector3d> positions = testing::cube(n).positions();
+    for (Vector3d& p : positions) p.x() *= 3;
+    mesh = testing::share(testing::cube(n).with_positions(std::move(positions)));
+    solver = std::make_unique<GeodesicSolver>(mesh);
+    network.points = poisson_disk_points(*solver, 0.9, 1);
+    for (const auto& [a, b] : triangulate(*solver, network.points).edges)
+      network.springs.push_back({a, b,
+                                 0.9 * solver->distance(network.points[static_cast<std::size_t>(a)],
+                                                        network.points[static_cast<std::size_t>(b)]),
+                                 0.5});
+  }
+
+  template <class Where>
+  std::vector<std::int32_t> vertices_where(const Where& where) const {
+    std::vector<std::int32_t> found;
+    for (std::int32_t i = 0; i < mesh->vertex_count(); ++i)
+      if (where(mesh->positions()[i])) found.push_back(i);
+    return found;
+  }
+  std::vector<std::int32_t> left() const {
+    return vertices_where([](const Vector3d& p) { return p.x() < 1e-9; });
+  }
+  /// The right end, to where `place` takes it, in `stops` positions.
+  template <class Place>
+  std::vector<MovedVertex> right(int stops, const Place& place) const {
+    std::vector<MovedVertex> moved;
+    for (const std::int32_t i : vertices_where([](const Vector3d& p) { return p.x() > 3 - 1e-9; })) {
+      MovedVertex& one = moved.emplace_back(MovedVertex{i});
+      for (int k = 1; k <= stops; ++k)
+        one.positions.push_back(place(mesh->positions()[i], static_cast<double>(k) / stops));
+    }
+    return moved;
+  }
+
+  std::shared_ptr<const TriangleMesh> mesh;
+  std::unique_ptr<GeodesicSolver> solver;
+  Network network;
+};
+
+bool says_how_far(const Relaxation& found) {
+  return std::any_of(found.warnings.begin(), found.warnings.end(),
+                     [](const std::string& warning) { return warning.rfind("Moved vertices came ", 0) == 0; });
+}
+
+Vector3d lifted(const Vector3d& p, double share) { return p + share * Vector3d(0.3, 0, 0.8); }
+
+TEST(MovedVertices, ComeToTheirPositionsAndTheRestOfTheHostAndTheNetworkFollow) {
+  const Bar bar;
+  const auto check = [&](auto host) {
+    host.fixed_vertices = bar.left();
+    host.moved_vertices = bar.right(1, lifted);
+    CostLedger cost;
+    const Relaxation found = relax(*bar.solver, bar.network, {.host = host}, {.cost = &cost});
+    EXPECT_EQ(found.stopped, "converged");
+    EXPECT_LE(found.gradient_norm, found.gradient_tolerance);
+    ASSERT_EQ(found.stops.size(), 1U);
+    EXPECT_EQ(found.stops[0].reached, 1);
+    EXPECT_EQ(found.energy, found.stops[0].energy);
+    for (const MovedVertex& one : host.moved_vertices)
+      EXPECT_LT((found.host.vertices[static_cast<std::size_t>(one.vertex)] - one.positions[0]).norm(), 1e-14);
+    for (const std::int32_t i : host.fixed_vertices)
+      EXPECT_EQ(found.host.vertices[static_cast<std::size_t>(i)], bar.mesh->positions()[i]);
+    EXPECT_FALSE(says_how_far(found));
+    EXPECT_GE(found.host.largest_displacement, std::hypot(0.3, 0.8) - 1e-12);
+    bool billed = false;
+    for (const auto& effect : cost.effects()) billed = billed || (effect.name == "moved_vertices" && effect.ran);
+    EXPECT_TRUE(billed);
+    // The same end whatever the number of positions on the way.
+    host.moved_vertices = bar.right(4, lifted);
+    const Relaxation slow = relax(*bar.solver, bar.network, {.host = host});
+    EXPECT_EQ(slow.stopped, "converged");
+    EXPECT_EQ(slow.stops.size(), 4U);
+    EXPECT_NEAR(slow.energy, found.energy, 1e-8 * found.energy);
+    // The iterations are those of all: of the start and of each stop.
+    int iterations = 0;
+    for (const FollowedStop& stop : slow.stops) iterations += stop.iterations;
+    EXPECT_GT(slow.iterations, iterations);
+    EXPECT_GE(static_cast<int>(slow.history.size()), slow.iterations);
+    // And the same as for whoever looks for it from there: no force is left but at held vertices.
+    const GeodesicSolver there(testing::share(bar.mesh->with_positions(found.host.vertices)));
+    Network again = bar.network;
+    again.points = found.points;
+    EXPECT_NEAR(relax(there, again, {.max_iterations = 0}).energy, found.network_energy, 1e-10 * found.network_energy);
+  };
+  check(ShellHost{.thickness = 0.1, .youngs_modulus = 500, .poisson_ratio = 0.3});
+  check(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.5});
+}
+
+TEST(MovedVertices, ThatGoTheWayOfARigidBodyTakeAllAlongWithoutAChangeOfEnergy) {
+  const Bar bar;
+  const Eigen::AngleAxisd turn(0.7, Vector3d(1, 2, 3).normalized());
+  SolidHost host{.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.5};
+  for (const std::int32_t i : bar.left()) host.moved_vertices.push_back({i, {bar.mesh->positions()[i]}});
+  const Relaxation before = relax(*bar.solver, bar.network, {.host = host});
+  for (MovedVertex& one : host.moved_vertices) one.positions[0] = turn * one.positions[0] + Vector3d(5, -3, 2);
+  const Relaxation after = relax(*bar.solver, bar.network, {.host = host});
+  EXPECT_EQ(before.stopped, "converged");
+  EXPECT_EQ(after.stopped, "converged");
+  EXPECT_NEAR(after.energy, before.energy, 1e-9 * before.energy);
+  for (std::size_t i = 0; i < before.host.vertices.size(); ++i)
+    EXPECT_LT((turn * before.host.vertices[i] + Vector3d(5, -3, 2) - after.host.vertices[i]).norm(), 1e-6);
+}
+
+TEST(MovedVertices, WithFewerPositionsThanOthersStayAtTheirLast) {
+  const Bar bar(2);
+  ShellHost host{.thickness = 0.1, .youngs_modulus = 500, .poisson_ratio = 0.3};
+  host.fixed_vertices = bar.left();
+  host.moved_vertices = bar.right(3, lifted);
+  host.moved_vertices[0].positions.resize(1);
+  const Vector3d last = host.moved_vertices[0].positions[0];
+  const Relaxation found = relax(*bar.solver, bar.network, {.host = host});
+  EXPECT_EQ(found.stops.size(), 3U);
+  EXPECT_LT((found.host.vertices[static_cast<std::size_t>(host.moved_vertices[0].vertex)] - last).norm(), 1e-14);
+}
+
+TEST(MovedVertices, AreFollowedOnTheTangentToThePathOfEquilibria) {
+  const Bar bar;
+  SolidHost host{.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.5};
+  host.fixed_vertices = bar.left();
+  host.moved_vertices = bar.right(1, lifted);
+  const Relaxation rest = relax(*bar.solver, bar.network,
+                                {.host = SolidHost{.youngs_modulus = 20,
+                                                   .poisson_ratio = 0.3,
+                                                   .element_size = 0.5,
+                                                   .fixed_vertices =
+                                                       [&] {
+                                                         std::vector<std::int32_t> all = bar.left();
+                                                         for (const MovedVertex& one : host.moved_vertices)
+                                                           all.push_back(one.vertex);
+                                                         return all;
+                                                       }()},
+                                 .tolerance = 1e-13});
+  const HostModel model(*bar.mesh, host, {});
+  Eigen::VectorXd nodes(model.nodes().size());
+  Eigen::Index row = 0;
+  for (const auto* part : {&rest.host.vertices, &rest.host.inside})
+    for (const Vector3d& node : *part) {
+      nodes.segment<3>(row) = node;
+      row += 3;
+    }
+  const NetworkState state(
+      std::make_shared<GeodesicSolver>(testing::share(bar.mesh->with_positions(rest.host.vertices))), rest.points,
+      nodes);
+  numerics::System<NetworkState>::Terms terms = model.terms();
+  terms.push_back(std::make_shared<GeodesicElements>(
+      *bar.solver, bar.network, std::vector<bool>(bar.network.points.size(), false), GeodesicElementsOptions{}));
+  std::vector<bool> held(2 * bar.network.points.size(), false);
+  held.insert(held.end(), model.held().begin(), model.held().end());
+  numerics::System<NetworkState> system(state, terms, numerics::Unknowns(held));
+  ASSERT_LT(system.evaluate(1).gradient.norm(), 1e-10);
+  MovedSupports scene(system, model.moved(), 1e-9);
+  scene.announce(1);
+  scene.begin_step();
+  // What is out of balance after a step along the tangent is of second order.
+  double last = 0;
+  for (const double share : {1e-2, 1e-3, 1e-4}) {
+    ASSERT_TRUE(scene.predict(share));
+    EXPECT_EQ(scene.load(), share);
+    const double unbalanced = system.evaluate(1).gradient.norm();
+    if (last > 0) {
+      EXPECT_NEAR(unbalanced / last, 1e-2, 2e-3) << share;
+    }
+    last = unbalanced;
+  }
+}
+
+TEST(MovedVertices, GoAsFarAsElementsKeepTheirVolumeAndSayHowFar) {
+  const Bar bar(2);
+  const auto check = [&](auto host) {
+    host.fixed_vertices = bar.left();
+    // Through the other end and out at its back: the bar would be inside out.
+    host.moved_vertices =
+        bar.right(2, [](const Vector3d& p, double share) -> Vector3d { return p - share * Vector3d(14, 0, 0); });
+    const Relaxation found = relax(*bar.solver, bar.network, {.host = host});
+    ASSERT_GE(found.stops.size(), 1U);
+    ASSERT_LE(found.stops.size(), 2U);
+    const FollowedStop& last = found.stops.back();
+    EXPECT_LT(last.reached, 1);
+    EXPECT_NE(last.stopped, "converged");
+    EXPECT_EQ(found.stopped, last.stopped);
+    EXPECT_TRUE(says_how_far(found));
+    EXPECT_TRUE(std::isfinite(found.energy));
+    for (const auto& nodes : found.host.tetrahedra) {
+      const auto at = [&](int k) -> const Vector3d& {
+        const auto node = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
+        return node < found.host.vertices.size() ? found.host.vertices[node]
+                                                 : found.host.inside[node - found.host.vertices.size()];
+      };
+      EXPECT_GT((at(1) - at(0)).dot((at(2) - at(0)).cross(at(3) - at(0))), 0);
+    }
+  };
+  check(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.5});
+}
+
+TEST(MovedVertices, StopWhenAskedAndTellHowFarTheyAre) {
+  struct Sink : ProgressSink {
+    void report(double fraction, std::string_view) override {
+      EXPECT_GE(fraction, last - 1e-12);
+      last = fraction;
+    }
+    void publish(std::string_view) override {}
+    double last = 0;
+  };
+  const Bar bar(2);
+  ShellHost host{.thickness = 0.1, .youngs_modulus = 500, .poisson_ratio = 0.3};
+  host.fixed_vertices = bar.left();
+  host.moved_vertices = bar.right(5, lifted);
+  Sink sink;
+  int states = 0;
+  RelaxationOptions options{.host = host};
+  options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>, const TriangleMesh&) {
+    ++states;
+  };
+  const Relaxation found = relax(*bar.solver, bar.network, options, {.progress = &sink});
+  EXPECT_EQ(sink.last, 1);
+  EXPECT_EQ(states, static_cast<int>(found.history.size()));
+  const int at_rest_after = found.iterations - [&] {
+    int moving = 0;
+    for (const FollowedStop& stop : found.stops) moving += stop.iterations;
+    return moving;
+  }();
+  for (const auto& [reason, code] :
+       {std::pair(StopReason::cancelled, "job.cancelled"), std::pair(StopReason::deadline, "job.deadline_exceeded")}) {
+    Execution execution;
+    states = 0;
+    options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>, const TriangleMesh&) {
+      if (++states > at_rest_after + 3) execution.cancellation.request(reason);
+    };
+    expect_error(code, [&] { relax(*bar.solver, bar.network, options, execution); });
+  }
+}
+
+TEST(MovedVertices, HaveTheSameBitsForAnyNumberOfThreads) {
+  const Bar bar(2);
+  ShellHost host{.thickness = 0.1, .youngs_modulus = 500, .poisson_ratio = 0.3};
+  host.fixed_vertices = bar.left();
+  host.moved_vertices = bar.right(2, lifted);
+  const int before = thread_count();
+  std::vector<Relaxation> found;
+  for (const int threads : {1, 2, 3}) {
+    set_thread_count(threads);
+    found.push_back(relax(*bar.solver, bar.network, {.host = host}));
+  }
+  set_thread_count(before);
+  for (std::size_t k = 1; k < found.size(); ++k) {
+    EXPECT_EQ(found[k].energy, found[0].energy);
+    EXPECT_EQ(found[k].host.vertices, found[0].host.vertices);
+  }
+}
+
+TEST(MovedVertices, OfWhichNoneCanGiveWayAreMovedAllTheSame) {
+  const Bar bar(1);
+  ShellHost host{.thickness = 0.1, .youngs_modulus = 500, .poisson_ratio = 0.3};
+  for (std::int32_t i = 0; i < bar.mesh->vertex_count(); ++i)
+    host.moved_vertices.push_back({i, {1.5 * bar.mesh->positions()[i]}});
+  Network network = bar.network;
+  for (std::size_t i = 0; i < network.points.size(); ++i) network.fixed_points.push_back(static_cast<std::int32_t>(i));
+  const Relaxation found = relax(*bar.solver, network, {.host = host});
+  EXPECT_EQ(found.stopped, "converged");
+  EXPECT_EQ(found.stops.at(0).reached, 1);
+  EXPECT_NEAR(found.host.volume_ratio, std::pow(1.5, 3), 1e-12);
+}
+
+TEST(MovedVertices, AreRefusedByNameWhereTheyMakeNoSense) {
+  const Bar bar(1);
+  const auto with = [&](auto host) {
+    return [&bar, host = std::move(host)] { relax(*bar.solver, bar.network, {.host = host}); };
+  };
+  const auto places = [](const Error& error) { return testing::places(error); };
+  const Vector3d here(0, 0, 0);
+  const Vector3d beyond(0, std::numeric_limits<double>::infinity(), 0);
+  const std::vector<MovedVertex> wrong{{1, {here}}, {2, {here, beyond}}, {-1, {here}},
+                                       {2, {here}}, {800, {here}},       {3, {}}};
+  const std::vector<std::string> named{"host/moved_vertices/0/vertex", "host/moved_vertices/1/positions/1",
+                                       "host/moved_vertices/2/vertex", "host/moved_vertices/3/vertex",
+                                       "host/moved_vertices/4/vertex", "host/moved_vertices/5/positions"};
+  EXPECT_EQ(
+      places(expect_error("host.moved_vertex", with(ShellHost{.fixed_vertices = {1, 0}, .moved_vertices = wrong}))),
+      named);
+  EXPECT_EQ(
+      places(expect_error("host.moved_vertex", with(SolidHost{.fixed_vertices = {1, 0}, .moved_vertices = wrong}))),
+      named);
+  // Two held vertices leave a turn, whose way nobody knows.
+  EXPECT_EQ(
+      places(expect_error("host.unsupported", with(ShellHost{.fixed_vertices = {0}, .moved_vertices = {{1, {here}}}}))),
+      (std::vector<std::string>{"host/moved_vertices"}));
+}
+
+}  // namespace
+}  // namespace supple::embedded
