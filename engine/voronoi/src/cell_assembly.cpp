@@ -144,7 +144,7 @@ class Assembly {
     for (DiagramEdge& edge : traced_) {
       const std::int32_t a = vertex_of_[static_cast<std::size_t>(edge.points.front())];
       const std::int32_t b = vertex_of_[static_cast<std::size_t>(edge.points.back())];
-      if (edge.length < merged_ && a >= 0 && a == b) continue;
+      if (edge.length < merged_ && a == b) continue;  // a vertex that others stand for, or the tip of a tie
       edge.vertices = {a, b};
       diagram_.edges.push_back(std::move(edge));
     }

@@ -79,10 +79,20 @@ class CutSides {
   std::vector<LabelledSegment> labels_;
 };
 
+/// In which direction paths of an arrival leave the site, for one of them: others of the same image are turned against
+/// it by as much as they are where they arrive.
+struct Departure {
+  bool known = false;
+  Eigen::Vector2d turn = Eigen::Vector2d::Zero();      ///< where the path turns last
+  Eigen::Vector2d arriving = Eigen::Vector2d::Zero();  ///< its direction in the face
+  Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
+};
+
 struct Workspace {
   FaceDistances distances;
   Active active;
   Active kept;
+  std::vector<Departure> departures;  ///< one for each arrival of the face
 };
 
 class Builder {
@@ -220,6 +230,7 @@ class Builder {
     std::vector<BorderPart> parts;
     std::int64_t subdivisions = 0;
     std::int64_t cut_faces = 0;
+    std::int64_t unresolved = 0;
     for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
       const std::int32_t site = diagram_.face_sites[static_cast<std::size_t>(face)];
       const std::array<Vector2d, 3> corners = planar_corners(mesh_, face);
@@ -230,8 +241,12 @@ class Builder {
       ++cut_faces;
       const CutFace& own = *faces_[static_cast<std::size_t>(face)];
       subdivisions += own.subdivisions;
+      if (!own.resolved) ++unresolved;
       add_face(face, corners, own, parts);
     }
+    if (unresolved > 0)
+      diagram_.warnings.push_back("In " + std::to_string(unresolved) +
+                                  " faces many sites are so near to each other that borders are only about right.");
     close_at_boundary(parts);
     if (options_.cell_samples) sample_cells(execution);
     assemble_cells(parts, same_vertex * mesh_.mean_edge_length(), diagram_);
@@ -275,6 +290,7 @@ class Builder {
       if (site == unreached) return;
       const std::array<Vector2d, 3> corners = planar_corners(mesh_, face);
       field_.arrivals(FaceId(face), work.distances.arrivals());
+      work.departures.assign(work.distances.arrivals().size(), {});
       std::vector<CellSample>& samples = found[static_cast<std::size_t>(face)];
       if (site >= 0) return sample_polygon(face, site, corners, {corners.begin(), corners.end()}, work, samples);
       for (std::int32_t i = first_piece[static_cast<std::size_t>(face)];
@@ -320,11 +336,40 @@ class Builder {
       }
       const double doubled = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
       if (doubled == 0) return;
-      for (const Vector2d& corner : {a, b, c})
-        samples.push_back({site, {FaceId(face), barycentric(corners, (a + b + c + 3 * corner) / 6)}, doubled / 6});
+      for (const Vector2d& corner : {a, b, c}) {
+        const Vector2d place = (a + b + c + 3 * corner) / 6;
+        const Slope slope = work.distances.from_site(work.active, site, place);
+        if (slope.arrival < 0) continue;
+        CellSample& sample = samples.emplace_back();
+        sample.site = site;
+        sample.point = {FaceId(face), barycentric(corners, place)};
+        sample.weight = doubled / 6;
+        sample.distance = slope.distance;
+        sample.by_site = gradient_by_site(sample.point, place, slope, work);
+      }
     };
     for (std::size_t i = 2; i < polygon.size(); ++i)
       divide(divide, polygon[0], polygon[i - 1], polygon[i], most_divisions);
+  }
+
+  /// One walk back to the site for each bundle of paths: a path of the same straight bundle that arrives turned by some
+  /// angle has left turned by that angle, and one that turns at a vertex has left like all that do.
+  Vector2d gradient_by_site(const surface::SurfacePoint& point, const Vector2d& place, const Slope& slope,
+                            Workspace& work) const {
+    const surface::FaceArrival& arrival = work.distances.arrivals()[static_cast<std::size_t>(slope.arrival)];
+    const Vector2d& turn = arrival.turns_at(place);
+    Departure& departure = work.departures[static_cast<std::size_t>(slope.arrival)];
+    if (!departure.known || departure.turn != turn) {
+      const surface::Geodesic geodesic = field_.geodesic(point, {.derivatives = 1});
+      if (!geodesic.derivatives) return Vector2d::Zero();
+      departure = {true, turn, slope.gradient, geodesic.derivatives->tangent_gradient.head<2>()};
+      return departure.by_site;
+    }
+    if (arrival.sigma > 0 || &turn != &arrival.image) return departure.by_site;
+    const double c = departure.arriving.dot(slope.gradient);
+    const double s = departure.arriving.x() * slope.gradient.y() - departure.arriving.y() * slope.gradient.x();
+    return {c * departure.by_site.x() - s * departure.by_site.y(),
+            s * departure.by_site.x() + c * departure.by_site.y()};
   }
 
   /// The mesh's boundary closes the cells there.

@@ -82,15 +82,23 @@ void find_border_pulls(const surface::GeodesicSolver& solver, const surface::Mov
   found.border_pulls = site_pulls(solver, sites, places, of_sites, execution);
 }
 
+/// What the diagram knows already, but for sites on vertices, whose coordinates are those of the cone.
 void find_cell_pulls(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites, Found& found,
                      const Execution& execution) {
   std::vector<surface::SurfacePoint> places;
   std::vector<std::int32_t> of_sites;
+  std::vector<std::size_t> numbers;
+  found.cell_pulls.clear();
   for (const CellSample& sample : found.diagram.cell_samples) {
-    places.push_back(sample.point);
-    of_sites.push_back(sample.site);
+    if (sites.on_tip(static_cast<std::size_t>(sample.site))) {
+      numbers.push_back(found.cell_pulls.size());
+      places.push_back(sample.point);
+      of_sites.push_back(sample.site);
+    }
+    found.cell_pulls.push_back({sample.site, sample.distance, Vector2d::Zero(), sample.by_site});
   }
-  found.cell_pulls = site_pulls(solver, sites, places, of_sites, execution);
+  const std::vector<SitePull> pulls = site_pulls(solver, sites, places, of_sites, execution);
+  for (std::size_t i = 0; i < numbers.size(); ++i) found.cell_pulls[numbers[i]] = pulls[i];
 }
 
 }  // namespace

@@ -13,10 +13,11 @@ using Eigen::Vector2d;
 
 /// Relative to the face: polygons below are not divided any more.
 constexpr double smallest_triangle = 1e-12;
-/// Lines between parts of one site are preferred to those between longer parts, and tried this often in a row: after
-/// that polygons are halved, because that makes them smaller for sure.
-constexpr double same_site_bonus = 1e3;
-constexpr int most_chords = 8;
+/// Lines between parts of cells are tried this often in a row: after that polygons are halved, because that makes them
+/// smaller for sure.
+constexpr int most_chords = 24;
+/// Of a face: what is not simple by then is told apart by rounding only.
+constexpr std::int64_t most_divisions = 1500;
 /// Relative to the triangle: a Voronoi vertex may be this far outside.
 constexpr double outside = 1e-9;
 /// Relative to the distance: distances to the sites of a vertex differ by no more, and no other site is nearer by more.
@@ -38,6 +39,9 @@ constexpr double tiny_gap = 1e-300;
 /// Bends this near to an end are none: there it is not sure which way paths come.
 constexpr double bend_margin = 1e-7;
 constexpr int most_bend_samples = 8;
+/// Where paths come from more images besides one for each site, bends are many and faint: they are looked for
+/// only where derivatives need them.
+constexpr int most_images = 4;
 constexpr int most_changes = 12;  // of the ways along one part
 /// Points of Gauss and Legendre's quadrature in [0, 1] along a part of a border.
 constexpr std::array<double, 3> nodes{0.1127016653792583, 0.5, 0.8872983346207417};
@@ -131,11 +135,12 @@ class Cutter {
     Active kept;
     distances_.prune(active, centre, radius, kept);
     if (!hidden && cuts.size() == 2) return cut_in_two(round, cuts, kept);
-    const bool small = !(longest > smallest_triangle * size_);
+    const bool small = !(longest > smallest_triangle * size_) || result_.subdivisions >= most_divisions;
     if (!hidden && cuts.size() >= 3 && all_differ(round, cuts)) {
       Vector2d place = centre;
       if (meet(sides, round, cuts, kept, longest, place)) return cut_at_vertex(round, cuts, place, kept);
     }
+    if (result_.subdivisions >= most_divisions) result_.resolved = false;
     if (small)
       return cuts.empty() ? add_piece(round.front().site, round, 0, round.size(), {})
                           : cut_at_vertex(round, cuts, centre, kept);
@@ -334,7 +339,7 @@ class Cutter {
     std::vector<Vector2d> bends;
     Curve& curve = curve_;
     lay_curve(from, to, left, right, active, curve);
-    if (curve.other_images == 0) {
+    if (curve.other_images == 0 || (curve.other_images > most_images && !samples_)) {
       add_smooth_border(from, to, curve);
       return bends;
     }
@@ -502,14 +507,22 @@ class Cutter {
     }
     const Arc* first = nullptr;
     const Arc* second = nullptr;
+    bool of_one_site = false;
+    std::size_t smaller = 0;  // of the numbers of arcs on either side
     double best = 0;
     for (std::size_t i = 0; i < arcs.size(); ++i) {
       for (std::size_t j = i + 2; j < arcs.size() && j - i + 1 < arcs.size(); ++j) {
         if (arcs[i].middle.side == arcs[j].middle.side) continue;
-        const double worth =
-            std::min(arcs[i].length, arcs[j].length) * (arcs[i].site == arcs[j].site ? same_site_bonus : 1);
-        if (!(worth > best)) continue;
-        best = worth;
+        const bool same = arcs[i].site == arcs[j].site;
+        const std::size_t fewer = std::min(j - i, arcs.size() - (j - i));
+        const double length = std::min(arcs[i].length, arcs[j].length);
+        if (!(length > 0) || (of_one_site && !same)) continue;
+        // Lines within a cell first, those that leave as much on either side before others.
+        if (same == of_one_site && (same ? std::pair(fewer, length) <= std::pair(smaller, best) : length <= best))
+          continue;
+        of_one_site = same;
+        smaller = fewer;
+        best = length;
         first = &arcs[i];
         second = &arcs[j];
       }

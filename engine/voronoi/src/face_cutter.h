@@ -50,6 +50,7 @@ struct CutFace {
   /// Of each site that has a part of the face, its area with curved borders.
   std::vector<std::pair<std::int32_t, double>> areas;
   std::int64_t subdivisions = 0;
+  bool resolved = true;  ///< whether rounding and the limit of divisions left nothing over
 };
 
 /// Cuts a face along the lower envelope of the distances in it, given how its sides (from corner i to corner i + 1) are

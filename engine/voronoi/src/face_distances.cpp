@@ -17,6 +17,16 @@ void FaceDistances::all(Active& active) const {
   for (std::size_t i = 0; i < active.size(); ++i) active[i] = static_cast<std::int32_t>(i);
 }
 
+bool FaceDistances::straight_within(const surface::FaceArrival& arrival, const Eigen::Vector2d& point, double radius) {
+  if (arrival.everywhere) return true;
+  const Eigen::Vector2d to = point - arrival.image;
+  const auto inside = [&](const Eigen::Vector2d& end, double side) {
+    const Eigen::Vector2d edge = end - arrival.image;
+    return side * (edge.x() * to.y() - edge.y() * to.x()) > radius * edge.norm();
+  };
+  return inside(arrival.begin, -1) && inside(arrival.end, 1);
+}
+
 Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point, double radius, Active& kept) const {
   // One pass with the best so far, then one that drops what it kept too early.
   struct Candidate {
@@ -26,17 +36,36 @@ Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point,
   static thread_local std::vector<Candidate> candidates;
   candidates.clear();
   Nearest best{std::numeric_limits<double>::infinity(), -1};
+  std::int32_t nearest = -1;
   for (const std::int32_t i : active) {
     const surface::FaceArrival& arrival = arrivals_[i];
     const double length = arrival.length_to(point);
     if (length > best.distance + 2 * radius + rounding * length) continue;
     candidates.push_back({i, length});
-    if (length < best.distance) best = {length, arrival.source};
+    if (length < best.distance) {
+      best = {length, arrival.source};
+      nearest = i;
+    }
   }
   kept.clear();
-  const double limit = best.distance + 2 * radius + rounding * best.distance;
-  for (const Candidate& candidate : candidates)
-    if (candidate.length <= limit) kept.push_back(candidate.index);
+  if (nearest < 0) return best;
+  const double slack = rounding * best.distance;
+  const surface::FaceArrival& least = arrivals_[nearest];
+  const bool compares = candidates.size() > 1 && straight_within(least, point, radius);
+  const double to_least = best.distance - least.sigma;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.length > best.distance + 2 * radius + slack) continue;
+    if (compares && candidate.index != nearest) {
+      // No path of the other is shorter than the straight line from its image. The directions in which two images see a
+      // place differ by at most 2 |S - T| / (|x - S| + |x - T|): by so much one length gains on the other on its way.
+      const surface::FaceArrival& other = arrivals_[candidate.index];
+      const double to_other = (point - other.image).norm();
+      const double room = to_least + to_other - 2 * radius;
+      const double gain = other.sigma + to_other - best.distance - slack;
+      if (gain > 0 && room > 0 && gain * room > 2 * radius * (other.image - least.image).norm()) continue;
+    }
+    kept.push_back(candidate.index);
+  }
   return best;
 }
 

@@ -55,6 +55,9 @@ class FaceDistances {
   bool of_one_site(const Active& active) const;
 
  private:
+  /// Whether all paths of an arrival to places within a radius are straight.
+  static bool straight_within(const surface::FaceArrival& arrival, const Eigen::Vector2d& point, double radius);
+
   std::vector<surface::FaceArrival> arrivals_;
 };
 

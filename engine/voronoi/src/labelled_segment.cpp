@@ -14,6 +14,12 @@ using surface::FaceArrival;
 constexpr double shortest_part = 1e-13;
 /// Relative to the distance: sites this close to each other are equally near.
 constexpr double tie = 1e-12;
+/// Relative to the distance: lengths that differ by less differ by rounding.
+constexpr double rounding = 4e-16;
+/// As many arrivals are told apart by all roots of their differences.
+constexpr std::size_t most_straight = 24;
+/// Of a segment: what is not told apart by then are many sites almost in one place, which are equally near.
+constexpr int most_divisions = 1024;
 /// Halvings after which equal labels at both ends of a part are believed, and after which ties are looked for.
 constexpr int deep = 12;
 constexpr int tie_depth = 6;
@@ -30,8 +36,9 @@ class Labeller {
     const double radius = 0.5 * (end - begin) * length_;
     const Nearest nearest = distances_.prune(active, at(middle), radius, kept);
     if (distances_.of_one_site(kept)) return append(begin, nearest.site);
-    if (kept.size() == 2 && straight(kept, begin) && straight(kept, end)) return label_two(kept, begin, end);
-    if (!(end - begin > shortest_part)) return append(begin, nearest.site);
+    if (kept.size() <= most_straight && straight(kept, begin) && straight(kept, end))
+      return label_straight(kept, begin, end);
+    if (!(end - begin > shortest_part) || ++divisions_ > most_divisions) return append(begin, nearest.site);
     if (depth >= tie_depth && tied(kept, {begin, middle, end})) {
       if (!has(kept, result_.sites.back())) append(begin, nearest.site);
       return;
@@ -104,22 +111,50 @@ class Labeller {
     return a.length_to(point) - b.length_to(point);
   }
 
+  /// Arrivals that are straight all along: between two successive roots of their differences one site is the nearest.
+  void label_straight(const Active& active, double begin, double end) {
+    std::array<double, most_straight*(most_straight - 1) + 1> cuts{};
+    std::size_t count = 0;
+    for (std::size_t i = 1; i < active.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        count = add_roots(distances_.arrivals()[active[i]], distances_.arrivals()[active[j]], begin, end, cuts, count);
+    std::sort(cuts.begin(), cuts.begin() + static_cast<std::ptrdiff_t>(count));
+    cuts[count] = end;
+    double before = begin;
+    for (std::size_t i = 0; i <= count; ++i) {
+      if (cuts[i] > before) append(before, site_between(active, 0.5 * (before + cuts[i])));
+      before = std::max(before, cuts[i]);
+    }
+  }
+
+  /// The nearest site, the present one where it is as near up to rounding.
+  std::int32_t site_between(const Active& active, double share) const {
+    const Vector2d point = at(share);
+    const Nearest nearest = distances_.nearest(active, point);
+    const std::int32_t present = result_.sites.back();
+    if (nearest.site == present) return present;
+    const double own = distances_.from_site(active, present, point).distance;
+    return own - nearest.distance <= rounding * nearest.distance ? present : nearest.site;
+  }
+
   /// Two arrivals: |x - A| - |x - B| = c on a line, where squaring twice leaves a quadratic equation of the share.
-  void label_two(const Active& two, double begin, double end) {
-    const FaceArrival& a = distances_.arrivals()[two[0]];
-    const FaceArrival& b = distances_.arrivals()[two[1]];
+  template <std::size_t size>
+  std::size_t add_roots(const FaceArrival& a, const FaceArrival& b, double begin, double end,
+                        std::array<double, size>& cuts, std::size_t count) const {
+    if (a.source == b.source) return count;
     const double c = b.sigma - a.sigma;
     const Vector2d unit = way_ / length_;
     const Vector2d to_a = a.image - from_;
     const Vector2d to_b = b.image - from_;
     const double along_b = to_b.dot(unit);
     // |x - A|^2 - |x - B|^2 - c^2 = p t + q with t the way along the segment.
-    const double p = 2 * (along_b - to_a.dot(unit));
-    const double q = to_a.squaredNorm() - to_b.squaredNorm() - c * c;
+    const Vector2d between = a.image - b.image;
+    const double p = -2 * between.dot(unit);
+    const double q = between.dot(to_a + to_b) - c * c;
     std::array<double, 2> roots{};
-    int count = 0;
+    std::size_t found = 0;
     if (c == 0) {
-      if (p != 0) roots[count++] = -q / p;
+      if (p != 0) roots[found++] = -q / p;
     } else {
       const double qa = p * p - 4 * c * c;
       const double half = p * q + 4 * c * c * along_b;
@@ -127,26 +162,15 @@ class Labeller {
       const double square = half * half - qa * qc;
       if (square >= 0) {
         const double big = -(half + std::copysign(std::sqrt(square), half));
-        if (qa != 0) roots[count++] = big / qa;
-        if (big != 0) roots[count++] = qc / big;
+        if (qa != 0) roots[found++] = big / qa;
+        if (big != 0) roots[found++] = qc / big;
       }
     }
-    std::sort(roots.begin(), roots.begin() + count);
-    double before = begin;
-    const auto nearer = [&](double share) {
-      const double difference = gap(a, b, share);
-      const std::int32_t present = result_.sites.back();
-      if (std::abs(difference) <= tie * a.length_to(at(share)) && (present == a.source || present == b.source))
-        return present;
-      return difference <= 0 ? a.source : b.source;
-    };
-    for (int i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < found; ++i) {
       const double share = roots[i] / length_;
-      if (!(share > before && share < end)) continue;
-      append(before, nearer(0.5 * (before + share)));
-      before = polished(a, b, share, begin, end);
+      if (share > begin && share < end) cuts[count++] = polished(a, b, share, begin, end);
     }
-    append(before, nearer(0.5 * (before + end)));
+    return count;
   }
 
   /// A root with the digits that its closed form has lost.
@@ -183,6 +207,7 @@ class Labeller {
   Vector2d way_;
   double length_;
   LabelledSegment& result_;
+  int divisions_ = 0;
 };
 
 }  // namespace

@@ -17,7 +17,8 @@ struct LabelledSegment {
 /// Cuts the segment from `from` to `to` exactly: parts are told apart by what the arrivals can at most grow, and cuts
 /// are roots in closed form where one arrival of each site is left. The ends belong to the sites that are given, which
 /// is a tie where the arrivals say otherwise: there a cut is at the very end. Where two sites are equally near along
-/// the segment, the one before has it. Parts shorter than 1e-13 of the segment may be missed.
+/// the segment, the one before has it. Parts shorter than 1e-13 of the segment may be
+/// missed, and longer ones where many sites are almost in one place.
 LabelledSegment label_segment(const FaceDistances& distances, const Active& active, const Eigen::Vector2d& from,
                               const Eigen::Vector2d& to, std::int32_t site_at_from, std::int32_t site_at_to);
 

@@ -76,12 +76,13 @@ TEST(DiagramTerms, RegularityHasItsGradient) {
   expect_gradient([](const Finder& finder) { return std::make_shared<RegularityTerm>(finder, 1, 0.5); });
 }
 // The integral of squared distances is a sum over triangles in which these are not quadratic where paths come from
-// several directions: where the surface is flat or fine the gradient is exact to 1e-5, on coarse edges to 1e-3.
+// several directions: where the surface is flat the gradient is exact to 1e-6, on a fine sphere to 1e-4, across coarse
+// edges to 5e-2.
 TEST(DiagramTerms, CentroidalHasItsGradient) {
   const auto make = [](const Finder& finder) { return std::make_shared<CentroidalTerm>(finder, 1, 0.5); };
   for (const auto& [mesh, sites, tolerance] : {std::tuple(testing::flat_grid(5, 4), 25, 1e-6),
-                                               {testing::icosphere(4), 60, 1e-5},
-                                               {testing::torus(20, 10), 40, 1e-3}}) {
+                                               {testing::icosphere(3), 60, 1e-4},
+                                               {testing::torus(20, 10), 40, 5e-2}}) {
     const Compared found = compare(mesh, sites, 4, make, 1e-4);
     EXPECT_NEAR(found.analytic, found.numeric, tolerance * std::max(1.0, std::abs(found.numeric)))
         << mesh.face_count() << " faces";
@@ -91,24 +92,104 @@ TEST(DiagramTerms, EqualAreaHasItsGradient) {
   expect_gradient([](const Finder& finder) { return std::make_shared<EqualAreaTerm>(finder, 1, 0.5); });
 }
 
-TEST(Optimization, MakesSitesOfASphereRegular) {
-  const GeodesicSolver solver(testing::share(testing::icosphere(3)));
+Optimization optimized(const OptimizationOptions& options, int sites = 30) {
+  const GeodesicSolver solver(testing::share(testing::icosphere(2)));
+  return optimize(solver, random_sites(solver.mesh(), sites, 1), options);
+}
+
+TEST(Optimization, MakesAreasEqualInAFewSteps) {
+  OptimizationOptions options;
+  options.weights.equal_area = 1;
+  const Optimization result = optimized(options);
+  EXPECT_EQ(result.stopped, "converged");
+  EXPECT_LE(result.gradient_norm, result.gradient_tolerance);
+  EXPECT_LE(result.iterations, 20);
+  EXPECT_GT(result.before.area.deviation, 0.01);
+  EXPECT_LT(result.after.area.deviation, 1e-6);
+}
+
+TEST(Optimization, LowersEveryObjectiveByEitherMethod) {
   for (const OptimizationMethod method : {OptimizationMethod::gauss_newton, OptimizationMethod::lbfgs}) {
     for (int objective = 0; objective < 5; ++objective) {
       OptimizationOptions options;
       double* weights[] = {&options.weights.edge_length, &options.weights.planarity, &options.weights.regularity,
                            &options.weights.centroidal, &options.weights.equal_area};
-      *weights[objective] = 1;
+      *weights[objective] = 2;
       options.method = method;
-      options.max_iterations = 60;
-      const Optimization result = optimize(solver, random_sites(solver.mesh(), 60, 1), options);
-      std::printf("method %d objective %d: %s %d iterations, energy %g -> %g gradient %.2e -> %.2e (tol %.1e)\n",
-                  static_cast<int>(method), objective, result.stopped.c_str(), result.iterations,
-                  result.history.front().energy, result.energy, result.history.front().gradient_norm,
-                  result.gradient_norm, result.gradient_tolerance);
-      EXPECT_LT(result.energy, result.history.front().energy);
+      options.max_iterations = 6;
+      const Optimization result = optimized(options);
+      ASSERT_EQ(result.terms.size(), 1U);
+      EXPECT_NEAR(result.terms[0].energy, result.energy, 1e-9 * result.energy);
+      EXPECT_LT(result.energy, 0.999 * result.history.front().energy) << result.terms[0].name;
+      EXPECT_EQ(result.history.size(), static_cast<std::size_t>(result.iterations) + 1);
+      for (std::size_t i = 1; i < result.history.size(); ++i)
+        EXPECT_LE(result.history[i].energy, result.history[i - 1].energy * (1 + 1e-12));
     }
   }
+}
+
+TEST(Optimization, ImprovesWhatItIsAskedFor) {
+  OptimizationOptions options;
+  options.method = OptimizationMethod::lbfgs;
+  options.max_iterations = 60;
+  options.weights.edge_length = 1;
+  const Optimization lengths = optimized(options);
+  EXPECT_LT(lengths.after.edge_length.deviation, 0.5 * lengths.before.edge_length.deviation);
+  options.weights = {.planarity = 1};
+  const Optimization planar = optimized(options);
+  EXPECT_LT(planar.after.planarity.mean, 0.4 * planar.before.planarity.mean);
+  options.weights = {.regularity = 1};
+  const Optimization regular = optimized(options);
+  EXPECT_LT(regular.after.vertex_distance.deviation, 0.85 * regular.before.vertex_distance.deviation);
+}
+
+TEST(Optimization, HoldsFixedSitesAndCountsEverySearchStep) {
+  OptimizationOptions options;
+  options.weights.centroidal = 1;
+  options.fixed_sites = {3, 7};
+  options.max_iterations = 5;
+  int seen = 0;
+  std::size_t cells = 0;
+  options.observer = [&](const OptimizationStep& step, const Diagram& diagram) {
+    ++seen;
+    cells = diagram.cells.size();
+    EXPECT_GT(step.energy, 0);
+  };
+  const Optimization result = optimized(options);
+  EXPECT_EQ(seen, result.iterations + 1);
+  EXPECT_EQ(cells, 30U);
+  const auto start = random_sites(testing::icosphere(2), 30, 1);
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const bool moved = start[i].face != result.diagram.sites[i].face ||
+                       (start[i].barycentric - result.diagram.sites[i].barycentric).norm() > 1e-9;
+    EXPECT_EQ(moved, i != 3 && i != 7) << i;
+  }
+}
+
+TEST(Optimization, EndsForgottenWorkAtOnce) {
+  const GeodesicSolver solver(testing::share(testing::icosphere(2)));
+  OptimizationOptions options;
+  options.weights.regularity = 1;
+  const CancellationToken token;
+  options.observer = [&](const OptimizationStep&, const Diagram&) { token.request(StopReason::cancelled); };
+  testing::expect_error(
+      "job.cancelled", [&] { optimize(solver, random_sites(solver.mesh(), 30, 1), options, {.cancellation = token}); });
+}
+
+TEST(Optimization, NamesWhatItRefuses) {
+  const auto refused = [](const char* code, auto change) {
+    OptimizationOptions options;
+    options.weights.planarity = 1;
+    change(options);
+    const auto error = testing::expect_error(code, [&] { optimized(options); });
+    return error.details().empty() ? std::string() : error.details()[0].where;
+  };
+  EXPECT_EQ(refused("voronoi.no_objective", [](auto& o) { o.weights.planarity = 0; }), "objectives");
+  EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.weights.equal_area = -1; }), "objectives/equal_area");
+  EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.tolerance = 0; }), "tolerance");
+  EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.max_iterations = 10'001; }), "max_iterations");
+  EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.edge_length = -1; }), "edge_length");
+  EXPECT_EQ(refused("voronoi.fixed_site", [](auto& o) { o.fixed_sites = {2, 30}; }), "fixed_sites/1");
 }
 
 }  // namespace

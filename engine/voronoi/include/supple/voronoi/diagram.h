@@ -43,6 +43,9 @@ struct CellSample {
   std::int32_t site = -1;
   surface::SurfacePoint point;
   double weight = 0;  ///< area that it stands for
+  double distance = 0;
+  /// Gradient of the distance by the site, in tangent_frame of its face.
+  Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
 };
 
 /// A point of the cells' borders. Borders are curves (arcs of hyperbolas, smooth within a face but for cut loci);
