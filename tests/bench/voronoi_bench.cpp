@@ -1,0 +1,391 @@
+// Geodesic Voronoi diagrams: designs improved, time of an iteration, scaling, what accuracy costs, and peers.
+// voronoi_bench [--short] [--out FOLDER] [STUDY ...] writes voronoi.md and its CSV files into FOLDER, docs/bench unless
+// given; plot_voronoi.py draws the figures.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "command_line.h"
+#include "measurement.h"
+#include "report.h"
+#include "supple/base/threads.h"
+#include "supple/voronoi/optimization.h"
+#include "support/cgal_geodesics.h"
+#include "support/shapes.h"
+
+namespace supple::voronoi {
+namespace {
+
+using bench::count;
+using bench::number;
+using surface::GeodesicSolver;
+using surface::TriangleMesh;
+
+struct Settings {
+  bool quick = false;
+  std::filesystem::path out = "docs/bench";
+};
+
+/// A row of the thesis's Table 3.4, on a mesh of ours of about the same size.
+struct Row {
+  std::string shape;
+  TriangleMesh mesh;
+  int sites;
+  std::string objective;
+  double thesis_seconds;
+  int iterations;
+};
+
+std::vector<Row> rows(bool quick) {
+  const auto its = [&](int usual) { return quick ? 2 : usual; };
+  std::vector<Row> all;
+  all.push_back({"sphere", testing::icosphere(3), 98, "edge_length", 1.90, its(200)});
+  all.push_back({"rabbit (duck)", testing::rabbit(3), 125, "edge_length", 4.39, its(200)});
+  all.push_back({"genus 3 (cactus)", testing::genus3(4), 107, "edge_length", 4.03, its(200)});
+  all.push_back({"sphere", testing::icosphere(3), 396, "planarity", 0.474, its(300)});
+  all.push_back({"torus", testing::torus(24, 12), 155, "planarity", 0.0733, its(300)});
+  all.push_back({"rabbit (duck)", testing::rabbit(3), 487, "planarity", 1.17, its(300)});
+  if (quick) return all;
+  all.push_back({"genus 3 (fertility)", testing::genus3(4), 2250, "regularity", 7.09, 60});
+  all.push_back({"rabbit (cow)", testing::rabbit(5), 2928, "regularity", 39.3, 60});
+  all.push_back({"rabbit (armadillo)", testing::rabbit(10), 10000, "regularity", 180, 30});
+  return all;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double& weight_of(ObjectiveWeights& weights, const std::string& objective) {
+  if (objective == "edge_length") return weights.edge_length;
+  if (objective == "planarity") return weights.planarity;
+  return objective == "regularity" ? weights.regularity : weights.equal_area;
+}
+
+/// Least wall seconds of a diagram over some repetitions.
+double diagram_seconds(const GeodesicSolver& solver, const std::vector<surface::SurfacePoint>& sites,
+                       const DiagramOptions& options, int repetitions) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < repetitions; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    bench::keep(diagram(solver, sites, options).cells[0].area);
+    best = std::min(best, seconds_since(start));
+  }
+  return best;
+}
+
+/// The surface cut along the borders, for the figures: a line for each corner of each polygon.
+void draw(const TriangleMesh& mesh, const std::string& scene, const std::string& state, const Diagram& diagram,
+          bench::Table& table) {
+  int polygon = 0;
+  const auto add = [&](std::int32_t site, const std::vector<Eigen::Vector3d>& corners) {
+    for (const Eigen::Vector3d& p : corners)
+      table.row({scene, state, std::to_string(polygon), std::to_string(site), number(p.x(), 5), number(p.y(), 5),
+                 number(p.z(), 5)});
+    ++polygon;
+  };
+  for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
+    const std::int32_t site = diagram.face_sites[static_cast<std::size_t>(face)];
+    if (site < 0) continue;
+    std::vector<Eigen::Vector3d> corners;
+    for (const std::int32_t v : mesh.faces()[static_cast<std::size_t>(face)])
+      corners.push_back(mesh.positions()[static_cast<std::size_t>(v)]);
+    add(site, corners);
+  }
+  for (const DiagramPiece& piece : diagram.pieces) {
+    std::vector<Eigen::Vector3d> corners;
+    for (std::int32_t k = 0; k < piece.corner_count; ++k)
+      corners.push_back(
+          position(mesh, {FaceId(piece.face), diagram.corners[static_cast<std::size_t>(piece.first_corner + k)]}));
+    add(piece.site, corners);
+  }
+}
+
+void study_designs(const Settings& settings, bench::Report& report) {
+  bench::Table table("voronoi-designs", {{"shape", "Mesh (theirs)"},
+                                         {"faces", "Faces"},
+                                         {"sites", "Sites"},
+                                         {"objective", "Objective"},
+                                         {"measure", "Measure"},
+                                         {"before", "Mean before"},
+                                         {"after", "after"},
+                                         {"worst_before", "Greatest before"},
+                                         {"worst_after", "after"},
+                                         {"spread_before", "Deviation before"},
+                                         {"spread_after", "after"},
+                                         {"iterations", "Iterations"},
+                                         {"stopped", "Ended"}});
+  bench::Table times("voronoi-iterations", {{"shape", "Mesh (theirs)"},
+                                            {"faces", "Faces"},
+                                            {"sites", "Sites"},
+                                            {"objective", "Objective"},
+                                            {"diagram", "A diagram (ms)"},
+                                            {"iteration", "An iteration (ms)"},
+                                            {"thesis", "Thesis, 64 cores (ms)"},
+                                            {"ratio", "Ratio"}});
+  bench::Table polygons("voronoi-figure", {{"scene", "Scene"},
+                                           {"state", "State"},
+                                           {"polygon", "Polygon"},
+                                           {"site", "Site"},
+                                           {"x", "x"},
+                                           {"y", "y"},
+                                           {"z", "z"}});
+  for (Row& row : rows(settings.quick)) {
+    const GeodesicSolver solver(testing::share(row.mesh));
+    const std::vector<surface::SurfacePoint> sites = random_sites(row.mesh, row.sites, 1);
+    OptimizationOptions options;
+    options.method = OptimizationMethod::lbfgs;
+    options.max_iterations = row.iterations;
+    weight_of(options.weights, row.objective) = 1;
+    const double alone = diagram_seconds(solver, sites, {}, settings.quick ? 1 : 5);
+    const auto start = std::chrono::steady_clock::now();
+    const Optimization found = optimize(solver, sites, options);
+    const double seconds = seconds_since(start) / std::max(1, found.iterations);
+    const auto& [measure, before, after] =
+        row.objective == "edge_length" ? std::tuple("edge length", found.before.edge_length, found.after.edge_length)
+        : row.objective == "planarity"
+            ? std::tuple("distance from the plane", found.before.planarity, found.after.planarity)
+            : std::tuple("vertex distance over the cell's mean", found.before.vertex_distance,
+                         found.after.vertex_distance);
+    table.row({row.shape, count(row.mesh.face_count()), count(row.sites), row.objective, measure, number(before.mean),
+               number(after.mean), number(before.greatest), number(after.greatest), number(before.deviation),
+               number(after.deviation), std::to_string(found.iterations), found.stopped});
+    times.row({row.shape, count(row.mesh.face_count()), count(row.sites), row.objective, number(1e3 * alone),
+               number(1e3 * seconds), number(1e3 * row.thesis_seconds), number(row.thesis_seconds / seconds)});
+    if (row.sites < 500) {
+      const std::string scene = row.shape.substr(0, row.shape.find(" (")) + ", " + row.objective;
+      draw(row.mesh, scene, "before", diagram(solver, sites), polygons);
+      draw(row.mesh, scene, "after", found.diagram, polygons);
+    }
+  }
+  report.heading("Designs, before and after");
+  report.text(
+      "From random sites, by L-BFGS. The thesis's figures 3.8 to 3.10 show the same objectives on meshes of the "
+      "same sizes; theirs are in brackets. The target length is the mean at the start.");
+  report.table(table);
+  report.data(polygons);
+  report.image("voronoi-figure.png", "Cells before and after, of the rows with fewer than 500 sites.");
+  report.heading("Time of an iteration");
+  report.text(
+      "Wall time of a whole optimization over its iterations: diagrams of all trial states, derivatives, step. "
+      "The thesis's times (Table 3.4) are of 64 cores.");
+  report.table(times);
+}
+
+void study_scaling(const Settings& settings, bench::Report& report) {
+  bench::Table table("voronoi-scaling", {{"faces", "Faces"},
+                                         {"sites", "Sites"},
+                                         {"propagation", "One propagation (ms)"},
+                                         {"diagram", "Diagram (ms)"},
+                                         {"one_thread", "on one thread (ms)"},
+                                         {"cut", "Cut faces"}});
+  const int threads = thread_count();
+  for (const int n : settings.quick ? std::vector<int>{3} : std::vector<int>{3, 5, 10, 15, 20}) {
+    const TriangleMesh mesh = testing::rabbit(n);
+    const GeodesicSolver solver(testing::share(mesh));
+    for (const int share : {1000, 100, 10, 2}) {
+      const int sites_wanted = std::max(1, mesh.face_count() / share);
+      const std::vector<surface::SurfacePoint> sites = random_sites(mesh, sites_wanted, 1);
+      CostLedger cost;
+      diagram(solver, sites, {}, {.cost = &cost});
+      double propagation = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < 3; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        bench::keep(solver.field({sites.data(), 1}).vertex_distances()[0]);
+        propagation = std::min(propagation, seconds_since(start));
+      }
+      const double both = diagram_seconds(solver, sites, {}, 3);
+      set_thread_count(1);
+      const double one = diagram_seconds(solver, sites, {}, 3);
+      set_thread_count(threads);
+      double cut_faces = 0;
+      for (const auto& quantity : cost.quantities())
+        if (quantity.name == "cut_faces") cut_faces = quantity.value;
+      table.row({count(mesh.face_count()), count(sites_wanted), number(1e3 * propagation), number(1e3 * both),
+                 number(1e3 * one), count(cut_faces)});
+    }
+  }
+  report.heading("Scaling");
+  report.text(
+      "A rabbit of growing resolution. One propagation is that of a distance field from one site over the whole "
+      "mesh, without anything kept.");
+  report.table(table);
+}
+
+/// Greatest difference of the distances of a diagram's points from their two sites, by searches of their own.
+double equidistance_of(const GeodesicSolver& solver, const Diagram& diagram, std::size_t most) {
+  double worst = 0;
+  std::size_t step = std::max<std::size_t>(1, diagram.edges.size() / most);
+  for (std::size_t e = 0; e < diagram.edges.size(); e += step) {
+    const DiagramEdge& edge = diagram.edges[e];
+    const surface::SurfacePoint& point =
+        diagram.points[static_cast<std::size_t>(edge.points[edge.points.size() / 2])].point;
+    const auto distance = [&](int side) {
+      return solver.distance(diagram.sites[static_cast<std::size_t>(edge.sites[static_cast<std::size_t>(side)])],
+                             point);
+    };
+    worst = std::max(worst, std::abs(distance(0) - distance(1)));
+  }
+  return worst;
+}
+
+double area_error(const Diagram& diagram, const Diagram& exact) {
+  double wrong = 0;
+  double total = 0;
+  for (std::size_t i = 0; i < exact.cells.size(); ++i) {
+    wrong += std::abs(diagram.cells[i].area - exact.cells[i].area);
+    total += exact.cells[i].area;
+  }
+  return wrong / total;
+}
+
+void study_accuracy(const Settings& settings, bench::Report& report) {
+  bench::Table table("voronoi-accuracy", {{"shape", "Mesh"},
+                                          {"faces", "Faces"},
+                                          {"sites", "Sites"},
+                                          {"method", "Method"},
+                                          {"ms", "ms"},
+                                          {"equidistance", "Distances differ by at most (of the diagonal)"},
+                                          {"area", "Area in another cell (%)"}});
+  std::vector<std::tuple<std::string, TriangleMesh, int>> scenes{
+      {"rabbit", testing::rabbit(settings.quick ? 2 : 8), 60}};
+  if (!settings.quick) {
+    scenes.emplace_back("bumpy cube", testing::bumpy_cube(), 60);
+    scenes.emplace_back("sphere", testing::icosphere(4), 2000);
+  }
+  for (const auto& [name, mesh, wanted] : scenes) {
+    const GeodesicSolver solver(testing::share(mesh));
+    const std::vector<surface::SurfacePoint> sites = random_sites(mesh, wanted, 1);
+    const Diagram exact = diagram(solver, sites);
+    struct Choice {
+      std::string name;
+      DiagramOptions options;
+    };
+    std::vector<Choice> choices{{"exact", {}}};
+    for (const double error : {1e-4, 1e-3, 1e-2, 1e-1})
+      choices.push_back({"within " + number(100 * error) + " %", {DiagramMethod::bounded, error, false, false}});
+    choices.push_back({"along edges", {DiagramMethod::edges, 0, false, false}});
+    for (const Choice& choice : choices) {
+      const Diagram found = diagram(solver, sites, choice.options);
+      table.row({name, count(mesh.face_count()), count(wanted), choice.name,
+                 number(1e3 * diagram_seconds(solver, sites, choice.options, 3)),
+                 number(equidistance_of(solver, found, 500) / mesh.diagonal(), 2),
+                 number(100 * area_error(found, exact), 2)});
+    }
+  }
+  report.heading("What accuracy costs");
+  report.text(
+      "Distances of the middle points of edges from their two sites, by a search for each pair, and the areas of "
+      "cells against those of the exact diagram.");
+  report.table(table);
+}
+
+void study_peers(const Settings& settings, bench::Report& report) {
+  bench::Table table("voronoi-peers", {{"shape", "Mesh"},
+                                       {"faces", "Faces"},
+                                       {"sites", "Sites"},
+                                       {"own", "Ours (ms)"},
+                                       {"cgal", "CGAL, a tree for each site (ms)"},
+                                       {"ratio", "Ratio"},
+                                       {"agree", "Vertices with the same site (%)"},
+                                       {"difference", "Largest difference of distances"},
+                                       {"euclidean", "Nearest in space (ms)"},
+                                       {"wrong", "Vertices that it gives to a wrong cell (%)"}});
+  std::vector<std::tuple<std::string, TriangleMesh, int>> scenes{{"sphere", testing::icosphere(3), 60}};
+  if (!settings.quick) {
+    scenes.emplace_back("torus", testing::torus(48, 24), 60);
+    scenes.emplace_back("rabbit", testing::rabbit(5), 40);
+    scenes.emplace_back("spiral cup", testing::spiral_cup(), 20);
+  }
+  for (const auto& [name, mesh, wanted] : scenes) {
+    const GeodesicSolver solver(testing::share(mesh));
+    const std::vector<surface::SurfacePoint> sites = random_sites(mesh, wanted, 1);
+    const double own = diagram_seconds(solver, sites, {}, 3);
+    const Diagram found = diagram(solver, sites);
+    const auto vertices = static_cast<std::size_t>(mesh.vertex_count());
+    std::vector<double> least(vertices, std::numeric_limits<double>::infinity());
+    std::vector<std::int32_t> nearest(vertices, -1);
+    auto start = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+      testing::CgalGeodesics cgal(mesh);
+      cgal.set_source(sites[i]);
+      cgal.search();
+      const std::vector<double> distances = cgal.vertex_distances();
+      for (std::size_t v = 0; v < vertices; ++v) {
+        if (!(distances[v] < least[v])) continue;
+        least[v] = distances[v];
+        nearest[v] = static_cast<std::int32_t>(i);
+      }
+    }
+    const double cgal_seconds = seconds_since(start);
+    const std::vector<double> own_distances = solver.field(sites).vertex_distances();
+    double same = 0;
+    double difference = 0;
+    for (std::size_t v = 0; v < vertices; ++v) {
+      same += found.vertex_sites[v] == nearest[v] ? 1 : 0;
+      difference = std::max(difference, std::abs(own_distances[v] - least[v]));
+    }
+    start = std::chrono::steady_clock::now();
+    double wrong = 0;
+    for (std::size_t v = 0; v < vertices; ++v) {
+      std::int32_t best = 0;
+      double shortest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < sites.size(); ++i) {
+        const double distance = (position(mesh, sites[i]) - mesh.positions()[v]).squaredNorm();
+        if (!(distance < shortest)) continue;
+        shortest = distance;
+        best = static_cast<std::int32_t>(i);
+      }
+      wrong += best != found.vertex_sites[v] ? 1 : 0;
+    }
+    const double euclidean = seconds_since(start);
+    const auto percent = [&](double part) { return number(100 * part / static_cast<double>(vertices)); };
+    table.row({name, count(mesh.face_count()), count(wanted), number(1e3 * own), number(1e3 * cgal_seconds),
+               number(cgal_seconds / own), percent(same), number(difference, 2), number(1e3 * euclidean),
+               percent(wrong)});
+  }
+  report.heading("Peers");
+  report.text(
+      "CGAL's Surface_mesh_shortest_path builds an exact search tree for each site; only the nearest site of each "
+      "vertex is taken from it, not the cells. The restricted Euclidean diagram takes the nearest site in space, "
+      "by all pairs: it is wrong where the surface bends back on itself.");
+  report.table(table);
+}
+
+int run(int argc, char** argv) {
+  Settings settings;
+  bench::Report* page = nullptr;
+  std::vector<std::pair<std::string, void (*)(const Settings&, bench::Report&)>> studies{
+      {"designs", study_designs}, {"scaling", study_scaling}, {"accuracy", study_accuracy}, {"peers", study_peers}};
+  std::unique_ptr<bench::Report> report;
+  std::vector<bench::Study> wanted;
+  for (const auto& study : studies) {
+    wanted.push_back({study.first, [&, measure = study.second] {
+                        if (!report) {
+                          report = std::make_unique<bench::Report>(settings.out, "voronoi",
+                                                                   "Geodesic Voronoi diagrams: measurements");
+                          page = report.get();
+                        }
+                        measure(settings, *page);
+                      }});
+  }
+  const int status = bench::run_program(
+      argc, argv, {bench::flag("--short", settings.quick), bench::folder_option("--out", settings.out)}, wanted);
+  if (status == 0 && report)
+    report->write("Measured by `voronoi_bench` on " + bench::machine_line() +
+                  ". How diagrams are made and asked for: [voronoi.md](../voronoi.md).");
+  return status;
+}
+
+}  // namespace
+}  // namespace supple::voronoi
+
+int main(int argc, char** argv) { return supple::voronoi::run(argc, argv); }
