@@ -27,7 +27,8 @@ void add_limits(CLI::App& app, ServerOptions& options) {
   group->add_option("--max-vertices", limits.mesh.vertices, "Vertices of a mesh")->check(CLI::PositiveNumber);
   group->add_option("--max-faces", limits.mesh.faces, "Faces of a mesh")->check(CLI::PositiveNumber);
   group->add_option("--max-pairs", limits.json.max_pairs, "Pairs of a geodesics request");
-  group->add_option("--max-points", limits.json.max_points, "Points of a mean or a network, sources of a field, sites of a diagram");
+  group->add_option("--max-points", limits.json.max_points,
+                    "Points of a mean or a network, sources of a field, sites of a diagram");
   group->add_option("--max-springs", limits.json.max_springs, "Springs of a network");
   group->add_option("--max-states", limits.json.max_states, "States of a load path");
   group->add_option("--max-strains", limits.json.max_strains, "Strains of an evaluation of a model");
