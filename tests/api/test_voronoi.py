@@ -340,3 +340,9 @@ def test_a_finished_job_survives_a_restart_and_an_unfinished_one_says_that_it_wa
     assert api.get(f"/v1/jobs/{done}/result").json() == answer
     interrupted = api.get(f"/v1/jobs/{running}").json()
     assert interrupted["state"] == "failed" and interrupted["error"]["code"] == "job.interrupted"
+
+
+def test_borders_that_run_along_edges_of_the_mesh_are_borders_like_others(api: Api, grid_mesh: str) -> None:
+    answer = api.ok(DIAGRAMS, {"mesh": grid_mesh, "sites": at_vertices(0, 72, 80, 8)})
+    assert [cell["area"] for cell in answer["cells"]] == pytest.approx([0.25] * 4, rel=1e-9)
+    assert len(answer["vertices"]) == 1 and len(answer["edges"]) == 4

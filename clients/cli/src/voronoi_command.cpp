@@ -192,8 +192,8 @@ void add_optimization_options(CLI::App& command, VoronoiArguments& arguments) {
   command.add_option("--target-length", arguments.target_length, "Of all edges, in mesh units (the mean at the start)")
       ->check(CLI::PositiveNumber);
   command.add_option("-f,--fixed", arguments.fixed, "Sites that stay where they are: indices separated by commas");
-  command.add_option("--minimizer", arguments.minimizer, "How to optimize (gauss_newton)")
-      ->check(CLI::IsMember({"gauss_newton", "lbfgs"}));
+  command.add_option("--minimizer", arguments.minimizer, "How to optimize (automatic)")
+      ->check(CLI::IsMember({"automatic", "gauss_newton", "lbfgs"}));
   command
       .add_option("-t,--tolerance", arguments.tolerance,
                   "Stop once |gradient| <= tolerance * root of the sites' number / mean cell size (1e-6)")

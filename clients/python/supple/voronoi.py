@@ -48,7 +48,7 @@ class VoronoiOptions:
     Attributes:
         target_length: that the objective "edge_length" wants all edges to have, mesh units; the mean of the start on the
             server's side.
-        method: "gauss_newton" or "lbfgs".
+        method: "automatic", "gauss_newton" or "lbfgs".
         tolerance: the iteration stops once |grad E| <= tolerance * sqrt(number of sites) / (mean cell size). 1e-6 on the
             server's side.
         max_iterations: 100 on the server's side.

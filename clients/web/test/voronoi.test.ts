@@ -26,7 +26,7 @@ describe("the state of a diagram", () => {
   it("asks for objectives of some weight alone, and for a length of edges where they count", () => {
     const state = { ...DEFAULT_VORONOI, weights: { ...DEFAULT_VORONOI.weights, planarity: 2 }, targetLength: 0.5, fixed: [1, 9] };
     expect(optimizationRequest(MESH, state, SITES)).toEqual({
-      mesh: MESH, sites: SITES, objectives: { centroidal: 1, planarity: 2 }, pieces: true, fixed_sites: [1], method: "gauss_newton", accuracy: { tolerance: 1e-4 }, max_iterations: 100,
+      mesh: MESH, sites: SITES, objectives: { centroidal: 1, planarity: 2 }, pieces: true, fixed_sites: [1], method: "automatic", accuracy: { tolerance: 1e-4 }, max_iterations: 100,
     });
     expect(optimizationRequest(MESH, { ...state, weights: { ...state.weights, edge_length: 1 } }, SITES).target_length).toBe(0.5);
     expect(hasObjective({ ...state, weights: { centroidal: 0, regularity: 0, equal_area: 0, edge_length: 0, planarity: 0 } })).toBe(false);

@@ -47,6 +47,13 @@ void check(const OptimizationOptions& options, std::size_t sites) {
   }
 }
 
+/// Only areas can become all but equal, so that what the Gauss-Newton Hessian leaves out vanishes.
+bool takes_gauss_newton(const OptimizationOptions& options) {
+  const ObjectiveWeights& w = options.weights;
+  if (options.method != OptimizationMethod::automatic) return options.method == OptimizationMethod::gauss_newton;
+  return !(w.edge_length + w.planarity + w.regularity + w.centroidal > 0);
+}
+
 DiagramStatistics::Spread spread_of(const std::vector<double>& values) {
   DiagramStatistics::Spread spread;
   if (values.empty()) return spread;
@@ -123,8 +130,7 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
   const SitesState state(mesh, std::move(sites));
   numerics::System<SitesState> system(state, terms, numerics::Unknowns(held), {.execution = execution});
   numerics::MinimizerOptions minimizer;
-  minimizer.method = options.method == OptimizationMethod::lbfgs ? numerics::MinimizerMethod::lbfgs
-                                                                 : numerics::MinimizerMethod::newton;
+  minimizer.method = takes_gauss_newton(options) ? numerics::MinimizerMethod::newton : numerics::MinimizerMethod::lbfgs;
   const auto count = static_cast<double>(system.state().sites().points().size());
   result.gradient_tolerance = options.tolerance * std::sqrt(count) / unit;
   minimizer.gradient_tolerance = result.gradient_tolerance;

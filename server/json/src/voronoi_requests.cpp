@@ -81,7 +81,7 @@ VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, con
   read_objectives(fields, options.weights);
   fields.number("target_length", options.edge_length, 0, any, true);
   read_indices(fields, "fixed_sites", limits, options.fixed_sites);
-  fields.choice("method", options.method, {"gauss_newton", "lbfgs"});
+  fields.choice("method", options.method, {"automatic", "gauss_newton", "lbfgs"});
   nested(fields, "accuracy", [&](Fields& accuracy) { accuracy.number("tolerance", options.tolerance, 0, 1, true); });
   fields.integer("max_iterations", options.max_iterations, 1, most_optimization_iterations);
   read_include(fields, request.include, request.panel_scale);

@@ -10,7 +10,7 @@ import { type Exactness, type Minimizer, MOST_OBJECTIVE_WEIGHT, MOST_SITE_SEED, 
 
 const EXACTNESS_WORDS: Record<Exactness, string> = { exact: "Exact", bounded: "Within 1 %", edges: "Along edges" };
 const OBJECTIVE_WORDS: Record<Objective, string> = { centroidal: "Sites at their cells’ centres", regularity: "Regular cells", equal_area: "Equal areas", edge_length: "Equal edges", planarity: "Flat panels" };
-const MINIMIZER_WORDS: Record<Minimizer, string> = { gauss_newton: "Gauss–Newton", lbfgs: "L-BFGS" };
+const MINIMIZER_WORDS: Record<Minimizer, string> = { automatic: "by objective", gauss_newton: "Gauss–Newton", lbfgs: "L-BFGS" };
 
 /** Where a site goes in the view, in steps to the right and down. */
 export type Nudge = (right: number, down: number) => void;

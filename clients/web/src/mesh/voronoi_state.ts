@@ -26,7 +26,7 @@ export interface VoronoiState {
 
 export const OBJECTIVES: readonly Objective[] = ["centroidal", "regularity", "equal_area", "edge_length", "planarity"];
 export const EXACTNESSES: readonly Exactness[] = ["exact", "bounded", "edges"];
-export const MINIMIZERS: readonly Minimizer[] = ["gauss_newton", "lbfgs"];
+export const MINIMIZERS: readonly Minimizer[] = ["automatic", "gauss_newton", "lbfgs"];
 export const VORONOI_TOLERANCES: readonly number[] = [1e-2, 1e-4, 1e-6];
 export const MOST_SITES = 2000;
 export const MOST_SITE_SEED = 999;
@@ -37,7 +37,7 @@ export const RELATIVE_ERROR = 0.01;
 export const DEFAULT_VORONOI: VoronoiState = {
   count: 60, seed: 1, scattered: false, exactness: "exact",
   weights: { centroidal: 1, regularity: 0, equal_area: 0, edge_length: 0, planarity: 0 },
-  targetLength: 0, fixed: [], minimizer: "gauss_newton", tolerance: 1e-4, maxIterations: 100,
+  targetLength: 0, fixed: [], minimizer: "automatic", tolerance: 1e-4, maxIterations: 100,
 };
 
 export function hasObjective({ weights }: VoronoiState): boolean {
@@ -94,7 +94,7 @@ export function readVoronoi(fields: ReadonlyMap<string, string>): VoronoiState |
     count: whole(0, 1, MOST_SITES, count), seed: whole(1, 0, MOST_SITE_SEED, seed), scattered: values[2] === "1",
     exactness: EXACTNESSES.find((one) => one === values[3]) ?? "exact", weights,
     targetLength: number(after, 0, Infinity, 0), fixed: [...new Set(held)].sort((a, b) => a - b),
-    minimizer: MINIMIZERS.find((one) => one === values[after + 1]) ?? "gauss_newton",
+    minimizer: MINIMIZERS.find((one) => one === values[after + 1]) ?? "automatic",
     tolerance: number(after + 2, 1e-12, 1, tolerance), maxIterations: whole(after + 3, 1, MOST_VORONOI_ITERATIONS, maxIterations),
   };
 }

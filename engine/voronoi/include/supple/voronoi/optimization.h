@@ -19,6 +19,7 @@ struct ObjectiveWeights {
 };
 
 enum class OptimizationMethod {
+  automatic,     ///< gauss_newton where areas are all that counts, otherwise lbfgs
   gauss_newton,  ///< exact gradients, Gauss-Newton Hessians, one sparse factorization an iteration
   lbfgs
 };
@@ -32,7 +33,7 @@ struct OptimizationStep {
 
 struct OptimizationOptions {
   ObjectiveWeights weights;
-  OptimizationMethod method = OptimizationMethod::gauss_newton;
+  OptimizationMethod method = OptimizationMethod::automatic;
   /// Of eq. 3.29, mesh units; 0 for the mean length of the start.
   double edge_length = 0;
   /// Converged once |grad E| <= tolerance * sqrt(sites) / (mean cell size).
