@@ -8,7 +8,7 @@
 #include "supple/numerics/state.h"
 #include "supple/surface/geodesic_derivatives.h"
 #include "supple/surface/geodesic_solver.h"
-#include "supple/surface/retraction.h"
+#include "supple/surface/moving_points.h"
 #include "supple/surface/tangent_geodesic.h"
 
 namespace supple::embedded {
@@ -33,10 +33,9 @@ struct HostLengths {
   std::vector<surface::HostDerivatives> lengths;
 };
 
-/// Points that move on a surface, two tangent coordinates each: of tangent_frame of the point's face or, on the tip of
-/// a cone (a vertex), of surface::cone_coordinates. On a host that gives way, its nodes follow, three coordinates each:
-/// the first of them are the vertices of the surface, on which points keep their barycentric coordinates when nodes
-/// move.
+/// Points that move on a surface (surface::MovingPoints). On a host that gives way, its nodes follow, three coordinates
+/// each: the first of them are the vertices of the surface, on which points keep their barycentric coordinates when
+/// nodes move.
 class NetworkState {
  public:
   /// On a rigid surface. `mesh` outlives the state.
@@ -50,17 +49,17 @@ class NetworkState {
   const surface::TriangleMesh& mesh() const { return surface_ ? surface_->mesh() : *mesh_; }
   /// Of a surface that gives way; null on a rigid one.
   const std::shared_ptr<const surface::GeodesicSolver>& surface() const { return surface_; }
-  const std::vector<surface::SurfacePoint>& points() const { return points_; }
-  bool on_tip(std::size_t point) const { return on_tip_[point] != 0; }
+  const std::vector<surface::SurfacePoint>& points() const { return points_.points(); }
+  bool on_tip(std::size_t point) const { return points_.on_tip(point); }
   /// The vertex that a point on a tip is at.
-  std::int32_t vertex_of(std::size_t point) const;
+  std::int32_t vertex_of(std::size_t point) const { return points_.vertex_of(mesh(), point); }
 
   /// Coordinates of the host's nodes, three for each; empty on a rigid surface.
   const Eigen::VectorXd& nodes() const { return nodes_; }
   Eigen::Vector3d node(std::int32_t number) const { return nodes_.segment<3>(3 * static_cast<Eigen::Index>(number)); }
   /// The first of a node's three rows.
   std::int32_t node_row(std::int32_t number) const {
-    return static_cast<std::int32_t>(2 * points_.size()) + 3 * number;
+    return static_cast<std::int32_t>(points_.dimension()) + 3 * number;
   }
   /// Whether a face of the surface has lost its area: no path is then known, and the state has no energy.
   bool collapsed() const { return collapsed_; }
@@ -81,14 +80,14 @@ class NetworkState {
   void set_host_lengths(std::shared_ptr<const HostLengths> lengths) { host_lengths_ = std::move(lengths); }
 
   static constexpr std::string_view motion = "motion";
-  Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()) + nodes_.size(); }
-  /// Each point walks its own straightest path, and is stopped by a boundary by itself; then the nodes move, and carry
-  /// the points with them.
+  Eigen::Index dimension() const { return points_.dimension() + nodes_.size(); }
+  /// The points walk; then the nodes move, and carry the points with them.
   Eigen::VectorXd move(const Eigen::VectorXd& step);
   void take_frame() {}
-  /// Turns each point's part as its way turned it. The way to or from a tip has no transport: there coordinates stay,
-  /// which is an isometry too, and one point at a vertex does not make the others forget their curvature.
-  bool transport(Eigen::VectorXd& tangent) const;
+  bool transport(Eigen::VectorXd& tangent) const {
+    points_.transport(tangent);
+    return true;
+  }
 
  private:
   void move_nodes(const Eigen::VectorXd& step);
@@ -98,10 +97,8 @@ class NetworkState {
   std::shared_ptr<const surface::GeodesicSolver> surface_;
   Eigen::VectorXd nodes_;
   bool collapsed_ = false;
-  std::vector<surface::SurfacePoint> points_;
-  std::vector<std::uint8_t> on_tip_;
+  surface::MovingPoints points_;
   Eigen::VectorXd last_step_;
-  std::vector<double> turns_;  ///< of each point's coordinates along the last move
   std::shared_ptr<const FoundPaths> found_;
   std::shared_ptr<const HostLengths> host_lengths_;
 };
