@@ -28,7 +28,7 @@ constexpr double same_vertex = 1e-10;
 /// And so are the places that unfolding shows a site at.
 constexpr double same_place = 1e-9;
 /// How often a triangle is divided in four for quadrature.
-constexpr int most_divisions = 3;
+constexpr int most_quarterings = 3;
 /// Faces of one task: each takes some microseconds.
 constexpr std::int32_t faces_of_a_task = 256;
 
@@ -297,8 +297,9 @@ class Builder {
            i < first_piece[static_cast<std::size_t>(face) + 1]; ++i) {
         const DiagramPiece& piece = diagram_.pieces[static_cast<std::size_t>(i)];
         std::vector<Vector2d> polygon;
+        const Vector3d* first_corner = &diagram_.corners[static_cast<std::size_t>(piece.first_corner)];
         for (std::int32_t k = 0; k < piece.corner_count; ++k) {
-          const Vector3d& b = diagram_.corners[static_cast<std::size_t>(piece.first_corner + k)];
+          const Vector3d& b = first_corner[k];
           polygon.emplace_back(b[0] * corners[0] + b[1] * corners[1] + b[2] * corners[2]);
         }
         sample_polygon(face, piece.site, corners, polygon, work, samples);
@@ -349,7 +350,7 @@ class Builder {
       }
     };
     for (std::size_t i = 2; i < polygon.size(); ++i)
-      divide(divide, polygon[0], polygon[i - 1], polygon[i], most_divisions);
+      divide(divide, polygon[0], polygon[i - 1], polygon[i], most_quarterings);
   }
 
   /// One walk back to the site for each bundle of paths: a path of the same straight bundle that arrives turned by some

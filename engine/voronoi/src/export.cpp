@@ -28,7 +28,7 @@ CutSurface cut_surface(const surface::TriangleMesh& mesh, const Diagram& diagram
   result.points = mesh.positions();
   std::vector<std::vector<CutSurface::Polygon>> of_sites(diagram.cells.size() + 1);
   const auto add = [&](std::int32_t site, std::vector<std::size_t> corners) {
-    of_sites[static_cast<std::size_t>(site + 1)].push_back({site, std::move(corners)});
+    of_sites[static_cast<std::size_t>(site) + 1].push_back({site, std::move(corners)});
   };
   for (std::size_t face = 0; face < diagram.face_sites.size(); ++face) {
     if (diagram.face_sites[face] == -1) continue;
@@ -37,10 +37,10 @@ CutSurface cut_surface(const surface::TriangleMesh& mesh, const Diagram& diagram
   }
   for (const DiagramPiece& piece : diagram.pieces) {
     std::vector<std::size_t> corners;
+    const Eigen::Vector3d* first = &diagram.corners[static_cast<std::size_t>(piece.first_corner)];
     for (std::int32_t k = 0; k < piece.corner_count; ++k) {
       corners.push_back(result.points.size());
-      result.points.push_back(surface::position(
-          mesh, {FaceId(piece.face), diagram.corners[static_cast<std::size_t>(piece.first_corner + k)]}));
+      result.points.push_back(surface::position(mesh, {FaceId(piece.face), first[k]}));
     }
     add(piece.site, std::move(corners));
   }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "planar_cross.h"
+
 namespace supple::voronoi {
 namespace {
 
@@ -46,8 +48,6 @@ constexpr int most_changes = 12;  // of the ways along one part
 /// Points of Gauss and Legendre's quadrature in [0, 1] along a part of a border.
 constexpr std::array<double, 3> nodes{0.1127016653792583, 0.5, 0.8872983346207417};
 constexpr std::array<double, 3> weights{5.0 / 18, 8.0 / 18, 5.0 / 18};
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// A side of a triangle: its cuts, by their number, and the sites between them.
 struct Side {

@@ -15,11 +15,11 @@ constexpr double shortest_part = 1e-13;
 /// Relative to the distance: sites this close to each other are equally near.
 constexpr double tie = 1e-12;
 /// Relative to the distance: lengths that differ by less differ by rounding.
-constexpr double rounding = 4e-16;
+constexpr double length_rounding = 4e-16;
 /// As many arrivals are told apart by all roots of their differences.
 constexpr std::size_t most_straight = 24;
 /// Of a segment: what is not told apart by then are many sites almost in one place, which are equally near.
-constexpr int most_divisions = 1024;
+constexpr int most_parts = 1024;
 /// Halvings after which equal labels at both ends of a part are believed, and after which ties are looked for.
 constexpr int deep = 12;
 constexpr int tie_depth = 6;
@@ -38,7 +38,7 @@ class Labeller {
     if (distances_.of_one_site(kept)) return append(begin, nearest.site);
     if (kept.size() <= most_straight && straight(kept, begin) && straight(kept, end))
       return label_straight(kept, begin, end);
-    if (!(end - begin > shortest_part) || ++divisions_ > most_divisions) return append(begin, nearest.site);
+    if (!(end - begin > shortest_part) || ++divisions_ > most_parts) return append(begin, nearest.site);
     if (depth >= tie_depth && tied(kept, {begin, middle, end})) {
       if (!has(kept, result_.sites.back())) append(begin, nearest.site);
       return;
@@ -134,7 +134,7 @@ class Labeller {
     const std::int32_t present = result_.sites.back();
     if (nearest.site == present) return present;
     const double own = distances_.from_site(active, present, point).distance;
-    return own - nearest.distance <= rounding * nearest.distance ? present : nearest.site;
+    return own - nearest.distance <= length_rounding * nearest.distance ? present : nearest.site;
   }
 
   /// Two arrivals: |x - A| - |x - B| = c on a line, where squaring twice leaves a quadratic equation of the share.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "objectives.h"
+#include "planar_cross.h"
 #include "supple/base/file_text.h"
 #include "supple/voronoi/export.h"
 
@@ -25,8 +26,6 @@ constexpr double gap = 4;
 constexpr double largest_letter = 4;
 /// Sheets are about this much wider than high.
 constexpr double sheet_ratio = 1.4;
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// Where Voronoi edges end, by their parts of borders: which edge leads from one point to the next on a cell's border.
 class EdgesOfPoints {
