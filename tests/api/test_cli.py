@@ -226,6 +226,26 @@ def test_a_file_may_say_where_the_surface_moves(supple: Program) -> None:
     assert refused.returncode == 1 and "--fix-vertex needs --host-kind" in refused.stderr
 
 
+def test_options_say_where_the_surface_moves_and_where_vertices_are_taken(supple: Program) -> None:
+    vertices, faces = flat_grid(2)
+    supple.file("once.obj", (1.5 * vertices, faces))
+    (supple.folder / "twice.txt").write_text("# the same, larger\n" + "\n".join(f"{x}, {y}, {z}" for x, y, z in 2 * vertices))
+    moving = ("relax", supple.file("grid.obj", (vertices, faces)), "v0", "v8", "--spring", "0,1", "--fixed", "0,1",
+              "--host-kind", "moving", "--positions", "once.obj", "--positions", "twice.txt")
+    answer = json.loads(supple.ok("--json", *moving))
+    assert len(answer["host"]["stops"]) == 2
+    np.testing.assert_allclose(answer["host"]["vertices"], 2 * vertices)
+    (supple.folder / "wrong.txt").write_text("0 0 0\n1 0\n")
+    refused = supple.run(*moving[:-1], "wrong.txt")
+    assert refused.returncode == 1 and "line 2 of" in refused.stderr and "no position of a vertex" in refused.stderr
+    shell = (*moving[:8], "--host-kind", "shell", "--host-thickness", "0.1", "--host-youngs-modulus", "10",
+             "--fix-vertex", "0,1,2,3", "--move-vertex", "8,1.1,1,0,1.2,1,0.3")
+    assert "shell of 9 vertices, 2 positions, moved by up to" in supple.ok(*shell)
+    answer = json.loads(supple.ok("--json", *shell))
+    assert [stop["reached"] for stop in answer["host"]["stops"]] == [1, 1]
+    np.testing.assert_allclose(answer["host"]["vertices"][8], [1.2, 1, 0.3], atol=1e-12)
+
+
 @pytest.mark.parametrize("name", ["torus", "ball", "rabbit", "cushion"])
 def test_sample_networks_are_read_as_they_are(supple: Program, name: str) -> None:
     text = supple.ok("relax", str(MESHES / f"{name}.obj"), "--network", str(MESHES.parent / "networks" / f"{name}.json"))
@@ -264,6 +284,9 @@ def test_networks_are_built_or_read_from_a_file(supple: Program) -> None:
     (["v0", "v1", "-s", "0,1", "--host-kind", "solid", "--host-youngs-modulus", "1", "--region", "0,1"], "'0,1' is no region"),
     (["v0", "v1", "-s", "0,1", "--host-kind", "solid", "--host-youngs-modulus", "1", "--fix-vertex", "0.5"], "names no vertex"),
     (["v0", "v1", "-s", "0,1", "--host-kind", "jelly"], "jelly"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "moving"], "a moving surface needs --positions"),
+    (["v0", "v1", "-s", "0,1", "--move-vertex", "1,0,0,0"], "--move-vertex needs --host-kind shell or --host-kind solid"),
+    (["v0", "v1", "-s", "0,1", "--host-kind", "solid", "--host-youngs-modulus", "1", "--move-vertex", "1,0,0"], "moves no vertex"),
 ])
 def test_a_network_that_is_not_told_in_full_is_a_usage_error(supple: Program, arguments: "list[str]", message: str) -> None:
     refused = supple.run("relax", supple.file("grid.obj", flat_grid(2)), *arguments)

@@ -193,6 +193,67 @@ def test_a_network_follows_a_surface_that_moves(api: Api, sphere_mesh: str) -> N
     np.testing.assert_allclose(again["positions"], answer["positions"], atol=1e-6)
 
 
+def moved(vertices: Any, chosen: Any, *ways: Any) -> List[Any]:
+    return [{"vertex": int(i), "positions": [(vertices[i] + way).tolist() for way in ways]} for i in chosen]
+
+
+@pytest.mark.parametrize("kind", ["shell", "solid"])
+def test_moved_vertices_take_host_and_network_along(api: Api, sphere_mesh: str, kind: str) -> None:
+    vertices = sphere(3)[0]
+    base = {**SHELL, "volume_weight": 0} if kind == "shell" else {"kind": "solid", "youngs_modulus": 100, "element_size": 0.5}
+    bottom, top = np.flatnonzero(vertices[:, 2] < -0.7), np.flatnonzero(vertices[:, 2] > 0.9)
+    ways = np.array([[0.1, 0, 0.1], [0.3, 0, 0.2]])
+    host = {**base, "fixed_vertices": bottom.tolist(), "moved_vertices": moved(vertices, top, *ways)}
+    answer = api.ok(NETWORKS, net(sphere_mesh, host=host))
+    assert answer["stopped"] == "converged" and answer["gradient_norm"] <= answer["accuracy"]["gradient_tolerance"]
+    stops = answer["host"]["stops"]
+    assert [(stop["stopped"], stop["reached"]) for stop in stops] == [("converged", 1)] * 2
+    assert stops[-1]["energy"] == answer["energy"] and sum(stop["iterations"] for stop in stops) <= answer["iterations"]
+    seen = np.array(answer["host"]["vertices"])
+    np.testing.assert_allclose(seen[top], vertices[top] + ways[1], atol=1e-12)
+    np.testing.assert_array_equal(seen[bottom], vertices[bottom])
+    assert effect(answer, "moved_vertices")["ran"] is True
+    # In between, the surface is in between.
+    middle = np.abs(vertices[:, 2]) < 0.2
+    assert 0 < (seen - vertices)[middle, 0].mean() < 0.3
+
+
+def test_events_of_moved_vertices_show_them_on_their_way(api: Api, sphere_mesh: str) -> None:
+    vertices = sphere(3)[0]
+    bottom, top = np.flatnonzero(vertices[:, 2] < -0.7), np.flatnonzero(vertices[:, 2] > 0.9)
+    host = {**SHELL, "volume_weight": 0, "fixed_vertices": bottom.tolist(),
+            "moved_vertices": moved(vertices, top, *[np.array([0.1, 0, 0.05]) * k for k in range(1, 16)])}
+    job = start_job(api, NETWORKS, net(sphere_mesh, host=host))
+    documents = [document for _, document in events(api, job)]
+    heights = [document["partial"]["vertices"][top[0]][0] - vertices[top[0], 0] for document in documents if document.get("partial")]
+    assert heights[0] == 0 and any(0 < height < 1.5 for height in heights)
+    shares = [document["progress"] for document in documents]
+    assert shares == sorted(shares)
+
+
+def test_moved_vertices_stop_where_a_solid_would_be_turned_inside_out(api: Api) -> None:
+    vertices, faces = sphere(1)
+    bottom, top = np.flatnonzero(vertices[:, 2] < -0.4), np.flatnonzero(vertices[:, 2] > 0.4)
+    # The top would become its mirror image: halfway it is flat.
+    mirrored = [{"vertex": int(i), "positions": [(vertices[i] * [-1, 1, 1]).tolist(), vertices[i].tolist()]} for i in top]
+    host = {"kind": "solid", "youngs_modulus": 100, "fixed_vertices": bottom.tolist(), "moved_vertices": mirrored}
+    request = {"points": [{"vertex": 0}, {"vertex": 1}], "springs": springs((0, 1)), "fixed_points": [0]}
+    answer = api.ok(NETWORKS, {**request, "mesh": api.upload(vertices, faces), "host": host})
+    (stop,) = answer["host"]["stops"]
+    assert 0.4 < stop["reached"] < 0.5 and stop["stopped"] == answer["stopped"] != "converged"
+    assert any("Moved vertices came" in warning for warning in answer["warnings"])
+    assert 0 < answer["host"]["volume_ratio"] < 1
+
+
+def test_a_deadline_ends_the_way_of_moved_vertices(api: Api, sphere_mesh: str) -> None:
+    vertices = sphere(3)[0]
+    bottom, top = np.flatnonzero(vertices[:, 2] < -0.7), np.flatnonzero(vertices[:, 2] > 0.9)
+    ways = [np.array([np.cos(a), np.sin(a), 1]) for a in np.linspace(0, 60, 1000)]
+    host = {**SHELL, "volume_weight": 0, "fixed_vertices": bottom.tolist(), "moved_vertices": moved(vertices, top, *ways)}
+    response = api.post(NETWORKS, net(sphere_mesh, host=host, deadline=1))
+    assert problem_code(response) == "job.deadline_exceeded"
+
+
 def test_positions_that_are_not_those_of_the_mesh_are_named(api: Api, sphere_mesh: str) -> None:
     vertices = sphere(3)[0]
     for wrong in (vertices[:-1], 0 * vertices):
@@ -204,6 +265,13 @@ def test_positions_that_are_not_those_of_the_mesh_are_named(api: Api, sphere_mes
 
 @pytest.mark.parametrize("host, code, places", [
     ({**SHELL, "fixed_vertices": [3, 5000]}, "host.fixed_vertex", ["/host/fixed_vertices/1"]),
+    ({**SHELL, "fixed_vertices": [3], "moved_vertices": [{"vertex": 3, "positions": [[0, 0, 0]]},
+                                                         {"vertex": 4, "positions": [[0, 0, 0]]},
+                                                         {"vertex": 4, "positions": [[0, 0, 0]]},
+                                                         {"vertex": 5000, "positions": [[0, 0, 0]]}]},
+     "host.moved_vertex", ["/host/moved_vertices/0/vertex", "/host/moved_vertices/2/vertex", "/host/moved_vertices/3/vertex"]),
+    ({**SHELL, "fixed_vertices": [3], "moved_vertices": [{"vertex": 4, "positions": [[0, 0, 0]]}]}, "host.unsupported",
+     ["/host/moved_vertices"]),
     ({"kind": "solid", "youngs_modulus": 1, "gravity": [0, 0, -1]}, "host.unsupported", ["/host/fixed_vertices"]),
     ({"kind": "solid", "youngs_modulus": 1, "regions": [{"lower": [1, 0, 0], "upper": [0, 1, 1], "youngs_modulus": 1}]},
      "host.invalid", ["/host/regions/0/lower"]),

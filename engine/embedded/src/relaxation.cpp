@@ -32,10 +32,13 @@ constexpr double longest_expansion = 64;
 constexpr double host_rounding = 1e-14;
 /// A way between two positions of a moving surface is not divided below this share of it.
 constexpr double shortest_load_step = 1.0 / 8;
-/// That of vertices of a host that are moved, where elements may be close to being turned inside out.
-constexpr double shortest_support_step = 1.0 / 1024;
-/// From a tangent a load step that is short enough takes few iterations: one that takes more is divided.
-constexpr int iterations_of_support_step = 30;
+/// That of vertices of a host that are moved. Shorter ones help where elements are about to be turned inside out, and
+/// not where an equilibrium is lost.
+constexpr double shortest_support_step = 1.0 / 8;
+constexpr double shortest_valid_step = 1.0 / 1024;
+/// From a tangent a load step takes few iterations. Where a thin shell buckles on it, it takes some dozens, and shorter
+/// ones do not find the way sooner.
+constexpr int iterations_of_support_step = 80;
 /// Of the computation, until network and host are at rest and vertices are moved.
 constexpr double share_before_moving = 0.2;
 /// Springs whose final paths one task describes.
@@ -283,12 +286,12 @@ class RelaxationRun {
     options.smallest_step = shortest_support_step;
     numerics::EquilibriumPath<MovedSupports> path(scene, options, execution_);
     numerics::MinimizerStop stop = numerics::MinimizerStop::converged;
-    int load_steps = 0;
+    int all_steps = 0;
     for (std::size_t k = 1; k <= scene.stops() && (k == 1 || result_.stops.back().reached == 1); ++k) {
       const auto target = static_cast<double>(k);
       scene.announce(target);
-      while (scene.load() < target && follow_supports(path, scene, target)) {
-      }
+      int load_steps = 0;
+      while (scene.load() < target && follow_supports(path, scene, target)) ++load_steps;
       const auto counts = path.take_counts();
       stop = path.result().stop;
       if (scene.load() < target)
@@ -297,16 +300,16 @@ class RelaxationRun {
       result_.stops.push_back({.energy = system.evaluate(0).value,
                                .gradient_norm = path.result().gradient_norm,
                                .iterations = counts.iterations,
-                               .load_steps = std::max(1, counts.load_steps),
+                               .load_steps = std::max(1, load_steps),
                                .stopped = std::string(numerics::to_string(stop)),
                                .reached = scene.load() - (target - 1)});
       result_.iterations += counts.iterations;
-      load_steps += counts.load_steps;
+      all_steps += load_steps;
     }
     result_.energy = result_.stops.back().energy;
     result_.gradient_norm = result_.stops.back().gradient_norm;
     if (execution_.cost)
-      execution_.cost->add_effect("moved_vertices", true, "the host has vertices that are moved", load_steps);
+      execution_.cost->add_effect("moved_vertices", true, "the host has vertices that are moved", all_steps);
     state_ = system.state();
     describe_energies(terms);
     return stop;
@@ -321,9 +324,14 @@ class RelaxationRun {
     part.execution().checkpoint(scene.load() / stops, "step");
     if (path.step(target - scene.load()) != Progress::failed) return true;
     scene.begin_step();
-    for (double share = 1; share >= shortest_load_step; share /= 2) {
-      if (!scene.predict(share)) continue;
+    double way = shortest_support_step;
+    while (way >= shortest_valid_step) {
+      const bool valid = scene.predict(std::min(1.0, way / (target - scene.load())));
+      way /= 2;
+      if (!valid) continue;
+      path.set_max_iterations(options_.max_iterations);
       path.settle();
+      path.set_max_iterations(std::min(options_.max_iterations, iterations_of_support_step));
       return true;
     }
     scene.restart_step();

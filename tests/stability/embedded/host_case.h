@@ -114,6 +114,8 @@ class HostCase {
         [&](const auto& host) {
           if constexpr (requires { host.fixed_vertices; })
             for (const std::int32_t vertex : host.fixed_vertices) fixed[static_cast<std::size_t>(vertex)] = true;
+          if constexpr (requires { host.moved_vertices; })
+            for (const MovedVertex& one : host.moved_vertices) fixed[static_cast<std::size_t>(one.vertex)] = true;
         },
         options.host);
     Eigen::VectorXd unheld = forces;

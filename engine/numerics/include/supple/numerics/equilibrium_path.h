@@ -141,6 +141,9 @@ class EquilibriumPath {
   /// Steps from now on are at most so long; the next one is tried at that length.
   void set_largest_step(double size) { options_.largest_step = step_ = size; }
 
+  /// Of each minimization from now on.
+  void set_max_iterations(int most) { options_.max_iterations = most; }
+
   /// Adds `mode` (all degrees of freedom) to the state, as far as the energy falls, and settles. False where it falls
   /// nowhere.
   bool leave_along(const Eigen::VectorXd& mode) { return move_along(mode) && minimize(true); }
