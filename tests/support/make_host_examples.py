@@ -193,6 +193,21 @@ def reins(vertices, faces):
             "host": {"kind": "solid", "youngs_modulus": 100, "poisson_ratio": 0.4, "element_size": 0.06, "fixed_vertices": bottom}}
 
 
+def pricked(vertices, faces):
+    """The same reins, slack, and the tips of the ears taken forwards in three parts of a turn about the line on which ears begin."""
+    network = reins(vertices, faces)
+    for spring in network["springs"]:
+        spring["rest_length"] = 0.14
+    pivot, moved = np.array([0.23, 0.0, 0.45]), []
+    for tip in np.flatnonzero(vertices[:, 2] > 0.73).tolist():
+        positions = []
+        for angle in np.radians([20, 40, 60]):
+            x, y, z = vertices[tip] - pivot
+            positions.append([float(c) for c in pivot + [math.cos(angle) * x + math.sin(angle) * z, y, math.cos(angle) * z - math.sin(angle) * x]])
+        moved.append({"vertex": tip, "positions": positions})
+    return {**network, "host": {**network["host"], "moved_vertices": moved}}
+
+
 # --- a strap on a cushion -------------------------------------------------------------------------------------------------
 
 CUSHION = (200.0, 150.0, 50.0)  # half of its length, width and height in mm
@@ -259,6 +274,10 @@ def write(folder, name, mesh, network):
     vertices, faces = mesh
     lines = [f"v {x:.5g} {y:.5g} {z:.5g}" for x, y, z in vertices + 0.0] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     (folder / "meshes" / f"{name}.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_network(folder, name, network)
+
+
+def write_network(folder, name, network):
     entries = [f'  "{key}": {json.dumps(rounded(value))}' for key, value in network.items()]
     (folder / "networks" / f"{name}.json").write_text("{\n" + ",\n".join(entries) + "\n}\n", encoding="utf-8")
 
@@ -270,6 +289,7 @@ def main():
     write(folder, "ball", mesh, cords(*mesh))
     mesh = rabbit()
     write(folder, "rabbit", mesh, reins(*mesh))
+    write_network(folder, "rabbit-pricks", pricked(*mesh))
     mesh = cushion()
     write(folder, "cushion", mesh, strap(*mesh))
 

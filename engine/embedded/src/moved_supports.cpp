@@ -92,7 +92,13 @@ void MovedSupports::begin_step() {
     unbalanced.segment<2>(row) += (change.transpose() - Eigen::Matrix2d::Identity()) * moved.segment<2>(row);
   }
   const Eigen::VectorXd answer = -cholesky_.solve(system_.restrict(unbalanced)) / share_for_tangent;
-  if (answer.allFinite()) tangent_ += system_.expand(answer);
+  if (!answer.allFinite()) return;
+  tangent_ += system_.expand(answer);
+  // Points that hardly anything holds would run far: they stay in their places.
+  for (std::size_t i = 0; i < from.points().size(); ++i) {
+    auto way = tangent_.segment<2>(2 * static_cast<Eigen::Index>(i));
+    if (!(way.norm() <= from.mesh().diagonal())) way.setZero();
+  }
 }
 
 bool MovedSupports::go(const State& from, const Eigen::VectorXd& step, double load) {

@@ -15,6 +15,7 @@
 #include "supple/embedded/network_builders.h"
 #include "supple/embedded/relaxation.h"
 #include "support/expect_error.h"
+#include "support/nearest_point.h"
 #include "support/shapes.h"
 
 namespace supple::embedded {
@@ -192,6 +193,53 @@ TEST(MovedVertices, AreFollowedOnTheTangentToThePathOfEquilibria) {
     }
     last = unbalanced;
   }
+}
+
+TEST(MovedVertices, LeavePointsThatHardlyAnythingHoldsInTheirPlaces) {
+  Bar bar;
+  // A chain that is as long as its way, up to a hair: across it, points have next to no stiffness.
+  bar.network = {};
+  for (const double x : {0.31, 0.93, 1.71, 2.6})
+    bar.network.points.push_back(testing::nearest_point(*bar.mesh, {x, 0.52, 1}));
+  for (std::int32_t i = 0; i < 3; ++i)
+    bar.network.springs.push_back(
+        {i, i + 1,
+         (1 - 1e-13) * bar.solver->distance(bar.network.points[static_cast<std::size_t>(i)],
+                                            bar.network.points[static_cast<std::size_t>(i) + 1]),
+         1});
+  bar.network.fixed_points = {0, 3};
+  SolidHost host{.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.5};
+  host.fixed_vertices = bar.left();
+  host.moved_vertices = bar.right(2, lifted);
+  const Relaxation found = relax(*bar.solver, bar.network, {.host = host});
+  EXPECT_EQ(found.stops.size(), 2U);
+  EXPECT_EQ(found.stops.back().reached, 1);
+}
+
+TEST(MovedVertices, TakeABranchThatIsStable) {
+  const Bar bar(2);
+  SolidHost host{.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.5};
+  host.fixed_vertices = bar.left();
+  host.moved_vertices = bar.right(1, lifted);
+  const HostModel model(*bar.mesh, host, {});
+  std::vector<bool> held(model.held());
+  const auto stable_at = [&](double share) {
+    Eigen::VectorXd nodes = model.nodes();
+    for (Eigen::Index i = 0; i < nodes.size(); i += 3) nodes[i] *= 1 - share;
+    std::vector<Vector3d> positions(static_cast<std::size_t>(bar.mesh->vertex_count()));
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      positions[i] = nodes.segment<3>(3 * static_cast<Eigen::Index>(i));
+    const NetworkState state(
+        std::make_shared<GeodesicSolver>(testing::share(bar.mesh->with_positions(std::move(positions)))), {}, nodes);
+    numerics::System<NetworkState> system(state, model.terms(), numerics::Unknowns(held));
+    MovedSupports scene(system, model.moved(), 1e-9);
+    numerics::MinimizerResult result;
+    result.indefinite = true;
+    return scene.finish(result);
+  };
+  EXPECT_TRUE(stable_at(0));
+  // A column that is so much shorter and still straight would buckle.
+  EXPECT_FALSE(stable_at(0.5));
 }
 
 TEST(MovedVertices, GoAsFarAsElementsKeepTheirVolumeAndSayHowFar) {
