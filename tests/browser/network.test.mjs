@@ -176,7 +176,7 @@ describe("a network on a surface", () => {
     assert.equal(await page.locator(".relaxation:not(.voronoi)").isVisible(), false, "nothing is relaxed yet");
     // Gradient descent goes on for long: there is time to look and to stop.
     await page.getByText("Accuracy, method and effects").click();
-    await page.getByLabel("Method", { exact: true }).selectOption("gradient_descent");
+    await page.getByRole("region", { name: "Network" }).getByLabel("Method", { exact: true }).selectOption("gradient_descent");
     await page.getByLabel("Tolerance of the gradient").selectOption("1e-12");
     await enter(page, "Most iterations", 2000);
     await page.getByLabel("Fixed points").fill("0, 7");
