@@ -177,7 +177,7 @@ describe("a network on a surface", () => {
     // Gradient descent goes on for long: there is time to look and to stop.
     await page.getByText("Accuracy, method and effects").click();
     await page.getByRole("region", { name: "Network" }).getByLabel("Method", { exact: true }).selectOption("gradient_descent");
-    await page.getByLabel("Tolerance of the gradient").selectOption("1e-12");
+    await page.getByRole("region", { name: "Network" }).getByLabel("Tolerance of the gradient").selectOption("1e-12");
     await enter(page, "Most iterations", 2000);
     await page.getByLabel("Fixed points").fill("0, 7");
     await page.getByLabel("Fixed points").press("Enter");
