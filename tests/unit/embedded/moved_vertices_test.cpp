@@ -302,7 +302,8 @@ TEST(MovedVertices, StopWhenAskedAndTellHowFarTheyAre) {
        {std::pair(StopReason::cancelled, "job.cancelled"), std::pair(StopReason::deadline, "job.deadline_exceeded")}) {
     Execution execution;
     states = 0;
-    options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>, const TriangleMesh&) {
+    options.observer = [&, reason = reason](const RelaxationStep&, std::span<const surface::SurfacePoint>,
+                                            const TriangleMesh&) {
       if (++states > at_rest_after + 3) execution.cancellation.request(reason);
     };
     expect_error(code, [&] { relax(*bar.solver, bar.network, options, execution); });
