@@ -352,6 +352,77 @@ describe("a network on a surface", () => {
     await closePage(page);
   });
 
+  it("follows supports that are dragged, moved by keys or written, and lets them back", async () => {
+    const page = await surface(torus(48, 24));
+    const canvas = page.locator(".viewer canvas");
+    await enter(page, "Least distance of two points", 0.7);
+    await page.getByRole("radio", { name: "Shell", exact: true }).check();
+    await button(page, "Hold the lowest tenth").click();
+    const standing = await page.getByLabel("Held vertices").inputValue();
+    await page.getByLabel(/^Supports: a click/).check();
+    await clickView(page, 0, 0);
+    await until(async () => (await page.getByLabel("Held vertices").inputValue()) !== standing, "another support");
+    await page.getByLabel(/^Supports: a click/).uncheck();
+    await button(page, "Relax").click();
+    await rested(page);
+    const before = page.relaxations.length;
+    const still = await canvas.screenshot();
+    const box = await canvas.boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    for (const share of [0.25, 0.5, 0.75, 1]) {
+      await page.mouse.move(x + 50 * share, y - 70 * share);
+      await page.waitForTimeout(60);
+    }
+    await until(() => page.relaxations.length > before, "a relaxation on the way");
+    await page.mouse.up();
+    const movedTo = () => page.relaxations.at(-1).host.moved_vertices?.[0]?.positions[0];
+    assert.equal(page.relaxations.at(-1).host.moved_vertices.length, 1);
+    const { vertex } = page.relaxations.at(-1).host.moved_vertices[0];
+    assert.ok(!page.relaxations.at(-1).host.fixed_vertices.includes(vertex));
+    await until(async () => Number(await fact(page, "Largest displacement")) > 0.3, "the host after the support");
+    await rested(page);
+    assert.ok(await page.getByText(`Vertex ${vertex} is at`).isVisible());
+    await page.waitForTimeout(300);
+    await picture(page, "supports-dragged");
+    // The view was not turned: put back, all is seen as before.
+    const dragged = JSON.stringify(movedTo());
+    await button(page, "Put supports back").click();
+    await until(() => page.relaxations.at(-1).host.moved_vertices === undefined, "the request without moves");
+    await page.mouse.move(box.x + 5, box.y + 5);
+    await until(async () => Number(await fact(page, "Largest displacement")) < 0.3, "the host as it was");
+    const [seen, now] = [await covered(page, still), await covered(page, await canvas.screenshot())];
+    assert.ok(Math.abs(now - seen) < 0.05 * seen, `${now} pixels instead of ${seen}`);
+    // By the keyboard.
+    await canvas.focus();
+    await page.keyboard.press("Shift+ArrowUp");
+    await until(() => movedTo(), "the support moved by a key");
+    const once = JSON.stringify(movedTo());
+    assert.notEqual(once, dragged);
+    await button(page, "Move the chosen support left").click();
+    await until(() => JSON.stringify(movedTo()) !== once, "the support moved by a button");
+    await page.getByLabel("Moved supports").fill(`${vertex}: 1.7 0.2 0.3`);
+    await page.getByLabel("Moved supports").press("Enter");
+    await until(() => JSON.stringify(movedTo()) === "[1.7,0.2,0.3]", "the support moved to a place that is written");
+    await rested(page);
+    const other = await openPage(browser, page.url());
+    await until(async () => (await other.getByLabel("Moved supports").inputValue()) === `${vertex}: 1.7 0.2 0.3`, "the moves of the link");
+    await closePage(other);
+    await page.getByLabel("Moved supports").fill("99999: 0 0 0");
+    await page.getByLabel("Moved supports").press("Enter");
+    assert.equal(await page.getByLabel("Moved supports").evaluate((input) => input.validity.valid), false);
+    await page.getByLabel("Moved supports").fill("");
+    await page.getByLabel("Moved supports").press("Enter");
+    // A patch of supports goes as a whole.
+    await enter(page, "Chosen support", 5);
+    await button(page, "Move the chosen support down").click();
+    await until(() => (page.relaxations.at(-1).host.moved_vertices?.length ?? 0) > 10, "all of the lowest tenth moved");
+    await rested(page);
+    await picture(page, "supports-patch");
+    await closePage(page);
+  });
+
   it("gives way on the sample as it is offered, and comes to rest", async () => {
     const page = await sample();
     for (const kind of ["Shell", "Solid"]) {

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { DEFORMATION_RAMP, deformationColour, deformationOf, greatestFactor } from "../src/mesh/deformation";
-import { type Host, hostFault, hostFor, hostLimits, lowestVertices, withSupport } from "../src/mesh/host";
+import { type Host, hostFault, hostFor, hostLimits, lowestVertices, patchOf, placeOfSupport, withMoved, withSupport } from "../src/mesh/host";
 import { hostFacts } from "../src/mesh/host_legend";
-import { readSupports, writeSupports } from "../src/mesh/host_text";
+import { readMoves, readSupports, writeMoves, writeSupports } from "../src/mesh/host_text";
 import { readMeshLink, writeMeshLink } from "../src/mesh/link";
 import type { MeshData, Vector } from "../src/mesh/mesh_data";
 import { fileRequest, type Network, networkKey, relaxationRequest } from "../src/mesh/network";
@@ -62,6 +62,28 @@ describe("a host", () => {
     expect(withSupport(shell, 4).supports).toEqual([3, 5, 9]);
   });
 
+  const mesh = { positions: Float64Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 5, 5]), faces: Uint32Array.from([0, 1, 2, 1, 3, 2]) };
+
+  it("takes supports elsewhere, those that edges join along, and forgets where they go when they are let go", () => {
+    const held = { ...shell, supports: [0, 1, 3, 4] };
+    expect(patchOf(held.supports, mesh, 0)).toEqual([0, 1, 3]);
+    expect(patchOf([0, 3], mesh, 0)).toEqual([0]);
+    expect(patchOf(held.supports, mesh, 4)).toEqual([4]);
+    const moved = withMoved(held, mesh, [0, 1], 1, [1, 0, 2]);
+    expect(moved.moves).toEqual([{ vertex: 0, to: [0, 0, 2] }, { vertex: 1, to: [1, 0, 2] }]);
+    expect(placeOfSupport(moved, mesh, 0)).toEqual([0, 0, 2]);
+    expect(placeOfSupport(moved, mesh, 3)).toEqual([1, 1, 0]);
+    const further = withMoved(moved, mesh, [0], 0, [0, 1, 2]);
+    expect(further.moves).toEqual([{ vertex: 0, to: [0, 1, 2] }, { vertex: 1, to: [1, 0, 2] }]);
+    expect(withSupport(further, 0).moves).toEqual([{ vertex: 1, to: [1, 0, 2] }]);
+    expect(relaxationRequest(MESH, on(further), network).host).toMatchObject({
+      fixed_vertices: [3, 4], moved_vertices: [{ vertex: 0, positions: [[0, 1, 2]] }, { vertex: 1, positions: [[1, 0, 2]] }],
+    });
+    expect(relaxationRequest(MESH, on(held), network).host).not.toHaveProperty("moved_vertices");
+    expect(hostFault({ ...further, supports: [0, 1] }, { boundary_loops: 0 })).toMatch(/needs three/);
+    expect(hostFault(further, { boundary_loops: 0 })).toBeNull();
+  });
+
   it("stands on the lowest tenth of its height", () => {
     expect(lowestVertices({ positions: Float64Array.from([0, 0, 1, 5, 0, -1, 0, 5, -0.81, 0, 0, -0.79]) })).toEqual([1, 2]);
   });
@@ -85,11 +107,21 @@ describe("held vertices as they are written", () => {
   });
 });
 
+describe("moved vertices as they are written", () => {
+  it("are vertices with their places", () => {
+    expect(readMoves("17: 0 -0.5 1e-3; 3: 1, 2, 3")).toEqual([{ vertex: 3, to: [1, 2, 3] }, { vertex: 17, to: [0, -0.5, 1e-3] }]);
+    expect(readMoves("")).toEqual([]);
+    expect(writeMoves([{ vertex: 3, to: [1, 2, 3] }, { vertex: 17, to: [0, -0.5, 1 / 3] }])).toBe("3: 1 2 3; 17: 0 -0.5 0.333333");
+    for (const text of ["x", "3", "3: 1 2", "3: 1 2 x", "3: 1 2 3: 4", "-3: 1 2 3", "3: 1 2 Infinity"]) expect(readMoves(text)).toBeNull();
+  });
+});
+
 describe("a link with a host", () => {
   const link = (network: NetworkState) => ({ mesh: MESH, tool: "network" as const, points: [], network });
 
   it("brings it back with its supports", () => {
-    for (const host of [shell, { ...shell, kind: "solid" as const, gravity: 0.25, keepsVolume: true, bends: false }]) {
+    const moved: Host = { ...shell, moves: [{ vertex: 4, to: [0.25, -1e-5, 3] }, { vertex: 9, to: [0, 0, -2] }] };
+    for (const host of [shell, moved, { ...shell, kind: "solid" as const, gravity: 0.25, keepsVolume: true, bends: false }]) {
       expect(readMeshLink(writeMeshLink(link(on(host))))?.network?.host).toEqual(host);
     }
     expect(writeMeshLink(link(on({ ...shell, kind: "rigid" })))).not.toContain("host=");

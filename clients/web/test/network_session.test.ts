@@ -232,6 +232,35 @@ describe("a network session", () => {
     expect(network.isStale).toBe(false);
   });
 
+  it("follows supports that are moved, with one request at a time, and shows what was at rest meanwhile", async () => {
+    const { network, view } = await begun();
+    network.changeHost({ kind: "shell", supports: [0, 1] });
+    network.together.set(false);
+    network.moveSupport(1, [2, 0, 0]);
+    expect(network.activity.get()).toMatchObject({ kind: "failed", sentence: expect.stringMatching(/three/) as string });
+    expect(asked).toEqual([]);
+    network.changeHost({ supports: [0, 1, 2] });
+    network.moveSupport(1, [2, 0, 0]);
+    await telling();
+    expect(network.chosenSupport.get()).toBe(1);
+    expect(asked[1].host).toMatchObject({ fixed_vertices: [0, 2], moved_vertices: [{ vertex: 1, positions: [[2, 0, 0]] }] });
+    for (const x of [3, 4, 5]) network.moveSupport(1, [x, 0, 0]);
+    tell?.("progress", { ...moved(1), vertices: PLACES });
+    tell?.("finished");
+    await vi.waitFor(() => expect(asked).toHaveLength(3));
+    expect(asked[2].host).toMatchObject({ moved_vertices: [{ vertex: 1, positions: [[5, 0, 0]] }] });
+    expect(view.host.get()?.vertices?.[1]).toEqual([2, 0, 0]);
+    network.takeSupports([]);
+    await vi.waitFor(() => {
+      tell?.("finished");
+      expect(asked).toHaveLength(4);
+    });
+    expect(asked[3].host).not.toHaveProperty("moved_vertices");
+    network.changeHost({ supports: [0, 2] });
+    expect(network.chosenSupport.get()).toBeNull();
+    network.cancel();
+  });
+
   it("has a host for the size of its mesh where a link tells of none, and supports that the mesh has", async () => {
     const { network } = await begun();
     network.restore(DEFAULT_NETWORK);

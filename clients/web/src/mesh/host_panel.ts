@@ -1,13 +1,12 @@
 // What carries the network: nothing that gives way, a shell or a solid, and which of its vertices are held.
-import { announce } from "../base/announce";
-import { button, Checkbox, Segments, Slider } from "../base/controls";
+import { Checkbox, Segments, Slider } from "../base/controls";
 import { h } from "../base/dom";
-import { type Host, HOST_KINDS, hostFault, type HostKind, hostLimits, MOST_SUPPORTS, VOLUME_SCALE_LIMITS } from "./host";
-import { readSupports, writeSupports } from "./host_text";
-import { listField } from "./list_field";
+import { type Host, HOST_KINDS, hostFault, type HostKind, hostLimits, VOLUME_SCALE_LIMITS } from "./host";
 import type { NetworkSession } from "./network_session";
 import { POISSON_LIMITS } from "./network_state";
+import type { Nudge } from "./nudge_buttons";
 import type { MeshSession } from "./session";
+import { supportControls } from "./support_controls";
 
 const KIND_WORDS: Record<HostKind, string> = { rigid: "Rigid", shell: "Shell", solid: "Solid" };
 const HELP: Record<HostKind, string> = {
@@ -16,7 +15,7 @@ const HELP: Record<HostKind, string> = {
   solid: "The closed surface is filled with elastic tetrahedra, at rest as the mesh has it. Lengths are in mesh units, energies in those of the springs.",
 };
 
-export function hostControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
+export function hostControls(mesh: MeshSession, network: NetworkSession, nudge: Nudge): HTMLElement {
   const kind = new Segments<HostKind>("Host", HOST_KINDS.map((value) => ({ value, words: KIND_WORDS[value] })), (value) => network.changeHost({ kind: value }));
   const help = h("p", { class: "muted" });
   const fault = h("p", { class: "note", hidden: true });
@@ -35,7 +34,7 @@ export function hostControls(mesh: MeshSession, network: NetworkSession): HTMLEl
   const volume = h("div", { class: "parameters" }, volumeWeight.element, volumeScale.element);
   const moreOfShell = h("div", { class: "parameters" }, h("div", {}, bends.element, keeps.element), volume);
   const ofSolid = h("div", { class: "parameters" }, gravity.element);
-  const held = supportControls(mesh, network);
+  const held = supportControls(mesh, network, nudge);
   const fields = h("div", { class: "parameters" }, ofShell, solidModulus.element, poisson.element, moreOfShell, ofSolid, held);
   const limit = () => {
     const diagonal = mesh.mesh.get()?.info.bounding_box.diagonal;
@@ -75,28 +74,4 @@ export function hostControls(mesh: MeshSession, network: NetworkSession): HTMLEl
   });
   network.state.watch(show);
   return h("div", { class: "parameters" }, kind.element, help, fields, fault);
-}
-
-function supportControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
-  const clicks = new Checkbox("Supports: a click on the surface holds the nearest vertex, or lets it go", (value) => network.supporting.set(value));
-  const field = listField<readonly number[]>("Held vertices", "none", "Write numbers of vertices of this mesh, from 0, between commas; rows of them as 0-9.", readSupports, (supports) => {
-    if (supports.length > MOST_SUPPORTS || supports.some((vertex) => vertex >= (mesh.mesh.get()?.info.vertices ?? 0))) return false;
-    network.changeHost({ supports });
-    return true;
-  });
-  const tell = () => announce(`${network.state.get().host.supports.length} vertices are held.`, "change");
-  const lowest = button("Hold the lowest tenth", () => {
-    network.supportLowest();
-    tell();
-  }, { title: "Holds the vertices in the lowest tenth of the height, which is along z" });
-  const free = button("Let all go", () => {
-    network.changeHost({ supports: [] });
-    tell();
-  }, { kind: "quiet" });
-  network.supporting.watch((value) => (clicks.value = value));
-  network.state.watch(({ host }) => {
-    field.set(writeSupports(host.supports));
-    free.hidden = host.supports.length === 0;
-  });
-  return h("div", { class: "parameters" }, clicks.element, field.element, h("div", { class: "row" }, lowest, free));
 }

@@ -1,7 +1,7 @@
 // Supports as they are written by hand, and a host in a link.
 import { plain } from "../base/format";
 import { DEFAULT_NETWORK } from "./network_state";
-import { type Host, HOST_KINDS, MOST_SUPPORTS } from "./host";
+import { type Host, HOST_KINDS, MOST_SUPPORTS, type Move } from "./host";
 
 /** "0-9, 17": vertices and rows of them, ascending; null where that is not what is written. */
 export function readSupports(text: string): readonly number[] | null {
@@ -27,12 +27,33 @@ export function writeSupports(supports: readonly number[]): string {
   return rows.map(([from, to]) => (from === to ? String(from) : to === from + 1 ? `${from}, ${to}` : `${from}-${to}`)).join(", ");
 }
 
+/** "3: 0.1 0 2; 17: 0 0 1": supports and where they are taken, ascending; null where that is not what is written. */
+export function readMoves(text: string): readonly Move[] | null {
+  const found = new Map<number, Move>();
+  for (const piece of text.split(/[;\n]/).map((one) => one.trim()).filter((one) => one !== "")) {
+    const [vertex, place, ...more] = piece.split(":").map((one) => one.trim());
+    const to = (place ?? "").split(/[\s,]+/).filter((one) => one !== "").map(Number);
+    if (!/^\d{1,9}$/.test(vertex) || more.length > 0 || to.length !== 3 || !to.every(Number.isFinite)) return null;
+    found.set(Number(vertex), { vertex: Number(vertex), to: [to[0], to[1], to[2]] });
+  }
+  return [...found.values()].sort((a, b) => a.vertex - b.vertex);
+}
+
+export function writeMoves(moves: readonly Move[]): string {
+  return moves.map(({ vertex, to }) => `${vertex}: ${to.map((value) => plain(Number(value.toPrecision(6)))).join(" ")}`).join("; ");
+}
+
 /** The fields of a host in a link; none of a rigid one. */
 export function writeHost(host: Host): readonly string[] {
   if (host.kind === "rigid") return [];
   const numbers = [host.thickness, host.shellModulus, host.solidModulus, host.poissonRatio, host.volumeWeight, host.volumeScale, host.gravity].map(plain);
   const fields = [host.kind, ...numbers, host.keepsVolume ? "volume" : "free", host.bends ? "bends" : "limp"];
-  return [`host=${fields.join(",")}`, ...(host.supports.length > 0 ? [`supports=${writeSupports(host.supports).replace(/ /g, "")}`] : [])];
+  const moves = host.moves.map(({ vertex, to }) => [vertex, ...to.map((value) => plain(Number(value.toPrecision(6))))].join(":"));
+  return [
+    `host=${fields.join(",")}`,
+    ...(host.supports.length > 0 ? [`supports=${writeSupports(host.supports).replace(/ /g, "")}`] : []),
+    ...(moves.length > 0 ? [`moves=${moves.join(",")}`] : []),
+  ];
 }
 
 /** The host of a link's fields, with defaults for what is none. */
@@ -45,6 +66,8 @@ export function readHost(fields: ReadonlyMap<string, string>): Host {
     const value = Number(values[place]);
     return values[place] && value >= lower && value <= upper ? value : otherwise;
   };
+  const supports = readSupports(fields.get("supports") ?? "") ?? [];
+  const moves = readMoves((fields.get("moves") ?? "").split(",").map((move) => move.replace(/:/g, " ").replace(" ", ":")).join(";")) ?? [];
   return {
     kind,
     thickness: number(1, 1e-12, 1e12, standard.thickness),
@@ -56,6 +79,7 @@ export function readHost(fields: ReadonlyMap<string, string>): Host {
     gravity: number(7, 0, 1e12, standard.gravity),
     keepsVolume: values[8] === "volume",
     bends: values[9] !== "limp",
-    supports: readSupports(fields.get("supports") ?? "") ?? [],
+    supports,
+    moves: moves.filter(({ vertex }) => supports.includes(vertex)),
   };
 }

@@ -3,6 +3,7 @@ import { button, type Choice, Segments, Select, Slider } from "../base/controls"
 import { h } from "../base/dom";
 import type { EffectSwitch } from "../contract/types";
 import { hostControls } from "./host_panel";
+import type { Nudge } from "./nudge_buttons";
 import { listField } from "./list_field";
 import type { ClickMode, NetworkSession } from "./network_session";
 import {
@@ -22,9 +23,9 @@ const SWITCHES: readonly Choice<EffectSwitch>[] = [{ value: "automatic", words: 
 const chooseFrom = <Value extends string>(words: Record<Value, string>, values: readonly Value[]): Choice<Value>[] => values.map((value) => ({ value, words: words[value] }));
 const powers = (values: readonly number[]): Choice<string>[] => values.map((value) => ({ value: String(value), words: value < 0.01 ? `10${value.toExponential().replace(/^1e-(\d+)$/, (_, digits: string) => `⁻${[...digits].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)]).join("")}`)}` : String(value) }));
 
-export function networkPanel(mesh: MeshSession, network: NetworkSession): HTMLElement {
+export function networkPanel(mesh: MeshSession, network: NetworkSession, nudge: Nudge): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Network" },
-    pointControls(mesh, network), elementControls(network), springControls(mesh, network), membraneControls(network), fixedField(network), hostControls(mesh, network), moreControls(network), actions(mesh, network));
+    pointControls(mesh, network), elementControls(network), springControls(mesh, network), membraneControls(network), fixedField(network), hostControls(mesh, network, nudge), moreControls(network), actions(mesh, network));
   mesh.tool.watch((tool) => (element.hidden = tool !== "network"));
   return element;
 }

@@ -1,10 +1,11 @@
 // A network on the mesh at hand: made, changed, relaxed, saved. Knows no element of the page.
+import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { EmbeddedSystem, EmbeddedSystemRequest, Job, SurfacePoint } from "../contract/types";
 import type { MeshData, Vector } from "./mesh_data";
-import { type Host, hostFor, lowestVertices, withSupport } from "./host";
+import { type Host, hostFault, hostFor, lowestVertices, patchOf, placeOfSupport, withMoved, withSupport, withSupports } from "./host";
 import type { Triple } from "./membrane";
 import { fileRequest, makingRequest, materialOf, type Network, networkKey, relaxationRequest, startsAtRest } from "./network";
 import { type Frame, Frames } from "./network_frames";
@@ -46,9 +47,14 @@ export class NetworkSession {
   readonly mode = new Observable<ClickMode>("add");
   /** Whether a click on the surface holds a vertex of a host that gives way. */
   readonly supporting = new Observable(false);
+  /** The support that is dragged, or moved by keys. */
+  readonly chosenSupport = new Observable<number | null>(null);
+  /** Whether supports that edges join to it go along. */
+  readonly together = new Observable(true);
   /** The first of two points to join. */
   readonly chosen = new Observable<number | null>(null);
   private running: AbortController | null = null;
+  private readonly followings = new Latest();
   /** Of the network that was made. */
   private key = "";
   private mesh = "";
@@ -78,9 +84,9 @@ export class NetworkSession {
   /** The network of a link, once its mesh is there. */
   restore(state: NetworkState): void {
     const info = this.session.mesh.get()?.info;
-    const supports = state.host.supports.filter((vertex) => vertex < (info?.vertices ?? 0));
+    const known = withSupports(state.host, state.host.supports.filter((vertex) => vertex < (info?.vertices ?? 0)));
     // A link tells nothing of a rigid host: shells and solids are then as they are at first.
-    const host = state.host.kind === "rigid" && info ? hostFor(info.bounding_box.diagonal) : { ...state.host, supports };
+    const host = state.host.kind === "rigid" && info ? hostFor(info.bounding_box.diagonal) : known;
     this.state.set({ ...state, host });
     this.follow();
   }
@@ -90,14 +96,40 @@ export class NetworkSession {
   }
 
   changeHost(change: Partial<Host>): void {
-    const host = { ...this.state.get().host, ...change };
+    const { supports, ...rest } = change;
+    const before = { ...this.state.get().host, ...rest };
+    const host = supports ? withSupports(before, supports) : before;
     if (host.kind === "rigid") this.supporting.set(false);
+    const chosen = this.chosenSupport.get();
+    if (chosen !== null && (host.kind === "rigid" || !host.supports.includes(chosen))) this.chosenSupport.set(null);
     this.change({ host });
   }
 
   /** Holds a vertex of the host, or lets it go. */
   support(vertex: number): void {
     this.changeHost(withSupport(this.state.get().host, vertex));
+  }
+
+  /** Where a support is taken, or stays. */
+  supportPlace(vertex: number): Vector {
+    return placeOfSupport(this.state.get().host, this.session.mesh.get()?.data ?? { positions: [] as unknown as MeshData["positions"] }, vertex);
+  }
+
+  /** Takes a support to a place; the host follows as fast as it is worked out. */
+  moveSupport(vertex: number, to: Vector): void {
+    const { host } = this.state.get();
+    const { data } = this;
+    if (!data || !host.supports.includes(vertex)) return;
+    const along = this.together.get() ? patchOf(host.supports, data, vertex) : [vertex];
+    this.changeHost({ moves: withMoved(host, data, along, vertex, to).moves });
+    this.chosenSupport.set(vertex);
+    this.followSupports();
+  }
+
+  /** Takes these supports to their places, and all others to where the mesh has them. */
+  takeSupports(moves: Host["moves"]): void {
+    this.changeHost({ moves });
+    this.followSupports();
   }
 
   supportLowest(): void {
@@ -171,11 +203,41 @@ export class NetworkSession {
   }
 
   cancel(): void {
+    this.followings.cancel();
     this.running?.abort();
     this.running = null;
     this.activity.set({ kind: "idle" });
     const relaxing = this.relaxing.get();
     if (relaxing && !relaxing.answer) this.relaxing.set(null);
+  }
+
+  /**
+   * Relaxes anew while supports are moved: one request at a time, and of those that wait only the newest. What was at rest before is
+   * seen meanwhile.
+   */
+  private followSupports(): void {
+    if (this.running) this.cancel();
+    const info = this.session.mesh.get()?.info;
+    const fault = info && hostFault(this.state.get().host, info);
+    if (!info || fault) return this.activity.set(fault ? { kind: "failed", sentence: fault } : { kind: "idle" });
+    this.followings.submit(async (signal) => {
+      try {
+        const network = this.isMade ? (this.network.get() as Network) : await this.made(signal);
+        if (signal.aborted) return;
+        const asked = relaxationRequest(this.mesh, this.state.get(), network);
+        // Springs are near their rest where they came to rest before. A membrane is at rest where it starts.
+        const last = this.relaxing.get();
+        const nearby = last?.answer && last.network === network && !asked.triangles ? { points: last.answer.points } : {};
+        const request = { ...asked, ...nearby };
+        const answer = await this.compute(request, "Following the supports", signal);
+        if (signal.aborted) return;
+        this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: [], gradientTolerance: answer.accuracy.gradient_tolerance, answer });
+        this.activity.set({ kind: "idle" });
+      } catch (error) {
+        if (isAbort(error) || signal.aborted) return;
+        this.activity.set({ kind: "failed", sentence: explain(error) });
+      }
+    });
   }
 
   private forget(): void {
@@ -238,8 +300,7 @@ export class NetworkSession {
       this.relaxing.set({ request, asked, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
     });
     if (signal.aborted) return;
-    const history = answer.history.map(({ energy, gradient_norm }, iteration): Step => ({ iteration, energy, gradient: gradient_norm }));
-    this.relaxing.set({ request, asked, network, steps: history, frames: frames.all, gradientTolerance: answer.accuracy.gradient_tolerance, answer });
+    this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: frames.all, gradientTolerance: answer.accuracy.gradient_tolerance, answer });
   }
 
   private compute(request: EmbeddedSystemRequest, words: string, signal: AbortSignal, hear: (job: Job) => void = () => {}): Promise<EmbeddedSystem> {
@@ -267,6 +328,12 @@ export class NetworkSession {
       const relaxing = this.relaxing.get();
       if (relaxing && !relaxing.answer) this.relaxing.set(null);
       this.activity.set({ kind: "failed", sentence: explain(error) });
+    } finally {
+      if (!signal.aborted) this.running = null;
     }
   }
+}
+
+function stepsOf({ history }: EmbeddedSystem): Step[] {
+  return history.map(({ energy, gradient_norm }, iteration) => ({ iteration, energy, gradient: gradient_norm }));
 }

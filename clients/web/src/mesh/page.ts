@@ -18,7 +18,7 @@ import { VoronoiView } from "./voronoi_view";
 
 /** Vertices of the sample that are seen at first. */
 const SAMPLE_POINTS = [442, 1223, 1785];
-/** How far an arrow moves a site of a Voronoi diagram, in pixels. */
+/** How far an arrow moves a site of a Voronoi diagram or a support, in pixels. */
 const NUDGE_PIXELS = 8;
 
 export function meshPage({ client, link }: Surroundings): Page {
@@ -32,7 +32,7 @@ export function meshPage({ client, link }: Surroundings): Page {
   const card = h("div", {}, relaxationCard(network, view));
   const diagram = h("div", {}, voronoiCard(voronoi, cells));
   const element = h("div", { class: "mesh-page" },
-    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, voronoi, nudge, () => void openSample()), h("div", { class: "column right" }, stage, card, diagram));
+    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, voronoi, { site: nudge, support: nudgeSupport }, () => void openSample()), h("div", { class: "column right" }, stage, card, diagram));
   const viewer = makeViewer();
   const hint = h("p", { class: "hint" });
   replace(stage, viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint, status);
@@ -63,9 +63,12 @@ export function meshPage({ client, link }: Surroundings): Page {
   /** Vertices that are held, where the surface has them now. */
   function showSupports(): void {
     const loaded = session.mesh.get();
-    const { kind, supports } = network.state.get().host;
-    const seen = ofNetwork() ? view.host.get()?.vertices : null;
-    viewer?.setSupports(loaded && ofNetwork() && kind !== "rigid" ? supports.map((vertex) => seen?.[vertex] ?? session.position({ vertex })) : []);
+    const { kind, supports, moves } = network.state.get().host;
+    const isSeen = ofNetwork() && kind !== "rigid";
+    // Moved ones are where they are taken, also while the surface is not there yet.
+    const taken = new Map(view.atRest.get() ? [] : moves.map(({ vertex, to }) => [vertex, to]));
+    viewer?.setSupports(loaded && isSeen ? supports.map((vertex) => taken.get(vertex) ?? session.position({ vertex })) : [], supports.indexOf(network.chosenSupport.get() ?? -1));
+    if (viewer) viewer.dragsSupports = isSeen && !view.atRest.get();
   }
 
   function hold({ face, barycentric }: NonNullable<Pick["place"]>): void {
@@ -83,6 +86,14 @@ export function meshPage({ client, link }: Surroundings): Page {
     const place = viewer.beside(voronoi.position(from), NUDGE_PIXELS * right, NUDGE_PIXELS * down);
     if (place) voronoi.move(site, { face: place.face, barycentric: [...place.barycentric] }, true);
     else announce("There is no surface beside the site.");
+  }
+
+  /** Moves the chosen support as it is seen, as far from the camera. */
+  function nudgeSupport(right: number, down: number): void {
+    const vertex = network.chosenSupport.get();
+    if (vertex === null || !viewer) return announce("No support is chosen.");
+    const to = viewer.besideInSpace(network.supportPlace(vertex), NUDGE_PIXELS * right, NUDGE_PIXELS * down);
+    network.moveSupport(vertex, to);
   }
 
   function pickSite({ place, point }: Pick): void {
@@ -108,7 +119,8 @@ export function meshPage({ client, link }: Surroundings): Page {
 
   if (viewer) {
     viewer.onPick = pick;
-    viewer.onNudge = nudge;
+    viewer.onNudge = (right, down) => (ofNetwork() ? nudgeSupport(right, down) : nudge(right, down));
+    viewer.onDragSupport = (index, to) => network.moveSupport(network.state.get().host.supports[index], to);
     viewer.onDrag = (site, { face, barycentric }, done) => voronoi.move(site, { face, barycentric: [...barycentric] }, done);
     session.tool.watch(() => (viewer.drags = ofVoronoi()));
     session.mesh.watch((loaded) => {
@@ -122,7 +134,7 @@ export function meshPage({ client, link }: Surroundings): Page {
     for (const part of [session.points, session.tool]) part.watch(showMarks);
     // The surface before the network, which lies on it.
     for (const part of [view.host, session.tool]) part.watch(() => viewer.setHost(ofNetwork() ? view.host.get() : null));
-    for (const part of [view.host, session.tool, session.mesh, network.state]) part.watch(showSupports);
+    for (const part of [view.host, view.atRest, session.tool, session.mesh, network.state, network.chosenSupport]) part.watch(showSupports);
     for (const part of [cells.cells, session.tool]) part.watch(() => !ofNetwork() && viewer.setCells(ofVoronoi() ? cells.cells.get() : null));
     for (const part of [view.picture, cells.picture, session.tool]) part.watch(() => viewer.setNetwork(ofNetwork() ? view.picture.get() : ofVoronoi() ? cells.picture.get() : null));
   }
@@ -137,7 +149,9 @@ export function meshPage({ client, link }: Surroundings): Page {
         return;
       }
       const click = ofNetwork() && network.supporting.get() ? "Click to hold the nearest vertex or let it go" : !ofNetwork() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
-      hint.textContent = `${click}, drag to turn, scroll to come nearer. With the keyboard: arrows and + −.`;
+      const { kind, supports } = network.state.get().host;
+      const hasSupports = ofNetwork() && kind !== "rigid" && supports.length > 0;
+      hint.textContent = `${click}, drag ${hasSupports ? "a support to move it, beside it" : ""} to turn, scroll to come nearer. With the keyboard: arrows and + −${hasSupports ? "; with Shift, arrows move the chosen support" : ""}.`.replace("  ", " ");
     });
   }
   session.tool.watch(() => {

@@ -10,13 +10,14 @@ import { ordered, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { type MeshSession, MOST_STARTS, type Tool } from "./session";
 import { cssGradient } from "./spring_colours";
 import { RAMP } from "./surface_material";
-import { type Nudge, voronoiPanel } from "./voronoi_panel";
+import type { Nudge } from "./nudge_buttons";
+import { voronoiPanel } from "./voronoi_panel";
 import type { VoronoiSession } from "./voronoi_session";
 
 const FILE_TYPES = ".obj,.off,.ply,.stl";
 
-export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: Nudge, sample: () => void): HTMLElement {
-  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network), voronoiPanel(session, voronoi, nudge), findingCard(session));
+export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: { readonly site: Nudge; readonly support: Nudge }, sample: () => void): HTMLElement {
+  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network, nudge.support), voronoiPanel(session, voronoi, nudge.site), findingCard(session));
 }
 
 function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {

@@ -53,6 +53,10 @@ export class MeshViewer {
   drags = false;
   /** A point that is dragged, the place that it is at, and whether it was let go there. */
   onDrag: (point: number, place: Place, done: boolean) => void = () => {};
+  /** Whether a vertex that is held, when it is seized, is dragged through space instead of turning the view. */
+  dragsSupports = false;
+  /** Which of the supports is dragged, and where to: in the plane through its place that faces the camera. */
+  onDragSupport: (support: number, to: Vector) => void = () => {};
   /** Shift and an arrow key: steps to the right and down. */
   onNudge: (right: number, down: number) => void = () => {};
   private readonly view: SceneView;
@@ -65,6 +69,7 @@ export class MeshViewer {
   private readonly host = new HostDrawing();
   private readonly cells = new CellDrawing();
   private supported: readonly Vector[] = [];
+  private chosenSupport = -1;
   /** Of the surface as it is seen, once a membrane lies on it. */
   private grid: SurfaceGrid | null = null;
   private draped: { positions: NetworkPicture["positions"]; triangles: NetworkPicture["triangles"]; drape: Drape } | null = null;
@@ -90,7 +95,7 @@ export class MeshViewer {
     dark.watch((isDark) => {
       this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
       this.setNetwork(this.picture);
-      this.setSupports(this.supported);
+      this.setSupports(this.supported, this.chosenSupport);
     });
   }
 
@@ -157,11 +162,20 @@ export class MeshViewer {
     return this.hit(new THREE.Vector2(seen.x + (2 * right) / width, seen.y - (2 * down) / height))?.place ?? null;
   }
 
+  /** The place so many pixels to the right of another and below it, as far from the camera. */
+  besideInSpace(place: Vector, right: number, down: number): Vector {
+    const { camera, canvas } = this.view;
+    camera.updateMatrixWorld();
+    const seen = new THREE.Vector3(...place).project(camera);
+    const { width, height } = canvas.getBoundingClientRect();
+    return new THREE.Vector3(seen.x + (2 * right) / width, seen.y - (2 * down) / height, seen.z).unproject(camera).toArray();
+  }
+
   /** Marks vertices that are held. */
-  setSupports(places: readonly Vector[]): void {
-    this.supported = places;
+  setSupports(places: readonly Vector[], chosen = -1): void {
+    [this.supported, this.chosenSupport] = [places, chosen];
     const colour = pageColours();
-    this.supports.show({ positions: places, kinds: places.map(() => "support"), lines: [], colours: [], triangles: [], triangleColours: [], straight: false }, (kind) => colour(DOT_COLOURS[kind]));
+    this.supports.show({ positions: places, kinds: places.map((_, k) => (k === chosen ? "chosen" : "support")), lines: [], colours: [], triangles: [], triangleColours: [], straight: false }, (kind) => colour(DOT_COLOURS[kind]));
     this.view.draw();
   }
 
@@ -235,18 +249,27 @@ export class MeshViewer {
     const { canvas } = this.view;
     let down: readonly [number, number] | null = null;
     let dragged: { point: number; place: Place | null } | null = null;
+    let support: { index: number; at: Vector; moved: boolean } | null = null;
     canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
     // Before the controls that turn the view, which then hear nothing of it.
     canvas.addEventListener("pointerdown", (event) => {
-      const point = this.drags && event.button === 0 && event.isPrimary ? this.pointAt(event) : null;
-      if (point === null) return;
+      const isFirst = event.button === 0 && event.isPrimary;
+      const point = this.drags && isFirst ? this.pointAt(event) : null;
+      const held = this.dragsSupports && isFirst ? this.nearestTo(event, this.supports) : null;
+      if (point === null && held === null) return;
       event.stopImmediatePropagation();
       canvas.setPointerCapture(event.pointerId);
       canvas.focus();
-      dragged = { point, place: null };
+      if (held !== null) support = { index: held, at: this.supported[held], moved: false };
+      else if (point !== null) dragged = { point, place: null };
       down = [event.clientX, event.clientY];
     }, { capture: true });
     canvas.addEventListener("pointermove", (event) => {
+      if (support && down) {
+        const [right, below] = [event.clientX - down[0], event.clientY - down[1]];
+        support.moved ||= Math.hypot(right, below) >= CLICK_PIXELS;
+        if (support.moved) this.onDragSupport(support.index, this.besideInSpace(support.at, right, below));
+      }
       if (!dragged || !down) return;
       if (!dragged.place && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) return;
       const place = this.hit(this.placeOf(event))?.place;
@@ -256,8 +279,8 @@ export class MeshViewer {
     });
     const release = (event: PointerEvent) => {
       const { point, place } = dragged ?? { point: 0, place: null };
-      const wasDragged = place !== null;
-      dragged = null;
+      const wasDragged = place !== null || support?.moved === true;
+      [dragged, support] = [null, null];
       if (place) this.onDrag(point, place, true);
       else if (event.type === "pointerup" && down && event.button === 0 && !wasDragged && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) this.pick(event);
       down = null;
@@ -266,7 +289,7 @@ export class MeshViewer {
     canvas.addEventListener("pointercancel", release);
     canvas.addEventListener("keydown", (event) => {
       const steps: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-      const step = event.shiftKey && this.drags ? steps[event.key] : undefined;
+      const step = event.shiftKey && (this.drags || this.dragsSupports) ? steps[event.key] : undefined;
       if (!step) return;
       event.preventDefault();
       event.stopImmediatePropagation();
@@ -291,10 +314,14 @@ export class MeshViewer {
   }
 
   private pointAt(event: PointerEvent): number | null {
+    return this.nearestTo(event, this.network);
+  }
+
+  private nearestTo(event: PointerEvent, drawing: NetworkDrawing): number | null {
     const box = this.view.canvas.getBoundingClientRect();
     const hit = this.hit(this.placeOf(event));
     const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
-    return this.network.nearest(event.clientX - box.left, event.clientY - box.top, POINT_PIXELS, this.view.camera, box, depth);
+    return drawing.nearest(event.clientX - box.left, event.clientY - box.top, POINT_PIXELS, this.view.camera, box, depth);
   }
 
   private pick(event: PointerEvent): void {

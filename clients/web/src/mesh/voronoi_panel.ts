@@ -3,6 +3,7 @@ import { button, type Choice, Segments, Select, Slider } from "../base/controls"
 import { h, uniqueId } from "../base/dom";
 import { pointWords, readPoint } from "./link";
 import { listField } from "./list_field";
+import { type Nudge, nudgeButtons } from "./nudge_buttons";
 import { readFixed, writeFixed } from "./network_text";
 import type { MeshSession } from "./session";
 import type { VoronoiSession } from "./voronoi_session";
@@ -11,9 +12,6 @@ import { type Exactness, type Minimizer, MOST_OBJECTIVE_WEIGHT, MOST_SITE_SEED, 
 const EXACTNESS_WORDS: Record<Exactness, string> = { exact: "Exact", bounded: "Within 1 %", edges: "Along edges" };
 const OBJECTIVE_WORDS: Record<Objective, string> = { centroidal: "Sites at their cells’ centres", regularity: "Regular cells", equal_area: "Equal areas", edge_length: "Equal edges", planarity: "Flat panels" };
 const MINIMIZER_WORDS: Record<Minimizer, string> = { automatic: "by objective", gauss_newton: "Gauss–Newton", lbfgs: "L-BFGS" };
-
-/** Where a site goes in the view, in steps to the right and down. */
-export type Nudge = (right: number, down: number) => void;
 
 export function voronoiPanel(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Voronoi diagram" }, 
@@ -38,9 +36,7 @@ function siteControls(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge):
   const words = h("p", { class: "muted" });
   const chosen = new Slider({ label: "Chosen site", lower: 0, upper: 1, step: 1, digits: 0, changed: (value) => voronoi.chosen.set(Math.round(value)) });
   const where = h("p", { class: "muted" });
-  const arrow = (sign: string, direction: string, right: number, down: number) => button(sign, () => nudge(right, down), { title: `Move the chosen site ${direction}` });
-  const arrows = [arrow("←", "left", -1, 0), arrow("↑", "up", 0, -1), arrow("↓", "down", 0, 1), arrow("→", "right", 1, 0)];
-  for (const one of arrows) one.setAttribute("aria-label", one.title);
+  const arrows = nudgeButtons("the chosen site", nudge);
   const withChosen = (act: (site: number) => void) => () => {
     const site = voronoi.chosen.get();
     if (site !== null) act(site);
