@@ -147,10 +147,10 @@ describe("a network on a surface", () => {
     await until(async () => (await page.locator(".points li button").count()) === 3, "three points");
     await page.getByLabel("Joins", { exact: true }).check();
     for (const [right, down] of [[-60, 20], [0, -40], [60, 20], [0, -40]]) await clickView(page, right, down);
-    assert.equal(await page.getByLabel("Springs between points").inputValue(), "0-2, 1-2");
+    await until(async () => (await page.getByLabel("Springs between points").inputValue()) === "0-2, 1-2", "both springs");
     await page.getByLabel("Fixes", { exact: true }).check();
     for (const [right, down] of [[-60, 20], [60, 20], [0, 60]]) await clickView(page, right, down);
-    assert.equal(await page.getByLabel("Fixed points").inputValue(), "0, 1");
+    await until(async () => (await page.getByLabel("Fixed points").inputValue()) === "0, 1", "both fixed points");
     await button(page, "Relax").click();
     await rested(page);
     await picture(page, "network-clicked");
