@@ -53,8 +53,8 @@ class Process {
     services_.metrics = &metrics_;
     server_ = std::make_unique<http::Server>(
         options.http, routes::make_router(services_), routes::problem_response,
-        [this](const std::string& pattern, const std::string& method, int status, double seconds) {
-          metrics_.count_request(pattern, method, status, seconds);
+        [this](const http::Answered& answered) {
+          metrics_.count_request(answered.pattern, answered.method, answered.status, answered.seconds);
         },
         [](const std::string& text) { spdlog::error("unexpected exception in {}", text); });
     services_.connections = [this] { return server_->connections(); };

@@ -5,25 +5,21 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 
 namespace supple::http {
 namespace {
 
-int milliseconds_until(ConnectionStream::Clock::time_point deadline) {
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - ConnectionStream::Clock::now()).count();
-  return static_cast<int>(std::clamp<std::int64_t>(left, 0, 3'600'000));
-}
+using Clock = std::chrono::steady_clock;
 
-ConnectionStream::Clock::time_point after(double seconds) {
-  return ConnectionStream::Clock::now() +
-         std::chrono::duration_cast<ConnectionStream::Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
-bool wait_for(int socket, short events, ConnectionStream::Clock::time_point deadline) {
+bool wait_until_writable(int socket, double seconds) {
+  const auto deadline =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   while (true) {
-    pollfd entry{socket, events, 0};
-    const int ready = ::poll(&entry, 1, milliseconds_until(deadline));
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    pollfd entry{socket, POLLOUT, 0};
+    const int ready = ::poll(&entry, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 3'600'000)));
     if (ready > 0) return true;
     if (ready == 0 || errno != EINTR) return false;
   }
@@ -31,48 +27,12 @@ bool wait_for(int socket, short events, ConnectionStream::Clock::time_point dead
 
 }  // namespace
 
-void ConnectionStream::begin_request(Clock::time_point deadline) {
-  deadline_ = deadline;
-  reading_head_ = true;
-  head_bytes_ = 0;
-  answer_has_begun_ = false;
-}
-
-void ConnectionStream::linger(double seconds) {
-  ::shutdown(socket_, SHUT_WR);
-  const auto deadline = after(seconds);
-  while (wait_for(socket_, POLLIN, deadline)) {
-    const auto count = ::recv(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-    if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) return;
-    if (Clock::now() >= deadline) return;
-  }
-}
-
-bool ConnectionStream::is_readable() const { return has_buffered_input() || wait_for(socket_, POLLIN, deadline_); }
-
-bool ConnectionStream::is_writable() const { return wait_for(socket_, POLLOUT, after(write_seconds_)); }
+bool ConnectionStream::is_writable() const { return wait_until_writable(socket_, write_seconds_); }
 
 ssize_t ConnectionStream::read(char* data, std::size_t size) {
-  if (!flush()) return -1;  // "100 Continue", for which the client waits
-  answer_has_begun_ = false;
-  if (begin_ == end_) {
-    // A body goes straight to its reader where the reader's buffer is the larger one.
-    const bool direct = !reading_head_ && size >= buffer_.size();
-    char* const target = direct ? data : buffer_.data();
-    const std::size_t room = direct ? size : buffer_.size();
-    ssize_t count = -1;
-    do {
-      if (!wait_for(socket_, POLLIN, deadline_)) return -1;
-      count = ::recv(socket_, target, room, MSG_DONTWAIT);
-    } while (count < 0 && (errno == EINTR || errno == EAGAIN));
-    if (count <= 0 || direct) return count;
-    begin_ = 0;
-    end_ = static_cast<std::size_t>(count);
-  }
-  const std::size_t count = std::min(size, end_ - begin_);
-  if (reading_head_ && (head_bytes_ += count) > max_head_bytes) return -1;
-  std::memcpy(data, buffer_.data() + begin_, count);
-  begin_ += count;
+  const auto count = std::min(size, head_.size());
+  std::memcpy(data, head_.data(), count);
+  head_.remove_prefix(count);
   return static_cast<ssize_t>(count);
 }
 
@@ -82,7 +42,7 @@ bool ConnectionStream::send_all(const char* data, std::size_t size) {
     if (count >= 0) {
       data += count;
       size -= static_cast<std::size_t>(count);
-    } else if ((errno != EAGAIN && errno != EINTR) || !wait_for(socket_, POLLOUT, after(write_seconds_))) {
+    } else if ((errno != EAGAIN && errno != EINTR) || !wait_until_writable(socket_, write_seconds_)) {
       return false;
     }
   }

@@ -18,13 +18,19 @@ void ConnectionThreads::enqueue(std::function<void()> serve) {
   wake_.notify_one();
 }
 
-void ConnectionThreads::shutdown() {
+bool ConnectionThreads::in_demand() const {
+  const std::lock_guard lock(mutex_);
+  return !waiting_.empty();
+}
+
+void ConnectionThreads::finish() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
   }
   wake_.notify_all();
   for (auto& thread : threads_) thread.join();
+  threads_.clear();
 }
 
 void ConnectionThreads::work() {

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <httplib.h>
-
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -11,18 +10,26 @@
 
 namespace supple::http {
 
-/// Threads that serve one connection each, started when connections come and kept for the next ones.
-class ConnectionThreads final : public httplib::TaskQueue {
+/// Threads that answer requests: as many as are busy at the same time, up to a limit. They are made when they are
+/// needed and stay.
+class ConnectionThreads {
  public:
   explicit ConnectionThreads(std::size_t most) : most_(most) {}
-  void enqueue(std::function<void()> serve) override;
-  void shutdown() override;
+  ~ConnectionThreads() { finish(); }
+  ConnectionThreads(const ConnectionThreads&) = delete;
+  ConnectionThreads& operator=(const ConnectionThreads&) = delete;
+
+  void enqueue(std::function<void()> serve);
+  /// Whether something waits for a thread.
+  bool in_demand() const;
+  /// Returns once everything has been done and the threads have ended.
+  void finish();
 
  private:
   void work();
 
   const std::size_t most_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> waiting_;
   std::vector<std::thread> threads_;

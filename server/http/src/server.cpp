@@ -1,44 +1,53 @@
 #include "supple/http/server.h"
 
+#include <arpa/inet.h>
 #include <httplib.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <openssl/rand.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
-#include <limits>
+#include <cmath>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 
+#include "connection.h"
 #include "connection_stream.h"
 #include "connection_threads.h"
+#include "lobby.h"
 
 namespace supple::http {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Arrival = Connection::Arrival;
 
-constexpr std::size_t max_path_bytes = 2048;
-constexpr double linger_seconds = 2;
-constexpr int refusal_threads = 4;  // answer 503 to connections beyond the limit
+constexpr std::chrono::seconds linger_time{2};
+constexpr std::size_t quick_threads = 4;  // answer probes and refusals
+constexpr int reserve_connections = 16;   // beyond the limit, for probes and refusals
 constexpr int listen_backlog = 512;
+// How long a thread stays with a connection that it has answered on. A client that asks one thing after another is
+// spared the way through the lobby; 20 ms hold no thread from others, since it leaves when one is in demand.
+constexpr int looks_at_next = 10;
+constexpr int look_milliseconds = 2;
 
 Clock::duration seconds(double value) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
 }
 
-/// What the handlers of a request, which run on the connection's thread, know of the connection.
-struct Connection {
-  ConnectionStream* stream = nullptr;
-  int socket = -1;
-  bool close_after_answer = false;  ///< the request was not read to its end
-  std::string pattern;              ///< of the route that answers
-  Clock::time_point started{};
+/// The request that this thread answers.
+struct Exchange {
+  Connection* connection = nullptr;
+  int status = 0;
+  bool close_after_answer = false;
 };
-thread_local Connection* current = nullptr;
+thread_local Exchange* current = nullptr;
 
 class ChunkWriter final : public StreamWriter {
  public:
@@ -54,77 +63,101 @@ class ChunkWriter final : public StreamWriter {
   bool gone_ = false;
 };
 
-bool takes_body(const std::string& method) {
-  return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
+/// The library runs what it accepts on the thread that listens, which hands it to the lobby.
+class RunAtOnce final : public httplib::TaskQueue {
+ public:
+  void enqueue(std::function<void()> task) override { task(); }
+  void shutdown() override {}
+};
+
+std::string random_id() {
+  std::array<unsigned char, 8> bytes{};
+  RAND_bytes(bytes.data(), static_cast<int>(bytes.size()));
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  return text;
 }
 
-/// The problem of a status that the library itself has set.
-problem::Problem library_problem(int status) {
-  switch (status) {
-    case 404:
-      return {"http.not_found", "There is nothing at this path.", {}, {}, {}};
-    case 413:
-      return {"request.body_too_large", "The body is too large.", {}, {}, {}};
-    case 414:
-      return {"http.uri_too_long", "The request target is longer than 8192 bytes.", {}, {}, {}};
-    case 415:
-      return {"http.unsupported_media_type", "The body's encoding or type is not supported.", {}, {}, {}};
-    case 416:
-      return {"http.range_not_satisfiable", "The header Range cannot be satisfied.", {}, {}, {}};
-    default:
-      if (status >= 500) return {"server.internal", "The server met an error that it did not expect.", {}, {}, {}};
-      return {"http.bad_request", "The request line, a header or the body's framing cannot be read.", {}, {}, {}};
+/// The address of the other end. Of IPv6 the first 64 bits, which one customer has to himself.
+std::string peer_address(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return "unknown";
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (address.ss_family == AF_INET) {
+    ::inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in*>(&address)->sin_addr, text.data(), text.size());
+  } else if (address.ss_family == AF_INET6) {
+    auto& bytes = reinterpret_cast<sockaddr_in6*>(&address)->sin6_addr;
+    if (!IN6_IS_ADDR_V4MAPPED(&bytes)) std::fill(bytes.s6_addr + 8, bytes.s6_addr + 16, std::uint8_t{0});
+    ::inet_ntop(AF_INET6, &bytes, text.data(), text.size());
   }
+  return text.data();
+}
+
+/// The head as the library reads it: without what this server has dealt with already. Answers are neither compressed,
+/// which costs more than it saves near the server, nor partial.
+std::string head_for_library(const RequestHead& head) {
+  constexpr std::array<std::string_view, 2> kept{"Connection", "Accept"};
+  std::string text = head.method + " " + head.target + " HTTP/1." + std::to_string(head.minor_version) + "\r\n";
+  for (const auto name : kept) {
+    if (const auto value = head.header(name); !value.empty())
+      text.append(name).append(": ").append(value).append("\r\n");
+  }
+  return text + "\r\n";
+}
+
+void check_body(const Request& request) {
+  if (media_type(request.header("Content-Type")) == "multipart/form-data") {
+    throw Error("http.unsupported_media_type",
+                "Forms (multipart/form-data) are not read; send the content itself as the body.");
+  }
+  const auto encoding = request.header("Content-Encoding");
+  if (!encoding.empty() && encoding != "identity") {
+    throw Error("http.unsupported_media_type",
+                "Compressed bodies are not read; send the body without Content-Encoding.");
+  }
+}
+
+std::exception_ptr busy(const std::string& code, const std::string& detail, const problem::Limit& limit, int retry) {
+  return std::make_exception_ptr(problem::ProblemError({code, detail, {}, limit, retry}));
 }
 
 }  // namespace
 
 class Server::Implementation final : public httplib::Server {
  public:
-  Implementation(const ServerOptions& options, Router router, Render render, Observe observe, Report report)
+  Implementation(const ServerOptions& options, Router router, Render render, Observe observe, Report report,
+                 Guard guard)
       : options_(options),
         router_(std::move(router)),
         render_(std::move(render)),
         observe_(std::move(observe)),
         report_(std::move(report)),
-        stop_event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (stop_event_ < 0) throw std::runtime_error("eventfd failed");
-    new_task_queue = [this] {
-      return new ConnectionThreads(static_cast<std::size_t>(options_.max_connections + refusal_threads));
-    };
+        guard_(std::move(guard)),
+        patience_{seconds(options.idle_seconds), seconds(std::min(options.head_seconds, options.request_seconds)),
+                  seconds(options.request_seconds)},
+        threads_(static_cast<std::size_t>(options.max_requests)),
+        quick_(quick_threads),
+        lobby_([this](Connection& connection) { admit(connection); },
+               [this](std::shared_ptr<Connection> connection, Arrival) { deliver(std::move(connection)); }) {
+    new_task_queue = [] { return new RunAtOnce; };
     set_keep_alive_timeout(static_cast<time_t>(options_.idle_seconds));  // what the Keep-Alive header says
     set_keep_alive_max_count(static_cast<std::size_t>(options_.requests_per_connection));
-    set_payload_max_length(std::numeric_limits<std::size_t>::max());  // each route has its own limit, see read_body
     // The library's default also sets SO_REUSEPORT, with which a second server would silently share the port.
     set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
+    // Before the library looks for a route of its own, of which there are none.
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      // The library matches paths by regular expressions, whose depth of recursion grows with the path.
-      const bool answered = request.path.size() > max_path_bytes || !takes_body(request.method);
-      if (answered) answer(request, response, nullptr);
-      return answered ? HandlerResponse::Handled : HandlerResponse::Unhandled;
-    });
-    const auto with_body = [this](const httplib::Request& request, httplib::Response& response,
-                                  const httplib::ContentReader& reader) { answer(request, response, &reader); };
-    Post(".*", with_body);
-    Put(".*", with_body);
-    Patch(".*", with_body);
-    Delete(".*", with_body);
-    set_error_handler(HandlerWithResponse([this](const httplib::Request& request, httplib::Response& response) {
-      if (response.body.empty()) {
-        fill(response, render_(library_problem(response.status)));
-        current->close_after_answer = true;
-        response.set_header("Connection", "close");
-        observe_("", request.method, response.status,
-                 std::chrono::duration<double>(Clock::now() - current->started).count());
-      }
+      answer(request, response);
       return HandlerResponse::Handled;
-    }));
+    });
   }
-
-  ~Implementation() override { ::close(stop_event_); }
 
   int take_port() {
     int port = options_.port;
@@ -144,188 +177,271 @@ class Server::Implementation final : public httplib::Server {
 
   void serve() {
     if (!stopping_) listen_after_bind();
+    lobby_.stop();
+    threads_.finish();
+    quick_.finish();
   }
 
   void end() {
     stopping_ = true;
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(stop_event_, &one, sizeof one);
     if (is_running() && !stopped_.exchange(true)) httplib::Server::stop();
   }
 
   bool stopping() const { return stopping_; }
-  int connections() const { return connections_; }
+  Load load() const {
+    const std::lock_guard lock(mutex_);
+    return {connections_, answering_, evicted_};
+  }
 
  private:
+  /// Counts a connection for as long as it exists.
+  class CountedConnection final : public Connection {
+   public:
+    CountedConnection(Implementation& server, int socket, const std::string& client)
+        : Connection(socket, client, server.options_.memory, server.patience_), server_(server) {}
+    ~CountedConnection() { server_.leave(client()); }
+    CountedConnection(const CountedConnection&) = delete;
+    CountedConnection& operator=(const CountedConnection&) = delete;
+
+   private:
+    Implementation& server_;
+  };
+
+  int share_of(int all) const { return std::max(1, static_cast<int>(options_.client_share * all)); }
+
   bool process_and_close_socket(socket_t socket) override {
-    const bool refused = ++connections_ > options_.max_connections;
     const int yes = 1;
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    ConnectionStream stream(socket, options_.write_seconds);
-    Connection connection;
-    connection.stream = &stream;
-    connection.socket = socket;
-    current = &connection;
-    if (refused) {
-      refuse(stream);
-    } else {
-      serve_connection(connection);
+    const auto client = peer_address(socket);
+    bool room_is_needed = false;
+    bool refused = false;
+    {
+      const std::lock_guard lock(mutex_);
+      ++connections_;
+      const int of_client = ++connections_of_[client];
+      room_is_needed = connections_ > options_.max_connections || of_client > share_of(options_.max_connections);
+      refused = connections_ > options_.max_connections + reserve_connections;
+      if (room_is_needed) ++evicted_;
     }
-    current = nullptr;
-    ::shutdown(socket, SHUT_RDWR);
-    ::close(socket);
-    --connections_;
+    auto connection = std::make_shared<CountedConnection>(*this, socket, client);
+    if (room_is_needed) lobby_.make_room();
+    if (refused) {
+      connection->refuse(too_many_connections());
+      deliver(std::move(connection));
+      return true;
+    }
+    lobby_.take(std::move(connection));
     return true;
   }
 
-  void serve_connection(Connection& connection) {
-    ConnectionStream& stream = *connection.stream;
-    for (int left = options_.requests_per_connection; left > 0; --left) {
-      if (!stream.has_buffered_input() && !wait_for_request(connection.socket)) return;
-      stream.begin_request(Clock::now() + seconds(options_.request_seconds));
-      connection.close_after_answer = false;
-      connection.started = Clock::now();
-      bool closed_by_client = false;
-      const bool last = left == 1 || stopping_;
-      const bool answered = process_request(stream, last, closed_by_client, [&](httplib::Request& request) {
-        stream.head_is_complete();
-        connection.started = Clock::now();
-        // No compression (it costs more than it saves near the server) and no partial answers.
-        request.headers.erase("Accept-Encoding");
-        request.headers.erase("Range");
-        request.ranges.clear();
-        const bool has_body =
-            request.get_header_value<std::uint64_t>("Content-Length") > 0 || request.has_header("Transfer-Encoding");
-        if (has_body && !takes_body(request.method)) connection.close_after_answer = true;
-      });
-      if (!stream.flush()) return;
-      if (!answered || connection.close_after_answer) return stream.linger(linger_seconds);
-      if (last || closed_by_client) return;
-    }
+  void leave(const std::string& client) {
+    const std::lock_guard lock(mutex_);
+    --connections_;
+    if (const auto found = connections_of_.find(client); --found->second == 0) connections_of_.erase(found);
   }
 
-  /// Waits for the first byte of a request. False where none comes, or the server stops.
-  bool wait_for_request(int socket) const {
-    const auto deadline = Clock::now() + seconds(options_.idle_seconds);
+  /// On the lobby's thread, or on one that has stayed with its connection: the head has arrived.
+  void admit(Connection& connection) {
+    const auto& head = *connection.head();
+    auto& request = connection.request;
+    request.id = random_id();
+    request.method = head.method;
+    request.path = head.path;
+    request.host = head.host;
+    request.query = read_query(head.query);
+    request.headers = head.headers;
+    request.peer = Peer(connection.socket());
+    request.client = connection.client();
+    std::exception_ptr no_route;
+    try {
+      auto match = router_.find(head.method, head.path);
+      connection.route = match.route;
+      request.path_parameters = std::move(match.path_parameters);
+    } catch (const Error&) {
+      no_route = std::current_exception();
+    }
+    if (guard_) guard_(request, connection.route);
+    if (no_route) std::rethrow_exception(no_route);
+    if (head.has_body()) check_body(request);
+  }
+
+  /// Takes a place among the requests that are answered; refuses the request where there is none. False for one that
+  /// needs no place: a probe, or a refusal.
+  bool enter(Connection& connection) {
+    if (connection.refusal() || (connection.route && connection.route->kind == Route::Kind::probe)) return false;
+    const std::lock_guard lock(mutex_);
+    const auto& client = connection.request.client;
+    if (connections_ > options_.max_connections) {
+      connection.refuse(too_many_connections());
+      return false;
+    }
+    const int share = share_of(options_.max_requests);
+    const auto of_client = answering_for_.find(client);
+    if (answering_ >= options_.max_requests) {
+      connection.refuse(busy("server.busy",
+                             "The server answers " + std::to_string(options_.max_requests) +
+                                 " requests, its limit (setting --max-requests).",
+                             {static_cast<double>(options_.max_requests),
+                              static_cast<double>(options_.max_requests) + 1, "--max-requests"},
+                             wait_for_place()));
+      return false;
+    }
+    if (of_client != answering_for_.end() && of_client->second >= share) {
+      connection.refuse(busy("server.client_share",
+                             "The server answers " + std::to_string(share) +
+                                 " requests of this client, a client's share (setting --client-share).",
+                             {static_cast<double>(share), static_cast<double>(share) + 1, "--client-share"},
+                             wait_for_place()));
+      return false;
+    }
+    ++answering_;
+    ++answering_for_[client];
+    return true;
+  }
+
+  void leave_place(const std::string& client, double taken) {
+    const std::lock_guard lock(mutex_);
+    --answering_;
+    if (const auto found = answering_for_.find(client); --found->second == 0) answering_for_.erase(found);
+    constexpr double weight = 0.05;  // of the latest request in the moving average
+    mean_seconds_ += weight * (taken - mean_seconds_);
+  }
+
+  /// Whole seconds until one of the requests that are answered now will probably be done. Under the mutex.
+  int wait_for_place() const {
+    constexpr double longest = 60;
+    return static_cast<int>(std::ceil(std::clamp(mean_seconds_ / options_.max_requests, 1.0, longest)));
+  }
+
+  /// On the lobby's thread: something is to be answered.
+  void deliver(std::shared_ptr<Connection> connection) {
+    const bool placed = enter(*connection);
+    auto& threads = placed ? threads_ : quick_;
+    threads.enqueue([this, connection = std::move(connection), placed]() mutable {
+      serve_connection(std::move(connection), placed);
+    });
+  }
+
+  /// Answers on the connection until no further request is there, which is left to the lobby to wait for.
+  void serve_connection(std::shared_ptr<Connection> connection, bool placed) {
     while (true) {
-      pollfd entries[2] = {{socket, POLLIN, 0}, {stop_event_, POLLIN, 0}};
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
-      const int ready = left > 0 ? ::poll(entries, 2, static_cast<int>(left)) : 0;
-      if (ready < 0 && errno == EINTR) continue;
-      return ready > 0 && entries[0].revents != 0;
+      const auto client = connection->request.client;
+      const auto begin = Clock::now();
+      const auto after = answer_on(*connection);
+      if (placed) leave_place(client, std::chrono::duration<double>(Clock::now() - begin).count());
+      if (after == After::close) return;
+      if (after == After::linger) {
+        connection->linger(linger_time);
+        return lobby_.take(std::move(connection));
+      }
+      connection->begin_next();
+      if (!placed || !next_has_arrived(*connection)) return lobby_.take(std::move(connection));
+      placed = enter(*connection);
     }
   }
 
-  void refuse(ConnectionStream& stream) {
-    problem::Problem problem{"server.too_many_connections", {}, {}, {}, 1};
-    problem.limit = problem::Limit{static_cast<double>(options_.max_connections),
-                                   static_cast<double>(options_.max_connections) + 1, "--max-connections"};
-    problem.detail = "The server has " + std::to_string(options_.max_connections) +
-                     " connections, its limit (setting --max-connections).";
-    const auto response = render_(problem);
-    std::string text = "HTTP/1.1 " + std::to_string(response.status) + " Service Unavailable\r\nConnection: close\r\n" +
+  /// Stays with a connection for a moment. True once its next request has arrived or is refused.
+  bool next_has_arrived(Connection& connection) {
+    const auto admission = [this](Connection& c) { admit(c); };
+    for (int look = 0; look < looks_at_next && !stopping_ && !threads_.in_demand(); ++look) {
+      if (!connection.has_input()) {
+        pollfd entry{connection.socket(), POLLIN, 0};
+        if (::poll(&entry, 1, look_milliseconds) <= 0) continue;
+      }
+      const auto arrival = connection.advance(admission);
+      if (arrival == Arrival::complete || arrival == Arrival::refused) return true;
+      if (arrival == Arrival::closed || connection.has_input()) return false;
+    }
+    return false;
+  }
+
+  enum class After { next, linger, close };
+
+  After answer_on(Connection& connection) {
+    Exchange exchange;
+    exchange.connection = &connection;
+    exchange.close_after_answer = connection.unread() || !connection.head();
+    current = &exchange;
+    const auto begin = Clock::now();
+    const bool last = ++connection.answered >= options_.requests_per_connection || stopping_;
+    bool closed_by_client = false;
+    bool sent = false;
+    if (connection.head()) {
+      const auto head = head_for_library(*connection.head());
+      ConnectionStream stream(connection.socket(), options_.write_seconds, head);
+      const bool answered = process_request(stream, last, closed_by_client, [](httplib::Request&) {});
+      sent = stream.flush();
+      if (!answered) exchange.close_after_answer = true;
+    } else {
+      sent = send_refusal(connection);
+    }
+    current = nullptr;
+    observe(connection, exchange.status, std::chrono::duration<double>(Clock::now() - begin).count());
+    if (!sent) return After::close;
+    if (exchange.close_after_answer) return After::linger;
+    return last || closed_by_client ? After::close : After::next;
+  }
+
+  void observe(const Connection& connection, int status, double taken) const {
+    if (!observe_) return;
+    const auto& request = connection.request;
+    observe_({request.id, request.client.empty() ? connection.client() : request.client,
+              connection.route ? connection.route->pattern : std::string(), request.method, request.path, status, taken,
+              request.body.size()});
+  }
+
+  std::exception_ptr too_many_connections() const {
+    const double limit = options_.max_connections;
+    return busy("server.too_many_connections",
+                "The server has " + std::to_string(options_.max_connections) +
+                    " connections, its limit (setting --max-connections).",
+                {limit, limit + 1, "--max-connections"}, 1);
+  }
+
+  /// Answers what is not even a request's head, without the library.
+  bool send_refusal(const Connection& connection) {
+    const auto response = problem_response(connection.refusal());
+    current->status = response.status;
+    std::string text = "HTTP/1.1 " + std::to_string(response.status) + " Refused\r\nConnection: close\r\n" +
                        "Content-Type: " + response.content_type + "\r\n";
     for (const auto& [name, value] : response.headers) text.append(name).append(": ").append(value).append("\r\n");
     text += "Content-Length: " + std::to_string(response.body.size()) + "\r\n\r\n" + response.body;
-    stream.write(text.data(), text.size());
-    stream.flush();
-    stream.linger(0.2);
-    observe_("", "", response.status, 0);
+    ConnectionStream stream(connection.socket(), options_.write_seconds, {});
+    return stream.write(text.data(), text.size()) >= 0 && stream.flush();
   }
 
-  /// Routes a request, reads its body within the route's limit, calls the handler and fills the library's response.
-  void answer(const httplib::Request& source, httplib::Response& target, const httplib::ContentReader* reader) {
+  Response problem_response(const std::exception_ptr& exception) {
+    const auto problem = problem::problem_of(exception);
+    if (problem.code == "server.internal") report_unexpected(exception, current->connection->request);
+    auto response = render_(problem);
+    if (problem.code == "http.method_not_allowed") {
+      response.set_header("Allow", router_.allowed(current->connection->request.path));
+    }
+    return response;
+  }
+
+  /// Called by the library once it has read the head: calls the handler and fills the library's response.
+  void answer(const httplib::Request&, httplib::Response& target) {
+    auto& connection = *current->connection;
     Response response;
-    current->pattern.clear();
     try {
-      response = respond(source, reader);
+      if (connection.refusal()) std::rethrow_exception(connection.refusal());
+      const budget::RequestMemory memory(connection.memory());
+      response = connection.route->handler(connection.request);
     } catch (...) {
-      const auto exception = std::current_exception();
-      const auto problem = problem::problem_of(exception);
-      if (problem.code == "server.internal") report_unexpected(exception, source);
-      response = render_(problem);
-      if (problem.code == "http.method_not_allowed") response.set_header("Allow", router_.allowed(source.path));
+      response = problem_response(std::current_exception());
     }
     if (current->close_after_answer) response.set_header("Connection", "close");
-    observe_(current->pattern, source.method, response.status,
-             std::chrono::duration<double>(Clock::now() - current->started).count());
+    response.set_header("Supple-Request-Id", connection.request.id);
+    current->status = response.status;
     fill(target, std::move(response));
-  }
-
-  Response respond(const httplib::Request& source, const httplib::ContentReader* reader) {
-    const bool has_body = has_content(source);
-    if (has_body) current->close_after_answer = true;  // until the body has been read
-    if (source.path.size() > max_path_bytes) {
-      throw Error("http.uri_too_long", "The path has " + std::to_string(source.path.size()) + " bytes, the limit is " +
-                                           std::to_string(max_path_bytes) + ".");
-    }
-    auto match = router_.find(source.method, source.path);
-    const Route& route = *match.route;
-    current->pattern = route.pattern;
-    Request request;
-    request.method = source.method;
-    request.path = source.path;
-    request.path_parameters = std::move(match.path_parameters);
-    request.query.insert(source.params.begin(), source.params.end());
-    for (const auto& header : source.headers) request.headers.push_back(header);
-    request.peer = Peer(current->socket);
-    if (has_body && reader) {
-      request.body = read_body(source, route.body, *reader);
-      current->close_after_answer = false;
-    }
-    return route.handler(request);
-  }
-
-  static bool has_content(const httplib::Request& source) {
-    return source.has_header("Transfer-Encoding") ||
-           (source.has_header("Content-Length") && source.get_header_value("Content-Length") != "0");
-  }
-
-  static std::string read_body(const httplib::Request& source, const BodyLimit& limit,
-                               const httplib::ContentReader& reader) {
-    if (source.has_header("Transfer-Encoding") && source.has_header("Content-Length")) {
-      throw Error("http.bad_request", "The request has both Transfer-Encoding and Content-Length.");
-    }
-    if (source.is_multipart_form_data()) {
-      throw Error("http.unsupported_media_type",
-                  "Forms (multipart/form-data) are not read; send the content itself as the body.");
-    }
-    if (limit.bytes == 0) throw Error("http.bad_request", "This request takes no body.");
-    const auto encoding = source.get_header_value("Content-Encoding");
-    if (!encoding.empty() && encoding != "identity") {
-      throw Error("http.unsupported_media_type",
-                  "Compressed bodies are not read; send the body without Content-Encoding.");
-    }
-    const auto announced = source.get_header_value<std::uint64_t>("Content-Length");
-    const auto too_large = [&limit](double bytes) {
-      problem::throw_limit("request.body_too_large", "The body's length in bytes", static_cast<double>(limit.bytes),
-                           bytes, limit.setting);
-    };
-    if (announced > limit.bytes) too_large(static_cast<double>(announced));
-    std::string body;
-    bool exceeded = false;
-    body.reserve(std::min<std::uint64_t>(announced, 1 << 20));
-    const bool complete = reader([&](const char* data, std::size_t size) {
-      if (body.size() + size > limit.bytes) {
-        exceeded = true;
-        return false;
-      }
-      body.append(data, size);
-      return true;
-    });
-    if (exceeded) too_large(static_cast<double>(limit.bytes) + 1);
-    if (!complete) {
-      throw Error("http.bad_request",
-                  "The body ended early, did not arrive in time, or its framing or encoding is broken.");
-    }
-    return body;
   }
 
   static void fill(httplib::Response& target, Response response) {
     target.status = response.status;
     for (auto& [name, value] : response.headers) target.set_header(name, value);
     if (response.stream) {
-      const Peer peer(current->socket);
+      const Peer peer(current->connection->socket());
       target.set_chunked_content_provider(
           response.content_type, [stream = std::move(response.stream), peer](std::size_t, httplib::DataSink& sink) {
             ChunkWriter writer(sink, peer);
@@ -339,7 +455,7 @@ class Server::Implementation final : public httplib::Server {
     }
   }
 
-  void report_unexpected(const std::exception_ptr& exception, const httplib::Request& request) const {
+  void report_unexpected(const std::exception_ptr& exception, const Request& request) const {
     std::string text = "an exception of unknown type";
     try {
       std::rethrow_exception(exception);
@@ -355,20 +471,33 @@ class Server::Implementation final : public httplib::Server {
   const Render render_;
   const Observe observe_;
   const Report report_;
-  const int stop_event_;
+  const Guard guard_;
+  const Connection::Patience patience_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> stopped_{false};  ///< the library's stop may be called only once
-  std::atomic<int> connections_{0};
+  mutable std::mutex mutex_;
+  // Guarded by the mutex.
+  int connections_ = 0;
+  std::uint64_t evicted_ = 0;
+  std::map<std::string, int> connections_of_;  ///< by client
+  int answering_ = 0;
+  std::map<std::string, int> answering_for_;  ///< by client
+  double mean_seconds_ = 0;                   ///< that an answer takes
+  // Last: what they run uses all of the others.
+  ConnectionThreads threads_;
+  ConnectionThreads quick_;
+  Lobby lobby_;
 };
 
-Server::Server(const ServerOptions& options, Router router, Render render, Observe observe, Report report)
+Server::Server(const ServerOptions& options, Router router, Render render, Observe observe, Report report, Guard guard)
     : implementation_(std::make_unique<Implementation>(options, std::move(router), std::move(render),
-                                                       std::move(observe), std::move(report))) {}
+                                                       std::move(observe), std::move(report), std::move(guard))) {}
 Server::~Server() = default;
 int Server::bind() { return implementation_->take_port(); }
 void Server::run() { implementation_->serve(); }
 void Server::stop() { implementation_->end(); }
 bool Server::stopping() const { return implementation_->stopping(); }
-int Server::connections() const { return implementation_->connections(); }
+int Server::connections() const { return implementation_->load().connections; }
+Load Server::load() const { return implementation_->load(); }
 
 }  // namespace supple::http

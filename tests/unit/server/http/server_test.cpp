@@ -79,6 +79,9 @@ class HttpServerTest : public testing::Test {
                   return text("done!");
                 },
                 {}});
+    Route probe{"GET", "/probe", [](const Request&) { return text("alive!"); }, {}};
+    probe.kind = Route::Kind::probe;
+    router.add(std::move(probe));
     router.add({"GET",
                 "/stream",
                 [](const Request&) {
@@ -97,10 +100,14 @@ class HttpServerTest : public testing::Test {
           response.status = problem::status_of(problem);
           return response;
         },
-        [this](const std::string&, const std::string&, int, double) { ++observed_; },
+        [this](const Answered&) { ++observed_; },
         [this](const std::string& text) {
           const std::lock_guard lock(report_mutex_);
           reported_ = text;
+        },
+        [](Request& request, const Route*) {
+          if (request.host == "evil") throw Error("http.misdirected_request", "Not this server.");
+          if (const auto client = request.header("X-Client"); !client.empty()) request.client = client;
         });
     port_ = server_->bind();
     thread_ = std::thread([this] { server_->run(); });
@@ -170,7 +177,7 @@ TEST_F(HttpServerTest, TurnsEveryErrorIntoAProblem) {
   EXPECT_TRUE(answer(get("/nothing")).ends_with("problem http.not_found!"));
   EXPECT_NE(answer(get("/echo")).find("Allow: POST"), std::string::npos);
   EXPECT_TRUE(answer("NONSENSE\r\n\r\n").ends_with("problem http.bad_request!"));
-  EXPECT_TRUE(answer("BREW / HTTP/1.1\r\n\r\n").ends_with("problem http.bad_request!"));
+  EXPECT_TRUE(answer("BREW / HTTP/1.1\r\nHost: x\r\n\r\n").ends_with("problem http.bad_request!"));
   EXPECT_TRUE(answer(get("/" + std::string(3000, 'x'))).ends_with("problem http.uri_too_long!"));
   EXPECT_TRUE(answer(get("/" + std::string(9000, 'x'))).ends_with("problem http.uri_too_long!"));
 }
@@ -187,25 +194,26 @@ TEST_F(HttpServerTest, RefusesABodyBeyondTheRoutesLimitWhicheverWayItIsSent) {
   EXPECT_TRUE(answer(post("/echo", std::string(1000, 'x'))).ends_with("xx!"));
   EXPECT_TRUE(answer(post("/echo", std::string(1001, 'x'))).ends_with("problem request.body_too_large!"));
   const std::string chunk = "400\r\n" + std::string(1024, 'x') + "\r\n";
-  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n" + chunk + "0\r\n\r\n")
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n" + chunk + "0\r\n\r\n")
                   .ends_with("problem request.body_too_large!"));
-  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nContent-Length: 999999999999\r\n\r\n")
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 999999999999\r\n\r\n")
                   .ends_with("problem request.body_too_large!"));
 }
 
 TEST_F(HttpServerTest, TakesAFormOfAnySizeAsBytes) {
   start();
   const std::string body(900, 'x');
-  EXPECT_TRUE(
-      answer("POST /echo HTTP/1.1\r\nContent-Type: application/x-www-form-urlencoded\r\nContent-Length: 900\r\n\r\n" +
-             body)
-          .ends_with("xx!"));
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Type: "
+                     "application/x-www-form-urlencoded\r\nContent-Length: 900\r\n\r\n" +
+                     body)
+                  .ends_with("xx!"));
 }
 
 TEST_F(HttpServerTest, DropsARequestThatDoesNotArriveInTime) {
   options_.request_seconds = 0.1;
   start();
-  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nContent-Length: 10\r\n\r\nabc").ends_with("problem http.bad_request!"));
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\nabc")
+                  .ends_with("problem http.request_timeout!"));
   Client slow(port_);
   slow.send("GET /hello/a HT");
   EXPECT_EQ(slow.read_all().find("200 OK"), std::string::npos);
@@ -251,19 +259,94 @@ TEST_F(HttpServerTest, ServesSixtyFourConnectionsAtTheSameTime) {
   for (auto& client : clients) EXPECT_TRUE(client->read_until("!").ends_with("done!"));
 }
 
-TEST_F(HttpServerTest, RefusesOneConnectionTooManyWithAProblem) {
+TEST_F(HttpServerTest, ClosesTheConnectionThatHasWaitedLongestWhereRoomIsNeeded) {
   options_.max_connections = 2;
+  options_.client_share = 1;
   start();
   Client first(port_);
   Client second(port_);
   for (Client* client : {&first, &second}) {
     client->send(get("/hello/a"));
     client->read_until("!");
+    std::this_thread::sleep_for(60ms);  // until its thread has left it to the lobby
   }
+  EXPECT_TRUE(answer(get("/hello/b")).ends_with("hello b!"));
+  EXPECT_EQ(first.read_all(), "");
+  second.send(get("/hello/c"));
+  EXPECT_TRUE(second.read_until("!").ends_with("hello c!"));
+  EXPECT_EQ(server_->load().evicted, 1U);
+}
+
+TEST_F(HttpServerTest, RefusesOneConnectionTooManyWithAProblemWhereAllAreBusy) {
+  options_.max_connections = 2;
+  options_.client_share = 1;
+  start();
+  Client first(port_);
+  Client second(port_);
+  for (Client* client : {&first, &second}) client->send(get("/slow"));
+  for (int i = 0; i < 5000 && slow_ < 2; ++i) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(answer(get("/hello/a")).ends_with("problem server.too_many_connections!"));
+  EXPECT_TRUE(answer(get("/probe")).ends_with("alive!"));
+  release_ = true;
+  EXPECT_TRUE(first.read_until("!").ends_with("done!"));
   first.hang_up();
   for (int i = 0; i < 5000 && server_->connections() > 1; ++i) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
+}
+
+TEST_F(HttpServerTest, AnswersProbesWhileManyRequestsAreSentHalf) {
+  options_.max_connections = 64;
+  options_.max_requests = 2;
+  start();
+  std::vector<std::unique_ptr<Client>> half;
+  for (int i = 0; i < 80; ++i) {
+    half.push_back(std::make_unique<Client>(port_));
+    half.back()->send(i % 2 == 0 ? "GET /hello/a HT" : "POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nab");
+  }
+  EXPECT_TRUE(answer(get("/probe")).ends_with("alive!"));
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
+}
+
+TEST_F(HttpServerTest, RefusesRequestsBeyondThoseItAnswersAndBeyondAClientsShare) {
+  options_.max_requests = 4;
+  options_.client_share = 0.5;
+  start();
+  Client first(port_);
+  Client second(port_);
+  for (Client* client : {&first, &second}) client->send(get("/slow"));
+  for (int i = 0; i < 5000 && slow_ < 2; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("problem server.client_share!"));
+  EXPECT_TRUE(answer("GET /hello/a HTTP/1.1\r\nHost: x\r\nX-Client: other\r\n\r\n").ends_with("hello a!"));
+  Client third(port_);
+  Client fourth(port_);
+  for (Client* client : {&third, &fourth}) client->send("GET /slow HTTP/1.1\r\nHost: x\r\nX-Client: other\r\n\r\n");
+  for (int i = 0; i < 5000 && slow_ < 4; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(answer("GET /hello/a HTTP/1.1\r\nHost: x\r\nX-Client: third\r\n\r\n").ends_with("problem server.busy!"));
+  EXPECT_TRUE(answer(get("/probe")).ends_with("alive!"));
+}
+
+TEST_F(HttpServerTest, AsksItsGuardBeforeItReadsABody) {
+  start();
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: evil\r\nContent-Length: 900\r\n\r\n")
+                  .ends_with("problem http.misdirected_request!"));
+}
+
+TEST_F(HttpServerTest, ReservesABodyBeforeItIsRead) {
+  budget::MemoryBudget memory(1000, 600);
+  options_.memory = &memory;
+  start();
+  EXPECT_TRUE(answer(post("/echo", std::string(500, 'x'))).ends_with("xx!"));
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 700\r\n\r\n")
+                  .ends_with("problem request.too_much_memory!"));
+  Client first(port_);
+  first.send("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 600\r\n\r\n");
+  for (int i = 0; i < 5000 && memory.reserved() < 600; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n")
+                  .ends_with("problem server.out_of_memory!"));
+  first.hang_up();
+  for (int i = 0; i < 5000 && memory.reserved() > 0; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(memory.reserved(), 0);
+  end();  // before the budget ends
 }
 
 TEST_F(HttpServerTest, ClosesIdleConnectionsAtOnceWhenItStops) {

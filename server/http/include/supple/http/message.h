@@ -31,8 +31,11 @@ struct Request {
   std::string path;  ///< decoded, without the query
   std::map<std::string, std::string> query;
   std::map<std::string, std::string> path_parameters;  ///< "mesh" for a route "/v1/meshes/{mesh}"
+  std::string host;  ///< that the client means: the header Host, or an absolute target's
   std::string body;
   Peer peer{-1};
+  std::string id;      ///< 16 hexadecimal digits, the answer's header Supple-Request-Id
+  std::string client;  ///< who asks: the address, or the name of the key that came along
 
   /// The value of a header (names in any case); empty where it is absent. Repeated headers are joined by ", ".
   std::string header(std::string_view name) const;

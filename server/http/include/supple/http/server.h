@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "supple/budget/memory.h"
 #include "supple/http/router.h"
 
 namespace supple::http {
@@ -11,26 +12,54 @@ namespace supple::http {
 struct ServerOptions {
   std::string host = "127.0.0.1";
   int port = 8080;              ///< 0: any free one
-  int max_connections = 256;    ///< served at the same time, one thread each; one more gets a 503
+  int max_connections = 1024;   ///< open at the same time; setting --max-connections
+  int max_requests = 256;       ///< answered at the same time, a thread each; setting --max-requests
+  double client_share = 0.75;   ///< of connections and requests that one client may have; setting --client-share
   double idle_seconds = 75;     ///< a kept connection without a request is closed after this
-  double request_seconds = 60;  ///< a request that takes longer to arrive is dropped
+  double head_seconds = 15;     ///< a request whose head takes longer to arrive is refused
+  double request_seconds = 60;  ///< a request that takes longer to arrive is refused
   double write_seconds = 60;    ///< a client that takes nothing of its answer for this long is dropped
   int requests_per_connection = 1'000'000;
+  budget::MemoryBudget* memory = nullptr;  ///< what bodies are reserved from; none where null
+};
+
+/// What became of a request.
+struct Answered {
+  std::string id;       ///< of the request, 16 hexadecimal digits; the answer's header Supple-Request-Id
+  std::string client;   ///< the address of its sender, or the name of its key
+  std::string pattern;  ///< of its route; empty where none fits
+  std::string method;   ///< empty where the head could not be read
+  std::string path;
+  int status = 0;
+  double seconds = 0;            ///< from its last byte to the answer's last byte
+  std::uint64_t body_bytes = 0;  ///< of the request
+};
+
+/// How busy a server is.
+struct Load {
+  int connections = 0;
+  int answering = 0;          ///< requests that are answered at the moment, probes aside
+  std::uint64_t evicted = 0;  ///< connections that were closed to make room for others
 };
 
 /// An HTTP/1.1 server over a Router. Every error, also the library's own, leaves as the response that `render` makes of
 /// a problem; no exception of a handler gets past it.
+///
+/// Connections wait without a thread until all of a request has arrived. Requests for probes, and refusals, have
+/// threads of their own, so that they are answered whatever else goes on.
 class Server {
  public:
   /// Makes the response for a problem (application/problem+json).
   using Render = std::function<Response(const problem::Problem&)>;
-  /// Hears of every answered request: pattern of its route ("" where none fits), method, status, seconds.
-  using Observe =
-      std::function<void(const std::string& pattern, const std::string& method, int status, double seconds)>;
+  /// Hears of every answered request, on the thread that answered it.
+  using Observe = std::function<void(const Answered&)>;
   /// Hears the text of exceptions whose cause a client is not told.
   using Report = std::function<void(const std::string& text)>;
+  /// Decides whether a request may be answered at all, before its body is read, and may name its client. The route is
+  /// null where there is none. Throws what refuses it.
+  using Guard = std::function<void(Request& head, const Route* route)>;
 
-  Server(const ServerOptions& options, Router router, Render render, Observe observe, Report report);
+  Server(const ServerOptions& options, Router router, Render render, Observe observe, Report report, Guard guard = {});
   ~Server();
 
   /// Takes the port and returns its number. Throws std::runtime_error where it cannot.
@@ -38,10 +67,12 @@ class Server {
   /// Accepts connections until `stop`; returns once every connection is closed.
   void run();
   /// From any thread, any number of times (once more if `run` began at the same moment): no further connection is
-  /// accepted, idle ones close at once, busy ones after the request that they are answering.
+  /// accepted; those that wait for a request, or for the rest of one, close at once; busy ones after the request that
+  /// they are answering.
   void stop();
   bool stopping() const;
   int connections() const;
+  Load load() const;
 
  private:
   class Implementation;

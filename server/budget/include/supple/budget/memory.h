@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace supple::budget {
+
+/// What this process has of the machine's memory, in bytes.
+struct MemoryUse {
+  std::int64_t resident = 0;  ///< in main memory
+  std::int64_t virtual_size = 0;
+};
+
+/// Reads /proc/self/statm; a few microseconds. Zeros where it cannot be read.
+MemoryUse memory_use();
+
+/// What the process may have, in bytes: the least of the machine's memory and its control group's limit (version 2 or
+/// 1), and of its address space (RLIMIT_AS); the latter 0 where there is no limit.
+struct MemoryLimits {
+  std::int64_t resident = 0;
+  std::int64_t virtual_size = 0;
+};
+MemoryLimits memory_limits();
+
+/// The share of all memory that requests may reserve and computations may fill where nobody says otherwise.
+constexpr double default_share = 0.7;
+std::int64_t default_budget(const MemoryLimits& limits);
+
+/// Bytes that requests reserve before they are allocated, all together and each by itself. Any thread may call.
+class MemoryBudget {
+ public:
+  /// `total` for all requests together (setting --memory), `each` for one (setting --max-request-memory).
+  MemoryBudget(std::int64_t total, std::int64_t each) : total_(total), each_(each) {}
+
+  /// Bytes of one request; they come back when it is destroyed. Moved, not copied; used by one thread at a time.
+  class Reservation {
+   public:
+    Reservation() = default;
+    explicit Reservation(MemoryBudget& budget) : budget_(&budget) {}
+    ~Reservation() { release(); }
+    Reservation(Reservation&& other) noexcept;
+    Reservation& operator=(Reservation&& other) noexcept;
+
+    /// Reserves so many bytes more for `what` ("the body"). Throws ProblemError "request.too_much_memory" (413) beyond
+    /// the limit of one request, "server.out_of_memory" (503) where all requests together have no room left; nothing is
+    /// reserved then. Does nothing without a budget.
+    void add(std::int64_t bytes, const std::string& what);
+    void release() noexcept;
+    std::int64_t bytes() const { return bytes_; }
+
+   private:
+    MemoryBudget* budget_ = nullptr;
+    std::int64_t bytes_ = 0;
+  };
+
+  std::int64_t total() const { return total_; }
+  std::int64_t each() const { return each_; }
+  std::int64_t reserved() const;
+
+ private:
+  const std::int64_t total_;
+  const std::int64_t each_;
+  mutable std::mutex mutex_;
+  std::int64_t reserved_ = 0;
+};
+
+/// Makes a reservation the one that `reserve` adds to on this thread, for its lifetime.
+class RequestMemory {
+ public:
+  explicit RequestMemory(MemoryBudget::Reservation& reservation);
+  ~RequestMemory();
+  RequestMemory(const RequestMemory&) = delete;
+  RequestMemory& operator=(const RequestMemory&) = delete;
+
+ private:
+  MemoryBudget::Reservation* outer_;
+};
+
+/// Adds to the reservation of the request that this thread answers; nothing where it answers none. Throws as
+/// Reservation::add does.
+void reserve(std::int64_t bytes, const std::string& what);
+
+/// Gives memory that is free within the process back to the system. Takes milliseconds.
+void return_free_memory();
+
+}  // namespace supple::budget

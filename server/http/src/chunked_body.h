@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace supple::http {
+
+/// Reads a body in chunks (RFC 9112, 7.1) as its bytes arrive. Sizes are hexadecimal digits alone; extensions of chunks
+/// and trailers are bounded and ignored.
+class ChunkedBody {
+ public:
+  /// Moves what belongs to the body from `input` to the end of `body`. True once the body is complete; what is left in
+  /// `input` then belongs to the next request. Throws Error "http.bad_request" where the framing is broken.
+  bool take(std::string& input, std::string& body);
+
+ private:
+  enum class Place { size, data, end_of_data, trailer, done };
+  bool take_line(std::string& input, std::size_t& used, std::string& line) const;
+
+  Place place_ = Place::size;
+  std::uint64_t left_ = 0;         ///< bytes of the chunk that have not arrived yet
+  std::size_t trailer_bytes_ = 0;  ///< read so far
+};
+
+}  // namespace supple::http

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "chunked_body.h"
+#include "request_head.h"
+#include "supple/budget/memory.h"
+#include "supple/http/router.h"
+
+namespace supple::http {
+
+/// One accepted connection and the request that arrives on it. Owned by one thread at a time: the lobby's while it
+/// waits, that of a request while it is answered. Reads without waiting.
+class Connection {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t max_head_bytes = 64 * 1024;
+
+  /// Finds the route of a head, fills `request` with all but the body, and decides whether the body may be read. What
+  /// it throws refuses the request.
+  using Admit = std::function<void(Connection&)>;
+  /// How long a request may take to arrive.
+  struct Patience {
+    Clock::duration idle{};     ///< from one request to the first byte of the next
+    Clock::duration head{};     ///< from the first byte to the end of the head
+    Clock::duration request{};  ///< from the first byte to the end of the body
+  };
+
+  Connection(int socket, std::string client, budget::MemoryBudget* memory, const Patience& patience);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  enum class Arrival {
+    waiting,   ///< for more bytes, until `deadline`
+    complete,  ///< a request that can be answered
+    refused,   ///< one that `refusal` answers
+    closed     ///< by the client, or broken
+  };
+  /// Reads what has arrived.
+  Arrival advance(const Admit& admit);
+  /// The deadline has passed: refused where a request has begun, closed otherwise.
+  Arrival expire();
+  /// Refuses a request that has arrived.
+  void refuse(std::exception_ptr reason) { refusal_ = std::move(reason); }
+  /// The request has been answered; the next one may come.
+  void begin_next();
+  /// Nothing further is answered: what the client still sends is read and discarded until `deadline`, so that closing
+  /// does not destroy the answer on its way.
+  void linger(Clock::duration most);
+  /// Discards what has arrived. False once the client has closed its end.
+  bool discard() const;
+
+  int socket() const { return socket_; }
+  const std::string& client() const { return client_; }
+  Clock::time_point deadline() const { return deadline_; }
+  /// When its first byte arrived.
+  Clock::time_point started() const { return started_; }
+  /// Whether no byte of a request has arrived.
+  bool idle() const { return place_ == Place::idle; }
+  bool lingering() const { return place_ == Place::lingering; }
+  /// Whether bytes of a further request have arrived already.
+  bool has_input() const { return !input_.empty(); }
+
+  /// Of the request that arrives or has arrived; nothing where its head could not be read.
+  const std::optional<RequestHead>& head() const { return head_; }
+  budget::MemoryBudget::Reservation& memory() { return memory_; }
+  const std::exception_ptr& refusal() const { return refusal_; }
+  /// Whether its body, if it has one, has not been read: what follows on the connection cannot be told apart from it.
+  bool unread() const { return unread_; }
+
+  Request request;               ///< what arrives or has arrived, as handlers see it
+  const Route* route = nullptr;  ///< that answers it; null where none does
+  int answered = 0;              ///< requests so far, counted by whoever answers them
+
+ private:
+  enum class Place { idle, head, body, arrived, lingering };
+  Arrival read_request_head(const Admit& admit);
+  Arrival read_body();
+  /// Bytes received, 0 where none has arrived, -1 where none will.
+  long receive(char* data, std::size_t room) const;
+  Arrival give_up(std::exception_ptr reason);
+
+  const int socket_;
+  const std::string client_;
+  budget::MemoryBudget* const budget_;
+  const Patience patience_;
+  Place place_ = Place::idle;
+  Clock::time_point started_{};
+  Clock::time_point deadline_{};
+  std::string input_;  ///< bytes that have arrived and belong to no request yet
+  std::optional<RequestHead> head_;
+  ChunkedBody chunks_;
+  budget::MemoryBudget::Reservation memory_;
+  std::exception_ptr refusal_;
+  bool unread_ = false;
+};
+
+}  // namespace supple::http

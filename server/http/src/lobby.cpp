@@ -1,0 +1,155 @@
+#include "lobby.h"
+
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <map>
+#include <stdexcept>
+
+namespace supple::http {
+namespace {
+
+constexpr int most_events = 256;
+constexpr std::chrono::milliseconds period{50};  // between two looks at the deadlines
+
+}  // namespace
+
+Lobby::Lobby(Connection::Admit admit, Deliver deliver)
+    : admit_(std::move(admit)),
+      deliver_(std::move(deliver)),
+      poll_(::epoll_create1(EPOLL_CLOEXEC)),
+      wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  epoll_event event{};
+  event.events = EPOLLIN;
+  event.data.fd = wake_;
+  if (poll_ < 0 || wake_ < 0 || ::epoll_ctl(poll_, EPOLL_CTL_ADD, wake_, &event) != 0) {
+    throw std::runtime_error("the system gives no epoll or eventfd");
+  }
+  thread_ = std::thread([this] { run(); });
+}
+
+void Lobby::take(std::shared_ptr<Connection> connection) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    taken_.push_back(std::move(connection));
+  }
+  ::eventfd_write(wake_, 1);
+}
+
+void Lobby::make_room() {
+  {
+    const std::lock_guard lock(mutex_);
+    ++asked_for_room_;
+  }
+  ::eventfd_write(wake_, 1);
+}
+
+void Lobby::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    taken_.clear();
+  }
+  ::eventfd_write(wake_, 1);
+  if (!thread_.joinable()) return;
+  thread_.join();
+  ::close(wake_);
+  ::close(poll_);
+}
+
+void Lobby::run() {
+  std::array<epoll_event, most_events> events{};
+  auto next_look = Connection::Clock::now() + period;
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_look - Connection::Clock::now()).count();
+    const bool nobody = waiting_.empty();
+    const int wait = nobody ? -1 : static_cast<int>(std::clamp<std::int64_t>(left, 0, period.count()));
+    const int ready = ::epoll_wait(poll_, events.data(), most_events, wait);
+    for (int i = 0; i < ready; ++i) {
+      const int socket = events.at(static_cast<std::size_t>(i)).data.fd;
+      if (socket == wake_) {
+        eventfd_t count = 0;
+        ::eventfd_read(wake_, &count);
+      } else if (const auto found = waiting_.find(socket); found != waiting_.end()) {
+        look_at(*found->second);
+      }
+    }
+    std::vector<std::shared_ptr<Connection>> taken;
+    int asked = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) break;
+      taken.swap(taken_);
+      std::swap(asked, asked_for_room_);
+    }
+    for (; asked > 0; --asked) close_one();  // before others come, who might take the place
+    for (auto& connection : taken) add(std::move(connection));
+    if (Connection::Clock::now() >= next_look) {
+      close_expired();
+      next_look = Connection::Clock::now() + period;
+    }
+  }
+  waiting_.clear();
+}
+
+void Lobby::add(std::shared_ptr<Connection> connection) {
+  const int socket = connection->socket();
+  epoll_event event{};
+  event.events = EPOLLIN;
+  event.data.fd = socket;
+  if (::epoll_ctl(poll_, EPOLL_CTL_ADD, socket, &event) != 0) return;
+  auto& placed = *waiting_.emplace(socket, std::move(connection)).first->second;
+  // Bytes that were read ahead tell the system nothing any more.
+  if (placed.has_input() || !placed.lingering()) look_at(placed);
+}
+
+void Lobby::look_at(Connection& connection) {
+  if (connection.lingering()) {
+    if (!connection.discard()) hand_over(connection.socket(), Connection::Arrival::closed);
+    return;
+  }
+  const auto arrival = connection.advance(admit_);
+  if (arrival != Connection::Arrival::waiting) hand_over(connection.socket(), arrival);
+}
+
+void Lobby::hand_over(int socket, Connection::Arrival arrival) {
+  ::epoll_ctl(poll_, EPOLL_CTL_DEL, socket, nullptr);
+  const auto found = waiting_.find(socket);
+  auto connection = std::move(found->second);
+  waiting_.erase(found);
+  if (arrival != Connection::Arrival::closed) deliver_(std::move(connection), arrival);
+}
+
+void Lobby::close_expired() {
+  const auto now = Connection::Clock::now();
+  std::vector<Connection*> expired;
+  for (const auto& [socket, connection] : waiting_) {
+    if (now >= connection->deadline()) expired.push_back(connection.get());
+  }
+  for (auto* const connection : expired) hand_over(connection->socket(), connection->expire());
+}
+
+void Lobby::close_one() {
+  std::map<std::string, int> connections;
+  for (const auto& [socket, connection] : waiting_) ++connections[connection->client()];
+  const auto is_before = [&](const Connection& a, const Connection& b) {
+    const auto rank = [](const Connection& c) { return c.lingering() ? 0 : (c.idle() ? 1 : 2); };
+    if (rank(a) != rank(b)) return rank(a) < rank(b);
+    if (rank(a) < 2) return a.deadline() < b.deadline();
+    const int of_a = connections[a.client()];
+    const int of_b = connections[b.client()];
+    return of_a != of_b ? of_a > of_b : a.started() < b.started();
+  };
+  Connection* chosen = nullptr;
+  for (const auto& [socket, connection] : waiting_) {
+    if (!chosen || is_before(*connection, *chosen)) chosen = connection.get();
+  }
+  if (chosen) hand_over(chosen->socket(), Connection::Arrival::closed);
+}
+
+}  // namespace supple::http

@@ -1,0 +1,207 @@
+#include "request_head.h"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "supple/base/error.h"
+
+namespace supple::http {
+namespace {
+
+constexpr std::size_t max_path_bytes = 2048;
+constexpr std::size_t max_target_bytes = 8192;
+constexpr std::size_t max_headers = 100;
+constexpr std::size_t max_length_digits = 18;  // below 2^63
+
+[[noreturn]] void refuse(const std::string& what) { throw Error("http.bad_request", what); }
+
+bool is_same(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && ::strncasecmp(a.data(), b.data(), a.size()) == 0;
+}
+
+bool is_token(std::string_view text) {
+  constexpr std::string_view marks = "!#$%&'*+-.^_`|~";
+  return !text.empty() && std::all_of(text.begin(), text.end(), [&](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           marks.find(c) != std::string_view::npos;
+  });
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+/// Takes the next line, without its end, from the text.
+std::string_view take_line(std::string_view& text) {
+  const auto end = text.find("\r\n");
+  if (end == std::string_view::npos) refuse("A line of the request's head does not end in CR LF.");
+  const auto line = text.substr(0, end);
+  text.remove_prefix(end + 2);
+  for (const char c : line) {
+    if ((static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f) {
+      refuse("The request's head contains a control character.");
+    }
+  }
+  return line;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+/// Escapes that are none stay as they are, as browsers and the query's reader treat them.
+std::string percent_decoded(std::string_view text, bool plus_is_space = false) {
+  std::string result;
+  result.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 && hex_digit(text[i + 2]) >= 0) {
+      result += static_cast<char>(16 * hex_digit(text[i + 1]) + hex_digit(text[i + 2]));
+      i += 2;
+    } else {
+      result += plus_is_space && text[i] == '+' ? ' ' : text[i];
+    }
+  }
+  return result;
+}
+
+void read_target(std::string_view target, RequestHead& head) {
+  if (target.size() > max_target_bytes) {
+    throw Error("http.uri_too_long", "The request target has " + std::to_string(target.size()) +
+                                         " bytes, the limit is " + std::to_string(max_target_bytes) + ".");
+  }
+  constexpr std::string_view scheme = "http://";
+  if (target.size() > scheme.size() && is_same(target.substr(0, scheme.size()), scheme)) {
+    // The absolute form, which clients of proxies send; its authority counts instead of Host (RFC 9112, 3.2.2).
+    target.remove_prefix(scheme.size());
+    const auto slash = std::min(target.find('/'), target.size());
+    head.host = target.substr(0, slash);
+    target.remove_prefix(slash);
+    if (target.empty()) target = "/";
+  }
+  if (target.empty() || target.front() != '/') refuse("The request target is not a path that begins with a slash.");
+  head.target = target;
+  const auto question = target.find('?');
+  const auto path = target.substr(0, question);
+  if (path.size() > max_path_bytes) {
+    throw Error("http.uri_too_long", "The path has " + std::to_string(path.size()) + " bytes, the limit is " +
+                                         std::to_string(max_path_bytes) + ".");
+  }
+  head.path = percent_decoded(path);
+  if (head.path.find('\0') != std::string::npos) refuse("The path contains the escape of a NUL character.");
+  if (question != std::string_view::npos) head.query = target.substr(question + 1);
+}
+
+void read_request_line(std::string_view line, RequestHead& head) {
+  constexpr std::array<std::string_view, 8> methods{"GET",   "HEAD",   "POST",    "PUT",
+                                                    "PATCH", "DELETE", "OPTIONS", "TRACE"};
+  const auto first = line.find(' ');
+  const auto last = line.rfind(' ');
+  if (first == std::string_view::npos || first == last) {
+    refuse("The request line is not a method, a target and a version between single spaces.");
+  }
+  head.method = line.substr(0, first);
+  if (std::find(methods.begin(), methods.end(), head.method) == methods.end()) {
+    refuse("The request's method is not one of GET, HEAD, POST, PUT, PATCH, DELETE and OPTIONS.");
+  }
+  const auto version = line.substr(last + 1);
+  if (version != "HTTP/1.1" && version != "HTTP/1.0") refuse("The request's version is neither HTTP/1.1 nor HTTP/1.0.");
+  head.minor_version = version.back() - '0';
+  const auto target = line.substr(first + 1, last - first - 1);
+  if (target.find(' ') != std::string_view::npos) refuse("The request target contains a space.");
+  read_target(target, head);
+}
+
+std::uint64_t read_length(std::string_view text) {
+  const bool digits =
+      !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (!digits || text.size() > max_length_digits) refuse("The header Content-Length is not a number of bytes.");
+  std::uint64_t value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+void read_framing(RequestHead& head) {
+  std::size_t hosts = 0;
+  std::size_t lengths = 0;
+  std::size_t codings = 0;
+  for (const auto& [name, value] : head.headers) {
+    if (is_same(name, "Host")) {
+      ++hosts;
+      if (head.host.empty()) head.host = value;
+    } else if (is_same(name, "Content-Length")) {
+      ++lengths;
+      head.content_length = read_length(value);
+    } else if (is_same(name, "Transfer-Encoding")) {
+      ++codings;
+      head.chunked = is_same(value, "chunked");
+      if (!head.chunked) refuse("The header Transfer-Encoding names another coding than chunked.");
+    } else if (is_same(name, "Expect")) {
+      head.expects_continue = is_same(value, "100-continue");
+    }
+  }
+  if (hosts > 1) refuse("The request has more than one header Host.");
+  if (hosts == 0 && head.minor_version == 1) refuse("The request has no header Host.");
+  if (lengths > 1) refuse("The request has more than one header Content-Length.");
+  if (codings > 1) refuse("The request has more than one header Transfer-Encoding.");
+  if (codings > 0 && lengths > 0) refuse("The request has both Transfer-Encoding and Content-Length.");
+  if (codings > 0 && head.minor_version == 0) refuse("A request of HTTP/1.0 has the header Transfer-Encoding.");
+}
+
+}  // namespace
+
+std::string_view RequestHead::header(std::string_view name) const {
+  for (const auto& [key, value] : headers) {
+    if (is_same(key, name)) return value;
+  }
+  return {};
+}
+
+std::size_t end_of_head(std::string_view text) {
+  const auto end = text.find("\r\n\r\n");
+  return end == std::string_view::npos ? end : end + 4;
+}
+
+RequestHead read_head(std::string_view text) {
+  RequestHead head;
+  read_request_line(take_line(text), head);
+  while (true) {
+    const auto line = take_line(text);
+    if (line.empty()) break;
+    if (line.front() == ' ' || line.front() == '\t') refuse("A header is folded over several lines.");
+    const auto colon = line.find(':');
+    if (colon == std::string_view::npos || !is_token(line.substr(0, colon))) {
+      refuse("A header is not a name directly followed by a colon.");
+    }
+    if (head.headers.size() == max_headers) {
+      refuse("The request has more than " + std::to_string(max_headers) + " headers.");
+    }
+    head.headers.emplace_back(line.substr(0, colon), trimmed(line.substr(colon + 1)));
+  }
+  read_framing(head);
+  return head;
+}
+
+std::map<std::string, std::string> read_query(std::string_view query) {
+  std::map<std::string, std::string> parameters;
+  while (!query.empty()) {
+    const auto end = std::min(query.find('&'), query.size());
+    const auto pair = query.substr(0, end);
+    const auto equals = std::min(pair.find('='), pair.size());
+    if (!pair.empty()) {
+      parameters.emplace(percent_decoded(pair.substr(0, equals), true),
+                         equals < pair.size() ? percent_decoded(pair.substr(equals + 1), true) : std::string());
+    }
+    query.remove_prefix(std::min(end + 1, query.size()));
+  }
+  return parameters;
+}
+
+}  // namespace supple::http
