@@ -28,6 +28,9 @@ struct GeodesicField::Data {
   /// is.
   std::vector<std::pair<std::int32_t, std::int32_t>> sources_in_faces;
 
+  /// Whether the vertex has a distance that was known before, which none of the sources has improved.
+  bool is_known(std::int32_t v) const { return vertex_sources[v] == static_cast<std::int32_t>(sources.size()); }
+
   /// Fills sources_in_faces.
   void sort_sources();
   /// Fills vertex_sources from the records.

@@ -70,6 +70,7 @@ SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
   }
   for (int corner = 0; corner < 3; ++corner) {
     const std::int32_t v = m.faces()[face][corner];
+    if (is_known(v)) continue;  // by a path that nobody has asked for
     offer_vertex(*mesh, target, corner, distances[v], records[v]);
   }
   return target;
@@ -90,6 +91,18 @@ int GeodesicField::nearest_source(const SurfacePoint& point) const {
 const std::vector<std::int32_t>& GeodesicField::vertex_sources() const {
   if (data_->vertex_sources.empty()) throw not_kept();
   return data_->vertex_sources;
+}
+
+bool GeodesicField::reaches(FaceId face) const {
+  const Data& data = *data_;
+  if (data.vertex_sources.empty()) throw not_kept();
+  const std::int32_t f = index(face);
+  if (data.kept && data.first[3 * f + 3] > data.first[3 * f]) return true;
+  for (const std::int32_t v : data.mesh->mesh->faces()[f])
+    if (data.vertex_sources[v] >= 0 && !data.is_known(v)) return true;
+  bool any = false;
+  data.visit_sources(f, [&](std::int32_t /*source*/) { any = true; });
+  return any;
 }
 
 double GeodesicField::relative_error_bound() const { return data_->relative_error_bound; }

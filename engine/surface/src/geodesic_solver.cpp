@@ -136,6 +136,7 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   settings.keep_windows = options.keep_windows;
   settings.relative_error = options.relative_error;
   settings.limit = options.max_distance;
+  settings.known = options.known_distances;
   {
     const StageTimer timer(execution.cost, "search");
     search->run(data->sources, {}, settings, execution);

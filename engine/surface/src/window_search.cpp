@@ -109,6 +109,11 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
       }
     }
   }
+  for (std::size_t v = 0; v < settings.known.size(); ++v) {
+    if (!(settings.known[v] < kInfinity)) continue;
+    vertex_record(static_cast<std::int32_t>(v)).origin = -1 - static_cast<std::int32_t>(sources.size());
+    distances_[v].value = settings.known[v];
+  }
   queue_.start(first_key, mesh_->mesh->mean_edge_length() * (settings.goal_directed ? kGoalBucket : kFieldBucket));
 }
 

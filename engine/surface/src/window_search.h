@@ -99,6 +99,9 @@ struct SearchSettings {
   /// With goal_directed: exact distance of each vertex from a point near the target, and that point's from the target.
   std::span<const double> landmark = {};
   double landmark_distance = 0;
+  /// Of each vertex the distance from sources that are left out, infinity where unknown; empty for none. Vertices that
+  /// no source improves have it still, and as their origin the source after the last.
+  std::span<const double> known = {};
 };
 
 /// A search that ends keeps at most this many bytes of each buffer that has grown with its work (windows that wait,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "supple/surface/face_arrival.h"
@@ -24,6 +25,12 @@ struct FieldOptions {
   /// Keep what answers queries for any point (0.5 KB per face on small meshes, growing like the square
   /// root of the faces where the surface is smooth: 3 KB at 80,000); without it only vertices have distances.
   bool keep_windows = false;
+  /// Of each vertex a distance that is known already, that of sources which are left out here, infinity where nothing
+  /// is known; empty for none. Of windows with no allowed error. Paths that reach a vertex later than this end there,
+  /// so that only places that the sources are nearest to, and their surroundings, cost work. Vertices that no source is
+  /// nearer to keep this distance; their vertex_sources is the number of sources, one past the last, and so is that of
+  /// their FaceArrival. Elsewhere the field is only right where these sources are the nearest.
+  std::span<const double> known_distances = {};
 };
 
 /// The distances from a set of sources, each point's to the nearest. Immutable; may be shared between threads.
@@ -49,6 +56,9 @@ class GeodesicField {
   /// its border included, is the least length_to() of them. Some are nowhere the shortest. Of an edge_graph these are
   /// the ways by the corners and those from sources in the face. O(their number). Same error.
   void arrivals(FaceId face, std::vector<FaceArrival>& arrivals) const;
+  /// Whether any path from the sources reaches the face or one of its corners, one that is not the shortest too. O(1),
+  /// but for the sources in the face. Same error.
+  bool reaches(FaceId face) const;
 
   /// Guaranteed bound on the relative error of every distance; NaN where the method gives none (edge_graph).
   double relative_error_bound() const;

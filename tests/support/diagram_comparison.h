@@ -1,0 +1,70 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <set>
+#include <utility>
+
+#include "supple/voronoi/diagram.h"
+
+namespace supple::testing {
+
+/// Expects two diagrams to be the same but for rounding: the same points, vertices, edges and cells in the same order,
+/// places within `tolerance` of each other, areas within 1e-12 of all of the area. Inner points mark where a border
+/// bends: rounding moves them along it by some 1e-7 of a face, and decides whether a cell's part of a face is one piece
+/// or two, so that of pieces only their sites are compared.
+inline void expect_same_diagram(const voronoi::Diagram& found, const voronoi::Diagram& wanted, double tolerance) {
+  ASSERT_EQ(found.points.size(), wanted.points.size());
+  for (std::size_t i = 0; i < wanted.points.size(); ++i) {
+    EXPECT_EQ(found.points[i].kind, wanted.points[i].kind);
+    const double own = wanted.points[i].kind == voronoi::DiagramPoint::Kind::inner ? 1e6 * tolerance : tolerance;
+    EXPECT_LE((found.points[i].position - wanted.points[i].position).norm(), own);
+    EXPECT_NEAR(found.points[i].distance, wanted.points[i].distance, own);
+  }
+  ASSERT_EQ(found.vertices.size(), wanted.vertices.size());
+  for (std::size_t i = 0; i < wanted.vertices.size(); ++i) {
+    EXPECT_EQ(found.vertices[i].point, wanted.vertices[i].point);
+    EXPECT_EQ(found.vertices[i].sites, wanted.vertices[i].sites);
+  }
+  ASSERT_EQ(found.edges.size(), wanted.edges.size());
+  for (std::size_t i = 0; i < wanted.edges.size(); ++i) {
+    EXPECT_EQ(found.edges[i].sites, wanted.edges[i].sites);
+    EXPECT_EQ(found.edges[i].points, wanted.edges[i].points);
+    EXPECT_NEAR(found.edges[i].length, wanted.edges[i].length, tolerance);
+  }
+  double area = wanted.unreached_area;
+  for (const voronoi::DiagramCell& cell : wanted.cells) area += cell.area;
+  ASSERT_EQ(found.cells.size(), wanted.cells.size());
+  for (std::size_t i = 0; i < wanted.cells.size(); ++i) {
+    EXPECT_NEAR(found.cells[i].area, wanted.cells[i].area, 1e-12 * area);
+    EXPECT_EQ(found.cells[i].boundary, wanted.cells[i].boundary);
+    EXPECT_EQ(found.cells[i].vertices, wanted.cells[i].vertices);
+    EXPECT_EQ(found.cells[i].neighbours, wanted.cells[i].neighbours);
+  }
+  EXPECT_NEAR(found.unreached_area, wanted.unreached_area, 1e-12 * area);
+  EXPECT_EQ(found.dual, wanted.dual);
+  EXPECT_EQ(found.vertex_sites, wanted.vertex_sites);
+  EXPECT_EQ(found.face_sites, wanted.face_sites);
+  const auto parts = [](const voronoi::Diagram& diagram) {
+    std::set<std::pair<std::int32_t, std::int32_t>> result;
+    for (const voronoi::DiagramPiece& piece : diagram.pieces) result.emplace(piece.face, piece.site);
+    return result;
+  };
+  EXPECT_EQ(parts(found), parts(wanted));
+  EXPECT_EQ(found.warnings, wanted.warnings);
+  ASSERT_EQ(found.border_samples.size(), wanted.border_samples.size());
+  for (std::size_t i = 0; i < wanted.border_samples.size(); ++i) {
+    EXPECT_EQ(found.border_samples[i].sites, wanted.border_samples[i].sites);
+    EXPECT_NEAR(found.border_samples[i].weight, wanted.border_samples[i].weight, tolerance);
+  }
+  ASSERT_EQ(found.cell_samples.size(), wanted.cell_samples.size());
+  for (std::size_t i = 0; i < wanted.cell_samples.size(); ++i) {
+    EXPECT_EQ(found.cell_samples[i].site, wanted.cell_samples[i].site);
+    EXPECT_NEAR(found.cell_samples[i].distance, wanted.cell_samples[i].distance, tolerance);
+    EXPECT_LE((found.cell_samples[i].by_site - wanted.cell_samples[i].by_site).norm(), 1e-9);
+  }
+}
+
+}  // namespace supple::testing

@@ -1,0 +1,143 @@
+#include "supple/voronoi/moving_diagram.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "supple/base/random.h"
+#include "supple/surface/moving_points.h"
+#include "support/diagram_comparison.h"
+#include "support/expect_error.h"
+#include "support/shapes.h"
+
+namespace supple::voronoi {
+namespace {
+
+using surface::GeodesicSolver;
+using surface::SurfacePoint;
+using surface::TriangleMesh;
+
+/// Moves one site after the other, each by up to `reach` in a random direction, and compares each diagram with one that
+/// is made anew. Returns how many were made locally.
+int expect_same_after_moves(const TriangleMesh& mesh, int sites, int moves, double reach, std::uint64_t seed,
+                            const DiagramOptions& options = {}) {
+  const GeodesicSolver solver(testing::share(mesh));
+  MovingDiagram moving(solver, options);
+  surface::MovingPoints points(mesh, random_sites(mesh, sites, seed));
+  moving.move_to(points.points());
+  RandomStream random("moved_sites", seed);
+  int local = 0;
+  for (int i = 0; i < moves; ++i) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(points.dimension());
+    const auto site = static_cast<Eigen::Index>(random.uniform() * sites);
+    const double angle = 6.283185307179586 * random.uniform();
+    const double way = reach * random.uniform();
+    step[2 * site] = way * std::cos(angle);
+    step[2 * site + 1] = way * std::sin(angle);
+    points.move(mesh, step);
+    moving.move_to(points.points());
+    local += moving.last_rebuild().local ? 1 : 0;
+    SCOPED_TRACE("move " + std::to_string(i) + " of seed " + std::to_string(seed));
+    testing::expect_same_diagram(moving.diagram(), diagram(solver, points.points(), options), 1e-12 * mesh.diagonal());
+    if (::testing::Test::HasFailure()) break;
+  }
+  return local;
+}
+
+TEST(MovingDiagram, AfterSmallMovesIsTheOneMadeAnew) {
+  EXPECT_EQ(expect_same_after_moves(testing::icosphere(3), 98, 40, 0.1, 1), 40);
+  EXPECT_EQ(expect_same_after_moves(testing::torus(24, 12), 60, 40, 0.1, 2), 40);
+  EXPECT_EQ(expect_same_after_moves(testing::genus3(2), 50, 30, 0.2, 3), 30);
+}
+
+TEST(MovingDiagram, AfterMovesAcrossManyCellsIsTheOneMadeAnew) {
+  EXPECT_EQ(expect_same_after_moves(testing::icosphere(3), 98, 30, 3, 4), 30);
+  EXPECT_EQ(expect_same_after_moves(testing::genus3(2), 50, 20, 5, 5), 20);
+}
+
+TEST(MovingDiagram, OfMoreSitesThanFacesIsTheOneMadeAnew) {
+  EXPECT_EQ(expect_same_after_moves(testing::icosphere(1), 300, 40, 0.2, 6), 40);
+}
+
+TEST(MovingDiagram, OfFewSitesWhoseCellsWrapHandlesIsTheOneMadeAnew) {
+  for (const int sites : {1, 2, 3, 5}) {
+    SCOPED_TRACE(sites);
+    EXPECT_EQ(expect_same_after_moves(testing::torus(24, 12), sites, 10, 1, 7), 10);
+  }
+}
+
+TEST(MovingDiagram, WithBoundaryIsTheOneMadeAnew) {
+  for (const TriangleMesh& mesh :
+       {testing::open_hemisphere(), testing::l_shape(4), testing::slit_annulus(), testing::saddle(6)})
+    expect_same_after_moves(mesh, 20, 20, 0.3, 8);
+}
+
+TEST(MovingDiagram, HasTheSamplesOfTheOneMadeAnew) {
+  expect_same_after_moves(testing::torus(24, 12), 60, 10, 0.3, 9, {.border_samples = true, .cell_samples = true});
+}
+
+TEST(MovingDiagram, OfSeveralSitesThatMoveAtOnceIsTheOneMadeAnew) {
+  const TriangleMesh mesh = testing::icosphere(3);
+  const GeodesicSolver solver(testing::share(mesh));
+  MovingDiagram moving(solver);
+  std::vector<SurfacePoint> sites = random_sites(mesh, 200, 1);
+  moving.move_to(sites);
+  const std::vector<SurfacePoint> others = random_sites(mesh, 25, 2);
+  for (std::size_t i = 0; i < others.size(); ++i) sites[8 * i] = others[i];
+  testing::expect_same_diagram(moving.move_to(sites), diagram(solver, sites), 1e-12 * mesh.diagonal());
+  EXPECT_TRUE(moving.last_rebuild().local);
+  EXPECT_EQ(moving.last_rebuild().moved_sites, 25);
+}
+
+TEST(MovingDiagram, CutsOnlyFacesNearTheMovedSite) {
+  const TriangleMesh mesh = testing::icosphere(4);
+  const GeodesicSolver solver(testing::share(mesh));
+  MovingDiagram moving(solver);
+  surface::MovingPoints points(mesh, random_sites(mesh, 500, 1));
+  moving.move_to(points.points());
+  EXPECT_FALSE(moving.last_rebuild().local);
+  EXPECT_EQ(moving.last_rebuild().cut_faces, mesh.face_count());
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(points.dimension());
+  step[0] = 0.01;
+  points.move(mesh, step);
+  EXPECT_TRUE(moving.is_near(points.points()));
+  moving.move_to(points.points());
+  EXPECT_TRUE(moving.last_rebuild().local);
+  EXPECT_EQ(moving.last_rebuild().moved_sites, 1);
+  EXPECT_GT(moving.last_rebuild().cut_faces, 0);
+  EXPECT_LT(moving.last_rebuild().cut_faces, mesh.face_count() / 50);
+}
+
+TEST(MovingDiagram, IsMadeAnewForOtherNumbersOfSitesAndOtherMethods) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  const std::vector<SurfacePoint> sites = random_sites(mesh, 30, 1);
+  MovingDiagram moving(solver);
+  EXPECT_FALSE(moving.is_near(sites));
+  moving.move_to(sites);
+  const std::vector<SurfacePoint> more = random_sites(mesh, 31, 1);
+  EXPECT_FALSE(moving.is_near(more));
+  testing::expect_same_diagram(moving.move_to(more), diagram(solver, more), 1e-12);
+  MovingDiagram bounded(solver, {.method = DiagramMethod::bounded});
+  bounded.move_to(sites);
+  EXPECT_FALSE(bounded.is_near(sites));
+}
+
+TEST(MovingDiagram, IsMadeAnewAfterAFault) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  std::vector<SurfacePoint> sites = random_sites(mesh, 30, 1);
+  MovingDiagram moving(solver);
+  moving.move_to(sites);
+  const Execution stopped;
+  stopped.cancellation.request(StopReason::cancelled);
+  sites[3] = random_sites(mesh, 1, 2)[0];
+  EXPECT_ANY_THROW(moving.move_to(sites, stopped));
+  testing::expect_same_diagram(moving.move_to(sites), diagram(solver, sites), 1e-12);
+  EXPECT_FALSE(moving.last_rebuild().local);
+}
+
+}  // namespace
+}  // namespace supple::voronoi
