@@ -4,12 +4,38 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "supple/voronoi/diagram.h"
 
 namespace supple::testing {
+
+/// A diagram without the points where borders only bend.
+inline voronoi::Diagram without_bends(voronoi::Diagram diagram) {
+  std::vector<std::int32_t> renamed(diagram.points.size(), -1);
+  std::vector<voronoi::DiagramPoint> kept;
+  for (std::size_t i = 0; i < renamed.size(); ++i) {
+    if (diagram.points[i].kind == voronoi::DiagramPoint::Kind::inner) continue;
+    renamed[i] = static_cast<std::int32_t>(kept.size());
+    kept.push_back(diagram.points[i]);
+  }
+  diagram.points = std::move(kept);
+  const auto rename = [&](std::vector<std::int32_t>& points) {
+    std::vector<std::int32_t> left;
+    for (const std::int32_t point : points)
+      if (renamed[static_cast<std::size_t>(point)] >= 0) left.push_back(renamed[static_cast<std::size_t>(point)]);
+    points = std::move(left);
+  };
+  for (voronoi::DiagramVertex& vertex : diagram.vertices)
+    vertex.point = renamed[static_cast<std::size_t>(vertex.point)];
+  for (voronoi::DiagramEdge& edge : diagram.edges) rename(edge.points);
+  for (voronoi::DiagramCell& cell : diagram.cells)
+    for (std::vector<std::int32_t>& border : cell.boundary) rename(border);
+  return diagram;
+}
 
 /// Expects two diagrams to be the same but for rounding: the same points, vertices, edges and cells in the same order,
 /// places within `tolerance` of each other, areas within 1e-12 of all of the area. Inner points mark where a border
