@@ -239,6 +239,29 @@ def test_a_diagram_is_sent_as_files(api: Api, sphere_mesh: str) -> None:
     assert (response.status_code, problem_code(response)) == (406, "http.not_acceptable")
 
 
+def test_a_kept_diagram_is_made_anew_only_where_a_site_has_moved(api: Api) -> None:
+    mesh = api.upload(*sphere(3))
+    start = api.ok(DIAGRAMS, {"mesh": mesh, "sites": {"count": 40, "seed": 2}, "keep": True})
+    assert "local_rebuilds" not in start["cost"]["quantities"]
+    sites = start["sites"]
+    sites[7] = {"face": sites[7]["face"], "barycentric": [0.2, 0.3, 0.5]}
+    moved = api.ok(DIAGRAMS, {"mesh": mesh, "sites": sites, "keep": True, "statistics": False})
+    assert moved["cost"]["quantities"]["local_rebuilds"] == 1
+    anew = api.ok(DIAGRAMS, {"mesh": mesh, "sites": sites, "statistics": False})
+    assert "local_rebuilds" not in anew["cost"]["quantities"]
+    assert [cell["area"] for cell in moved["cells"]] == pytest.approx([cell["area"] for cell in anew["cells"]], abs=1e-12)
+    assert [vertex["sites"] for vertex in moved["vertices"]] == [vertex["sites"] for vertex in anew["vertices"]]
+    places = [[vertex["position"] for vertex in answer["vertices"]] for answer in (moved, anew)]
+    np.testing.assert_allclose(places[0], places[1], atol=1e-12)
+    # The other diagrams that are kept meanwhile do not take its place before there are four.
+    for seed in range(3):
+        api.ok(DIAGRAMS, {"mesh": mesh, "sites": {"count": 12, "seed": seed}, "keep": True})
+    assert api.ok(DIAGRAMS, {"mesh": mesh, "sites": sites, "keep": True})["cost"]["quantities"]["local_rebuilds"] == 1
+    for seed in range(4):
+        api.ok(DIAGRAMS, {"mesh": mesh, "sites": {"count": 12, "seed": 10 + seed}, "keep": True})
+    assert "local_rebuilds" not in api.ok(DIAGRAMS, {"mesh": mesh, "sites": sites, "keep": True})["cost"]["quantities"]
+
+
 # --- optimization --------------------------------------------------------------------------------------------------------
 
 
@@ -309,7 +332,7 @@ def test_events_carry_the_diagram_on_its_way_until_the_job_is_cancelled(api: Api
             assert api.delete(f"/v1/jobs/{job}").json()["state"] == "dismissed"
     assert kind == "voronoi-optimizations" and len(partial) >= 3
     for state in partial:
-        assert len(state["site_positions"]) == 60
+        assert len(state["site_positions"]) == len(state["sites"]) == 60
         assert len(state["borders"]) > 150 and max(max(border) for border in state["borders"]) < len(state["positions"])
         assert len(state["vertices"]) > 100
     assert partial[0]["iteration"] == 0 and partial[0]["step_length"] == 0
@@ -333,13 +356,19 @@ def test_a_finished_job_survives_a_restart_and_an_unfinished_one_says_that_it_wa
     answer = api.get(f"/v1/jobs/{done}/result").json()
     slow = optimization(api.upload(*bumpy_sphere(5)), sites={"count": 300}, accuracy={"tolerance": 1e-12}, max_iterations=1000)
     running = start_job(api, OPTIMIZATIONS, slow)
-    while api.get(f"/v1/jobs/{running}").json()["state"] == "accepted":
+    found: Dict[str, Any] = {}
+    while found.get("iteration", 0) < 2:
         time.sleep(0.02)
+        found = api.get(f"/v1/jobs/{running}").json().get("partial", {})
     process.kill()
     process.start()
     assert api.get(f"/v1/jobs/{done}/result").json() == answer
     interrupted = api.get(f"/v1/jobs/{running}").json()
     assert interrupted["state"] == "failed" and interrupted["error"]["code"] == "job.interrupted"
+    # What it had found goes on where it was.
+    rest = api.ok(OPTIMIZATIONS, {**slow, "sites": found["sites"], "max_iterations": 1})
+    assert rest["history"][0]["energy"] == pytest.approx(found["energy"], rel=1e-12)
+    assert rest["energy"] < found["energy"]
 
 
 def test_borders_that_run_along_edges_of_the_mesh_are_borders_like_others(api: Api, grid_mesh: str) -> None:

@@ -5,6 +5,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
+import signal
+import subprocess
+import time
 from pathlib import Path
 from typing import Any, Iterator
 
@@ -13,8 +17,8 @@ import pytest
 
 import supple
 from harness import Api
-from shapes import flat_grid, sphere
-from test_cli import Program, number_after
+from shapes import bumpy_sphere, flat_grid, sphere
+from test_cli import CLI, Program, number_after
 
 
 @pytest.fixture
@@ -120,3 +124,53 @@ def test_python_optimizes_diagrams_and_sees_them_on_their_way(client: supple.Cli
     with pytest.raises(supple.InvalidVoronoi) as refusal:
         mesh.optimize_voronoi([0, 1], {"centroidal": 0})
     assert refusal.value.code == "voronoi.no_objective"
+
+
+def test_an_optimization_that_was_interrupted_goes_on_from_its_file(cli: Program) -> None:
+    file = cli.file("bumpy.obj", bumpy_sphere(5))
+    command = ["voronoi", file, "--random", "300", "--optimize", "centroidal,regularity", "--tolerance", "1e-12",
+               "--continue", "way.json"]
+    way = cli.folder / "way.json"
+    process = subprocess.Popen([str(CLI), *command, "--max-iterations", "1000"], cwd=cli.folder, stderr=subprocess.PIPE,
+                               env={**os.environ, "SUPPLE_SERVER": cli.url}, text=True)
+    end = time.monotonic() + 60
+    while not way.exists() or json.loads(way.read_text())["iteration"] < 3:
+        assert process.poll() is None and time.monotonic() < end
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == 130, errors
+    kept = json.loads(way.read_text())
+    assert len(kept["sites"]) == 300 and not (cli.folder / "way.json.part").exists()
+    first = json.loads(cli.ok("--json", *command[:-2], "--max-iterations", "1"))
+    rest = json.loads(cli.ok("--json", *command, "--max-iterations", "1"))
+    # It begins below where an iteration from the random sites ends, and goes on downwards.
+    assert rest["history"][0]["energy"] < first["energy"] and rest["energy"] < rest["history"][0]["energy"]
+    assert json.loads(way.read_text())["sites"] == rest["sites"]
+
+
+def test_a_file_to_continue_from_must_suit_the_command(cli: Program) -> None:
+    file = cli.file("sphere.obj", sphere(2))
+    alone = cli.run("voronoi", file, "--random", "5", "--continue", "way.json")
+    assert alone.returncode == 2 and "--optimize" in alone.stderr
+    edges = cli.run("voronoi", file, "--random", "5", "--optimize", "edge_length", "--continue", "way.json")
+    assert edges.returncode == 2 and "--target-length" in edges.stderr
+    (cli.folder / "way.json").write_text("{}")
+    empty = cli.run("voronoi", file, "--random", "5", "--optimize", "centroidal", "--continue", "way.json")
+    assert empty.returncode != 0 and "no field sites" in empty.stderr
+
+
+def test_an_optimization_goes_on_from_what_a_job_has_found(client: supple.Client) -> None:
+    mesh = client.upload_arrays(*bumpy_sphere(4))
+    options = supple.VoronoiOptions(max_iterations=500, tolerance=1e-12)
+    job = mesh.start_optimize_voronoi(supple.RandomSites(80, seed=4), {"centroidal": 1}, options=options)
+    partial = None
+    end = time.monotonic() + 60
+    while not isinstance(partial, supple.PartialOptimization) or partial.iteration < 2:
+        assert time.monotonic() < end
+        time.sleep(0.02)
+        partial = job.status().partial
+    job.cancel()
+    assert partial.sites is not None
+    rest = mesh.optimize_voronoi(partial.sites, {"centroidal": 1}, options=supple.VoronoiOptions(max_iterations=1))
+    assert rest.history[0].energy == pytest.approx(partial.energy, rel=1e-12)

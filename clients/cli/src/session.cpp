@@ -123,6 +123,7 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
   while (true) {
     const nlohmann::json job = http_.get(job_path).json();
     const auto state = job.at("state").get<std::string>();
+    if (observer_) observer_(job);
     if (state != "accepted" && state != "running") break;
     bar.show(job.at("progress").get<double>(), stage_of(job));
     pause(interval);
@@ -154,6 +155,14 @@ void write_file(const std::string& path, const std::string& content) {
   file.write(content.data(), static_cast<std::streamsize>(content.size()));
   file.close();
   if (!file) throw Failure(ExitCode::local_file, fmt::format("{} cannot be written", path));
+}
+
+void replace_file(const std::string& path, const std::string& content) {
+  const std::string part = path + ".part";
+  write_file(part, content);
+  std::error_code failed;
+  std::filesystem::rename(part, path, failed);
+  if (failed) throw Failure(ExitCode::local_file, fmt::format("{} cannot be written: {}", path, failed.message()));
 }
 
 }  // namespace supple::cli

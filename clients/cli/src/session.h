@@ -3,6 +3,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "http_client.h"
 
@@ -38,6 +39,9 @@ class Session {
   Answer compute(const std::string& path, const nlohmann::json& request,
                  const std::string& accept = "application/json");
 
+  /// Is shown a job that is followed, as the server describes it, each time it is looked at.
+  void set_observer(std::function<void(const nlohmann::json& job)> observer) { observer_ = std::move(observer); }
+
   /// Follows a job to its end and returns its result. Ctrl-C cancels the job where `cancel_on_interrupt`, and otherwise
   /// merely stops looking.
   Answer follow(const std::string& job_path, const std::string& accept, bool cancel_on_interrupt);
@@ -45,6 +49,7 @@ class Session {
  private:
   GlobalOptions options_;
   HttpClient http_;
+  std::function<void(const nlohmann::json&)> observer_;
 };
 
 /// Prints a server's answer for programs.
@@ -53,5 +58,8 @@ void print_json(const nlohmann::json& document);
 std::string read_file(const std::string& path);
 /// Writes a file, or standard output where the path is "-". Throws Failure(local_file).
 void write_file(const std::string& path, const std::string& content);
+/// Puts a file in the place of an older one, which stays as it is until the new one is complete. Throws
+/// Failure(local_file).
+void replace_file(const std::string& path, const std::string& content);
 
 }  // namespace supple::cli

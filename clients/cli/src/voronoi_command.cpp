@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,7 @@ struct VoronoiArguments {
   std::string mesh;
   std::vector<std::string> sites;
   std::string sites_file;
+  std::string way_file;
   std::string method;
   double relative_error = 0;
   std::string objectives;
@@ -48,16 +51,19 @@ struct VoronoiArguments {
   }
 };
 
+nlohmann::json sites_in_file(const std::string& file) {
+  auto document = object_in_file(file);
+  if (!document.contains("sites")) throw Failure(ExitCode::local_file, fmt::format("{} has no field sites", file));
+  return document.at("sites");
+}
+
 nlohmann::json voronoi_sites(const VoronoiArguments& arguments) {
   const int ways = static_cast<int>(!arguments.sites.empty()) + static_cast<int>(arguments.random > 0) +
                    static_cast<int>(!arguments.sites_file.empty());
   if (ways != 1) throw Failure(ExitCode::usage, "give sites, or one of --random and --sites");
-  if (!arguments.sites_file.empty()) {
-    auto document = object_in_file(arguments.sites_file);
-    if (!document.contains("sites"))
-      throw Failure(ExitCode::local_file, fmt::format("{} has no field sites", arguments.sites_file));
-    return document.at("sites");
-  }
+  if (std::error_code ignored; std::filesystem::is_regular_file(arguments.way_file, ignored))
+    return sites_in_file(arguments.way_file);
+  if (!arguments.sites_file.empty()) return sites_in_file(arguments.sites_file);
   if (arguments.random > 0) {
     nlohmann::json random = {{"count", arguments.random}};
     if (arguments.seed >= 0) random["seed"] = arguments.seed;
@@ -102,6 +108,9 @@ nlohmann::json optimization_request(const VoronoiArguments& arguments) {
                   "diagrams are optimized by exact distances: leave out --method and --relative-error");
   nlohmann::json request = {{"sites", voronoi_sites(arguments)},
                             {"objectives", voronoi_objectives(arguments.objectives)}};
+  if (!arguments.way_file.empty() && arguments.target_length == 0 && request["objectives"].contains("edge_length"))
+    throw Failure(ExitCode::usage,
+                  "--continue with edge_length needs --target-length, which would be another one after each start");
   if (arguments.target_length > 0) request["target_length"] = arguments.target_length;
   if (!arguments.fixed.empty()) request["fixed_sites"] = parse_indices(arguments.fixed, "site");
   if (!arguments.minimizer.empty()) request["method"] = arguments.minimizer;
@@ -165,12 +174,28 @@ void print_diagram(const nlohmann::json& answer, bool history) {
   fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
 }
 
+/// Keeps the sites of the latest iteration in a file, for as long as they are few enough to be told.
+void keep_way(const std::string& file, const nlohmann::json& job) {
+  const auto partial = job.find("partial");
+  if (partial == job.end() || !partial->contains("sites")) return;
+  const nlohmann::json kept = {{"iteration", partial->at("iteration")}, {"sites", partial->at("sites")}};
+  replace_file(file, kept.dump());
+}
+
 void run(const GlobalOptions& options, const VoronoiArguments& arguments) {
   const bool optimized = !arguments.objectives.empty();
+  if (!optimized && !arguments.way_file.empty())
+    throw Failure(ExitCode::usage, "--continue is for optimizations: give --optimize, too");
   auto request = optimized ? optimization_request(arguments) : diagram_request(arguments);
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
+  if (!arguments.way_file.empty())
+    session.set_observer([&arguments](const nlohmann::json& job) { keep_way(arguments.way_file, job); });
   const nlohmann::json answer = session.compute(optimized ? optimizations_path : diagrams_path, request).json();
+  session.set_observer({});
+  if (!arguments.way_file.empty())
+    replace_file(arguments.way_file,
+                 nlohmann::json{{"iteration", answer.at("iterations")}, {"sites", answer.at("sites")}}.dump());
   // A file of an optimized diagram is that of the sites at the end, which need not be found again.
   nlohmann::json drawn = optimized ? nlohmann::json{{"mesh", request["mesh"]}} : request;
   drawn["sites"] = answer.at("sites");
@@ -200,6 +225,10 @@ void add_optimization_options(CLI::App& command, VoronoiArguments& arguments) {
       ->check(CLI::PositiveNumber);
   command.add_option("--max-iterations", arguments.max_iterations, "Give up after so many (100)")
       ->check(CLI::PositiveNumber);
+  command.add_option(
+      "--continue", arguments.way_file,
+      "Keep the sites on their way in this file, and go on from them where it is there already: after an "
+      "interruption, give the same command again");
   command.add_flag("--history", arguments.history, "Show every iteration");
 }
 

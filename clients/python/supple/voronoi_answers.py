@@ -217,7 +217,9 @@ class PartialOptimization:
     Attributes:
         iteration: iterations so far.
         energy, gradient_norm, step_length: as in `OptimizationStep`.
-        site_positions: where the sites are, shape (sites, 3), mesh units; None for more than 5000 sites.
+        sites: where the sites are; None for more than 5000. `optimize_voronoi(partial.sites, ...)` goes on from here, should
+            the job not come to its end.
+        site_positions: the same in space, shape (sites, 3), mesh units; None where `sites` is.
         positions: points of the borders, shape (points, 3), mesh units; None for more than 20000 of them.
         vertices: which rows of `positions` are Voronoi vertices; None where `positions` is.
         borders: rows of `positions` along each border; None where `positions` is.
@@ -227,6 +229,7 @@ class PartialOptimization:
     energy: float
     gradient_norm: float
     step_length: float
+    sites: Optional[Tuple[SurfacePoint, ...]]
     site_positions: Optional[Array]
     positions: Optional[Array]
     vertices: Optional[Indices]
@@ -321,7 +324,8 @@ def optimized_voronoi_from_wire(document: Mapping[str, Any]) -> OptimizedVoronoi
 
 
 def partial_optimization_from_wire(document: Mapping[str, Any]) -> PartialOptimization:
-    sites = document.get("site_positions")
+    sites = document.get("sites")
+    site_positions = document.get("site_positions")
     positions = document.get("positions")
     vertices = document.get("vertices")
     borders = document.get("borders")
@@ -330,7 +334,8 @@ def partial_optimization_from_wire(document: Mapping[str, Any]) -> PartialOptimi
         energy=float(document["energy"]),
         gradient_norm=float(document["gradient_norm"]),
         step_length=float(document["step_length"]),
-        site_positions=None if sites is None else _positions(sites),
+        sites=None if sites is None else tuple(point_from_wire(site) for site in sites),
+        site_positions=None if site_positions is None else _positions(site_positions),
         positions=None if positions is None else _positions(positions),
         vertices=None if vertices is None else _indices(vertices),
         borders=None if borders is None else tuple(_indices(border) for border in borders),

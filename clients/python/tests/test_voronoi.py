@@ -92,10 +92,11 @@ def test_an_optimized_diagram_is_read_with_both_statistics() -> None:
 def test_a_diagram_on_its_way_is_read() -> None:
     status = {"id": "1", "state": "running", "kind": "voronoi-optimizations", "progress": 0.5, "stage": "cells", "created": "",
               "partial": {"iteration": 3, "energy": 2, "gradient_norm": 1, "step_length": 0.1,
-                          "site_positions": [[0, 0, 0]], "positions": [[0, 0, 0], [1, 0, 0]], "vertices": [1],
+                          "sites": [CORNER], "site_positions": [[0, 0, 0]], "positions": [[0, 0, 0], [1, 0, 0]], "vertices": [1],
                           "borders": [[0, 1]]}}
     partial = status_from_wire(status).partial
     assert isinstance(partial, supple.PartialOptimization) and partial.borders is not None
     assert partial.iteration == 3 and partial.step_length == 0.1 and partial.borders[0].tolist() == [0, 1]
+    assert partial.sites is not None and len(partial.sites) == 1
     large = status_from_wire({**status, "partial": {"iteration": 3, "energy": 2, "gradient_norm": 1, "step_length": 0.1}}).partial
     assert isinstance(large, supple.PartialOptimization) and large.positions is None and large.borders is None

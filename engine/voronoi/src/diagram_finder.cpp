@@ -144,8 +144,8 @@ void DiagramFinder::find(SitesState& state, int order, const Execution& executio
     found = std::make_shared<Found>();
     Execution own = execution;
     own.progress = nullptr;
-    found->diagram = diagram(solver_, state.sites().points(),
-                             {.border_samples = needs_.border_pulls, .cell_samples = needs_.cell_samples}, own);
+    moving_.move_to(state.sites().points(), own);
+    found->diagram = moving_.take_diagram();
     const StageTimer timer(execution.cost, "derivatives");
     if (needs_.edge_lengths)
       found->edge_lengths = measure_edges(solver_, found->diagram, found->measured_edges, execution);

@@ -5,6 +5,7 @@
 #include "sites_state.h"
 #include "supple/base/execution.h"
 #include "supple/surface/geodesic_solver.h"
+#include "supple/voronoi/moving_diagram.h"
 
 namespace supple::voronoi {
 
@@ -15,11 +16,15 @@ struct Needs {
   bool cell_samples = false;
 };
 
-/// Finds what terms ask for at a state, once.
+/// Finds what terms ask for at a state, once. Diagrams are made anew only round sites that have moved where most are
+/// held. For one thread at a time.
 class DiagramFinder {
  public:
   /// `solver` outlives the finder.
-  DiagramFinder(const surface::GeodesicSolver& solver, Needs needs) : solver_(solver), needs_(needs) {}
+  DiagramFinder(const surface::GeodesicSolver& solver, Needs needs)
+      : solver_(solver),
+        needs_(needs),
+        moving_(solver, {.border_samples = needs.border_pulls, .cell_samples = needs.cell_samples}) {}
 
   /// Order 0: the diagram, and what values need; 1: motions and pulls too.
   void find(SitesState& state, int order, const Execution& execution) const;
@@ -29,6 +34,7 @@ class DiagramFinder {
  private:
   const surface::GeodesicSolver& solver_;
   Needs needs_;
+  mutable MovingDiagram moving_;  ///< never changes what is found
 };
 
 /// Geodesics from places to sites as pulls, in parallel. sites[i] is the site of places[i].

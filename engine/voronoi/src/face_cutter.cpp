@@ -396,6 +396,8 @@ class Cutter {
     double high = end;
     double at_low = gap(first);
     double at_high = gap(last);
+    double height_at_low = first.height;
+    double height_at_high = last.height;
     const bool crosses = at_low < -tie_gap * size_ && at_high > tie_gap * size_;
     const double width = crosses ? bend_width : turn_width;
     CurvePoint after = last;
@@ -413,13 +415,17 @@ class Cutter {
         if (std::abs(at - half) > room) at = half - inwards * room;
         reach *= 0.5;
       }
+      // Where the ends are near to each other the border between them is all but straight.
       CurvePoint point;
+      point.height = height_at_low + (height_at_high - height_at_low) * ((at - low) / (high - low));
       if (!on_curve(curve, at, point)) return;
       if (same_ways(first, point)) {
         low = at;
+        height_at_low = point.height;
         at_low = crosses ? std::min(gap(point), -tiny_gap) : 0;
       } else {
         high = at;
+        height_at_high = point.height;
         after = point;
         at_high = crosses ? std::max(gap(point), tiny_gap) : 0;
       }
@@ -432,8 +438,12 @@ class Cutter {
   void add_smooth_border(std::int32_t from, std::int32_t to, const Curve& curve) {
     std::array<CurvePoint, nodes.size()> points;
     bool curved = curve.length > shortest_curve * size_;
-    for (std::size_t i = 0; i < nodes.size() && curved; ++i)
+    for (std::size_t i = 0; i < nodes.size() && curved; ++i) {
+      // Through the ends and the nodes before goes a parabola, and then a cubic.
+      if (i == 1) points[1].height = 2.5 * points[0].height;
+      if (i == 2) points[2].height = 0.8 * points[1].height - points[0].height;
       curved = on_curve(curve, nodes[i], points[i]) && std::abs(points[i].height) < curve.length;
+    }
     double area = 0;
     double along = 0;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -449,11 +459,10 @@ class Cutter {
     result_.borders.push_back({from, to, curve.left, curve.right, along});
   }
 
-  /// The border over a point of its straight line: Newton's method, within a bracket once there is one, because it may
-  /// go back and forth about a bend.
+  /// The border over a point of its straight line: Newton's method from the height that `point` has, within a bracket
+  /// once there is one, because it may go back and forth about a bend.
   bool on_curve(const Curve& curve, double share, CurvePoint& point) const {
     const Vector2d base = curve.begin + share * curve.way;
-    point.height = 0;
     double below = -std::numeric_limits<double>::infinity();
     double above = std::numeric_limits<double>::infinity();
     for (int step = 0; step < most_curve_steps; ++step) {

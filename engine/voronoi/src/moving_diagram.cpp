@@ -195,6 +195,7 @@ struct MovingDiagram::Implementation {
     const std::vector<std::int32_t> first_before = std::exchange(first, first_in_place(mesh(), sites));
     if (!near || !rebuild_near_to(before, first_before, execution)) rebuild_all(execution);
     write(execution);
+    if (execution.cost != nullptr && last.local) execution.cost->add_quantity("local_rebuilds", 1);
     kept = true;
     return diagram;
   }

@@ -251,7 +251,12 @@ std::string write_partial_optimization(int iteration, const voronoi::Optimizatio
       .field("energy", step.energy)
       .field("gradient_norm", step.gradient_norm)
       .field("step_length", step.step_length);
-  if (diagram.sites.size() <= most_partial_sites) write_positions(out, "site_positions", mesh, diagram.sites);
+  if (diagram.sites.size() <= most_partial_sites) {
+    out.key("sites").begin_array();
+    for (const auto& site : diagram.sites) write_point(out, site);
+    out.end_array();
+    write_positions(out, "site_positions", mesh, diagram.sites);
+  }
   const SeenBorders seen(diagram);
   if (seen.points.size() <= most_partial_border_points) seen.write(out, diagram);
   out.end_object();

@@ -63,6 +63,7 @@ VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits&
       faults.add(accuracy.at("relative_error"), "takes effect with the method \"bounded\" only");
   });
   fields.boolean("statistics", request.statistics);
+  fields.boolean("keep", request.keep);
   read_include(fields, request.include, request.panel_scale);
   request.deadline = read_deadline(fields, limits);
   fields.finish();

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <variant>
 
 #include "computation_route.h"
 #include "handlers.h"
+#include "kept_diagrams.h"
 #include "points.h"
 #include "state_pace.h"
 #include "supple/base/part_of_execution.h"
@@ -66,9 +68,10 @@ store::Result file_result(DiagramFile file, std::string body, const json::Bill& 
   return result;
 }
 
-store::Result compute(const json::VoronoiDiagramRequest& request, const store::LoadedMesh& mesh,
-                      const std::optional<Sites>& given, DiagramFile file, const json::Limits& limits,
-                      const Execution& outer) {
+store::Result compute(const json::VoronoiDiagramRequest& request,
+                      const std::shared_ptr<const store::LoadedMesh>& loaded, const std::optional<Sites>& given,
+                      DiagramFile file, const json::Limits& limits, KeptDiagrams& kept, const Execution& outer) {
+  const store::LoadedMesh& mesh = *loaded;
   voronoi::Diagram diagram;
   std::optional<voronoi::DiagramStatistics> statistics;
   std::string body;
@@ -77,7 +80,8 @@ store::Result compute(const json::VoronoiDiagramRequest& request, const store::L
     const bool measured = request.statistics && file == DiagramFile::none;
     const double first = measured ? 1 - statistics_share : 1;
     const PartOfExecution dividing(execution, 0, first);
-    diagram = voronoi::diagram(mesh.solver, sites, request.options, dividing.execution());
+    diagram = request.keep ? kept.diagram(loaded, request.options, sites, dividing.execution())
+                           : voronoi::diagram(mesh.solver, sites, request.options, dividing.execution());
     if (measured) {
       const PartOfExecution measuring(execution, first, statistics_share);
       const StageTimer timer(execution.cost, "statistics");
@@ -108,9 +112,10 @@ class DiagramPublisher {
   StatePace pace_;
 };
 
-store::Result compute(const json::VoronoiOptimizationRequest& request, const store::LoadedMesh& mesh,
-                      const std::optional<Sites>& given, DiagramFile file, const json::Limits& limits,
-                      const Execution& outer) {
+store::Result compute(const json::VoronoiOptimizationRequest& request,
+                      const std::shared_ptr<const store::LoadedMesh>& loaded, const std::optional<Sites>& given,
+                      DiagramFile file, const json::Limits& limits, KeptDiagrams& /*kept*/, const Execution& outer) {
+  const store::LoadedMesh& mesh = *loaded;
   voronoi::Optimization optimization;
   std::string body;
   const auto bill = billed(outer, [&](const Execution& execution) {
@@ -131,16 +136,17 @@ store::Result compute(const json::VoronoiOptimizationRequest& request, const sto
 template <class Request>
 void add_voronoi_route(http::Router& router, Services& services, const std::string& kind,
                        Request (*parse)(std::string_view, const json::Limits&)) {
-  const auto handler = [&services, kind, parse](const http::Request& http_request) {
+  const auto kept = std::make_shared<KeptDiagrams>();
+  const auto handler = [&services, kind, parse, kept](const http::Request& http_request) {
     require_ready(services);
     const auto file = negotiate_diagram_file(http_request);
     auto request = parse(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, request.mesh);
     auto given = given_sites(mesh->mesh(), request.sites);
     jobs::Computation computation{kind, request.mesh, request.deadline, {}};
-    computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file,
+    computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file, kept,
                        limits = services.limits.json](const Execution& execution) {
-      return compute(request, *mesh, given, file, limits, execution);
+      return compute(request, mesh, given, file, limits, *kept, execution);
     };
     return answer_computation(services, http_request, std::move(computation));
   };

@@ -200,7 +200,7 @@ export class VoronoiSession {
       const sites = this.sites.get();
       if (!this.session.mesh.get() || sites.length === 0) return;
       try {
-        const answer = await this.ask(diagramRequest(this.mesh, this.state.get(), [...sites], done), signal);
+        const answer = await this.ask({ ...diagramRequest(this.mesh, this.state.get(), [...sites], done), keep: true }, signal);
         // Sites that were added or removed meanwhile have other numbers; the next answer is on its way.
         if (signal.aborted || this.sites.get().length !== sites.length) return;
         this.divided.set({ diagram: answer, before: null, now: answer.statistics ?? null });

@@ -63,7 +63,8 @@ struct Optimization {
 };
 
 /// Moves the sites to a local minimum of the energy. The diagram is made anew at every state that is tried, so that
-/// cells change their neighbours freely; it never rises in energy from one iteration to the next.
+/// cells change their neighbours freely, where most sites are held only round those that move (MovingDiagram); it never
+/// rises in energy from one iteration to the next.
 ///
 /// Bills "propagation", "cells", "derivatives", "step" and one effect for each term. Throws what `diagram` throws,
 /// "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance, max_iterations, edge_length),

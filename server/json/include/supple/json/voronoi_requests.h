@@ -33,6 +33,7 @@ struct VoronoiDiagramRequest {
   voronoi::DiagramOptions options;
   DiagramInclude include;
   bool statistics = true;
+  bool keep = false;       ///< for another one of almost the same sites
   double panel_scale = 1;  ///< millimetres per mesh unit
   double deadline = 0;     ///< seconds; set also where the request leaves it out
 };
