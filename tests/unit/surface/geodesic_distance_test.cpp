@@ -334,6 +334,44 @@ TEST(GeodesicField, IsTheLeastOfWhatArrivesInAFace) {
   }
 }
 
+TEST(GeodesicField, KnowingOtherDistancesIsRightWhereItsOwnSourcesAreTheNearest) {
+  const auto mesh = share(testing::genus3(2));
+  const GeodesicSolver solver(mesh);
+  RandomStream stream("known", 1);
+  std::vector<SurfacePoint> others;
+  for (int i = 0; i < 12; ++i) others.push_back(testing::random_point(*mesh, stream));
+  const std::vector<SurfacePoint> own{testing::random_point(*mesh, stream),
+                                      testing::random_vertex_point(*mesh, stream)};
+  std::vector<SurfacePoint> all = own;
+  all.insert(all.end(), others.begin(), others.end());
+  const std::vector<double> known = solver.field(others).vertex_distances();
+  const GeodesicField whole = solver.field(all, {.keep_windows = true});
+  const GeodesicField part = solver.field(own, {.keep_windows = true, .known_distances = known});
+  EXPECT_LT(part.window_count(), whole.window_count() / 2);
+  int of_own = 0;
+  for (std::int32_t v = 0; v < mesh->vertex_count(); ++v) {
+    EXPECT_NEAR(part.vertex_distances()[v], whole.vertex_distances()[v], 1e-13 * mesh->diagonal());
+    EXPECT_EQ(part.vertex_sources()[v], std::min(whole.vertex_sources()[v], 2));
+    of_own += part.vertex_sources()[v] < 2 ? 1 : 0;
+  }
+  EXPECT_GT(of_own, 20);
+  int reached = 0;
+  std::vector<FaceArrival> arrivals;
+  for (std::int32_t face = 0; face < mesh->face_count(); ++face) {
+    const SurfacePoint centre{FaceId(face), Vector3d::Constant(1.0 / 3)};
+    if (whole.nearest_source(centre) < 2) {
+      EXPECT_TRUE(part.reaches(FaceId(face)));
+      EXPECT_NEAR(part.distance(centre), whole.distance(centre), 1e-13 * mesh->diagonal());
+    }
+    if (!part.reaches(FaceId(face))) {
+      part.arrivals(FaceId(face), arrivals);
+      for (const FaceArrival& arrival : arrivals) EXPECT_EQ(arrival.source, 2);
+    }
+    reached += part.reaches(FaceId(face)) ? 1 : 0;
+  }
+  EXPECT_LT(reached, mesh->face_count() / 2);
+}
+
 TEST(GeodesicField, WithoutKeptWindowsRefusesPointQueries) {
   const auto mesh = share(testing::icosphere(1));
   const GeodesicSolver solver(mesh);
