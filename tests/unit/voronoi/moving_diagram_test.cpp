@@ -47,18 +47,18 @@ int expect_same_after_moves(const TriangleMesh& mesh, int sites, int moves, doub
 }
 
 TEST(MovingDiagram, AfterSmallMovesIsTheOneMadeAnew) {
-  EXPECT_EQ(expect_same_after_moves(testing::icosphere(3), 98, 40, 0.1, 1), 40);
-  EXPECT_EQ(expect_same_after_moves(testing::torus(24, 12), 60, 40, 0.1, 2), 40);
-  EXPECT_EQ(expect_same_after_moves(testing::genus3(2), 50, 30, 0.2, 3), 30);
+  EXPECT_EQ(expect_same_after_moves(testing::icosphere(3), 98, 15, 0.1, 1), 15);
+  EXPECT_EQ(expect_same_after_moves(testing::torus(24, 12), 60, 15, 0.1, 2), 15);
+  EXPECT_EQ(expect_same_after_moves(testing::genus3(2), 50, 10, 0.2, 3), 10);
 }
 
 TEST(MovingDiagram, AfterMovesAcrossManyCellsIsTheOneMadeAnew) {
-  EXPECT_EQ(expect_same_after_moves(testing::icosphere(3), 98, 30, 3, 4), 30);
-  EXPECT_EQ(expect_same_after_moves(testing::genus3(2), 50, 20, 5, 5), 20);
+  EXPECT_EQ(expect_same_after_moves(testing::icosphere(3), 98, 10, 3, 4), 10);
+  EXPECT_EQ(expect_same_after_moves(testing::genus3(2), 50, 10, 5, 5), 10);
 }
 
 TEST(MovingDiagram, OfMoreSitesThanFacesIsTheOneMadeAnew) {
-  EXPECT_EQ(expect_same_after_moves(testing::icosphere(1), 300, 40, 0.2, 6), 40);
+  EXPECT_EQ(expect_same_after_moves(testing::icosphere(1), 300, 15, 0.2, 6), 15);
 }
 
 TEST(MovingDiagram, OfFewSitesWhoseCellsWrapHandlesIsTheOneMadeAnew) {
@@ -71,7 +71,7 @@ TEST(MovingDiagram, OfFewSitesWhoseCellsWrapHandlesIsTheOneMadeAnew) {
 TEST(MovingDiagram, WithBoundaryIsTheOneMadeAnew) {
   for (const TriangleMesh& mesh :
        {testing::open_hemisphere(), testing::l_shape(4), testing::slit_annulus(), testing::saddle(6)})
-    expect_same_after_moves(mesh, 20, 20, 0.3, 8);
+    expect_same_after_moves(mesh, 20, 10, 0.3, 8);
 }
 
 TEST(MovingDiagram, HasTheSamplesOfTheOneMadeAnew) {
