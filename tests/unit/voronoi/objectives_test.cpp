@@ -192,5 +192,28 @@ TEST(Optimization, NamesWhatItRefuses) {
   EXPECT_EQ(refused("voronoi.fixed_site", [](auto& o) { o.fixed_sites = {2, 30}; }), "fixed_sites/1");
 }
 
+TEST(Optimization, MakesDiagramsAnewOnlyRoundTheSitesThatAreNotHeld) {
+  const TriangleMesh mesh = testing::icosphere(2);
+  const GeodesicSolver solver(testing::share(mesh));
+  OptimizationOptions options;
+  options.weights = {.edge_length = 1, .centroidal = 1, .equal_area = 1};
+  options.max_iterations = 8;
+  for (std::int32_t site = 3; site < 40; ++site) options.fixed_sites.push_back(site);
+  CostLedger cost;
+  const Optimization result = optimize(solver, random_sites(mesh, 40, 1), options, {.cost = &cost});
+  double local = 0;
+  for (const auto& quantity : cost.quantities())
+    if (quantity.name == "local_rebuilds") local = quantity.value;
+  EXPECT_GE(local, result.iterations);
+  EXPECT_GE(result.iterations, 3);
+  options.max_iterations = 0;
+  const Optimization anew = optimize(solver, result.diagram.sites, options);
+  EXPECT_LT(result.energy, result.history.front().energy);
+  ASSERT_EQ(anew.diagram.cells.size(), result.diagram.cells.size());
+  for (std::size_t i = 0; i < anew.diagram.cells.size(); ++i)
+    EXPECT_NEAR(anew.diagram.cells[i].area, result.diagram.cells[i].area, 1e-12);
+  EXPECT_EQ(anew.diagram.cell_samples.size(), result.diagram.cell_samples.size());
+}
+
 }  // namespace
 }  // namespace supple::voronoi
