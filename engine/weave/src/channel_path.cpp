@@ -124,13 +124,15 @@ std::vector<Eigen::Vector3d> polyline(const StrandCurve& curve, double at, doubl
 std::vector<std::vector<Eigen::Vector3d>> channel_paths(const Weave& weave,
                                                         const std::vector<SlidingCrossing>& crossings,
                                                         const PrinterProfile& profile,
-                                                        const std::vector<Overrun>& overruns, PrintFaults& faults) {
+                                                        const std::vector<Overrun>& overruns,
+                                                        const Execution& execution, PrintFaults& faults) {
   const Feet feet(weave, crossings, overruns);
   const double first = profile.channel.half_width;
   const double second = first * (1 + profile.channel.longer);
   std::vector<std::vector<Eigen::Vector3d>> paths;
   paths.reserve(crossings.size());
   for (const SlidingCrossing& crossing : crossings) {
+    execution.cancellation.throw_if_requested();
     check_clearance(weave, crossing, profile, faults);
     const Reach back = feet.reach(crossing, -1);
     const Reach ahead = feet.reach(crossing, 1);

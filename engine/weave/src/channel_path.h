@@ -15,6 +15,7 @@ namespace supple::weave {
 std::vector<std::vector<Eigen::Vector3d>> channel_paths(const Weave& weave,
                                                         const std::vector<SlidingCrossing>& crossings,
                                                         const PrinterProfile& profile,
-                                                        const std::vector<Overrun>& overruns, PrintFaults& faults);
+                                                        const std::vector<Overrun>& overruns,
+                                                        const Execution& execution, PrintFaults& faults);
 
 }  // namespace supple::weave

@@ -59,18 +59,23 @@ class Picture {
 
 }  // namespace
 
+std::size_t polyline_size(const StrandCurve& curve) {
+  return curve.straight() ? 2 : static_cast<std::size_t>(std::max(4.0, std::ceil(curve.length() / piece))) + 1;
+}
+
 std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve) {
-  const int count = curve.straight() ? 1 : std::max(4, static_cast<int>(std::ceil(curve.length() / piece)));
   std::vector<Eigen::Vector2d> points;
-  points.reserve(static_cast<std::size_t>(count) + 1);
-  for (int i = 0; i < count; ++i) points.push_back(curve.at(curve.length() * i / count).position);
+  points.reserve(polyline_size(curve));
+  const auto count = static_cast<double>(polyline_size(curve) - 1);
+  for (std::size_t i = 0; i + 1 < polyline_size(curve); ++i)
+    points.push_back(curve.at(curve.length() * static_cast<double>(i) / count).position);
   // By name: at its length a loop begins again, and so would the picture of a periodic strand.
   points.emplace_back(curve.ends() == Ends::open ? curve.at(curve.length()).position
                                                  : Eigen::Vector2d(points.front() + curve.translation()));
   return points;
 }
 
-std::string to_svg(const Weave& weave) {
+std::string to_svg(const Weave& weave, const Execution& execution) {
   Picture picture;
   if (weave.lattice) {
     const Eigen::Matrix2d& a = *weave.lattice;
@@ -78,8 +83,12 @@ std::string to_svg(const Weave& weave) {
         weave.strands.empty() ? Eigen::Vector2d(0, 0) : weave.strands[0].curve.at(0).position;
     picture.line({origin, origin + a.col(0), origin + a.col(0) + a.col(1), origin + a.col(1)}, 0.1, "#999999", true);
   }
-  for (const Strand& strand : weave.strands) picture.line(polyline(strand.curve), 2 * strand.radius, strand_colour);
+  for (const Strand& strand : weave.strands) {
+    execution.cancellation.throw_if_requested();
+    picture.line(polyline(strand.curve), 2 * strand.radius, strand_colour);
+  }
   for (const Crossing& crossing : weave.crossings) {
+    execution.cancellation.throw_if_requested();
     const Eigen::Vector2d at = rest_position(weave, crossing.members.front());
     const auto slider =
         std::find_if(crossing.members.begin(), crossing.members.end(), [](const auto& m) { return m.slides; });

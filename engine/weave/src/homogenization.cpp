@@ -20,8 +20,8 @@ constexpr double smallest_strain = -0.5;
 /// Over that at rest: where a cell free to narrow has less, its strands lie beside each other.
 constexpr double least_area = 1e-3;
 
-void check(const Weave& weave, const EquilibriumOptions& options) {
-  validate(weave);
+void check(const Weave& weave, const EquilibriumOptions& options, const Execution& execution) {
+  validate(weave, execution);
   validate(options);
   if (!weave.lattice)
     throw Error("weave.not_periodic", "The weave has no lattice; only periodic cells are homogenized.");
@@ -126,7 +126,7 @@ std::vector<double> directions_over_half_turn(int count) {
 
 std::vector<DirectionalResponse> homogenize(const Weave& weave, const HomogenizationOptions& options,
                                             const Execution& execution) {
-  check(weave, options.equilibrium);
+  check(weave, options.equilibrium, execution);
   check(options);
   const auto n = static_cast<int>(options.directions.size());
   std::vector<DirectionalResponse> responses(options.directions.size());
@@ -139,7 +139,7 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
 
 CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gradient,
                       const EquilibriumOptions& options, const Execution& execution, bool lines) {
-  check(weave, options);
+  check(weave, options, execution);
   if (!deformation_gradient.allFinite() || !(deformation_gradient.determinant() > 0))
     throw Error("weave.invalid_load", "The deformation gradient must be finite and of positive determinant.",
                 {{"deformation_gradient", "must be finite and of positive determinant"}});

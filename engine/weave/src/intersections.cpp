@@ -3,140 +3,136 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <utility>
 
-#include "supple/weave/strand_curve.h"
+#include "curve_meetings.h"
+#include "piece_tree.h"
 
 namespace supple::weave {
 namespace {
 
 constexpr int newton_rounds = 20;
-/// Two solutions are one, and a point lies on a piece's end, within this share of a curve's length.
+/// A point lies on a piece's end within this share of a curve's length.
 constexpr double same_place = 1e-9;
+/// Two solutions are one within this share of both curves' lengths.
+constexpr double same_meeting = 10 * same_place;
 /// A solution's two positions agree to this share of the lengths.
 constexpr double agreement = 1e-11;
 /// Steps of Newton's method may leave a piece by this share of it before it is another piece's business.
 constexpr double overreach = 0.5;
+/// So many are compared one by one.
+constexpr std::size_t few_meetings = 16;
 
-/// The curve's boxes, a little larger than the pieces are.
-std::vector<Eigen::AlignedBox2d> boxes(const StrandCurve& curve, const Eigen::Vector2d& shift) {
-  const std::vector<double>& knots = curve.knots();
-  std::vector<Eigen::AlignedBox2d> result;
-  result.reserve(knots.size() - 1);
-  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
-    Eigen::AlignedBox2d box(curve.at(knots[i]).position);
-    // A piece's last point by its own polynomial: the next piece's is the same, and beyond the last one a loop repeats.
-    const double h = knots[i + 1] - knots[i];
-    const auto begin = curve.at(knots[i]);
-    box.extend(begin.position + h * (begin.first + h / 2 * (begin.second + h / 3 * begin.third)));
-    // Pieces turn by little: they leave their chord by less than an eighth of their length times the turn.
-    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(h / 16 + same_place * curve.length());
-    result.emplace_back(box.min() - margin + shift, box.max() + margin + shift);
-  }
-  return result;
-}
-
-/// The boxes that meet the smallest one around all the others: of curves that meet at a few places, a few.
-std::vector<std::size_t> those_near(const std::vector<Eigen::AlignedBox2d>& boxes,
-                                    const std::vector<Eigen::AlignedBox2d>& others) {
-  Eigen::AlignedBox2d around;
-  for (const Eigen::AlignedBox2d& other : others) around.extend(other);
-  std::vector<std::size_t> near;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    if (boxes[i].intersects(around)) near.push_back(i);
-  return near;
-}
-
-struct Range {
-  double begin, end;
-  double slack() const { return overreach * (end - begin); }
-  bool near(double s) const { return s >= begin - slack() && s <= end + slack(); }
-};
-
-class Search {
- public:
-  Search(const StrandCurve& first, const StrandCurve& second, const Eigen::Vector2d& shift)
-      : first_(first), second_(second), shift_(shift) {}
-
-  std::vector<Intersection> all() {
-    const auto boxes1 = boxes(first_, Eigen::Vector2d::Zero());
-    const auto boxes2 = boxes(second_, shift_);
-    const auto& k1 = first_.knots();
-    const auto& k2 = second_.knots();
-    const std::vector<std::size_t> near2 = those_near(boxes2, boxes1);
-    for (const std::size_t i : those_near(boxes1, boxes2))
-      for (const std::size_t j : near2)
-        if (boxes1[i].intersects(boxes2[j])) in_pieces({k1[i], k1[i + 1]}, {k2[j], k2[j + 1]});
-    std::sort(found_.begin(), found_.end(),
-              [](const Intersection& a, const Intersection& b) { return a.first < b.first; });
-    return std::move(found_);
-  }
-
- private:
-  void in_pieces(const Range& on_first, const Range& on_second) {
-    // A line can cut one piece twice: once from each end.
-    constexpr std::array<std::array<double, 2>, 5> starts{{{0.5, 0.5}, {0, 0}, {1, 1}, {0, 1}, {1, 0}}};
-    for (const auto& [a, b] : starts)
-      if (auto solution = newton(on_first, on_second, a, b)) keep(*solution);
-  }
-
-  std::optional<Intersection> newton(const Range& r1, const Range& r2, double a, double b) const {
-    double s = r1.begin + a * (r1.end - r1.begin);
-    double t = r2.begin + b * (r2.end - r2.begin);
-    for (int round = 0; round < newton_rounds; ++round) {
-      const auto p = first_.at(s);
-      const auto q = second_.at(t);
-      const Eigen::Vector2d apart = q.position + shift_ - p.position;
-      Eigen::Matrix2d tangents;
-      tangents << p.first, -q.first;
-      const double sine = tangents.determinant();
-      if (apart.norm() <= agreement * (first_.length() + second_.length())) {
-        if (std::abs(sine) < same_place) return std::nullopt;
-        return Intersection{s, t, std::asin(std::min(1.0, std::abs(sine) / (p.first.norm() * q.first.norm())))};
-      }
-      const Eigen::Vector2d step = tangents.inverse() * apart;
-      s += step[0];
-      t += step[1];
-      if (!r1.near(s) || !r2.near(t)) return std::nullopt;
-    }
-    return std::nullopt;
-  }
-
-  static bool settle(const StrandCurve& curve, double& s) {
-    const double slack = same_place * curve.length();
-    if (curve.ends() == Ends::open) {
-      if (s < -slack || s > curve.length() + slack) return false;
-      s = std::clamp(s, 0.0, curve.length());
-      return true;
-    }
-    // Another period's copy is found where that period is asked for.
-    if (curve.ends() == Ends::periodic)
-      return s >= -slack && s < curve.length() - slack && ((s = std::max(s, 0.0)), true);
-    s -= curve.length() * std::floor((s + slack) / curve.length());
-    s = std::max(s, 0.0);
+/// Moves a coordinate of a solution onto the curve. False where it is not on it.
+bool settle(const StrandCurve& curve, double& s) {
+  const double slack = same_place * curve.length();
+  if (curve.ends() == Ends::open) {
+    if (s < -slack || s > curve.length() + slack) return false;
+    s = std::clamp(s, 0.0, curve.length());
     return true;
   }
-
-  void keep(Intersection found) {
-    if (!settle(first_, found.first) || !settle(second_, found.second)) return;
-    const bool known = std::any_of(found_.begin(), found_.end(), [&](const Intersection& other) {
-      return std::abs(other.first - found.first) <= same_place * 10 * first_.length() &&
-             std::abs(other.second - found.second) <= same_place * 10 * second_.length();
-    });
-    if (!known) found_.push_back(found);
-  }
-
-  const StrandCurve& first_;
-  const StrandCurve& second_;
-  Eigen::Vector2d shift_;
-  std::vector<Intersection> found_;
-};
+  // Another period's copy is found where that period is asked for.
+  if (curve.ends() == Ends::periodic)
+    return s >= -slack && s < curve.length() - slack && ((s = std::max(s, 0.0)), true);
+  s -= curve.length() * std::floor((s + slack) / curve.length());
+  s = std::max(s, 0.0);
+  return true;
+}
 
 }  // namespace
 
+double CurveMeetings::Range::slack() const { return overreach * (end - begin); }
+
+std::size_t CurveMeetings::add_pieces(std::size_t i, std::size_t j) {
+  // A line can cut one piece twice: once from each end.
+  constexpr std::array<std::array<double, 2>, 5> starts{{{0.5, 0.5}, {0, 0}, {1, 1}, {0, 1}, {1, 0}}};
+  const std::size_t before = found_.size();
+  const Range on_first{first_.knots()[i], first_.knots()[i + 1]};
+  const Range on_second{second_.knots()[j], second_.knots()[j + 1]};
+  for (const auto& start : starts)
+    if (auto solution = newton(on_first, on_second, start[0], start[1])) keep(*solution);
+  return found_.size() - before;
+}
+
+std::vector<Intersection> CurveMeetings::take_sorted() {
+  std::sort(found_.begin(), found_.end(),
+            [](const Intersection& a, const Intersection& b) { return a.first < b.first; });
+  cells_.clear();
+  return std::exchange(found_, {});
+}
+
+std::optional<Intersection> CurveMeetings::newton(const Range& r1, const Range& r2, double a, double b) const {
+  double s = r1.begin + a * (r1.end - r1.begin);
+  double t = r2.begin + b * (r2.end - r2.begin);
+  for (int round = 0; round < newton_rounds; ++round) {
+    const auto p = first_.at(s);
+    const auto q = second_.at(t);
+    const Eigen::Vector2d apart = q.position + shift_ - p.position;
+    Eigen::Matrix2d tangents;
+    tangents << p.first, -q.first;
+    const double sine = tangents.determinant();
+    if (apart.norm() <= agreement * (first_.length() + second_.length())) {
+      if (std::abs(sine) < same_place) return std::nullopt;
+      return Intersection{s, t, std::asin(std::min(1.0, std::abs(sine) / (p.first.norm() * q.first.norm())))};
+    }
+    const Eigen::Vector2d step = tangents.inverse() * apart;
+    s += step[0];
+    t += step[1];
+    if (!r1.near(s) || !r2.near(t)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+bool CurveMeetings::same(const Intersection& a, const Intersection& b) const {
+  return std::abs(a.first - b.first) <= same_meeting * first_.length() &&
+         std::abs(a.second - b.second) <= same_meeting * second_.length();
+}
+
+/// Coordinates are less than 2^32 sides of a cell: 1 / same_meeting.
+std::uint64_t CurveMeetings::cell(double first, double second) const {
+  const auto count = [](double coordinate, double length) {
+    return static_cast<std::uint64_t>(std::max(0.0, coordinate / (same_meeting * length)) + 1);
+  };
+  return count(first, first_.length()) << 32U | count(second, second_.length());
+}
+
+bool CurveMeetings::known(const Intersection& found) const {
+  if (cells_.empty())
+    return std::any_of(found_.begin(), found_.end(), [&](const Intersection& other) { return same(other, found); });
+  const std::uint64_t middle = cell(found.first, found.second);
+  for (std::uint64_t row = 0; row < 3; ++row) {
+    for (std::uint64_t column = 0; column < 3; ++column) {
+      // Cells count from 1, so that there is one before each.
+      const auto [begin, end] = cells_.equal_range(middle + ((row << 32U) + column) - ((1ULL << 32U) + 1));
+      for (auto other = begin; other != end; ++other)
+        if (same(found_[other->second], found)) return true;
+    }
+  }
+  return false;
+}
+
+void CurveMeetings::keep(Intersection found) {
+  if (!settle(first_, found.first) || !settle(second_, found.second) || known(found)) return;
+  found_.push_back(found);
+  if (found_.size() <= few_meetings) return;
+  for (std::size_t k = cells_.size(); k < found_.size(); ++k)
+    cells_.emplace(cell(found_[k].first, found_[k].second), static_cast<std::uint32_t>(k));
+}
+
 std::vector<Intersection> intersections(const StrandCurve& first, const StrandCurve& second,
                                         const Eigen::Vector2d& shift) {
-  return Search(first, second, shift).all();
+  const PieceTree tree({{second, 1}}, {});
+  const std::vector<Eigen::AlignedBox2d> boxes = piece_boxes(first);
+  CurveMeetings meetings(first, second, shift);
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    near.clear();
+    tree.for_each_near(boxes[i], shift, 0,
+                       [&near](std::int32_t, std::int32_t piece) { near.push_back(static_cast<std::size_t>(piece)); });
+    std::sort(near.begin(), near.end());
+    for (const std::size_t j : near) meetings.add_pieces(i, j);
+  }
+  return meetings.take_sorted();
 }
 
 }  // namespace supple::weave

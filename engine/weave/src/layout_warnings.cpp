@@ -10,6 +10,8 @@ namespace supple::weave {
 namespace {
 
 constexpr double small_angle = 0.2;  ///< rad
+/// Crossings between two looks for a stop request: a few milliseconds.
+constexpr std::size_t crossings_between_looks = 1024;
 /// Places of a strand this close, relative to its length, are one.
 constexpr double near_share = 1e-6;
 
@@ -71,20 +73,27 @@ void warn_of_parts(const Weave& weave, std::vector<std::string>& warnings) {
                        " parts that nothing connects.");
 }
 
-double angle_between(const Weave& weave, const CrossingMember& a, const CrossingMember& b) {
-  const Eigen::Vector2d u = strand_of(weave, a).curve.at(a.coordinate).first.normalized();
-  const Eigen::Vector2d v = strand_of(weave, b).curve.at(b.coordinate).first.normalized();
+double angle_between(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
   return std::asin(std::min(1.0, std::abs(u[0] * v[1] - u[1] * v[0])));
 }
 
-void warn_of_angles(const Weave& weave, std::vector<std::string>& warnings) {
+/// Whether two strands meet at a small angle. Of 17 lines two always do: no more are compared.
+bool has_small_angle(const Weave& weave, const Crossing& crossing) {
+  std::vector<Eigen::Vector2d> tangents;
+  for (const CrossingMember& member : crossing.members) {
+    const Eigen::Vector2d tangent = strand_of(weave, member).curve.at(member.coordinate).first.normalized();
+    for (const Eigen::Vector2d& other : tangents)
+      if (angle_between(tangent, other) < small_angle) return true;
+    tangents.push_back(tangent);
+  }
+  return false;
+}
+
+void warn_of_angles(const Weave& weave, const Execution& execution, std::vector<std::string>& warnings) {
   Cases flat;
   for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
-    const auto& members = weave.crossings[c].members;
-    bool small = false;
-    for (std::size_t i = 0; i < members.size(); ++i)
-      for (std::size_t k = 0; k < i; ++k) small = small || angle_between(weave, members[i], members[k]) < small_angle;
-    if (small) flat.add(c);
+    if (c % crossings_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (has_small_angle(weave, weave.crossings[c])) flat.add(c);
   }
   tell(flat, "have strands that meet at less than 0.2 rad", "crossings", warnings);
 }
@@ -115,20 +124,22 @@ void warn_of_distances(const Weave& weave, std::vector<std::string>& warnings) {
        "crossings", warnings);
 }
 
-void warn_of_missing_crossings(const Weave& weave, std::vector<std::string>& warnings) {
+void warn_of_missing_crossings(const Weave& weave, const Execution& execution, std::vector<std::string>& warnings) {
   const auto places = places_of(weave);
   const auto is_place = [&](const CrossingMember& member) {
     const auto& list = places[static_cast<std::size_t>(member.strand)];
     const double length = strand_of(weave, member).curve.length();
     const double near = near_share * length;
+    const auto is_near = [&](double coordinate) {
+      const auto next = std::lower_bound(list.begin(), list.end(), std::pair(coordinate - near, std::size_t{0}));
+      return next != list.end() && next->first <= coordinate + near;
+    };
+    if (is_near(member.coordinate)) return true;
     const bool loop = strand_of(weave, member).curve.ends() != Ends::open;
-    return std::any_of(list.begin(), list.end(), [&](const auto& place) {
-      const double apart = std::abs(place.first - member.coordinate);
-      return apart <= near || (loop && length - apart <= near);
-    });
+    return loop && (is_near(member.coordinate - length) || is_near(member.coordinate + length));
   };
   Cases missing;
-  for (const Crossing& found : find_crossings(weave.strands, weave.lattice))
+  for (const Crossing& found : find_crossings(weave.strands, weave.lattice, execution))
     if (!std::all_of(found.members.begin(), found.members.end(), is_place))
       missing.add(static_cast<std::size_t>(found.members.front().strand));
   if (missing.count > 0)
@@ -138,11 +149,13 @@ void warn_of_missing_crossings(const Weave& weave, std::vector<std::string>& war
 
 }  // namespace
 
-std::vector<std::string> layout_warnings(const Weave& weave) {
+std::vector<std::string> layout_warnings(const Weave& weave, const Execution& execution) {
   std::vector<std::string> warnings;
+  execution.cancellation.throw_if_requested();
   warn_of_parts(weave, warnings);
-  warn_of_missing_crossings(weave, warnings);
-  warn_of_angles(weave, warnings);
+  warn_of_missing_crossings(weave, execution, warnings);
+  warn_of_angles(weave, execution, warnings);
+  execution.cancellation.throw_if_requested();
   warn_of_distances(weave, warnings);
   return warnings;
 }

@@ -15,7 +15,8 @@ namespace {
 using std::numbers::pi;
 /// Points of a circle's spline: its radius of curvature is then right to 1e-5.
 constexpr int circle_points = 64;
-constexpr int most_strands = 20'000;
+/// Crossings between two looks for a stop request: a few milliseconds.
+constexpr std::size_t crossings_between_looks = 1024;
 
 void require(bool good, const char* where, const std::string& message) {
   if (!good) throw Error("weave.invalid_pattern", std::string(where) + " " + message, {{where, message}});
@@ -61,7 +62,7 @@ void connect(const Weave& weave, Connection connection, Crossing& crossing) {
 
 /// Squares: strand 4 k + side of square k; the first `full` squares are those on the lattice, whose centres decide what
 /// "bottom-left" is.
-void connect_squares(SquareType type, double side, int full, Weave& weave) {
+void connect_squares(SquareType type, double side, int full, Weave& weave, const Execution& execution = {}) {
   const auto is_end = [side](const CrossingMember& m) {
     return m.coordinate < 1e-6 * side || m.coordinate > side * (1 - 1e-6);
   };
@@ -84,7 +85,7 @@ void connect_squares(SquareType type, double side, int full, Weave& weave) {
     if (type == SquareType::one_corner_fused && bottom_left) continue;
     own.slides = true;
   }
-  limit_sliding(weave);
+  limit_sliding(weave, sliding_share, execution);
 }
 
 void check_loops(double size, double overlap, const char* size_name, const char* overlap_name) {
@@ -94,12 +95,12 @@ void check_loops(double size, double overlap, const char* size_name, const char*
 
 void check_count(int columns, int rows) {
   require(columns >= 1 && rows >= 1, "columns", "and rows must be at least 1");
-  require(static_cast<double>(columns) * rows <= most_strands, "columns",
-          "times rows must be at most " + std::to_string(most_strands));
+  require(static_cast<double>(columns) * rows <= most_pattern_strands, "columns",
+          "times rows must be at most " + std::to_string(most_pattern_strands));
 }
 
 /// Each crossing of circles: the one whose neighbour lies in +x or -y slides.
-void connect_circles(CircleType type, double radius, Weave& weave) {
+void connect_circles(CircleType type, double radius, Weave& weave, const Execution& execution = {}) {
   if (type == CircleType::all_fused) return;
   for (Crossing& crossing : weave.crossings) {
     // The centre of the member's copy, seen from the crossing: which of the two lies lower left.
@@ -112,20 +113,21 @@ void connect_circles(CircleType type, double radius, Weave& weave) {
     const bool first = beside ? between[0] > 0 : between[1] < 0;
     crossing.members[first ? 0 : 1].slides = true;
   }
-  limit_sliding(weave);
+  limit_sliding(weave, sliding_share, execution);
 }
 
 }  // namespace
 
-void limit_sliding(Weave& weave, double share) {
+void limit_sliding(Weave& weave, double share, const Execution& execution) {
   std::vector<std::vector<double>> places(weave.strands.size());
   for (std::size_t s = 0; s < places.size(); ++s)
     if (weave.strands[s].curve.ends() == Ends::open) places[s] = {0, weave.strands[s].curve.length()};
   for (const Crossing& crossing : weave.crossings)
     for (const CrossingMember& m : crossing.members) places[static_cast<std::size_t>(m.strand)].push_back(m.coordinate);
   for (auto& list : places) std::sort(list.begin(), list.end());
-  for (Crossing& crossing : weave.crossings) {
-    for (CrossingMember& m : crossing.members) {
+  for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
+    if (c % crossings_between_looks == 0) execution.cancellation.throw_if_requested();
+    for (CrossingMember& m : weave.crossings[c].members) {
       if (!m.slides) continue;
       const auto s = static_cast<std::size_t>(m.strand);
       const StrandCurve& curve = weave.strands[s].curve;
@@ -162,7 +164,8 @@ Weave regular_weave(const ConnectionBlock& block, double pitch) {
   return weave;
 }
 
-Weave regular_sheet(int columns, int rows, const ConnectionBlock& block, double pitch, int fused_border) {
+Weave regular_sheet(int columns, int rows, const ConnectionBlock& block, double pitch, int fused_border,
+                    const Execution& execution) {
   require(pitch > 0 && std::isfinite(pitch), "pitch", "must be positive, in mm");
   check_count(columns, rows);
   Weave weave;
@@ -173,6 +176,7 @@ Weave regular_sheet(int columns, int rows, const ConnectionBlock& block, double 
   for (int column = 0; column < columns; ++column)
     weave.strands.push_back(line({(column + 0.5) * pitch, 0}, {(column + 0.5) * pitch, rows * pitch}));
   for (int row = 0; row < rows; ++row) {
+    execution.cancellation.throw_if_requested();
     for (int column = 0; column < columns; ++column) {
       Crossing crossing{{{row, (column + 0.5) * pitch}, {rows + column, (row + 0.5) * pitch}}};
       const bool border = std::min({row, column, rows - 1 - row, columns - 1 - column}) < fused_border;
@@ -197,7 +201,8 @@ Weave interlacing_squares(SquareType type, double side, double overlap) {
   return weave;
 }
 
-Weave interlacing_squares_sheet(SquareType type, int columns, int rows, double side, double overlap) {
+Weave interlacing_squares_sheet(SquareType type, int columns, int rows, double side, double overlap,
+                                const Execution& execution) {
   check_loops(side, overlap, "side", "overlap");
   require(2 * overlap < side, "overlap", "must be less than half the side");
   check_count(columns, rows);
@@ -209,8 +214,8 @@ Weave interlacing_squares_sheet(SquareType type, int columns, int rows, double s
   for (int row = 0; row + 1 < rows; ++row)
     for (int column = 0; column + 1 < columns; ++column)
       add_square({side / 2 + (column + 0.5) * period, side / 2 + (row + 0.5) * period}, side, weave.strands);
-  weave.crossings = find_crossings(weave.strands);
-  connect_squares(type, side, columns * rows, weave);
+  weave.crossings = find_crossings(weave.strands, std::nullopt, execution);
+  connect_squares(type, side, columns * rows, weave, execution);
   return weave;
 }
 
@@ -226,7 +231,8 @@ Weave interlacing_circles(CircleType type, double radius, double distance) {
   return weave;
 }
 
-Weave interlacing_circles_sheet(CircleType type, int columns, int rows, double radius, double distance) {
+Weave interlacing_circles_sheet(CircleType type, int columns, int rows, double radius, double distance,
+                                const Execution& execution) {
   check_loops(radius, distance, "radius", "distance");
   require(distance < 2 * radius && distance > std::sqrt(2.0) * radius, "distance",
           "must lie between sqrt(2) and 2 radii: neighbours cut each other, others do not");
@@ -234,10 +240,12 @@ Weave interlacing_circles_sheet(CircleType type, int columns, int rows, double r
   Weave weave;
   weave.strands.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column)
+    for (int column = 0; column < columns; ++column) {
+      execution.cancellation.throw_if_requested();
       weave.strands.push_back(circle({column * distance, row * distance}, radius));
-  weave.crossings = find_crossings(weave.strands);
-  connect_circles(type, radius, weave);
+    }
+  weave.crossings = find_crossings(weave.strands, std::nullopt, execution);
+  connect_circles(type, radius, weave, execution);
   return weave;
 }
 

@@ -2,9 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "supple/base/faults.h"
@@ -73,14 +76,21 @@ void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& 
   const RodModel model(weave, prescription.anchors, {.spatial = false, .segments = options.segments});
   Faults faults;
   for (std::size_t i = 0; i < load.supports.size(); ++i)
-    faults.require(!load.supports[i].clamped || model.anchor_joint(i) >= 0,
-                   "supports/" + std::to_string(i) + "/clamped", "must be false where the strand slides");
-  for (std::size_t i = 0; i < load.supports.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k)
-      if (model.anchor_node(i) == model.anchor_node(k))
-        for (std::size_t c = 0; c < 3; ++c)
-          faults.require(!(load.supports[i].held[c] && load.supports[k].held[c]), "supports/" + std::to_string(i),
-                         "holds what supports/" + std::to_string(k) + " holds already");
+    if (load.supports[i].clamped && model.anchor_joint(i) < 0)
+      faults.add("supports/" + std::to_string(i) + "/clamped", "must be false where the strand slides");
+  // The support that holds a node's component first.
+  std::unordered_map<int, std::array<std::optional<std::size_t>, 3>> holders;
+  for (std::size_t i = 0; i < load.supports.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!load.supports[i].held[c]) continue;
+      auto& holder = holders[model.anchor_node(i)][c];
+      if (holder)
+        faults.add("supports/" + std::to_string(i),
+                   "holds what supports/" + std::to_string(*holder) + " holds already");
+      else
+        holder = i;
+    }
+  }
   faults.throw_if_any("weave.invalid_load");
 }
 
@@ -139,9 +149,10 @@ SheetState state_of(WeaveRun& run, const SheetLoad& load) {
 
 SimulationResult simulate(const Weave& weave, const SheetLoad& load, const EquilibriumOptions& options,
                           const Execution& execution) {
-  validate(weave);
+  validate(weave, execution);
   validate(options);
   check(weave, load);
+  execution.cancellation.throw_if_requested();
   Prescription prescription = prescribe(load);
   prescription.strain = strain_of(load, weave);
   check_nodes(weave, load, prescription, options);

@@ -14,13 +14,15 @@ namespace {
 /// Pieces of the refined curve turn by less, rad: within one the parameter's speed varies by the square of this over a
 /// few hundred.
 constexpr double longest_turn = 0.06;
-constexpr int most_pieces_between_points = 4096;
+constexpr double most_pieces_between_points = 4096;
 /// Rounds of replacing parameter lengths by arc lengths: each gains three digits or more.
 constexpr int rounds = 4;
 /// Neighbouring points closer than this, relative to the extent, are the same point.
 constexpr double same_point = 1e-9;
 /// Points that leave a line by less, relative to the extent, lie on it.
 constexpr double on_line = 1e-12;
+/// Pieces between two looks for a stop request: a millisecond's work.
+constexpr std::size_t pieces_between_looks = 1024;
 
 /// Gauss-Legendre points and weights on [-1, 1].
 constexpr std::array<std::array<double, 2>, 5> gauss{{{-0.9061798459386640, 0.2369268850561891},
@@ -144,7 +146,8 @@ std::string_view to_string(Ends ends) {
   return "periodic";
 }
 
-StrandCurve::StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends, const Eigen::Vector2d& translation)
+StrandCurve::StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends, const Eigen::Vector2d& translation,
+                         const Execution& execution)
     : ends_(ends), translation_(translation) {
   check(points, ends, translation);
   Vectors values = points;
@@ -171,9 +174,9 @@ StrandCurve::StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends, 
     seconds_.assign(2, Eigen::Vector2d::Zero());
   } else {
     fit(values);
-    const std::vector<std::size_t> given = refine();
+    const std::vector<std::size_t> given = refine(execution);
     for (int round = 0; round < rounds; ++round) {
-      measure();
+      measure(execution);
       fit(values_);
     }
     point_coordinates_.reserve(given.size());
@@ -194,11 +197,12 @@ void StrandCurve::fit(std::vector<Eigen::Vector2d> values) {
   seconds_ = ends_ == Ends::open ? open_seconds(h, slopes) : periodic_seconds(h, slopes);
 }
 
-std::vector<std::size_t> StrandCurve::refine() {
+std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
   Vectors refined;
   std::vector<std::size_t> given;
   given.reserve(values_.size());
   for (std::size_t piece = 0; piece + 1 < values_.size(); ++piece) {
+    if (piece % pieces_between_looks == 0) execution.cancellation.throw_if_requested();
     given.push_back(refined.size());
     const double h = knots_[piece + 1] - knots_[piece];
     // The curvature is greatest near an end of a piece or in its middle; twice that is a bound in practice.
@@ -208,7 +212,10 @@ std::vector<std::size_t> StrandCurve::refine() {
       curvature = std::max(curvature, std::abs(cross(p.first, p.second)) / std::pow(p.first.norm(), 3));
     }
     const double turn = curvature * piece_length(piece, 0, h);
-    const int count = std::clamp(static_cast<int>(std::ceil(turn / longest_turn)), 1, most_pieces_between_points);
+    // Clamped before it is an integer: at a cusp the curvature has no bound.
+    const auto count = static_cast<int>(std::clamp(std::ceil(turn / longest_turn), 1.0, most_pieces_between_points));
+    if (refined.size() + static_cast<std::size_t>(count) > most_pieces)
+      refuse("points", "turn so often that their curve has more than " + std::to_string(most_pieces) + " pieces");
     for (int k = 0; k < count; ++k) {
       refined.emplace_back(in_piece(piece, h * k / count).position);
       if (k == 0) refined.back() = values_[piece];
@@ -225,11 +232,13 @@ std::vector<std::size_t> StrandCurve::refine() {
   return given;
 }
 
-void StrandCurve::measure() {
+void StrandCurve::measure(const Execution& execution) {
   std::vector<double> knots{0};
   knots.reserve(knots_.size());
-  for (std::size_t piece = 0; piece + 1 < knots_.size(); ++piece)
+  for (std::size_t piece = 0; piece + 1 < knots_.size(); ++piece) {
+    if (piece % pieces_between_looks == 0) execution.cancellation.throw_if_requested();
     knots.push_back(knots.back() + piece_length(piece, 0, knots_[piece + 1] - knots_[piece]));
+  }
   knots_ = std::move(knots);
 }
 

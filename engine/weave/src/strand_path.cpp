@@ -79,10 +79,11 @@ Stretch room(const Strip& strip, double at, double length, bool closed) {
 }
 
 std::vector<Raised> raised(int number, const Strip& strip, double length, bool closed, const Lift& lift,
-                           PrintFaults& faults) {
+                           const Execution& execution, PrintFaults& faults) {
   std::vector<Raised> result;
   result.reserve(strip.over.size());
   for (const Strip::Over& over : strip.over) {
+    execution.cancellation.throw_if_requested();
     const Stretch free = room(strip, over.at, length, closed);
     const double least = over.top + lift.height / steepest;
     if (std::min(free.begin, free.end) < least) {
@@ -108,9 +109,10 @@ bool must_land_between(const Strip& strip, double from, double to, double length
 
 /// Joins lifts between which the strand would not come down for long.
 std::vector<Raised> bridged(const std::vector<Raised>& lifts, const Strip& strip, double bridge, double length,
-                            bool closed) {
+                            bool closed, const Execution& execution) {
   std::vector<Raised> result;
   for (const Raised& next : lifts) {
+    execution.cancellation.throw_if_requested();
     if (!result.empty() && next.begin - result.back().end < bridge &&
         !must_land_between(strip, result.back().down, next.up, length, closed)) {
       result.back().down = next.down;
@@ -162,7 +164,8 @@ double height(const std::vector<Raised>& lifts, double s, double top) {
 }
 
 /// Coordinates between which the curve leaves its chords by less than the error, within [from, to].
-std::vector<double> sampled(const StrandCurve& curve, double from, double to, double error) {
+std::vector<double> sampled(const StrandCurve& curve, double from, double to, double error,
+                            const Execution& execution) {
   std::vector<double> result{from, to};
   if (curve.straight()) return result;
   const std::vector<double>& knots = curve.knots();
@@ -170,6 +173,7 @@ std::vector<double> sampled(const StrandCurve& curve, double from, double to, do
   const int turns = curve.ends() == Ends::closed ? static_cast<int>(std::ceil(to / length)) : 1;
   for (int turn = 0; turn < turns; ++turn) {
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+      execution.cancellation.throw_if_requested();
       const double h = knots[i + 1] - knots[i];
       const double bend = std::max(curve.at(knots[i]).second.norm(), curve.at(knots[i] + h / 2).second.norm());
       // A chord over a length h of curvature k is left by h^2 k / 8.
@@ -184,8 +188,8 @@ std::vector<double> sampled(const StrandCurve& curve, double from, double to, do
 }
 
 StrandPath path_of(const StrandCurve& curve, double from, double to, const std::vector<Raised>& lifts,
-                   const PrinterProfile& profile, double error) {
-  std::vector<double> places = sampled(curve, from, to, error);
+                   const PrinterProfile& profile, double error, const Execution& execution) {
+  std::vector<double> places = sampled(curve, from, to, error, execution);
   for (const Raised& r : lifts)
     for (const double s : {r.begin, r.up, r.down, r.end})
       if (s > from && s < to) places.push_back(s);
@@ -193,6 +197,7 @@ StrandPath path_of(const StrandCurve& curve, double from, double to, const std::
   StrandPath path;
   double last = 0;
   for (const double s : places) {
+    execution.cancellation.throw_if_requested();
     // The end itself is always there: it is where a loop meets its beginning.
     if (!path.points.empty() && (s - last < same_place || (s < to && to - s < same_place))) continue;
     const Eigen::Vector2d at = curve.at(s).position;
@@ -209,7 +214,8 @@ double channel_reach(const Channel& channel) { return channel.half_width * (1 + 
 
 std::vector<StrandPath> strand_paths(const Weave& weave, const std::vector<SlidingCrossing>& crossings,
                                      const PrinterProfile& profile, const ToolpathOptions& options,
-                                     const std::vector<Overrun>& overruns, PrintFaults& faults) {
+                                     const std::vector<Overrun>& overruns, const Execution& execution,
+                                     PrintFaults& faults) {
   const std::vector<Strip> all = strips(weave, crossings, profile);
   std::vector<StrandPath> paths;
   paths.reserve(all.size());
@@ -218,11 +224,11 @@ std::vector<StrandPath> strand_paths(const Weave& weave, const std::vector<Slidi
     const auto number = static_cast<int>(s);
     const double length = curve.length();
     const bool closed = curve.ends() == Ends::closed;
-    std::vector<Raised> lifts = raised(number, all[s], length, closed, profile.lift, faults);
+    std::vector<Raised> lifts = raised(number, all[s], length, closed, profile.lift, execution, faults);
     const double start = closed ? unroll(number, lifts, length, options.loop_overlap, faults) : -overruns[s].start;
-    lifts = bridged(lifts, all[s], profile.lift.bridge, length, closed);
+    lifts = bridged(lifts, all[s], profile.lift.bridge, length, closed, execution);
     const double end = closed ? start + length + options.loop_overlap : length + overruns[s].end;
-    paths.push_back(path_of(curve, start, end, lifts, profile, options.chord_error));
+    paths.push_back(path_of(curve, start, end, lifts, profile, options.chord_error, execution));
   }
   return paths;
 }

@@ -19,9 +19,10 @@ struct StrandPath {
 double channel_reach(const Channel& channel);
 
 /// The strands' paths, by number. Strands are flat at their ends, at fused crossings, and where channels stand on them.
-/// `overruns` has one entry for each strand. Too little room for a lift is a fault.
+/// `overruns` has one entry for each strand. Too little room for a lift is a fault. Stops where a stop is requested.
 std::vector<StrandPath> strand_paths(const Weave& weave, const std::vector<SlidingCrossing>& crossings,
                                      const PrinterProfile& profile, const ToolpathOptions& options,
-                                     const std::vector<Overrun>& overruns, PrintFaults& faults);
+                                     const std::vector<Overrun>& overruns, const Execution& execution,
+                                     PrintFaults& faults);
 
 }  // namespace supple::weave

@@ -19,6 +19,7 @@ namespace {
 constexpr double same_nozzle_position = 1e-6;  ///< mm
 constexpr double largest_length = 1000;        ///< mm; of overruns, margins and grips
 constexpr std::size_t most_grips = 100;
+constexpr int most_overlap = 10;  ///< of a loop over itself, in its lengths
 constexpr int most_points = 2'000'000;
 
 /// Times that the nozzle goes along a grip to fill it.
@@ -215,8 +216,9 @@ std::string_view to_string(MoveKind kind) {
   return "travel";
 }
 
-Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const ToolpathOptions& options) {
-  validate(weave);
+Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const ToolpathOptions& options,
+                  const Execution& execution) {
+  validate(weave, execution);
   validate(profile);
   check(options, weave, profile);
   PrintFaults faults;
@@ -225,7 +227,12 @@ Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const Toolp
   for (std::size_t s = 0; s < weave.strands.size(); ++s) {
     if (weave.strands[s].curve.ends() == Ends::periodic)
       faults.add(strand_name(static_cast<int>(s)), "goes on for ever; only open and closed strands can be printed");
-    length += weave.strands[s].curve.length();
+    const double own = weave.strands[s].curve.length();
+    if (weave.strands[s].curve.ends() == Ends::closed && options.loop_overlap > most_overlap * own)
+      faults.add(strand_name(static_cast<int>(s)),
+                 "is a loop of " + mm(own) + ", over which " + mm(options.loop_overlap) +
+                     " of loop_overlap would go round more than " + std::to_string(most_overlap) + " times");
+    length += own;
   }
   const double least_step = std::sqrt(options.chord_error);
   if (length / least_step > most_points)
@@ -238,21 +245,24 @@ Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const Toolp
   const std::vector<int> order = print_order(static_cast<int>(weave.strands.size()), crossings, options.order);
   std::vector<Overrun> overruns(weave.strands.size(), options.overrun);
   for (const auto& [strand, overrun] : options.overruns) overruns[static_cast<std::size_t>(strand)] = overrun;
-  std::vector<StrandPath> paths = strand_paths(weave, crossings, profile, options, overruns, faults);
-  const auto channels = channel_paths(weave, crossings, profile, overruns, faults);
+  std::vector<StrandPath> paths = strand_paths(weave, crossings, profile, options, overruns, execution, faults);
+  const auto channels = channel_paths(weave, crossings, profile, overruns, execution, faults);
   faults.throw_if_any();
 
   Builder builder(profile);
   add_supports(layout_box(paths, overruns, weave), profile, options, builder);
-  for (const int s : order)
+  for (const int s : order) {
+    execution.cancellation.throw_if_requested();
     add_strand(s, weave.strands[static_cast<std::size_t>(s)], std::move(paths[static_cast<std::size_t>(s)]), profile,
                builder);
+  }
   for (std::size_t c = 0; c < crossings.size(); ++c) {
     const double radius = weave.strands[static_cast<std::size_t>(crossings[c].bottom)].radius;
     builder.extrude({MoveKind::channel, channels[c], profile.channel_flow * bead_area(profile, radius),
                      profile.channel_speed, crossings[c].bottom, crossings[c].crossing});
   }
   Toolpath result{builder.take(), {}};
+  execution.cancellation.throw_if_requested();
   place(result.moves, options, profile);
   result.statistics = statistics(result.moves, profile);
   check_bed(result, profile);

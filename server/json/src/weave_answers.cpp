@@ -154,12 +154,16 @@ void write_sheet_state(JsonWriter& out, DeformedStrands deformed, const Weave& w
 }  // namespace
 
 std::string write_weave_layout(const Weave& weave, const std::vector<std::string>& warnings, const std::string* svg,
-                               const Bill& bill) {
+                               const Bill& bill, const Execution& execution) {
   JsonWriter out;
   out.begin_object().key("strands").begin_array();
-  for (const auto& strand : weave.strands) write_strand(out, strand);
+  for (const auto& strand : weave.strands) {
+    execution.cancellation.throw_if_requested();
+    write_strand(out, strand);
+  }
   out.end_array().key("crossings").begin_array();
   for (const auto& crossing : weave.crossings) {
+    execution.cancellation.throw_if_requested();
     out.begin_object().key("position").numbers(weave::rest_position(weave, crossing.members.front()));
     out.key("members").begin_array();
     for (const auto& member : crossing.members) write_member(out, member);

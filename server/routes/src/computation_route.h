@@ -15,6 +15,9 @@ namespace supple::routes {
 /// Answers a computation as the request's Prefer header asks for: immediately, or with 202 and a job.
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation);
 
+/// Whether the request prefers a job to an immediate answer.
+inline bool becomes_job(const http::Request& request) { return !request.header("Prefer").empty(); }
+
 /// Answers a computation with 200, whatever the request prefers.
 http::Response answer_immediately(Services& services, const http::Request& request,
                                   const jobs::Computation& computation);

@@ -66,10 +66,18 @@ std::string renumbered(const std::string& text, const std::string& name, Number 
 
 }  // namespace
 
-PlacedLoad place_load(const json::WeaveSimulationRequest& request, const Weave& weave) {
+PlacedLoad place_load(const json::WeaveSimulationRequest& request, const Weave& weave, const json::Limits& limits,
+                      const Execution& execution) {
   PlacedLoad placed;
+  const auto check_count = [&](const std::string& where) {
+    const std::size_t places = placed.places.size() + placed.force_of.size();
+    if (places > limits.max_load_places)
+      problem::throw_limit("request.limit_exceeded", "The number of places that are held or pulled, with all of a box,",
+                           static_cast<double>(limits.max_load_places), static_cast<double>(places), "", where);
+  };
   placed.load.states = request.states;
   for (std::size_t i = 0; i < request.supports.size(); ++i) {
+    execution.cancellation.throw_if_requested();
     const auto& spec = request.supports[i];
     for (const auto& place : find_places(spec.at, weave, "/supports/" + std::to_string(i))) {
       auto& support = placed.load.supports.emplace_back(spec.support);
@@ -77,14 +85,17 @@ PlacedLoad place_load(const json::WeaveSimulationRequest& request, const Weave& 
       support.coordinate = place.coordinate;
       placed.places.push_back({static_cast<int>(i), place.strand, place.coordinate});
     }
+    check_count("/supports/" + std::to_string(i));
   }
   for (std::size_t i = 0; i < request.forces.size(); ++i) {
+    execution.cancellation.throw_if_requested();
     const auto& spec = request.forces[i];
     const auto places = find_places(spec.at, weave, "/forces/" + std::to_string(i));
     for (const auto& place : places) {
       placed.load.forces.push_back({place.strand, place.coordinate, spec.force / static_cast<double>(places.size())});
       placed.force_of.push_back(static_cast<int>(i));
     }
+    check_count("/forces/" + std::to_string(i));
   }
   return placed;
 }

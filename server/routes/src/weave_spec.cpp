@@ -1,6 +1,7 @@
 #include "weave_spec.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -32,26 +33,38 @@ Error pattern_fault(const Error& error) {
   return {error.code(), error.what(), std::move(details)};
 }
 
-Weave lay_out(const json::LayoutSpec& spec, double radius) {
+/// Pieces of all curves of a layout, which take some 100 bytes each.
+constexpr std::size_t most_pieces = weave::StrandCurve::most_pieces;
+
+Weave lay_out(const json::LayoutSpec& spec, double radius, const Execution& execution) {
   Weave weave;
   weave.lattice = spec.lattice;
   weave.strands.reserve(spec.strands.size());
+  std::size_t pieces = 0;
   for (std::size_t s = 0; s < spec.strands.size(); ++s) {
     const auto& strand = spec.strands[s];
     weave.strands.push_back(with_pointers("/weave/strands/" + std::to_string(s) + "/", [&] {
-      return weave::Strand{weave::StrandCurve(strand.points, strand.ends, strand.translation),
+      return weave::Strand{weave::StrandCurve(strand.points, strand.ends, strand.translation, execution),
                            strand.radius.value_or(radius)};
     }));
+    pieces += weave.strands.back().curve.knots().size() - 1;
+    if (pieces > most_pieces) {
+      const std::string message = "turn so often that their curves have more than " + std::to_string(most_pieces) +
+                                  " pieces together, the limit";
+      throw Error("weave.invalid_layout", "The strands " + message + ".", {{"/weave/strands", message}});
+    }
   }
   if (!spec.crossings) {
     // Finding them needs a lattice that has cells.
     if (weave.lattice && !(weave.lattice->determinant() > 0))
       throw Error("weave.invalid_layout", "The lattice must be of positive determinant.",
                   {{"/weave/lattice", "must be of positive determinant"}});
-    weave.crossings = with_pointers("/weave/", [&] { return weave::find_crossings(weave.strands, weave.lattice); });
+    weave.crossings =
+        with_pointers("/weave/", [&] { return weave::find_crossings(weave.strands, weave.lattice, execution); });
     return weave;
   }
   for (const auto& members : *spec.crossings) {
+    execution.cancellation.throw_if_requested();
     auto& crossing = weave.crossings.emplace_back();
     for (const auto& member : members)
       crossing.members.push_back({member.strand, member.coordinate, member.shift, member.slides});
@@ -59,23 +72,23 @@ Weave lay_out(const json::LayoutSpec& spec, double radius) {
   return weave;
 }
 
-Weave lay_out(const json::RegularSpec& spec) {
+Weave lay_out(const json::RegularSpec& spec, const Execution& execution) {
   if (!spec.sheet) return weave::regular_weave(spec.connections, spec.pitch);
   return weave::regular_sheet(spec.sheet->columns, spec.sheet->rows, spec.connections, spec.pitch,
-                              spec.sheet->fused_border);
+                              spec.sheet->fused_border, execution);
 }
 
-Weave lay_out(const json::SquaresSpec& spec) {
+Weave lay_out(const json::SquaresSpec& spec, const Execution& execution) {
+  constexpr double sheet_overlap = 3.6;
   const auto& sheet = spec.sheet;
   if (!sheet)
     return spec.overlap ? weave::interlacing_squares(spec.type, spec.side, *spec.overlap)
                         : weave::interlacing_squares(spec.type, spec.side);
-  return spec.overlap
-             ? weave::interlacing_squares_sheet(spec.type, sheet->columns, sheet->rows, spec.side, *spec.overlap)
-             : weave::interlacing_squares_sheet(spec.type, sheet->columns, sheet->rows, spec.side);
+  return weave::interlacing_squares_sheet(spec.type, sheet->columns, sheet->rows, spec.side,
+                                          spec.overlap.value_or(sheet_overlap), execution);
 }
 
-Weave lay_out(const json::CirclesSpec& spec) {
+Weave lay_out(const json::CirclesSpec& spec, const Execution& execution) {
   constexpr double cell_radius = 5.5;
   constexpr double cell_distance = 10;
   constexpr double sheet_radius = 8;
@@ -84,20 +97,21 @@ Weave lay_out(const json::CirclesSpec& spec) {
     return weave::interlacing_circles(spec.type, spec.radius.value_or(cell_radius),
                                       spec.distance.value_or(cell_distance));
   return weave::interlacing_circles_sheet(spec.type, spec.sheet->columns, spec.sheet->rows,
-                                          spec.radius.value_or(sheet_radius), spec.distance.value_or(sheet_distance));
+                                          spec.radius.value_or(sheet_radius), spec.distance.value_or(sheet_distance),
+                                          execution);
 }
 
-Weave lay_out(const json::RingsSpec&) { return weave::actuated_rings(); }
+Weave lay_out(const json::RingsSpec&, const Execution&) { return weave::actuated_rings(); }
 
-Weave lay_out(const json::WeaveSpec& spec) {
-  if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) return lay_out(*layout, spec.radius);
+Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
+  if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) return lay_out(*layout, spec.radius, execution);
   try {
     Weave weave = std::visit(
         [&](const auto& source) {
           if constexpr (std::is_same_v<std::decay_t<decltype(source)>, json::LayoutSpec>)
             return Weave{};
           else
-            return lay_out(source);
+            return lay_out(source, execution);
         },
         spec.source);
     for (auto& strand : weave.strands) strand.radius = spec.radius;
@@ -135,6 +149,30 @@ void override_connections(const std::vector<json::CrossingOverride>& overrides, 
   }
 }
 
+/// Strands and listed crossings that are laid out within milliseconds, whatever they look like: a straight strand is
+/// one piece, while the pieces of a curve and their crossings have no such bound.
+constexpr int few_strands = 100;
+constexpr std::size_t few_straight_strands = 16;
+constexpr std::size_t few_crossings = 1000;
+
+/// More strands than any pattern may have are refused before they are made.
+bool is_small(const std::optional<json::SheetSpec>& sheet) {
+  if (!sheet) return true;
+  const double cells = static_cast<double>(sheet->columns) * sheet->rows;
+  return cells <= few_strands || cells > weave::most_pattern_strands;
+}
+bool is_small(const json::RegularSpec& spec) { return is_small(spec.sheet); }
+bool is_small(const json::SquaresSpec& spec) { return is_small(spec.sheet); }
+bool is_small(const json::CirclesSpec& spec) { return is_small(spec.sheet); }
+bool is_small(const json::RingsSpec&) { return true; }
+bool is_small(const json::LayoutSpec& spec) {
+  if (spec.strands.size() > few_straight_strands || (spec.crossings && spec.crossings->size() > few_crossings))
+    return false;
+  return std::all_of(spec.strands.begin(), spec.strands.end(), [](const json::StrandSpec& strand) {
+    return strand.points.size() <= (strand.ends == weave::Ends::open ? 2 : 1);
+  });
+}
+
 /// Loops slide a share of the way unless the request says otherwise; other strands as far as their neighbours let them.
 std::optional<double> sliding_share(const json::WeaveSpec& spec) {
   if (spec.sliding_share) return spec.sliding_share;
@@ -145,12 +183,13 @@ std::optional<double> sliding_share(const json::WeaveSpec& spec) {
 
 }  // namespace
 
-Weave make_weave(const json::WeaveSpec& spec) {
-  Weave weave = lay_out(spec);
+Weave make_weave(const json::WeaveSpec& spec, const Execution& execution) {
+  execution.cancellation.throw_if_requested();
+  Weave weave = lay_out(spec, execution);
   weave.material = spec.material;
   override_connections(spec.overrides, weave);
-  with_pointers("/weave/", [&] { validate(weave); });
-  if (const auto share = sliding_share(spec)) limit_sliding(weave, *share);
+  with_pointers("/weave/", [&] { validate(weave, execution); });
+  if (const auto share = sliding_share(spec)) limit_sliding(weave, *share, execution);
   // What crossings say themselves counts before the share.
   if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source); layout && layout->crossings)
     for (std::size_t c = 0; c < weave.crossings.size(); ++c)
@@ -161,6 +200,11 @@ Weave make_weave(const json::WeaveSpec& spec) {
       apply(change.range,
             weave.crossings[static_cast<std::size_t>(change.crossing)].members[static_cast<std::size_t>(member)]);
   return weave;
+}
+
+void refuse_small_faulty_weave(const json::WeaveSpec& spec) {
+  const bool small = std::visit([](const auto& source) { return is_small(source); }, spec.source);
+  if (small && spec.overrides.size() <= few_crossings) make_weave(spec, {});
 }
 
 }  // namespace supple::routes

@@ -66,10 +66,11 @@ Error print_fault(const Error& error, const json::WeaveSpec& spec) {
 }
 
 /// Throws the faults of the engine with pointers into the request, and "request.limit_exceeded" beyond the limit.
-weave::Toolpath plan(const WeaveToolpathRequest& request, const Weave& weave, const json::Limits& limits) {
+weave::Toolpath plan(const WeaveToolpathRequest& request, const Weave& weave, const json::Limits& limits,
+                     const Execution& execution) {
   weave::Toolpath path;
   try {
-    path = toolpath(weave, request.printer, request.options);
+    path = toolpath(weave, request.printer, request.options, execution);
   } catch (const Error& error) {
     if (error.code() == "weave.invalid_option") throw option_fault(error, request);
     if (error.code() == "weave.not_printable") throw print_fault(error, request.weave);
@@ -83,11 +84,12 @@ weave::Toolpath plan(const WeaveToolpathRequest& request, const Weave& weave, co
   return path;
 }
 
-store::Result file(const WeaveToolpathRequest& request, const Weave& weave, Form form, const json::Limits& limits,
-                   const Execution& outer) {
+store::Result file(const WeaveToolpathRequest& request, Form form, const json::Limits& limits, const Execution& outer) {
   store::Result result;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    const weave::Toolpath path = plan(request, weave, limits);
+    execution.checkpoint(0, "layout");
+    const Weave weave = make_weave(request.weave, {execution.cancellation});
+    const weave::Toolpath path = plan(request, weave, limits, execution);
     execution.checkpoint(0.5, "export");
     const StageTimer timer(execution.cost, "export");
     result.body = form == Form::gcode ? to_gcode(path, request.printer) : to_svg(path);
@@ -97,17 +99,22 @@ store::Result file(const WeaveToolpathRequest& request, const Weave& weave, Form
   return result;
 }
 
-store::Result describe(const WeaveToolpathRequest& request, const Weave& weave, const json::Limits& limits,
-                       const Execution& outer) {
+store::Result describe(const WeaveToolpathRequest& request, const json::Limits& limits, const Execution& outer) {
+  Weave weave;
   weave::Toolpath path;
   std::string gcode;
   std::string svg;
   weave::GcodeReport check;
   const auto bill = billed(outer, [&](const Execution& execution) {
     {
-      execution.checkpoint(0, "toolpath");
+      execution.checkpoint(0, "layout");
+      const StageTimer timer(execution.cost, "layout");
+      weave = make_weave(request.weave, {execution.cancellation});
+    }
+    {
+      execution.checkpoint(0.2, "toolpath");
       const StageTimer timer(execution.cost, "toolpath");
-      path = plan(request, weave, limits);
+      path = plan(request, weave, limits, execution);
     }
     {
       execution.checkpoint(0.5, "export");
@@ -141,17 +148,16 @@ http::Response answer_toolpath(Services& services, const http::Request& http_req
   require_ready(services);
   const Form form = wanted_form(http_request);
   auto request = json::parse_weave_toolpath(json_body(http_request), services.limits.json);
-  auto weave = std::make_shared<const Weave>(make_weave(request.weave));
+  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
   try {
     validate(request.printer);
   } catch (const Error& error) {
     throw moved(error, "/printer/");
   }
   jobs::Computation computation{"weave-toolpaths", {}, request.deadline, {}};
-  computation.run = [request = std::move(request), weave = std::move(weave), form,
+  computation.run = [request = std::make_shared<const WeaveToolpathRequest>(std::move(request)), form,
                      limits = services.limits.json](const Execution& execution) {
-    return form == Form::json ? describe(request, *weave, limits, execution)
-                              : file(request, *weave, form, limits, execution);
+    return form == Form::json ? describe(*request, limits, execution) : file(*request, form, limits, execution);
   };
   return answer_computation(services, http_request, std::move(computation));
 }

@@ -2,6 +2,7 @@
 
 #include "computation_route.h"
 #include "handlers.h"
+#include "supple/base/part_of_execution.h"
 #include "supple/weave/drawing.h"
 #include "supple/weave/layout_warnings.h"
 #include "weave_spec.h"
@@ -18,34 +19,66 @@ bool wants_picture(const http::Request& request) {
   return *type == svg_type;
 }
 
-store::Result draw(const Weave& weave, const Execution& outer) {
+/// The weave of a request, billed as the stage "layout".
+Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
+  execution.checkpoint(0, "layout");
+  const StageTimer timer(execution.cost, "layout");
+  return make_weave(spec, execution);
+}
+
+/// The same at the beginning of a computation that takes much longer.
+Weave lay_out_first(const json::WeaveSpec& spec, const Execution& execution) {
+  constexpr double share = 0.02;
+  const PartOfExecution part(execution, 0, share);
+  return lay_out(spec, part.execution());
+}
+
+/// Throws "request.limit_exceeded" where the strands at rest would be too large an answer.
+void check_polylines(const Weave& weave, const json::Limits& limits) {
+  double points = 0;
+  for (const auto& strand : weave.strands) points += static_cast<double>(weave::polyline_size(strand.curve));
+  if (points > static_cast<double>(limits.max_layout_points))
+    problem::throw_limit("request.limit_exceeded", "The number of points of the strands' polylines, two for each mm,",
+                         static_cast<double>(limits.max_layout_points), points, "", "/weave");
+}
+
+store::Result draw(const json::WeaveSpec& spec, const json::Limits& limits, const Execution& outer) {
   store::Result result;
   const auto bill = billed(outer, [&](const Execution& execution) {
+    const Weave weave = lay_out(spec, execution);
+    check_polylines(weave, limits);
     const StageTimer timer(execution.cost, "export");
-    result.body = to_svg(weave);
+    result.body = to_svg(weave, execution);
   });
   result.content_type = svg_type;
   result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
   return result;
 }
 
-store::Result describe(const Weave& weave, bool with_svg, const Execution& outer) {
+store::Result describe(const json::WeaveLayoutRequest& request, const json::Limits& limits, const Execution& outer) {
+  Weave weave;
   std::vector<std::string> warnings;
   std::string svg;
   const auto bill = billed(outer, [&](const Execution& execution) {
     {
-      execution.checkpoint(0, "warnings");
-      const StageTimer timer(execution.cost, "warnings");
-      warnings = layout_warnings(weave);
+      const PartOfExecution part(execution, 0, 0.5);
+      weave = lay_out(request.weave, part.execution());
+      check_polylines(weave, limits);
     }
-    if (with_svg) {
-      execution.checkpoint(0.5, "export");
+    {
+      const PartOfExecution part(execution, 0.5, 0.4);
+      part.execution().checkpoint(0, "warnings");
+      const StageTimer timer(execution.cost, "warnings");
+      warnings = layout_warnings(weave, part.execution());
+    }
+    if (request.svg) {
+      execution.checkpoint(0.9, "export");
       const StageTimer timer(execution.cost, "export");
-      svg = to_svg(weave);
+      svg = to_svg(weave, execution);
     }
     execution.checkpoint(1, "");
   });
-  return json_result(json::write_weave_layout(weave, warnings, with_svg ? &svg : nullptr, bill));
+  return json_result(json::write_weave_layout(weave, warnings, request.svg ? &svg : nullptr, bill, outer));
 }
 
 /// About how many points the deformed polylines of one state have.
@@ -74,9 +107,17 @@ Error option_fault(const Error& error) {
   return {error.code(), error.what(), std::move(details)};
 }
 
-store::Result homogenize(const json::WeaveHomogenizationRequest& request, const Weave& weave, const Execution& outer) {
+store::Result homogenize(const json::WeaveHomogenizationRequest& request, const json::Limits& limits,
+                         const Execution& outer) {
+  Weave weave;
   std::vector<weave::DirectionalResponse> responses;
   const auto bill = billed(outer, [&](const Execution& execution) {
+    weave = lay_out_first(request.weave, execution);
+    if (!weave.lattice) {
+      const auto* const why = "The weave has no lattice; only periodic cells are homogenized.";
+      throw Error("weave.not_periodic", why, {{"/weave", why}});
+    }
+    check_deformed(weave, request.options.equilibrium.segments, request.options.deformed.size(), limits);
     try {
       responses = weave::homogenize(weave, request.options, execution);
     } catch (const Error& error) {
@@ -88,10 +129,16 @@ store::Result homogenize(const json::WeaveHomogenizationRequest& request, const 
   return json_result(json::write_weave_homogenization(request, weave, responses, bill));
 }
 
-store::Result simulate(const json::WeaveSimulationRequest& request, const Weave& weave, const PlacedLoad& placed,
+store::Result simulate(const json::WeaveSimulationRequest& request, const json::Limits& limits,
                        const Execution& outer) {
+  Weave weave;
+  PlacedLoad placed;
   weave::SimulationResult result;
   const auto bill = billed(outer, [&](const Execution& execution) {
+    weave = lay_out_first(request.weave, execution);
+    placed = place_load(request, weave, limits, execution);
+    if (request.deformed != json::DeformedStrands::none)
+      check_deformed(weave, request.options.segments, static_cast<std::size_t>(request.states), limits);
     try {
       result = weave::simulate(weave, placed.load, request.options, execution);
     } catch (const Error& error) {
@@ -107,11 +154,12 @@ store::Result simulate(const json::WeaveSimulationRequest& request, const Weave&
 http::Response answer_layout(Services& services, const http::Request& http_request) {
   require_ready(services);
   const bool picture = wants_picture(http_request);
-  const auto request = json::parse_weave_layout(json_body(http_request), services.limits.json);
+  auto request = json::parse_weave_layout(json_body(http_request), services.limits.json);
+  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
   jobs::Computation computation{"weave-layouts", {}, request.deadline, {}};
-  computation.run = [weave = std::make_shared<const Weave>(make_weave(request.weave)), picture,
-                     svg = request.svg](const Execution& execution) {
-    return picture ? draw(*weave, execution) : describe(*weave, svg, execution);
+  computation.run = [request = std::make_shared<const json::WeaveLayoutRequest>(std::move(request)), picture,
+                     limits = services.limits.json](const Execution& execution) {
+    return picture ? draw(request->weave, limits, execution) : describe(*request, limits, execution);
   };
   return answer_computation(services, http_request, std::move(computation));
 }
@@ -119,15 +167,11 @@ http::Response answer_layout(Services& services, const http::Request& http_reque
 http::Response answer_homogenization(Services& services, const http::Request& http_request) {
   require_ready(services);
   auto request = json::parse_weave_homogenization(json_body(http_request), services.limits.json);
-  auto weave = std::make_shared<const Weave>(make_weave(request.weave));
-  if (!weave->lattice) {
-    const auto* const why = "The weave has no lattice; only periodic cells are homogenized.";
-    throw Error("weave.not_periodic", why, {{"/weave", why}});
-  }
-  check_deformed(*weave, request.options.equilibrium.segments, request.options.deformed.size(), services.limits.json);
+  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
   jobs::Computation computation{"weave-homogenizations", {}, request.deadline, {}};
-  computation.run = [request = std::move(request), weave = std::move(weave)](const Execution& execution) {
-    return homogenize(request, *weave, execution);
+  computation.run = [request = std::make_shared<const json::WeaveHomogenizationRequest>(std::move(request)),
+                     limits = services.limits.json](const Execution& execution) {
+    return homogenize(*request, limits, execution);
   };
   return answer_computation(services, http_request, std::move(computation));
 }
@@ -135,13 +179,12 @@ http::Response answer_homogenization(Services& services, const http::Request& ht
 http::Response answer_simulation(Services& services, const http::Request& http_request) {
   require_ready(services);
   auto request = json::parse_weave_simulation(json_body(http_request), services.limits.json);
-  auto weave = std::make_shared<const Weave>(make_weave(request.weave));
-  auto placed = std::make_shared<const PlacedLoad>(place_load(request, *weave));
-  if (request.deformed != json::DeformedStrands::none)
-    check_deformed(*weave, request.options.segments, static_cast<std::size_t>(request.states), services.limits.json);
+  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
   jobs::Computation computation{"weave-simulations", {}, request.deadline, {}};
-  computation.run = [request = std::move(request), weave = std::move(weave), placed = std::move(placed)](
-                        const Execution& execution) { return simulate(request, *weave, *placed, execution); };
+  computation.run = [request = std::make_shared<const json::WeaveSimulationRequest>(std::move(request)),
+                     limits = services.limits.json](const Execution& execution) {
+    return simulate(*request, limits, execution);
+  };
   return answer_computation(services, http_request, std::move(computation));
 }
 

@@ -6,6 +6,9 @@
 
 namespace supple::weave {
 
+/// Columns times rows of a sheet at most.
+inline constexpr int most_pattern_strands = 20'000;
+
 /// How two strands of a pattern are connected where they cross.
 enum class Connection {
   fused,
@@ -23,7 +26,8 @@ ConnectionBlock uniform_block(Connection connection);
 Weave regular_weave(const ConnectionBlock& block, double pitch = 4);
 /// `columns` x `rows` strands, the block repeated; their ends stand over the outer crossings by half a pitch. Crossings
 /// of a border of `fused_border` strands are fused whatever the block says.
-Weave regular_sheet(int columns, int rows, const ConnectionBlock& block, double pitch = 4, int fused_border = 0);
+Weave regular_sheet(int columns, int rows, const ConnectionBlock& block, double pitch = 4, int fused_border = 0,
+                    const Execution& execution = {});
 
 /// How the eight crossings of interlacing squares are connected; each square's own corners are always fused.
 enum class SquareType {
@@ -37,19 +41,21 @@ inline constexpr double sliding_share = 0.7;
 
 /// Limits every member that slides to `share` of the way to the next crossing of its strand or its end on either side.
 /// O(members log members).
-void limit_sliding(Weave& weave, double share = sliding_share);
+void limit_sliding(Weave& weave, double share = sliding_share, const Execution& execution = {});
 
 /// Squares on a square lattice and others in the middles between them, whose corners overlap by `overlap` in x and y.
 /// The cell has two squares, eight crossings and the side 2 (side - overlap).
 Weave interlacing_squares(SquareType type, double side = 12, double overlap = 3);
 /// `columns` x `rows` squares and (columns - 1) x (rows - 1) between them.
-Weave interlacing_squares_sheet(SquareType type, int columns, int rows, double side = 12, double overlap = 3.6);
+Weave interlacing_squares_sheet(SquareType type, int columns, int rows, double side = 12, double overlap = 3.6,
+                                const Execution& execution = {});
 
 enum class CircleType { all_fused, all_slide };
 /// Circles on a square lattice that cut their four neighbours, four crossings in a cell. Sliding: each circle slides
 /// through the one to its right, and through it slides the one above.
 Weave interlacing_circles(CircleType type, double radius = 5.5, double distance = 10);
-Weave interlacing_circles_sheet(CircleType type, int columns, int rows, double radius = 8, double distance = 14.4);
+Weave interlacing_circles_sheet(CircleType type, int columns, int rows, double radius = 8, double distance = 14.4,
+                                const Execution& execution = {});
 
 /// Three rings of radius 12, 20 and 28 about the origin, three fused diameters, and a vertical strand from (0, 28),
 /// where it is fused to the outer ring, to (0, -44) that slides through the rings and the centre: pushed in at its end,

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/execution.h"
+
 namespace supple::weave {
 
 /// How a strand goes on where its points end.
@@ -26,9 +28,14 @@ std::string_view to_string(Ends ends);
 class StrandCurve {
  public:
   /// `points` in mm: at least 2 (open), 3 (closed) or 1 (periodic, with its translation), no two neighbours closer than
-  /// 1e-9 times the extent. Throws "weave.invalid_strand", details at "points/i". O(length of the curve).
+  /// 1e-9 times the extent. Throws "weave.invalid_strand", details at "points/i", and at "points" where the curve turns
+  /// so often that it has more than `most_pieces` pieces. O(pieces), about 2 us for each; looks for a stop request
+  /// every few thousand.
   StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends,
-              const Eigen::Vector2d& translation = Eigen::Vector2d::Zero());
+              const Eigen::Vector2d& translation = Eigen::Vector2d::Zero(), const Execution& execution = {});
+
+  /// Pieces of one curve at most, which take some 100 bytes each.
+  static constexpr std::size_t most_pieces = 4'000'000;
 
   double length() const { return knots_.back(); }  ///< mm; of one loop or period
   Ends ends() const { return ends_; }
@@ -53,8 +60,8 @@ class StrandCurve {
 
  private:
   void fit(std::vector<Eigen::Vector2d> values);
-  std::vector<std::size_t> refine();
-  void measure();
+  std::vector<std::size_t> refine(const Execution& execution);
+  void measure(const Execution& execution);
   Point in_piece(std::size_t piece, double t) const;
   double piece_length(std::size_t piece, double from, double to) const;
 
@@ -75,7 +82,8 @@ struct Intersection {
 };
 
 /// All points where `first` meets `second` moved by `shift` (mm), ends included, ascending in the first coordinate; one
-/// period of either. Curves that touch without crossing may be missed. O(pieces of the one times of the other).
+/// period of either. Curves that touch without crossing may be missed. O((n + k) log n) for n pieces of which k pairs
+/// lie near each other.
 std::vector<Intersection> intersections(const StrandCurve& first, const StrandCurve& second,
                                         const Eigen::Vector2d& shift);
 

@@ -97,7 +97,8 @@ struct Toolpath {
 /// crossing or strand and the limit, where the layout is periodic, does not fit on the bed, strands would have to be
 /// below each other, or crossings are too close to the ends or to each other for lifts and channels.
 /// O(crossings log crossings + points).
-Toolpath toolpath(const Weave& weave, const PrinterProfile& profile = {}, const ToolpathOptions& options = {});
+Toolpath toolpath(const Weave& weave, const PrinterProfile& profile = {}, const ToolpathOptions& options = {},
+                  const Execution& execution = {});
 
 /// An SVG picture of a toolpath from above, coloured by kind of move. Millimetres are user units, y points up.
 std::string to_svg(const Toolpath& toolpath);

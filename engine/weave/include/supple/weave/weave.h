@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "supple/base/execution.h"
 #include "supple/weave/strand_curve.h"
 
 namespace supple::weave {
@@ -57,16 +58,27 @@ struct Weave {
 /// Throws "weave.invalid_layout" with a detail for each fault: members that name no strand or a coordinate outside of
 /// it or that do not meet (farther apart than 1e-6 of the extent); two crossings at one place of a strand; a shift
 /// without a lattice; numbers out of range. O(crossings log crossings).
-void validate(const Weave& weave);
+void validate(const Weave& weave, const Execution& execution = {});
 
 /// The position of a member at rest, its shift included; mm.
 Eigen::Vector2d rest_position(const Weave& weave, const CrossingMember& member);
 
+/// Crossings that are found at most, as many as a request may list.
+inline constexpr std::size_t most_crossings = 1'000'000;
+/// Pieces of strands that are compared at most, in pairs: a minute's work or so.
+inline constexpr std::size_t most_near_pieces = 50'000'000;
+
 /// All crossings of the weave's strands with each other (self-crossings are not looked for), every member fused; where
-/// more than two meet in one point, they are one crossing. Sorted by strands and coordinates. Strands' boxes are swept
-/// along x; of those that meet, pieces within both boxes are compared with each other. Throws
-/// "weave.invalid_layout" where more than 2 million pairs of strands come that near.
+/// more than two meet in one point, they are one crossing. Sorted by strands and coordinates.
+///
+/// Of the curves' pieces, those whose boxes meet are compared, which a hierarchy of boxes finds:
+/// O((n + k) log n) for n pieces, of which k pairs lie near each other, and for each copy of the cell that the strands
+/// reach. Looks for a stop request every few pieces, and reports progress.
+///
+/// Throws "weave.invalid_layout" with the detail "strands" as soon as more than `most_crossings` are found or more than
+/// `most_near_pieces` pairs of pieces were compared.
 std::vector<Crossing> find_crossings(const std::vector<Strand>& strands,
-                                     const std::optional<Eigen::Matrix2d>& lattice = std::nullopt);
+                                     const std::optional<Eigen::Matrix2d>& lattice = std::nullopt,
+                                     const Execution& execution = {});
 
 }  // namespace supple::weave

@@ -9,9 +9,9 @@
 /// The answers about weaves as JSON text; they throw like those of answers.h.
 namespace supple::json {
 
-/// `svg` is null where it was not asked for.
+/// `svg` is null where it was not asked for. Stops where a stop is requested: an answer may have a million crossings.
 std::string write_weave_layout(const weave::Weave& weave, const std::vector<std::string>& warnings,
-                               const std::string* svg, const Bill& bill);
+                               const std::string* svg, const Bill& bill, const Execution& execution = {});
 
 /// Numbers of directions that did not converge are null where the contract says so.
 std::string write_weave_homogenization(const WeaveHomogenizationRequest& request, const weave::Weave& weave,
