@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "server_options.h"
+#include "supple/base/helper_processes.h"
 #include "supple/base/threads.h"
 #include "supple/json/answers.h"
 #include "supple/json/model_answers.h"
@@ -130,6 +131,11 @@ int serve(const ServerOptions& options) {
   const auto signals = block_end_signals();
   std::signal(SIGPIPE, SIG_IGN);
   set_thread_count(options.threads);
+  if (options.helper.program.empty()) {
+    spdlog::warn("no helper program: meshing runs in this process, where nothing stops it");
+  } else {
+    use_helper_processes(std::make_shared<HelperProcesses>(options.helper));
+  }
   return Process(options, signals).run();
 }
 

@@ -60,6 +60,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
 
   options.models = installed_folder("models");
   options.web = installed_folder("web");
+  options.helper.program = program_beside_this_one("supple-helper");
 
   CLI::App app(
       "Answers requests for geodesics on triangle meshes, for simulations of periodic structures and for what neural "
@@ -86,6 +87,11 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
       ->check(CLI::PositiveNumber);
   app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--helper", options.helper.program,
+                 "Program that meshes and clips in processes of its own, so that it can be stopped; '' does it here")
+      ->check(CLI::ExistingFile | CLI::IsMember({""}));
+  app.add_option("--helper-memory", options.helper.memory, "Bytes of address space of a helper process; 0: no limit")
+      ->transform(CLI::AsSizeValue(false));
   app.add_option("--log-level", options.log_level, "What is logged")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
   add_limits(app, options);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "supple/base/helper_processes.h"
 #include "supple/http/server.h"
 #include "supple/jobs/job_queue.h"
 #include "supple/routes/services.h"
@@ -15,11 +16,12 @@ struct ServerOptions {
   jobs::QueueOptions jobs;
   routes::RouteLimits limits;
   std::string data = "data";
-  std::string models;                    ///< folder; none where empty
-  std::string web;                       ///< folder of the built web editor; none where empty
-  int threads = 0;                       ///< compute threads; 0: one for each core
-  std::int64_t mesh_memory = 2LL << 30;  ///< bytes
-  double grace = 10;                     ///< seconds that running computations get at the end
+  std::string models;                       ///< folder; none where empty
+  std::string web;                          ///< folder of the built web editor; none where empty
+  int threads = 0;                          ///< compute threads; 0: one for each core
+  std::int64_t mesh_memory = 2LL << 30;     ///< bytes
+  double grace = 10;                        ///< seconds that running computations get at the end
+  HelperOptions helper{{}, 0, 8ULL << 30};  ///< everything in this process where its program is empty
   std::string log_level = "info";
 };
 

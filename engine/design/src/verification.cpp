@@ -56,7 +56,7 @@ Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const Profi
   path_options.tangents = profile.task != Task::stress_strain;
   path_options.deformed_meshes = false;
   execution.checkpoint(0, "meshing");
-  const auto cell = tiling::mesh_structure(structure, options.mesh);
+  const auto cell = tiling::mesh_structure(structure, options.mesh, execution);
   Eigen::VectorXd y =
       Eigen::VectorXd::Constant(static_cast<Eigen::Index>(samples.size()), std::numeric_limits<double>::quiet_NaN());
   parallel_tasks(static_cast<int>(paths.size()), execution, "verification", [&](int index, const Execution& inner) {

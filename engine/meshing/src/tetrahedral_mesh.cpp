@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "closed_surface.h"
+#include "fill_here.h"
 #include "gmsh_owner.h"
 #include "graded_size.h"
 #include "supple/base/error.h"
@@ -211,8 +212,8 @@ double TetrahedralMesh::volume() const {
   return sum;
 }
 
-TetrahedralMesh fill(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
-                     const FillOptions& options, const Execution& execution) {
+TetrahedralMesh fill_here(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
+                          const FillOptions& options, const Execution& execution) {
   if (!(options.element_size >= 0) || !(options.grading > 0) || options.max_tetrahedra < 1)
     throw std::invalid_argument("fill: element_size is 0 or more, grading and max_tetrahedra are positive");
   execution.checkpoint(0, "meshing");

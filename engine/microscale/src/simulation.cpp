@@ -229,7 +229,8 @@ struct Simulator::Implementation : Models {
 Simulator::Simulator(const tiling::Structure& structure, const SimulationOptions& options, const Execution& execution) {
   check(options);
   const StageTimer timer(execution.cost, "meshing");
-  implementation_ = std::make_unique<Implementation>(tiling::mesh_structure(structure, options.mesh), options);
+  implementation_ =
+      std::make_unique<Implementation>(tiling::mesh_structure(structure, options.mesh, execution), options);
 }
 
 Simulator::Simulator(tiling::PeriodicMesh one_cell, const SimulationOptions& options, const Execution&) {

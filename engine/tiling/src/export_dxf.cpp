@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "file_makers.h"
 #include "solid_patch.h"
 
 namespace supple::tiling {
@@ -134,7 +135,7 @@ void write_polyline(DxfWriter& dxf, const Polygon& polygon) {
 
 }  // namespace
 
-std::string write_dxf(const Structure& structure, const ExportOptions& options) {
+std::string make_dxf(const Structure& structure, const ExportOptions& options) {
   const std::vector<Face> faces = solid_patch(structure, options);
   DxfWriter entities;
   for (const Face& face : faces) {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <utility>
 
+#include "file_makers.h"
 #include "solid_patch.h"
 #include "supple/meshing/planar_mesh.h"
 
@@ -44,7 +45,7 @@ class StlWriter {
 
 }  // namespace
 
-std::string write_stl(const Structure& structure, const ExportOptions& options) {
+std::string make_stl(const Structure& structure, const ExportOptions& options) {
   const std::vector<Face> faces = solid_patch(structure, options);
   const auto height = static_cast<float>(options.height);
   const auto at = [](const Eigen::Vector2d& p, float z) {

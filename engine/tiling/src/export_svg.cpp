@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "file_makers.h"
 #include "solid_patch.h"
 
 namespace supple::tiling {
 
-std::string write_svg(const Structure& structure, const ExportOptions& options) {
+std::string make_svg(const Structure& structure, const ExportOptions& options) {
   const std::vector<Face> faces = solid_patch(structure, options);
   Eigen::Vector2d half = Eigen::Vector2d::Zero();
   std::string path;

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cell_meshes.h"
+#include "file_makers.h"
 #include "polygon.h"
 #include "supple/base/error.h"
 
@@ -59,7 +60,7 @@ void check_area(const PeriodicMesh& mesh, const Structure& structure) {
 
 }  // namespace
 
-PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options) {
+PeriodicMesh make_mesh(const Structure& structure, const MeshOptions& options) {
   check(options);
   double outline_length = 0;
   double corners = 0;

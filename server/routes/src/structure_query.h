@@ -13,7 +13,7 @@ namespace supple::routes {
 /// A kind of file of a structure: its media type, and what writes it.
 struct StructureFormat {
   std::string_view media_type;
-  std::string (*write)(const tiling::Structure&, const tiling::ExportOptions&);
+  std::string (*write)(const tiling::Structure&, const tiling::ExportOptions&, const Execution&);
 };
 
 struct StructureQuery {

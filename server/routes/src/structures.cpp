@@ -37,7 +37,7 @@ store::Result write_file(const tiling::ExportOptions& files, const tiling::Struc
   store::Result result;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const StageTimer timer(execution.cost, "export");
-    result.body = format.write(structure, files);
+    result.body = format.write(structure, files, execution);
   });
   result.content_type = format.media_type;
   result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
@@ -53,13 +53,13 @@ store::Result describe(const json::StructureRequest& request, const tiling::Stru
       execution.checkpoint(0, "meshing");
       const StageTimer timer(execution.cost, "meshing");
       mesh = {*request.mesh, with_mesh_pointers("/mesh/", [&] {
-                return tiling::statistics(tiling::mesh_structure(structure, *request.mesh));
+                return tiling::statistics(tiling::mesh_structure(structure, *request.mesh, execution));
               })};
     }
     if (request.svg) {
       execution.checkpoint(0.9, "export");
       const StageTimer timer(execution.cost, "export");
-      svg = tiling::write_svg(structure, request.files);
+      svg = tiling::write_svg(structure, request.files, execution);
     }
     execution.checkpoint(1, "");
   });

@@ -44,8 +44,10 @@ struct FillOptions {
 /// a cavity where they lie inside of an odd number of others: which way triangles are turned does not matter, as long
 /// as neighbours agree. The same input gives the same mesh, bit by bit.
 ///
-/// Waits for other users of gmsh. A stop request is followed at the next tetrahedra that are made; progress is reported
-/// before and after, since gmsh tells none. About 25 us for each tetrahedron.
+/// Where this process has helpers (`helper_processes`), gmsh runs there: several fillings run at the same time, a stop
+/// ends one at once, and what `HelperProcesses` throws is thrown. Else it waits for other users of gmsh, and a stop
+/// request is followed at the next tetrahedra that are made. Progress is reported before and after, since gmsh tells
+/// none. About 25 us for each tetrahedron.
 ///
 /// Throws Error
 /// - "solid.open_surface": edges without two triangles that agree about their direction, with one detail for each of

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "supple/base/execution.h"
 #include "supple/tiling/structure.h"
 
 namespace supple::tiling {
@@ -69,8 +70,11 @@ struct MeshOptions {
 /// angles and lengths. Deterministic.
 /// Throws "tiling.mesh_option" (an option out of range, named), "tiling.meshing_failed" (gmsh's message),
 /// "tiling.mesh_not_periodic" (sides of tiles that do not match), "tiling.mesh_too_large" (limit and estimate).
-/// Safe to call from several threads: gmsh has one owner, calls wait for each other.
-PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options = {});
+/// Safe to call from several threads. Where this process has helpers (`helper_processes`), the mesh is made there, a
+/// stop ends it at once, and what `HelperProcesses` throws is thrown; else gmsh has one owner, calls wait for each
+/// other, and a stop is noticed once gmsh has ended. Both give the same mesh, bit by bit.
+PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options = {},
+                            const Execution& execution = {});
 
 /// The same mesh over first x second cells (both 1 to 100, else "tiling.mesh_option"). Node i of the copy (a, b) is
 /// node i + n (a + first b), n the number of nodes of `mesh`.

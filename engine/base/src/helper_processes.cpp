@@ -1,0 +1,351 @@
+#include "supple/base/helper_processes.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "helper_channel.h"
+#include "supple/base/byte_codec.h"
+#include "supple/base/error.h"
+
+extern char** environ;
+
+namespace supple {
+namespace {
+
+/// A token wakes nobody: it is looked at so often, which a stop waits for.
+constexpr int milliseconds_between_looks = 10;
+/// Processes that are kept without a task. More are ended, for each holds its libraries' memory.
+constexpr std::size_t most_idle = 2;
+constexpr std::size_t part_of_message = 1 << 16;
+
+/// A file descriptor that is closed.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  void reset(int number) {
+    close();
+    number_ = number;
+  }
+  void close() {
+    if (number_ >= 0) ::close(std::exchange(number_, -1));
+  }
+  int get() const { return number_; }
+
+ private:
+  int number_;
+};
+
+std::string ending_of(int status) {
+  if (WIFSIGNALED(status))
+    return std::string("signal ") + std::to_string(WTERMSIG(status)) + " (" + ::strsignal(WTERMSIG(status)) + ")";
+  return "status " + std::to_string(WEXITSTATUS(status));
+}
+
+/// What the child's file table and signals begin with.
+class SpawnSettings {
+ public:
+  SpawnSettings(int channel, int lifeline) {
+    ::posix_spawn_file_actions_init(&actions_);
+    ::posix_spawnattr_init(&attributes_);
+    // Duplicates above all others first, for one of the two may have the other's final number.
+    constexpr int above = 64;
+    ::posix_spawn_file_actions_adddup2(&actions_, channel, above);
+    ::posix_spawn_file_actions_adddup2(&actions_, lifeline, above + 1);
+    ::posix_spawn_file_actions_adddup2(&actions_, above, helper_channel);
+    ::posix_spawn_file_actions_adddup2(&actions_, above + 1, helper_lifeline);
+    // Connections of the server that the child kept open would not close.
+    ::posix_spawn_file_actions_addclosefrom_np(&actions_, helper_lifeline + 1);
+    ::posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    ::posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    // A group of its own: what ends the server from a terminal lets its computations finish.
+    sigset_t none;
+    ::sigemptyset(&none);
+    ::posix_spawnattr_setsigmask(&attributes_, &none);
+    ::posix_spawnattr_setpgroup(&attributes_, 0);
+    ::posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+  }
+  ~SpawnSettings() {
+    ::posix_spawn_file_actions_destroy(&actions_);
+    ::posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+
+  const posix_spawn_file_actions_t* actions() const { return &actions_; }
+  const posix_spawnattr_t* attributes() const { return &attributes_; }
+
+ private:
+  posix_spawn_file_actions_t actions_{};
+  posix_spawnattr_t attributes_{};
+};
+
+}  // namespace
+
+/// One helper, killed at the end of its life.
+class HelperProcesses::Process {
+ public:
+  explicit Process(const HelperOptions& options) {
+    std::array<int, 2> sockets{};
+    std::array<int, 2> pipe{};
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()) != 0) fail("socketpair");
+    channel_.reset(sockets[0]);
+    const Descriptor theirs(sockets[1]);
+    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) fail("pipe");
+    lifeline_.reset(pipe[1]);
+    const Descriptor their_end(pipe[0]);
+    const SpawnSettings settings(theirs.get(), their_end.get());
+    std::string program = options.program;
+    std::string memory = std::to_string(options.memory);
+    std::array<char*, 3> arguments{program.data(), memory.data(), nullptr};
+    const int error =
+        ::posix_spawn(&id_, program.c_str(), settings.actions(), settings.attributes(), arguments.data(), environ);
+    if (error != 0) throw std::runtime_error("cannot start " + program + ": " + std::system_category().message(error));
+  }
+  ~Process() { end(); }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  int id() const { return static_cast<int>(id_); }
+  /// Whether it still runs, without a task.
+  bool alive() {
+    pollfd entry{channel_.get(), POLLIN, 0};
+    return ::poll(&entry, 1, 0) == 0;
+  }
+
+  /// Kills it where it still runs, and says how it ended.
+  std::string end() {
+    if (id_ <= 0) return {};
+    int status = 0;
+    ::kill(id_, SIGKILL);
+    while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+    }
+    id_ = 0;
+    return ending_of(status);
+  }
+  /// How it ended by itself: its channel has closed.
+  std::string ending() {
+    int status = 0;
+    for (int look = 0; look < 200; ++look) {
+      const auto ended = ::waitpid(id_, &status, WNOHANG);
+      if (ended == id_) {
+        id_ = 0;
+        return ending_of(status);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds_between_looks));
+    }
+    return end();
+  }
+
+  /// False where the channel closes before all is sent.
+  bool send(std::string_view bytes, const CancellationToken& token) {
+    while (!bytes.empty()) {
+      const auto sent =
+          ::send(channel_.get(), bytes.data(), std::min(bytes.size(), part_of_message), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent > 0) {
+        bytes.remove_prefix(static_cast<std::size_t>(sent));
+      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+        wait(POLLOUT, token);
+      } else if (errno != EINTR) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  /// False where the channel closes before all has come.
+  bool receive(char* into, std::size_t count, const CancellationToken& token) {
+    while (count > 0) {
+      const auto got = ::recv(channel_.get(), into, count, MSG_DONTWAIT);
+      if (got > 0) {
+        into += got;
+        count -= static_cast<std::size_t>(got);
+      } else if (got == 0) {
+        return false;
+      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+        wait(POLLIN, token);
+      } else if (errno != EINTR) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  [[noreturn]] static void fail(const char* what) {
+    throw std::system_error(errno, std::system_category(), std::string("a helper process: ") + what);
+  }
+  void wait(short events, const CancellationToken& token) const {
+    token.throw_if_requested();
+    pollfd entry{channel_.get(), events, 0};
+    ::poll(&entry, 1, milliseconds_between_looks);
+    token.throw_if_requested();
+  }
+
+  Descriptor channel_;
+  Descriptor lifeline_;
+  pid_t id_ = 0;
+};
+
+HelperProcesses::HelperProcesses(HelperOptions options)
+    : options_([&options] {
+        if (options.processes < 1)
+          options.processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+        return std::move(options);
+      }()) {
+  idle_.push_back(std::make_unique<Process>(options_));
+}
+
+HelperProcesses::~HelperProcesses() = default;
+
+std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Execution& execution) {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    execution.cancellation.throw_if_requested();
+    while (!idle_.empty()) {
+      auto process = std::move(idle_.back());
+      idle_.pop_back();
+      if (!process->alive()) continue;
+      busy_.emplace(process.get(), process->id());
+      return process;
+    }
+    if (static_cast<int>(busy_.size()) + starting_ < options_.processes) break;
+    wake_.wait_for(lock, std::chrono::milliseconds(milliseconds_between_looks));
+  }
+  ++starting_;
+  lock.unlock();
+  std::unique_ptr<Process> process;
+  try {
+    process = std::make_unique<Process>(options_);
+  } catch (...) {
+    lock.lock();
+    --starting_;
+    throw;
+  }
+  lock.lock();
+  --starting_;
+  busy_.emplace(process.get(), process->id());
+  return process;
+}
+
+void HelperProcesses::release(std::unique_ptr<Process> process) {
+  const std::lock_guard lock(mutex_);
+  busy_.erase(process.get());
+  if (idle_.size() < most_idle) idle_.push_back(std::move(process));
+  wake_.notify_one();
+}
+
+std::string HelperProcesses::run(std::string_view task, std::string_view request, const Execution& execution) {
+  auto process = acquire(execution);
+  /// A process that is not given back is killed, and another one started at once, since that takes a while.
+  struct Replacement {
+    HelperProcesses& helpers;
+    std::unique_ptr<Process>& process;
+    ~Replacement() {
+      if (!process) return;
+      const Process* const old = process.get();
+      process->end();
+      std::unique_ptr<Process> next;
+      try {
+        next = std::make_unique<Process>(helpers.options_);
+      } catch (const std::exception&) {
+        // The next task tries again, and says why it cannot be started.
+      }
+      const std::lock_guard lock(helpers.mutex_);
+      helpers.busy_.erase(old);
+      if (next && helpers.idle_.size() < most_idle) helpers.idle_.push_back(std::move(next));
+      helpers.wake_.notify_one();
+    }
+  } const replacement{*this, process};
+  const auto ended = [&] {
+    const std::string ending = process->ending();
+    return Error("server.helper_ended", "The helper process that ran the task " + std::string(task) + " ended with " +
+                                            ending + "; its memory is limited to " + std::to_string(options_.memory) +
+                                            " bytes (0: not at all).");
+  };
+
+  const std::string head = ByteWriter().size(task.size() + request.size() + sizeof(std::uint64_t)).text(task).take();
+  const CancellationToken& token = execution.cancellation;
+  if (!process->send(head, token) || !process->send(request, token)) throw ended();
+  std::array<char, sizeof(std::uint64_t)> length{};
+  if (!process->receive(length.data(), length.size(), token)) throw ended();
+  std::string answer(ByteReader({length.data(), length.size()}).size(), '\0');
+  if (answer.empty() || !process->receive(answer.data(), answer.size(), token)) throw ended();
+  release(std::move(process));
+
+  const auto outcome = static_cast<HelperOutcome>(answer.front());
+  if (outcome == HelperOutcome::done) {
+    answer.erase(0, 1);
+    return answer;
+  }
+  ByteReader reader(std::string_view(answer).substr(1));
+  if (outcome == HelperOutcome::out_of_memory)
+    throw Error("server.out_of_memory", "The task " + std::string(task) + " needs more than the " +
+                                            std::to_string(options_.memory) +
+                                            " bytes of memory that its helper process has.");
+  if (outcome != HelperOutcome::error)
+    throw std::runtime_error("the task " + std::string(task) + " of a helper process: " + reader.text());
+  const std::string code = reader.text();
+  const std::string message = reader.text();
+  std::vector<Error::Detail> details;
+  reader.list(details, [&reader] {
+    Error::Detail detail;
+    detail.where = reader.text();
+    detail.message = reader.text();
+    return detail;
+  });
+  throw Error(code, message, std::move(details));
+}
+
+std::vector<int> HelperProcesses::process_ids() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<int> ids;
+  for (const auto& process : idle_) ids.push_back(process->id());
+  for (const auto& [process, id] : busy_) ids.push_back(id);
+  return ids;
+}
+
+namespace {
+
+std::mutex current_mutex;
+std::shared_ptr<HelperProcesses> current;
+
+}  // namespace
+
+std::shared_ptr<HelperProcesses> helper_processes() {
+  const std::lock_guard lock(current_mutex);
+  return current;
+}
+
+void use_helper_processes(std::shared_ptr<HelperProcesses> helpers) {
+  const std::lock_guard lock(current_mutex);
+  current.swap(helpers);
+}
+
+std::string program_beside_this_one(const std::string& name) {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  const auto file = program.parent_path() / name;
+  return std::filesystem::is_regular_file(file, error) ? file.string() : std::string();
+}
+
+}  // namespace supple

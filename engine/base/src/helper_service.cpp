@@ -1,0 +1,99 @@
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <new>
+
+#include "helper_channel.h"
+#include "supple/base/byte_codec.h"
+#include "supple/base/error.h"
+#include "supple/base/helper_processes.h"
+
+namespace supple {
+namespace {
+
+/// The pipe's other end closes with the process that started this one, however it ends; the signal that tells of it
+/// ends this one, whatever it is at. A signal at that process' end (PR_SET_PDEATHSIG) would come when its thread ends.
+void end_with_parent() {
+  std::signal(SIGIO, SIG_DFL);
+  ::fcntl(helper_lifeline, F_SETOWN, ::getpid());
+  ::fcntl(helper_lifeline, F_SETFL, O_NONBLOCK | O_ASYNC);
+  pollfd entry{helper_lifeline, POLLIN, 0};
+  if (::poll(&entry, 1, 0) != 0) ::_exit(0);  // it had gone before
+}
+
+bool receive(char* into, std::size_t count) {
+  while (count > 0) {
+    const auto got = ::recv(helper_channel, into, count, 0);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    into += got;
+    count -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+bool send(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const auto sent = ::send(helper_channel, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(sent));
+  }
+  return true;
+}
+
+std::string failed(HelperOutcome outcome, std::string_view text) {
+  return ByteWriter().number(outcome).text(text).take();
+}
+
+std::string answer(std::string_view request, const HelperTasks& tasks) {
+  try {
+    ByteReader reader(request);
+    const std::string name = reader.text();
+    const auto task = tasks.find(name);
+    if (task == tasks.end()) return failed(HelperOutcome::exception, "there is no task of this name");
+    return std::string(1, static_cast<char>(HelperOutcome::done)) +
+           task->second(request.substr(sizeof(std::uint64_t) + name.size()));
+  } catch (const Error& error) {
+    ByteWriter writer;
+    writer.number(HelperOutcome::error).text(error.code()).text(error.what());
+    writer.list(error.details(),
+                [&writer](const Error::Detail& detail) { writer.text(detail.where).text(detail.message); });
+    return writer.take();
+  } catch (const std::bad_alloc&) {
+    return failed(HelperOutcome::out_of_memory, "");
+  } catch (const std::exception& error) {
+    return failed(HelperOutcome::exception, error.what());
+  }
+}
+
+}  // namespace
+
+int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
+  if (argc != 2) return 2;
+  end_with_parent();
+  // The server's end is this one's: until then its computations have their time to finish.
+  std::signal(SIGTERM, SIG_IGN);
+  std::signal(SIGINT, SIG_IGN);
+  if (const auto memory = std::strtoull(argv[1], nullptr, 10); memory > 0) {
+    const rlimit limit{memory, memory};
+    ::setrlimit(RLIMIT_AS, &limit);
+  }
+  while (true) {
+    std::array<char, sizeof(std::uint64_t)> head{};
+    if (!receive(head.data(), head.size())) return 0;
+    std::string request(ByteReader({head.data(), head.size()}).size(), '\0');
+    if (!receive(request.data(), request.size())) return 0;
+    const std::string bytes = answer(request, tasks);
+    if (!send(ByteWriter().size(bytes.size()).take()) || !send(bytes)) return 0;
+  }
+}
+
+}  // namespace supple
