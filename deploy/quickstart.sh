@@ -62,7 +62,7 @@ install_packages() {
 build_server() {
   cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSUPPLE_BUILD_TESTS=OFF -DSUPPLE_TRAINING=OFF >"$data/configure.log" 2>&1 ||
     { tail -20 "$data/configure.log" >&2; fail "cmake could not configure the build; the log is $data/configure.log"; }
-  cmake --build "$build" --target supple supple-server
+  cmake --build "$build" --target supple supple-server supple-helper
 }
 
 # The web editor, from its sources and the npm registry. Without it the server still answers requests.
