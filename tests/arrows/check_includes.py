@@ -27,6 +27,7 @@ ROOMS = {
     "engine/training": {"base", "files", "tiling/family.h", "tiling/symmetry.h", "dataset", "neural", "training"},
     "engine/neural": {"base", "files", "neural"},
     "engine/design": {"base", "numerics", "tiling", "microscale", "neural", "design"},
+    "engine/helper": {"base", "numerics", "meshing", "tiling"},
     "engine/lab": {"base", "files", "numerics", "tiling", "microscale", "dataset", "neural", "training", "lab"},
     "server/problem": {"base", "problem"},
     "server/budget": {"base", "problem", "budget"},

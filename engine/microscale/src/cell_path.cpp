@@ -76,7 +76,7 @@ CellScene::CellScene(CellModel& model, Eigen::VectorXd x, const FreeStrains& fre
     : model_(model),
       options_(options),
       execution_(execution),
-      system_(cell_system(model, std::move(x), free, execution.cost)) {
+      system_(cell_system(model, std::move(x), free, execution)) {
   cholesky().bill_to(execution.cost);
   look_around();
 }

@@ -15,6 +15,6 @@ using CellSystem = numerics::System<CellState>;
 using FreeStrains = std::vector<Eigen::Vector4d>;
 
 /// `model` and the ledger outlive the system. `x` are coordinates as in cell_coordinates.h.
-CellSystem cell_system(CellModel& model, Eigen::VectorXd x, const FreeStrains& free, CostLedger* cost);
+CellSystem cell_system(CellModel& model, Eigen::VectorXd x, const FreeStrains& free, const Execution& execution);
 
 }  // namespace supple::microscale

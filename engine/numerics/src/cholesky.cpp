@@ -145,6 +145,10 @@ Eigen::MatrixXd ShiftedCholesky::solve_core(const Eigen::MatrixXd& b) const {
 
 int ShiftedCholesky::analyses() const { return implementation_->analyses; }
 
+void ShiftedCholesky::stop_with(const CancellationToken& cancellation) {
+  implementation_->sparse.stop_with(cancellation);
+}
+
 void ShiftedCholesky::bill_to(CostLedger* cost) { implementation_->cost = cost; }
 
 double diagonal_scale(const Hessian& hessian) {

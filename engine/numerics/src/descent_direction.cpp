@@ -18,10 +18,10 @@ bool shows_curvature(const Eigen::VectorXd& s, const Eigen::VectorXd& y) {
 
 class NewtonDirection : public DescentDirection {
  public:
-  NewtonDirection(const MinimizerOptions& options, ShiftedCholesky* kept)
-      : options_(options),
-        own_(kept ? nullptr : std::make_unique<ShiftedCholesky>()),
-        cholesky_(kept ? *kept : *own_) {}
+  NewtonDirection(const MinimizerOptions& options, ShiftedCholesky* kept, const CancellationToken& cancellation)
+      : options_(options), own_(kept ? nullptr : std::make_unique<ShiftedCholesky>()), cholesky_(kept ? *kept : *own_) {
+    cholesky_.stop_with(cancellation);
+  }
 
   int order() const override { return 2; }
 
@@ -174,10 +174,11 @@ class GradientDirection : public DescentDirection {
 }  // namespace
 
 std::unique_ptr<DescentDirection> make_descent_direction(const MinimizerOptions& options,
-                                                         ShiftedCholesky* factorization) {
+                                                         ShiftedCholesky* factorization,
+                                                         const CancellationToken& cancellation) {
   switch (options.method) {
     case MinimizerMethod::newton:
-      return std::make_unique<NewtonDirection>(options, factorization);
+      return std::make_unique<NewtonDirection>(options, factorization, cancellation);
     case MinimizerMethod::lbfgs:
       return std::make_unique<LbfgsDirection>(options);
     case MinimizerMethod::gradient_descent:

@@ -38,6 +38,7 @@ class DescentDirection {
 
 /// `factorization` may be null; see `minimize`.
 std::unique_ptr<DescentDirection> make_descent_direction(const MinimizerOptions& options,
-                                                         ShiftedCholesky* factorization);
+                                                         ShiftedCholesky* factorization,
+                                                         const CancellationToken& cancellation);
 
 }  // namespace supple::numerics

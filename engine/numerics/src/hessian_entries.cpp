@@ -1,10 +1,14 @@
 #include "supple/numerics/hessian_entries.h"
 
+#include "supple/base/stop_pace.h"
+
 namespace supple::numerics {
 namespace {
 
 /// A pattern that grows loses the places that nothing fills any more, once it has so many times those that are filled.
 constexpr double worth_forgetting = 1.25;
+/// Places that are sorted or looked up between two looks for a stop request: some milliseconds.
+constexpr std::size_t places_between_looks = 1 << 16;
 
 }  // namespace
 
@@ -79,6 +83,7 @@ void HessianEntries::learn() {
   }
   const bool grew = add_to_pattern();
   for (const auto& [place, value] : unexpected_) {
+    if (sequence_.size() % places_between_looks == 0) look_for_stop();
     const std::uint32_t slot = slot_of(place);
     values_[slot] += value;
     sequence_.push_back(place);
@@ -115,7 +120,7 @@ bool HessianEntries::add_to_pattern() {
   for (const auto& [place, value] : unexpected_)
     if (place != held && !std::ranges::binary_search(pattern_, place)) fresh.push_back(place);
   if (fresh.empty()) return false;
-  std::ranges::sort(fresh);
+  sort_stoppably(fresh, cancellation_ ? *cancellation_ : CancellationToken());
   fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   std::vector<Place> merged;
   std::vector<double> values{values_.front()};

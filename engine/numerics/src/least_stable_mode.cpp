@@ -35,6 +35,7 @@ double shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky, c
 
 Mode least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& cholesky,
                        const CancellationToken& cancellation) {
+  cholesky.stop_with(cancellation);
   const double shift = shift_until_definite(hessian, cholesky, cancellation);
   const int steps = static_cast<int>(std::min<Eigen::Index>(lanczos_steps, n));
   Eigen::MatrixXd basis(n, steps + 1);

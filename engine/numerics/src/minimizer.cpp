@@ -25,7 +25,7 @@ class Minimization {
       : objective_(objective),
         options_(options),
         execution_(execution),
-        direction_(make_descent_direction(options, factorization)) {}
+        direction_(make_descent_direction(options, factorization, execution.cancellation)) {}
 
   MinimizerResult run() {
     at_ = evaluate(direction_->order());

@@ -1,64 +1,13 @@
 #include "multifrontal_cholesky.h"
 
-#include <cholmod.h>
-
 #include <algorithm>
-#include <memory>
-#include <new>
-#include <numeric>
+#include <utility>
 
 #include "partial_cholesky.h"
-#include "supple/base/process_random.h"
+#include "symbolic_analysis.h"
 
 namespace supple::numerics {
 namespace {
-
-/// CHOLMOD's workspace and the analysis it makes, released together.
-class Analysis {
- public:
-  /// With the ordering that is `known` from a similar pattern of the same size, or, if that is empty, with the best.
-  Analysis(const SparseMatrix& matrix, std::vector<int> known) {
-    cholmod_start(&common_);
-    common_.print = 0;
-    common_.supernodal = CHOLMOD_SUPERNODAL;
-    common_.nmethods = known.empty() ? 2 : 1;
-    common_.method[0].ordering = known.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-    common_.method[1].ordering = CHOLMOD_METIS;
-    cholmod_sparse view{};
-    view.nrow = view.ncol = static_cast<std::size_t>(matrix.rows());
-    view.nzmax = static_cast<std::size_t>(matrix.nonZeros());
-    view.p = const_cast<int*>(matrix.outerIndexPtr());
-    view.i = const_cast<int*>(matrix.innerIndexPtr());
-    view.stype = -1;
-    view.itype = CHOLMOD_INT;
-    view.xtype = CHOLMOD_PATTERN;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.sorted = 1;
-    view.packed = 1;
-    if (known.empty()) {
-      const auto random = own_process_random();  // METIS draws from it
-      factor_ = cholmod_analyze(&view, &common_);
-    } else {
-      factor_ = cholmod_analyze_p(&view, known.data(), nullptr, 0, &common_);
-    }
-  }
-  ~Analysis() {
-    cholmod_free_factor(&factor_, &common_);
-    cholmod_finish(&common_);
-  }
-  Analysis(const Analysis&) = delete;
-  Analysis& operator=(const Analysis&) = delete;
-
-  const cholmod_factor& factor() const {
-    if (!factor_) throw std::bad_alloc();
-    return *factor_;
-  }
-  double entries() const { return common_.lnz; }
-
- private:
-  cholmod_common common_{};
-  cholmod_factor* factor_ = nullptr;
-};
 
 /// A known ordering is given up once the factor has this many times the entries it had with its own pattern.
 constexpr double worth_reordering = 1.3;
@@ -73,22 +22,19 @@ void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
   // factorizations.
   std::vector<int> known;
   if (n_ == matrix.rows()) known = old_index_;
-  auto analysis = std::make_unique<Analysis>(matrix, known);
-  if (!known.empty() && analysis->entries() > worth_reordering * best_entries_)
-    analysis = std::make_unique<Analysis>(matrix, std::vector<int>{});
-  if (known.empty() || analysis->entries() < best_entries_) best_entries_ = analysis->entries();
-  const cholmod_factor& l = analysis->factor();
-  n_ = static_cast<int>(l.n);
-  const auto* permutation = static_cast<const int*>(l.Perm);
-  const auto* first = static_cast<const int*>(l.super);
-  const auto* row_begin = static_cast<const int*>(l.pi);
-  const auto* rows = static_cast<const int*>(l.s);
-  old_index_.assign(permutation, permutation + n_);
+  SymbolicAnalysis analysis = analyse(matrix, known, cancellation_);
+  if (!known.empty() && analysis.entries > worth_reordering * best_entries_)
+    analysis = analyse(matrix, {}, cancellation_);
+  if (known.empty() || analysis.entries < best_entries_) best_entries_ = analysis.entries;
+  n_ = static_cast<int>(matrix.rows());
+  const std::vector<int>& first = analysis.first;
+  const std::vector<int>& row_begin = analysis.row_begin;
+  old_index_ = std::move(analysis.old_index);
   new_index_.resize(static_cast<std::size_t>(n_));
   for (int i = 0; i < n_; ++i) new_index_[static_cast<std::size_t>(old_index_[static_cast<std::size_t>(i)])] = i;
 
-  const auto count = static_cast<std::size_t>(l.nsuper);
-  rows_.assign(rows, rows + row_begin[count]);
+  const std::size_t count = first.size() - 1;
+  rows_ = std::move(analysis.rows);
   supernodes_.assign(count + 1, {});
   std::int64_t panel = 0;
   std::int64_t relative = 0;
@@ -105,8 +51,10 @@ void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
     relative += node.rows - node.pivots;
   }
   supernodes_[count].first = n_;
+  cancellation_.throw_if_requested();
   factor_.resize(static_cast<std::size_t>(panel));
   find_relative_rows();
+  cancellation_.throw_if_requested();
   place_entries(matrix);
 }
 
@@ -156,7 +104,9 @@ void MultifrontalCholesky::place_entries(const SparseMatrix& matrix) {
     std::fill_n(supernode_of.begin() + supernodes_[s].first, supernodes_[s].pivots, static_cast<int>(s));
   std::vector<Entry> entries;
   entries.reserve(static_cast<std::size_t>(matrix.nonZeros()));
+  constexpr int columns_between_looks = 1 << 15;
   for (int column = 0; column < n_; ++column) {
+    if (column % columns_between_looks == 0) cancellation_.throw_if_requested();
     for (int slot = matrix.outerIndexPtr()[column]; slot < matrix.outerIndexPtr()[column + 1]; ++slot) {
       const int row = matrix.innerIndexPtr()[slot];
       if (row < column) continue;
@@ -200,6 +150,7 @@ bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
   double* top = updates_.data();
   std::vector<int> stack;
   for (std::size_t s = 0; s < count; ++s) {
+    cancellation_.throw_if_requested();
     const Supernode& node = supernodes_[s];
     double* front = front_.data();
     std::fill_n(front, static_cast<std::int64_t>(node.ld) * node.rows, 0.0);
@@ -213,7 +164,10 @@ bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
       extend_add(child, top, node, front);
       stack.pop_back();
     }
-    if (!partial_cholesky(front, node.ld, node.rows, node.pivots)) return false;
+    if (!partial_cholesky(front, node.ld, node.rows, node.pivots, cancellation_)) {
+      cancellation_.throw_if_requested();
+      return false;
+    }
     std::copy_n(front, static_cast<std::int64_t>(node.ld) * node.pivots, factor_.begin() + node.panel);
     const int below = node.rows - node.pivots;
     if (below == 0) continue;

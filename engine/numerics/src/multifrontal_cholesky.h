@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/numerics/objective.h"
 
 namespace supple::numerics {
@@ -15,6 +16,9 @@ namespace supple::numerics {
 /// of some dozen rows, as thin structures have them, at several times CHOLMOD's rate.
 class MultifrontalCholesky {
  public:
+  /// From now on `analyze` and `factorize` throw what the token throws.
+  void stop_with(const CancellationToken& cancellation) { cancellation_ = cancellation; }
+
   /// Orders and analyses the pattern of the lower triangle of `matrix` (entries above the diagonal are ignored). A
   /// pattern of the size of the last one keeps its ordering as long as that serves it well.
   void analyze(const SparseMatrix& matrix);
@@ -42,6 +46,7 @@ class MultifrontalCholesky {
   void find_relative_rows();
   void extend_add(const Supernode& child, const double* update, const Supernode& parent, double* front) const;
 
+  CancellationToken cancellation_;
   int n_ = 0;
   double best_entries_ = 0;     ///< of the factor, with the ordering's own pattern
   std::vector<int> new_index_;  ///< of each unknown

@@ -90,14 +90,17 @@ SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, 
   return true;
 }
 
-SUPPLE_INLINE bool factorize_front(double* front, int ld, int rows, int pivots) {
+SUPPLE_INLINE bool factorize_front(double* front, int ld, int rows, int pivots, const CancellationToken& cancellation) {
   for (int column = 0; column < pivots; column += block) {
+    if (cancellation.requested()) return false;
     const int width = pivots - column < block ? pivots - column : block;
     update_block(front, ld, rows, column, width, column);
     if (!factorize_block(front, ld, rows, column, width)) return false;
   }
-  for (int column = pivots; column < rows; column += block)
+  for (int column = pivots; column < rows; column += block) {
+    if (cancellation.requested()) return false;
     update_block(front, ld, rows, column, rows - column < block ? rows - column : block, pivots);
+  }
   return true;
 }
 
@@ -218,8 +221,8 @@ SUPPLE_INLINE void backward_one(const double* panel, int ld, int rows, int pivot
   }
 }
 
-SUPPLE_AVX2 bool factorize_avx2(double* front, int ld, int rows, int pivots) {
-  return factorize_front(front, ld, rows, pivots);
+SUPPLE_AVX2 bool factorize_avx2(double* front, int ld, int rows, int pivots, const CancellationToken& cancellation) {
+  return factorize_front(front, ld, rows, pivots, cancellation);
 }
 SUPPLE_AVX2 void forward_avx2(const double* panel, int ld, int rows, int pivots, double* x, double* below) {
   forward(panel, ld, rows, pivots, x, below);
@@ -237,9 +240,9 @@ SUPPLE_AVX2 void backward_one_avx2(const double* panel, int ld, int rows, int pi
 
 }  // namespace
 
-bool partial_cholesky(double* front, int ld, int rows, int pivots) {
-  if (has_avx2) return factorize_avx2(front, ld, rows, pivots);
-  return factorize_front(front, ld, rows, pivots);
+bool partial_cholesky(double* front, int ld, int rows, int pivots, const CancellationToken& cancellation) {
+  if (has_avx2) return factorize_avx2(front, ld, rows, pivots, cancellation);
+  return factorize_front(front, ld, rows, pivots, cancellation);
 }
 
 void panel_forward(const double* panel, int ld, int rows, int pivots, double* x, double* below) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "supple/base/cancellation.h"
+
 namespace supple::numerics {
 
 /// Dense kernels of the multifrontal factorization. Matrices are stored by columns with leading dimension `ld`; only
@@ -9,7 +11,8 @@ namespace supple::numerics {
 /// A = L L^T, B <- B L^-T, C <- C - B B^T. rows pivots (rows - pivots) + ... multiply-adds, near the machine's rate
 /// from some dozen pivots on. False, with the front spoilt, where A is not numerically positive definite. Entries above
 /// the diagonal, within four columns of it, are overwritten. `ld` >= rows.
-bool partial_cholesky(double* front, int ld, int rows, int pivots);
+/// Once a stop is requested it ends at the next few columns, with the front spoilt, and returns false.
+bool partial_cholesky(double* front, int ld, int rows, int pivots, const CancellationToken& cancellation = {});
 
 /// Right-hand sides that are solved side by side.
 inline constexpr int solve_width = 4;

@@ -4,6 +4,8 @@
 #include <bit>
 #include <tuple>
 
+#include "supple/base/stop_pace.h"
+
 namespace supple::surface {
 namespace {
 
@@ -23,22 +25,25 @@ std::uint64_t hash(const Eigen::Vector3d& p) {
 
 }  // namespace
 
-std::vector<std::int32_t> first_equal_points(const std::vector<Eigen::Vector3d>& points) {
+std::vector<std::int32_t> first_equal_points(const std::vector<Eigen::Vector3d>& points, const Execution& execution) {
+  StopPace pace(execution.cancellation);
   std::vector<std::int32_t> first(points.size());
   std::vector<Entry> entries;
   entries.reserve(points.size());
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
+    pace.look();
     first[i] = i;
     if (points[i].allFinite()) entries.push_back({hash(points[i]), i});
   }
   // Sorting by hash is fast; the points of one hash are then sorted themselves, which keeps the cost bounded even where
   // the hashes were made to collide.
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.hash < b.hash; });
+  sort_stoppably(entries, execution.cancellation, [](const Entry& a, const Entry& b) { return a.hash < b.hash; });
   const auto coordinates = [&](const Entry& e) {
     const Eigen::Vector3d& p = points[e.index];
     return std::tuple(p[0], p[1], p[2], e.index);
   };
   for (auto group = entries.begin(); group != entries.end();) {
+    pace.look();
     const auto end = std::find_if(group, entries.end(), [&](const Entry& e) { return e.hash != group->hash; });
     if (end - group > 1) {
       std::sort(group, end, [&](const Entry& a, const Entry& b) { return coordinates(a) < coordinates(b); });

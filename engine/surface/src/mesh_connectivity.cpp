@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mesh_faults.h"
+#include "supple/base/stop_pace.h"
 
 namespace supple::surface {
 namespace {
@@ -23,7 +24,9 @@ Index turned_halfedge(Index h) { return h - h % 3 + (2 - h % 3); }
 
 /// Pairs the halfedges of edges of two faces, and calls on_excess(v, w, halfedges) for each edge of more, v < w.
 template <typename OnExcess>
-std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& faces, OnExcess&& on_excess) {
+std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& faces, const Execution& execution,
+                             OnExcess&& on_excess) {
+  StopPace pace(execution.cancellation);
   // Counting sort by the smaller vertex of each edge, then a small sort by the larger: faster than sorting all edges.
   struct Entry {
     Index larger;
@@ -31,17 +34,22 @@ std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& fa
   };
   const Index halfedge_count = static_cast<Index>(3 * faces.size());
   std::vector<Index> starts(static_cast<std::size_t>(vertex_count) + 1, 0);
-  for (Index h = 0; h < halfedge_count; ++h) ++starts[std::min(tail(faces, h), head(faces, h)) + 1];
+  for (Index h = 0; h < halfedge_count; ++h) {
+    pace.look();
+    ++starts[std::min(tail(faces, h), head(faces, h)) + 1];
+  }
   for (Index v = 0; v < vertex_count; ++v) starts[v + 1] += starts[v];
   std::vector<Entry> entries(halfedge_count);
   std::vector<Index> ends(starts.begin(), starts.end() - 1);
   for (Index h = 0; h < halfedge_count; ++h) {
+    pace.look();
     const auto [smaller, larger] = std::minmax({tail(faces, h), head(faces, h)});
     entries[ends[smaller]++] = {larger, h};
   }
 
   std::vector<Index> partners(halfedge_count, -1), excess;
   for (Index v = 0; v < vertex_count; ++v) {
+    pace.look();
     const auto first = entries.begin() + starts[v], last = entries.begin() + starts[v + 1];
     std::sort(first, last, [](const Entry& a, const Entry& b) {
       return std::pair(a.larger, a.halfedge) < std::pair(b.larger, b.halfedge);
@@ -73,10 +81,10 @@ bool has_duplicate_face(const std::vector<Triangle>& faces, const std::vector<In
 
 }  // namespace
 
-std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle>& faces) {
+std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle>& faces, const Execution& execution) {
   FaultList faults;
   bool duplicates = false;
-  auto partners = pair_with(vertex_count, faces, [&](Index v, Index w, const std::vector<Index>& halfedges) {
+  auto partners = pair_with(vertex_count, faces, execution, [&](Index v, Index w, const std::vector<Index>& halfedges) {
     duplicates = duplicates || has_duplicate_face(faces, halfedges);
     faults.add([&]() -> Error::Detail {
       return {name_of_edge(v, w), "is shared by " + std::to_string(halfedges.size()) + " faces"};
@@ -91,11 +99,13 @@ std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle
 }
 
 std::vector<Index> pair_manifold_halfedges(Index vertex_count, const std::vector<Triangle>& faces,
-                                           std::int64_t& non_manifold_edges) {
-  return pair_with(vertex_count, faces, [&](Index, Index, const std::vector<Index>&) { ++non_manifold_edges; });
+                                           std::int64_t& non_manifold_edges, const Execution& execution) {
+  return pair_with(vertex_count, faces, execution,
+                   [&](Index, Index, const std::vector<Index>&) { ++non_manifold_edges; });
 }
 
-Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partners) {
+Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partners, const Execution& execution) {
+  StopPace pace(execution.cancellation);
   const Index face_count = static_cast<Index>(faces.size());
   Orientation result;
   result.components.assign(face_count, -1);
@@ -110,6 +120,7 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
     result.components[seed] = result.component_count;
     queue.push_back(seed);
     for (std::size_t next = first; next < queue.size(); ++next) {
+      pace.look();
       const Index f = queue[next];
       for (Index h = 3 * f; h < 3 * f + 3; ++h) {
         const Index partner = partners[h];
@@ -153,16 +164,20 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
   return result;
 }
 
-std::vector<Index> find_fans(Index vertex_count, const std::vector<Triangle>& faces, const std::vector<Index>& twins) {
+std::vector<Index> find_fans(Index vertex_count, const std::vector<Triangle>& faces, const std::vector<Index>& twins,
+                             const Execution& execution) {
+  StopPace pace(execution.cancellation);
   const Index halfedge_count = static_cast<Index>(3 * faces.size());
   std::vector<Index> outgoing(vertex_count, -1), degree(vertex_count, 0);
   for (Index h = 0; h < halfedge_count; ++h) {
+    pace.look();
     const Index v = tail(faces, h);
     ++degree[v];
     if (outgoing[v] < 0 || twins[h] < 0) outgoing[v] = h;
   }
   FaultList faults;
   for (Index v = 0; v < vertex_count; ++v) {
+    pace.look();
     Index visited = 0;
     Index h = outgoing[v];
     while (h >= 0 && visited < degree[v]) {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "supple/base/stop_pace.h"
+
 namespace supple::surface {
 namespace {
 
@@ -71,9 +73,11 @@ std::string name_of_edge(std::int32_t a, std::int32_t b) {
   return "edge " + std::to_string(std::min(a, b)) + " " + std::to_string(std::max(a, b));
 }
 
-void check_coordinates(const std::vector<Eigen::Vector3d>& positions) {
+void check_coordinates(const std::vector<Eigen::Vector3d>& positions, const Execution& execution) {
   FaultList faults;
+  StopPace pace(execution.cancellation);
   for (std::size_t v = 0; v < positions.size(); ++v) {
+    pace.look();
     const bool valid = positions[v].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_coordinate;
     if (valid) continue;
     faults.add([&]() -> Error::Detail {
@@ -86,9 +90,11 @@ void check_coordinates(const std::vector<Eigen::Vector3d>& positions) {
                       "vertices have a coordinate that is not finite or too large");
 }
 
-void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces,
+                      const Execution& execution) {
   check_sizes(positions.size(), faces.size());
-  check_coordinates(positions);
+  check_coordinates(positions, execution);
+  execution.cancellation.throw_if_requested();
   check_indices(static_cast<std::int64_t>(positions.size()), faces);
 }
 
@@ -96,9 +102,12 @@ bool is_degenerate(const std::vector<Eigen::Vector3d>& positions, const Triangle
   return repeats_vertex(face) || area_vanishes(positions[face[0]], positions[face[1]], positions[face[2]]);
 }
 
-void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces,
+                 const Execution& execution) {
   FaultList faults;
+  StopPace pace(execution.cancellation);
   for (std::size_t f = 0; f < faces.size(); ++f) {
+    pace.look();
     if (!is_degenerate(positions, faces[f])) continue;
     faults.add([&]() -> Error::Detail {
       return {name_of_face(static_cast<std::int64_t>(f)),

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/base/execution.h"
 #include "supple/surface/triangle_mesh.h"
 
 namespace supple::surface {
@@ -41,12 +42,14 @@ std::string name_of_face(std::int64_t f);
 std::string name_of_edge(std::int32_t a, std::int32_t b);
 
 /// Throws "mesh.empty", "mesh.too_large", "mesh.non_finite", "mesh.index_out_of_range". O(n).
-void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
+void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces,
+                      const Execution& execution = {});
 /// Throws "mesh.non_finite". O(n).
-void check_coordinates(const std::vector<Eigen::Vector3d>& positions);
+void check_coordinates(const std::vector<Eigen::Vector3d>& positions, const Execution& execution = {});
 /// Whether a face repeats a vertex or has no area in double precision; its vertices exist.
 bool is_degenerate(const std::vector<Eigen::Vector3d>& positions, const Triangle& face);
 /// Throws "mesh.degenerate_face". O(n).
-void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
+void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces,
+                 const Execution& execution = {});
 
 }  // namespace supple::surface

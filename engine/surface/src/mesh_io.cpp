@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mesh_reading.h"
+#include "supple/base/stop_pace.h"
 
 namespace supple::surface {
 namespace {
@@ -41,27 +42,30 @@ MeshFormat detect_format(std::string_view bytes) {
   return begins_with_off_keyword(bytes) ? MeshFormat::off : MeshFormat::obj;
 }
 
-TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits) {
+TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits,
+                       const Execution& execution) {
   switch (format) {
     case MeshFormat::off:
-      return read_off(bytes, limits);
+      return read_off(bytes, limits, execution);
     case MeshFormat::ply:
-      return read_ply(bytes, limits);
+      return read_ply(bytes, limits, execution);
     case MeshFormat::stl:
-      return read_stl(bytes, limits);
+      return read_stl(bytes, limits, execution);
     default:
-      return read_obj(bytes, limits);
+      return read_obj(bytes, limits, execution);
   }
 }
 
-TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits) {
-  TriangleSoup soup = read_mesh(bytes, detect_format(bytes), limits);
-  return TriangleMesh::build(std::move(soup.positions), std::move(soup.faces), std::move(soup.warnings));
+TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
+  TriangleSoup soup = read_mesh(bytes, detect_format(bytes), limits, execution);
+  return TriangleMesh::build(std::move(soup.positions), std::move(soup.faces), std::move(soup.warnings), execution);
 }
 
-std::string write_obj(const TriangleMesh& mesh) {
+std::string write_obj(const TriangleMesh& mesh, const Execution& execution) {
+  StopPace pace(execution.cancellation);
   std::string text;
   for (const Eigen::Vector3d& p : mesh.positions()) {
+    pace.look();
     text += 'v';
     for (int i = 0; i < 3; ++i) {
       text += ' ';
@@ -70,6 +74,7 @@ std::string write_obj(const TriangleMesh& mesh) {
     text += '\n';
   }
   for (const Triangle& face : mesh.faces()) {
+    pace.look();
     text += 'f';
     for (const std::int32_t v : face) text += ' ' + std::to_string(v + 1);
     text += '\n';
@@ -77,7 +82,8 @@ std::string write_obj(const TriangleMesh& mesh) {
   return text;
 }
 
-std::string write_ply(const TriangleMesh& mesh) {
+std::string write_ply(const TriangleMesh& mesh, const Execution& execution) {
+  StopPace pace(execution.cancellation);
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\n"
       "element vertex " +
@@ -87,9 +93,11 @@ std::string write_ply(const TriangleMesh& mesh) {
       std::to_string(mesh.face_count()) + "\nproperty list uchar int vertex_indices\nend_header\n";
   bytes.reserve(bytes.size() + 24 * mesh.positions().size() + 13 * mesh.faces().size());
   for (const Eigen::Vector3d& p : mesh.positions()) {
+    pace.look();
     for (int i = 0; i < 3; ++i) append_little_endian(bytes, std::bit_cast<std::uint64_t>(p[i]));
   }
   for (const Triangle& face : mesh.faces()) {
+    pace.look();
     bytes += '\3';
     for (const std::int32_t v : face) append_little_endian(bytes, static_cast<std::uint32_t>(v));
   }

@@ -34,12 +34,14 @@ std::int32_t read_corner(const TextScanner& scanner, std::string_view token, std
 
 }  // namespace
 
-TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   TextScanner scanner(without_byte_order_mark(bytes));
-  SoupBuilder builder(limits);
+  SoupBuilder builder(limits, execution);
   std::vector<std::int32_t> corners;
   std::int64_t skipped = 0;
+  StopPace pace(execution.cancellation);
   while (scanner.next_line()) {
+    pace.look();
     scanner.cut_line_at('#');
     const std::string_view word = scanner.token();
     if (word.empty()) continue;

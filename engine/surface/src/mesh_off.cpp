@@ -31,9 +31,9 @@ void check_header(const TextScanner& scanner, std::string_view keyword) {
 
 }  // namespace
 
-TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   TextScanner scanner(without_byte_order_mark(bytes));
-  SoupBuilder builder(limits);
+  SoupBuilder builder(limits, execution);
   check_header(scanner, next_filled_line(scanner));
   std::string_view token = scanner.token();
   if (token == "BINARY") throw_malformed_line(scanner.line_number(), "binary OFF is not read; write it as text");

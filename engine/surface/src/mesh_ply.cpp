@@ -281,8 +281,8 @@ void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupB
 }
 
 template <typename Body>
-TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits) {
-  SoupBuilder builder(limits);
+TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits, const Execution& execution) {
+  SoupBuilder builder(limits, execution);
   const Element* vertices = nullptr;
   const Element* faces = nullptr;
   for (const Element& element : header.elements) {
@@ -318,10 +318,10 @@ TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits
 
 }  // namespace
 
-TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   const Header header = read_header(without_byte_order_mark(bytes));
-  if (header.encoding == Encoding::ascii) return read_body(TextBody(header), header, limits);
-  return read_body(BinaryBody(header, bytes.size() - header.body.size()), header, limits);
+  if (header.encoding == Encoding::ascii) return read_body(TextBody(header), header, limits, execution);
+  return read_body(BinaryBody(header, bytes.size() - header.body.size()), header, limits, execution);
 }
 
 }  // namespace supple::surface

@@ -121,11 +121,13 @@ void SoupBuilder::reserve(std::size_t vertices, std::size_t faces) {
 }
 
 void SoupBuilder::add_vertex(const Eigen::Vector3d& p) {
+  pace_.look();
   check_limit(vertex_count() + 1, limits_.vertices, "vertices");
   soup_.positions.push_back(p);
 }
 
 void SoupBuilder::add_polygon(std::span<const std::int32_t> corners) {
+  pace_.look();
   const std::int64_t number = polygons_++;
   if (corners.size() < 3) {
     ++skipped_polygons_;
@@ -143,6 +145,7 @@ void SoupBuilder::cut_polygons() {
   std::vector<Eigen::Vector3d> positions;
   std::vector<Triangle> triangles;
   for (const Polygon& polygon : larger_polygons_) {
+    execution_.cancellation.throw_if_requested();
     const std::span<Triangle> fan(soup_.faces.data() + polygon.first_triangle, polygon.corners - 2);
     corners.assign({fan[0][0], fan[0][1]});
     for (const Triangle& triangle : fan) corners.push_back(triangle[2]);

@@ -6,15 +6,16 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/stop_pace.h"
 #include "supple/surface/mesh_io.h"
 
 namespace supple::surface {
 
 /// What the readers of the single formats share. All throw as read_mesh promises.
-TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits);
-TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits);
-TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits);
-TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits);
+TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
+TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
+TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
+TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
 /// Whether the bytes have the exact size that their count field gives a binary STL file.
 bool is_binary_stl(std::string_view bytes);
 
@@ -60,7 +61,9 @@ class TextScanner {
 /// Collects vertices and polygons within the limits.
 class SoupBuilder {
  public:
-  explicit SoupBuilder(const MeshLimits& limits) : limits_(limits) {}
+  /// Looks for a stop request while it is given vertices and polygons, and while it cuts them.
+  SoupBuilder(const MeshLimits& limits, const Execution& execution)
+      : limits_(limits), execution_(execution), pace_(execution.cancellation) {}
 
   /// Throws "mesh.too_large" if a file announces more than the limits allow.
   void check_announced(std::int64_t vertices, std::int64_t faces) const;
@@ -71,6 +74,7 @@ class SoupBuilder {
   void add_polygon(std::span<const std::int32_t> corners);
   void add_warning(std::string text) { soup_.warnings.push_back(std::move(text)); }
 
+  const Execution& execution() const { return execution_; }
   std::int64_t vertex_count() const { return static_cast<std::int64_t>(soup_.positions.size()); }
   /// The soup with its polygons cut, see PolygonCutter, and the warnings about them. Throws "mesh.invalid_polygon",
   /// which names the faces by their numbers in the file.
@@ -86,6 +90,8 @@ class SoupBuilder {
   void cut_polygons();
 
   MeshLimits limits_;
+  const Execution& execution_;
+  StopPace pace_;
   TriangleSoup soup_;
   std::int64_t polygons_ = 0;
   std::int64_t skipped_polygons_ = 0;

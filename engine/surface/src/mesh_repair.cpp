@@ -10,6 +10,7 @@
 #include "mesh_faults.h"
 #include "near_points.h"
 #include "supple/base/error.h"
+#include "supple/base/stop_pace.h"
 
 namespace supple::surface {
 namespace {
@@ -47,7 +48,7 @@ std::int64_t drop_faces(std::vector<Triangle>& faces, std::vector<Index>& new_fa
 }
 
 /// Whether each face has the vertices of an earlier one.
-std::vector<std::uint8_t> find_duplicates(const std::vector<Triangle>& faces) {
+std::vector<std::uint8_t> find_duplicates(const std::vector<Triangle>& faces, const Execution& execution) {
   struct Entry {
     Triangle vertices;
     Index face;
@@ -58,7 +59,7 @@ std::vector<std::uint8_t> find_duplicates(const std::vector<Triangle>& faces) {
     entries.push_back({faces[f], f});
     std::sort(entries.back().vertices.begin(), entries.back().vertices.end());
   }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+  sort_stoppably(entries, execution.cancellation, [](const Entry& a, const Entry& b) {
     return std::pair(a.vertices, a.face) < std::pair(b.vertices, b.face);
   });
   std::vector<std::uint8_t> duplicate(faces.size(), 0);
@@ -102,9 +103,11 @@ class CornerFans {
 
 /// Gives each fan of faces a vertex of its own. `copies` receives the vertex that each new one, numbered from
 /// `vertices` on, is a copy of.
-void split(std::vector<Triangle>& faces, Index vertices, std::vector<Index>& copies, RepairOutcome& outcome) {
-  const std::vector<Index> partners = pair_manifold_halfedges(vertices, faces, outcome.split_edges);
+void split(std::vector<Triangle>& faces, Index vertices, std::vector<Index>& copies, RepairOutcome& outcome,
+           const Execution& execution) {
+  const std::vector<Index> partners = pair_manifold_halfedges(vertices, faces, outcome.split_edges, execution);
   CornerFans fans(faces, partners);
+  execution.cancellation.throw_if_requested();
   std::vector<Index> names(3 * faces.size(), -1);  // of the fans, by their least corners
   std::vector<std::uint8_t> met(vertices, 0);      // 1 once a fan has the vertex, 2 once another has a copy
   for (Index h = 0; h < static_cast<Index>(names.size()); ++h) {
@@ -187,8 +190,10 @@ void report_in_warnings(const RepairOutcome& outcome, std::vector<std::string>& 
 
 }  // namespace
 
-RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, const MeshLimits& limits) {
-  check_references(soup.positions, soup.faces);
+RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, const MeshLimits& limits,
+                          const Execution& execution) {
+  const auto look = [&execution] { execution.cancellation.throw_if_requested(); };
+  check_references(soup.positions, soup.faces, execution);
   RepairOutcome outcome;
   const Index given = static_cast<Index>(soup.positions.size());
   outcome.vertex_starts.assign(static_cast<std::size_t>(given) + 1, 0);
@@ -196,8 +201,8 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
   std::iota(first.begin(), first.end(), 0);
   if (options.has(Repair::weld)) {
     outcome.weld_distance = options.weld_tolerance * diagonal_of(soup);
-    first = outcome.weld_distance > 0 ? first_near_points(soup.positions, outcome.weld_distance)
-                                      : first_equal_points(soup.positions);
+    first = outcome.weld_distance > 0 ? first_near_points(soup.positions, outcome.weld_distance, execution)
+                                      : first_equal_points(soup.positions, execution);
   }
   const std::vector<Triangle> given_faces = soup.faces;
   std::vector<std::uint8_t> had_faces(given, 0), has_faces(given, 0);
@@ -208,14 +213,17 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
     }
   }
 
+  look();
   outcome.new_faces.resize(soup.faces.size());
   std::iota(outcome.new_faces.begin(), outcome.new_faces.end(), 0);
   if (options.has(Repair::drop_degenerate)) {
     outcome.dropped_degenerate_faces = drop_faces(
         soup.faces, outcome.new_faces, [&](std::size_t f) { return !is_degenerate(soup.positions, soup.faces[f]); });
   }
+  look();
   if (options.has(Repair::drop_duplicates)) {
-    const std::vector<std::uint8_t> duplicate = find_duplicates(soup.faces);
+    const std::vector<std::uint8_t> duplicate = find_duplicates(soup.faces, execution);
+    look();
     outcome.dropped_duplicate_faces =
         drop_faces(soup.faces, outcome.new_faces, [&](std::size_t f) { return !duplicate[f]; });
   }
@@ -245,12 +253,13 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
 
   std::vector<Index> copies;
   if (options.has(Repair::split_non_manifold)) {
-    check_areas(soup.positions, soup.faces);
-    split(soup.faces, kept, copies, outcome);
+    check_areas(soup.positions, soup.faces, execution);
+    split(soup.faces, kept, copies, outcome, execution);
     check_vertex_count(static_cast<std::int64_t>(kept) + static_cast<std::int64_t>(copies.size()), limits);
     for (const Index v : copies) soup.positions.push_back(soup.positions[v]);
   }
 
+  look();
   write_vertex_map(given_faces, soup.faces, outcome, [&](Index v) { return moved[first[v]]; });
   report_in_warnings(outcome, soup.warnings);
   return outcome;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "supple/base/stop_pace.h"
 #include "triangle_area.h"
 
 namespace supple::surface {
@@ -28,7 +29,8 @@ std::int64_t count_boundary_loops(const TriangleMesh& mesh) {
 
 }  // namespace
 
-MeshReport report(const TriangleMesh& mesh) {
+MeshReport report(const TriangleMesh& mesh, const Execution& execution) {
+  StopPace pace(execution.cancellation);
   MeshReport result;
   result.vertices = mesh.vertex_count();
   result.faces = mesh.face_count();
@@ -41,6 +43,7 @@ MeshReport report(const TriangleMesh& mesh) {
   std::int64_t slivers = 0;
   const auto& p = mesh.positions();
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    pace.look();
     const auto& [a, b, c] = mesh.faces()[f];
     result.area += 0.5 * doubled_area(p[a], p[b], p[c]).norm();
     double smallest = std::numeric_limits<double>::infinity();
@@ -60,6 +63,7 @@ MeshReport report(const TriangleMesh& mesh) {
   result.upper = -result.lower;
   std::int64_t used = 0;
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    pace.look();
     if (mesh.outgoing(v) < 0) continue;
     ++used;
     result.saddle_vertices += !mesh.is_boundary(v) && mesh.vertex_angle(v) > 2 * std::numbers::pi * (1 + saddle_margin);

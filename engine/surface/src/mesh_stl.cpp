@@ -21,7 +21,7 @@ std::uint32_t announced_facets(std::string_view bytes) { return little_endian_u3
 
 /// Joins equal corners. Three corners make a face.
 TriangleSoup join_corners(const std::vector<Eigen::Vector3d>& corners, SoupBuilder builder) {
-  const std::vector<std::int32_t> first = first_equal_points(corners);
+  const std::vector<std::int32_t> first = first_equal_points(corners, builder.execution());
   std::vector<std::int32_t> numbers(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (first[i] == static_cast<std::int32_t>(i)) {
@@ -35,12 +35,12 @@ TriangleSoup join_corners(const std::vector<Eigen::Vector3d>& corners, SoupBuild
   return std::move(builder).finish();
 }
 
-TriangleSoup read_binary(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup read_binary(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   if (bytes.size() < header_size) {
     throw_malformed_byte(bytes.size(), "expected the 84 bytes of a binary STL header");
   }
   const std::uint32_t facets = announced_facets(bytes);
-  SoupBuilder builder(limits);
+  SoupBuilder builder(limits, execution);
   builder.check_announced(0, facets);
   const std::size_t present = (bytes.size() - header_size) / facet_size;
   if (present < facets) {
@@ -52,7 +52,9 @@ TriangleSoup read_binary(std::string_view bytes, const MeshLimits& limits) {
   }
   std::vector<Eigen::Vector3d> corners;
   corners.reserve(3 * static_cast<std::size_t>(facets));
+  StopPace pace(execution.cancellation);
   for (std::size_t facet = 0; facet < facets; ++facet) {
+    pace.look();
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::size_t at = header_size + facet * facet_size + 12 * (corner + 1);
       corners.emplace_back(std::bit_cast<float>(little_endian_u32(bytes, at)),
@@ -68,12 +70,14 @@ void expect(const TextScanner& scanner, std::string_view found, std::string_view
   throw_malformed_line(scanner.line_number(), "expected " + std::string(word) + ", found " + quoted(found));
 }
 
-TriangleSoup read_ascii(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup read_ascii(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   TextScanner scanner(without_byte_order_mark(bytes));
-  SoupBuilder builder(limits);
+  SoupBuilder builder(limits, execution);
   std::vector<Eigen::Vector3d> corners;
   bool inside_solid = false;
+  StopPace pace(execution.cancellation);
   for (std::string_view word = scanner.token_across_lines(); !word.empty(); word = scanner.token_across_lines()) {
+    pace.look();
     if (!inside_solid) {
       expect(scanner, word, "solid");
       inside_solid = true;
@@ -108,9 +112,9 @@ bool is_binary_stl(std::string_view bytes) {
   return bytes.size() >= header_size && bytes.size() == header_size + facet_size * announced_facets(bytes);
 }
 
-TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   const bool is_text = without_byte_order_mark(bytes).starts_with("solid") && !is_binary_stl(bytes);
-  return is_text ? read_ascii(bytes, limits) : read_binary(bytes, limits);
+  return is_text ? read_ascii(bytes, limits, execution) : read_binary(bytes, limits, execution);
 }
 
 }  // namespace supple::surface

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "supple/base/stop_pace.h"
+
 namespace supple::surface {
 namespace {
 
@@ -12,7 +14,8 @@ constexpr std::int32_t leaf_size = 8;
 /// share its places in halves.
 class PointTree {
  public:
-  explicit PointTree(const std::vector<Eigen::Vector3d>& points) : points_(points), order_(points.size()) {
+  PointTree(const std::vector<Eigen::Vector3d>& points, const Execution& execution)
+      : points_(points), order_(points.size()), pace_(execution.cancellation) {
     std::iota(order_.begin(), order_.end(), 0);
     build(0, 0, static_cast<std::int32_t>(order_.size()));
   }
@@ -30,9 +33,11 @@ class PointTree {
   };
 
   void build(std::size_t k, std::int32_t begin, std::int32_t end) {
+    pace_.look();
     if (end - begin <= leaf_size) return;
     Eigen::Vector3d lower = points_[order_[begin]], upper = lower;
     for (std::int32_t at = begin; at < end; ++at) {
+      pace_.look();
       lower = lower.cwiseMin(points_[order_[at]]);
       upper = upper.cwiseMax(points_[order_[at]]);
     }
@@ -66,14 +71,18 @@ class PointTree {
   const std::vector<Eigen::Vector3d>& points_;
   std::vector<std::int32_t> order_;
   std::vector<Node> nodes_;
+  StopPace pace_;
 };
 
 }  // namespace
 
-std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points, double distance) {
-  const PointTree tree(points);
+std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points, double distance,
+                                            const Execution& execution) {
+  const PointTree tree(points, execution);
+  StopPace pace(execution.cancellation);
   std::vector<std::int32_t> first(points.size(), -1);
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
+    pace.look();
     if (first[i] >= 0) continue;
     first[i] = i;
     tree.visit_near(points[i], distance, [&](std::int32_t near) {

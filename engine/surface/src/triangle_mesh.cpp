@@ -8,6 +8,7 @@
 #include "mesh_connectivity.h"
 #include "mesh_faults.h"
 #include "supple/base/error.h"
+#include "supple/base/stop_pace.h"
 #include "triangle_area.h"
 
 namespace supple::surface {
@@ -17,8 +18,8 @@ std::string counted(std::int64_t count, const std::string& one, const std::strin
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-std::int64_t coincident_vertices(const std::vector<Eigen::Vector3d>& positions) {
-  const std::vector<std::int32_t> first = first_equal_points(positions);
+std::int64_t coincident_vertices(const std::vector<Eigen::Vector3d>& positions, const Execution& execution) {
+  const std::vector<std::int32_t> first = first_equal_points(positions, execution);
   std::int64_t count = 0;
   for (std::size_t v = 0; v < first.size(); ++v) count += first[v] != static_cast<std::int32_t>(v);
   return count;
@@ -27,20 +28,20 @@ std::int64_t coincident_vertices(const std::vector<Eigen::Vector3d>& positions) 
 }  // namespace
 
 TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces,
-                                 std::vector<std::string> warnings) {
-  check_references(positions, faces);
-  check_areas(positions, faces);
+                                 std::vector<std::string> warnings, const Execution& execution) {
+  check_references(positions, faces, execution);
+  check_areas(positions, faces, execution);
   TriangleMesh mesh;
   mesh.positions_ = std::move(positions);
   mesh.faces_ = std::move(faces);
   mesh.warnings_ = std::move(warnings);
   const std::int32_t vertices = mesh.vertex_count();
 
-  mesh.twins_ = pair_halfedges(vertices, mesh.faces_);
-  Orientation orientation = orient_faces(mesh.faces_, mesh.twins_);
+  mesh.twins_ = pair_halfedges(vertices, mesh.faces_, execution);
+  Orientation orientation = orient_faces(mesh.faces_, mesh.twins_, execution);
   mesh.components_ = std::move(orientation.components);
   mesh.component_count_ = orientation.component_count;
-  mesh.outgoing_ = find_fans(vertices, mesh.faces_, mesh.twins_);
+  mesh.outgoing_ = find_fans(vertices, mesh.faces_, mesh.twins_, execution);
 
   mesh.boundary_.assign(vertices, 0);
   std::int64_t unused = 0;
@@ -51,14 +52,14 @@ TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::ve
     else
       mesh.boundary_[v] = mesh.twins_[first] < 0;
   }
-  mesh.measure();
+  mesh.measure(execution);
 
   if (orientation.turned_faces > 0) {
     mesh.warnings_.push_back(counted(orientation.turned_faces, "face was", "faces were") +
                              " turned to agree with their neighbours: their second and third corner are swapped.");
   }
   if (unused > 0) mesh.warnings_.push_back(counted(unused, "vertex belongs", "vertices belong") + " to no face.");
-  if (const std::int64_t coincident = coincident_vertices(mesh.positions_); coincident > 0) {
+  if (const std::int64_t coincident = coincident_vertices(mesh.positions_, execution); coincident > 0) {
     mesh.warnings_.push_back(counted(coincident, "vertex has", "vertices have") +
                              " the coordinates of an earlier one; the surface is not joined there.");
   }
@@ -85,7 +86,8 @@ TriangleMesh TriangleMesh::with_positions(std::vector<Eigen::Vector3d> positions
   return mesh;
 }
 
-void TriangleMesh::measure() {
+void TriangleMesh::measure(const Execution& execution) {
+  StopPace pace(execution.cancellation);
   const std::int32_t halfedges = halfedge_count();
   // The checks bound coordinates and areas, so that no square below overflows or underflows.
   lengths_.resize(halfedges);
@@ -93,6 +95,7 @@ void TriangleMesh::measure() {
   double length_sum = 0;
   std::int64_t edges = 0;
   for (std::int32_t f = 0; f < face_count(); ++f) {
+    pace.look();
     const Eigen::Vector3d corners[3] = {positions_[faces_[f][0]], positions_[faces_[f][1]], positions_[faces_[f][2]]};
     const double area = doubled_area(corners[0], corners[1], corners[2]).norm();
     for (int i = 0; i < 3; ++i) {
@@ -111,6 +114,7 @@ void TriangleMesh::measure() {
   vertex_angles_.assign(positions_.size(), 0);
   Eigen::Vector3d lower = positions_[tail(0)], upper = lower;
   for (std::int32_t v = 0; v < vertex_count(); ++v) {
+    pace.look();
     const std::int32_t first = outgoing_[v];
     if (first < 0) continue;
     std::int32_t h = first;

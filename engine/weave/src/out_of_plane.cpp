@@ -51,10 +51,11 @@ std::optional<Eigen::VectorXd> out_of_plane_mode(const RodModel& spatial, const 
   for (int e = 0; e < static_cast<int>(spatial.edges().size()); ++e) free(spatial.angle(e));
   for (int j = 0; j < spatial.joints(); ++j)
     for (int c = 0; c < 2; ++c) free(spatial.joint(j) + c);
-  WeaveSystem objective(spatial, state.q, state.chart, in_plane_held, options);
+  WeaveSystem objective(spatial, state.q, state.chart, in_plane_held, options, {}, {execution.cancellation});
   if (objective.dimension() == 0) return std::nullopt;
   const numerics::Evaluation at = objective.evaluate(2);
   numerics::ShiftedCholesky cholesky;
+  cholesky.stop_with(execution.cancellation);
   const double scale = numerics::diagonal_scale(at.hessian);
   if (cholesky.factorize(at.hessian, least_instability * scale)) return std::nullopt;
   const numerics::Mode mode =

@@ -67,6 +67,7 @@ StretchEnergy::StretchEnergy(const RodModel& model) : model_(model) {
   elements_.reserve(model.edges().size());
   Links links;
   for (const Edge& edge : model.edges()) {
+    model.look_for_stop();
     RestLength rest(model, edge);
     links.clear();
     link_edge(model, edge, 0, links);
@@ -113,6 +114,7 @@ PlanarBendEnergy::PlanarBendEnergy(const RodModel& model, TurnKind kind) : model
   Links links;
   for (const Turn& turn : model.turns()) {
     if (!of_kind(turn, kind)) continue;
+    model.look_for_stop();
     RestTurn rest(model, turn);
     links.clear();
     for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 2)}) {
@@ -199,6 +201,7 @@ SpatialTurns::SpatialTurns(const RodModel& model, TurnKind kind) : model_(model)
   for (std::size_t i = 0; i < model.turns().size(); ++i) {
     const Turn& turn = model.turns()[i];
     if (!of_kind(turn, kind)) continue;
+    model.look_for_stop();
     RestTurn rest(model, turn);
     links.clear();
     for (const auto& [edge, slot] : {std::pair(turn.in, 0), std::pair(turn.out, 4)}) {

@@ -71,6 +71,7 @@ class ModelBuilder {
 
   void add_crossings() {
     for (int c = 0; c < static_cast<int>(weave_.crossings.size()); ++c) {
+      model_.look_for_stop();
       const auto& members = weave_.crossings[static_cast<std::size_t>(c)].members;
       const int node = new_node(rest_position(weave_, members.front()));
       const auto fused = std::count_if(members.begin(), members.end(), [](const auto& m) { return !m.slides; });
@@ -91,6 +92,7 @@ class ModelBuilder {
 
   void add_anchors() {
     for (const Anchor& anchor : anchors_) {
+      model_.look_for_stop();
       auto& keys = keys_[static_cast<std::size_t>(anchor.strand)];
       const StrandCurve& curve = model_.curve(anchor.strand);
       const auto near = std::find_if(keys.begin(), keys.end(), [&](const Key& k) {
@@ -156,6 +158,7 @@ class ModelBuilder {
   }
 
   void add_interval(int strand, const Key& from, const Key& to, double more, int least) {
+    model_.look_for_stop();
     const StrandCurve& curve = model_.curve(strand);
     const MaterialCoordinate begin = coordinate_of(from);
     const MaterialCoordinate end = coordinate_of(to, more);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/weave/weave.h"
 
 namespace supple::weave {
@@ -22,6 +23,8 @@ struct ModelOptions {
   int segments = 2;
   /// Of macroscopic deformation gradients: F = sum_k f_k D_k with D = d d^T, d n^T, n d^T, n n^T, for d at this angle.
   double direction = 0;
+  /// Ends the making of the model, and of the terms that are made for it.
+  CancellationToken cancellation{};
 };
 
 /// The coordinate of a node on its strand: start + sum of shares of the sliders' displacements, mm. A crossing's is its
@@ -86,6 +89,8 @@ class RodModel {
   bool spatial() const { return options_.spatial; }
   int dimension() const { return options_.spatial ? 3 : 2; }
   const ModelOptions& options() const { return options_; }
+  /// Throws what the options' token throws.
+  void look_for_stop() const { options_.cancellation.throw_if_requested(); }
 
   const std::vector<Eigen::Vector2d>& nodes() const { return nodes_; }  ///< rest positions
   const std::vector<Edge>& edges() const { return edges_; }

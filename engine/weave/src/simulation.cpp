@@ -72,8 +72,10 @@ Prescription prescribe(const SheetLoad& load) {
 
 /// A clamp needs a joint, which a strand that slides through its crossing has not; and what is held is held once.
 void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& prescription,
-                 const EquilibriumOptions& options) {
-  const RodModel model(weave, prescription.anchors, {.spatial = false, .segments = options.segments});
+                 const EquilibriumOptions& options, const Execution& execution) {
+  const RodModel model(
+      weave, prescription.anchors,
+      {.spatial = false, .segments = options.segments, .direction = 0, .cancellation = execution.cancellation});
   Faults faults;
   for (std::size_t i = 0; i < load.supports.size(); ++i)
     if (load.supports[i].clamped && model.anchor_joint(i) < 0)
@@ -155,7 +157,7 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
   execution.cancellation.throw_if_requested();
   Prescription prescription = prescribe(load);
   prescription.strain = strain_of(load, weave);
-  check_nodes(weave, load, prescription, options);
+  check_nodes(weave, load, prescription, options, execution);
   WeaveRun run(weave, prescription, 0, options, execution);
   SimulationResult result;
   result.states.reserve(static_cast<std::size_t>(load.states));

@@ -25,6 +25,7 @@ WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double 
   energy_.sliding_regularization = options.sliding_regularization;
   model_options_.segments = options.segments;
   model_options_.direction = direction;
+  model_options_.cancellation = execution.cancellation;
   start(options.out_of_plane == Switch::on || (options.out_of_plane == Switch::automatic && prescription.leaves_plane));
 }
 
@@ -99,7 +100,7 @@ void WeaveRun::start(bool spatial) {
         forces.push_back(
             {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
   objective_ = std::make_unique<WeaveSystem>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
-                                             std::move(forces), execution_.cost);
+                                             std::move(forces), execution_);
   path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
 }
 
@@ -123,7 +124,7 @@ void WeaveRun::prefer_lower_side() {
     held[static_cast<std::size_t>(dof)] = true;
     across.change[dof] = 2 * ((*ridge)[dof] - found[dof]);
   }
-  WeaveSystem strands(*model_, found, objective_->chart(), held, energy_, {}, execution_.cost);
+  WeaveSystem strands(*model_, found, objective_->chart(), held, energy_, {}, execution_);
   WeavePath pulled(strands, options_, execution_);
   pulled.advance(across);
   iterations_ += pulled.iterations();

@@ -34,15 +34,17 @@ WeaveSystem::Parts WeaveSystem::parts(const RodModel& model, const EnergyOptions
 }
 
 WeaveSystem::WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& held, Parts parts,
-                         CostLedger* cost)
-    : System(std::move(state), parts.all, numerics::Unknowns(held), {.execution = {.cost = cost}}),
+                         const Execution& execution)
+    : System(std::move(state), parts.all, numerics::Unknowns(held),
+             {.execution = {execution.cancellation, nullptr, execution.cost}}),
       model_(&model),
       parts_(std::move(parts)) {}
 
 WeaveSystem::WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
-                         const EnergyOptions& options, std::vector<PointForces::Load> forces, CostLedger* cost)
+                         const EnergyOptions& options, std::vector<PointForces::Load> forces,
+                         const Execution& execution)
     : WeaveSystem(model, RodState(model, std::move(q), std::move(chart)), held,
-                  parts(model, options, std::move(forces)), cost) {}
+                  parts(model, options, std::move(forces)), execution) {}
 
 void WeaveSystem::set_state(Eigen::VectorXd q, Chart chart) {
   RodState state(*model_, std::move(q), std::move(chart));

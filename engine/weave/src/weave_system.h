@@ -24,7 +24,8 @@ class WeaveSystem : public numerics::System<RodState> {
   /// `held` says of each degree of freedom whether it is prescribed. `model` outlives the system; `cost`, if given,
   /// too: it is billed for every term. The chart is empty in the plane.
   WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
-              const EnergyOptions& options, std::vector<PointForces::Load> forces = {}, CostLedger* cost = nullptr);
+              const EnergyOptions& options, std::vector<PointForces::Load> forces = {},
+              const Execution& execution = {});
 
   const RodModel& model() const { return *model_; }
   const Eigen::VectorXd& q() const { return state().q(); }
@@ -48,7 +49,8 @@ class WeaveSystem : public numerics::System<RodState> {
     std::shared_ptr<PointForces> forces;
   };
   static Parts parts(const RodModel& model, const EnergyOptions& options, std::vector<PointForces::Load> forces);
-  WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& held, Parts parts, CostLedger* cost);
+  WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& held, Parts parts,
+              const Execution& execution);
 
   const RodModel* model_;
   Parts parts_;

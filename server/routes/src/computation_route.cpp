@@ -1,5 +1,6 @@
 #include "computation_route.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -30,9 +31,26 @@ http::Response finished(store::Result result) {
   return response;
 }
 
+/// When the handler on this thread began to read the body of its request.
+struct Reading {
+  const http::Request* request = nullptr;
+  std::chrono::steady_clock::time_point begin;
+};
+thread_local Reading reading;
+
+/// A deadline counts from the request's arrival: parsing a large body takes its share of it.
+void take_off_reading(const http::Request& request, jobs::Computation& computation) {
+  if (reading.request != &request) return;
+  constexpr double least = 1e-3;  // seconds: it has passed, and is told so
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - reading.begin;
+  computation.deadline = std::max(least, computation.deadline - taken.count());
+  reading.request = nullptr;
+}
+
 }  // namespace
 
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation) {
+  take_off_reading(request, computation);
   const auto preference = http::parse_preference(request.header("Prefer"), services.limits.max_wait);
   if (!preference.respond_async && !preference.wait) return answer_immediately(services, request, computation);
   const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
@@ -68,6 +86,7 @@ std::string plain_number(double value) {
 }
 
 const std::string& json_body(const http::Request& request) {
+  reading = {&request, std::chrono::steady_clock::now()};
   const auto type = http::media_type(request.header("Content-Type"));
   if (!type.empty() && type != "application/json") {
     throw Error("http.unsupported_media_type", "This request takes application/json, not " + type.substr(0, 80) + ".");

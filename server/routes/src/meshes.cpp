@@ -25,7 +25,7 @@ const std::string& mesh_parameter(const http::Request& request) { return request
   throw Error("mesh.not_found", "There is no mesh " + id.substr(0, 80) + ".");
 }
 
-json::MeshUpload read_upload(const http::Request& request, const RouteLimits& limits) {
+json::MeshUpload read_upload(const http::Request& request, const RouteLimits& limits, const Execution& execution) {
   auto asked = read_repair_query(request);
   const auto type = http::media_type(request.header("Content-Type"));
   if (type == "application/json") {
@@ -44,20 +44,19 @@ json::MeshUpload read_upload(const http::Request& request, const RouteLimits& li
     return upload;
   }
   const auto format = format_of(type).value_or(surface::detect_format(request.body));
-  return {surface::read_mesh(request.body, format, limits.mesh), asked};
+  return {surface::read_mesh(request.body, format, limits.mesh, execution), asked};
 }
 
-http::Response create(Services& services, const http::Request& request) {
-  require_ready(services);
-  auto [soup, asked] = read_upload(request, services.limits);
+http::Response store_mesh(Services& services, const http::Request& request, const Execution& execution) {
+  auto [soup, asked] = read_upload(request, services.limits, execution);
   std::optional<surface::RepairOutcome> repair;
-  if (asked) repair = surface::repair_mesh(soup, *asked, services.limits.mesh);
+  if (asked) repair = surface::repair_mesh(soup, *asked, services.limits.mesh, execution);
   const auto mesh = std::make_shared<const surface::TriangleMesh>(
-      surface::TriangleMesh::build(std::move(soup.positions), std::move(soup.faces)));
-  auto report = surface::report(*mesh);
+      surface::TriangleMesh::build(std::move(soup.positions), std::move(soup.faces), {}, execution));
+  auto report = surface::report(*mesh, execution);
   report.warnings.insert(report.warnings.begin(), soup.warnings.begin(), soup.warnings.end());
   const auto [record, is_new] = services.store->add_mesh(
-      surface::write_ply(*mesh),
+      surface::write_ply(*mesh, execution),
       [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); });
   services.meshes->put(record.id, std::make_shared<const store::LoadedMesh>(mesh));
   // Where the mesh was stored already, the stored warnings are those of another upload.
@@ -65,6 +64,19 @@ http::Response create(Services& services, const http::Request& request) {
                                 is_new ? 201 : 200);
   response.set_header("Location", "/v1/meshes/" + record.id);
   response.set_header("ETag", quoted(record.id));
+  return response;
+}
+
+/// Runs within a slot, as a computation does: reading a large file takes as long as one, and its client may leave.
+http::Response create(Services& services, const http::Request& request) {
+  require_ready(services);
+  http::Response response;
+  jobs::Computation reading{"meshes", {}, services.limits.json.default_deadline, {}};
+  reading.run = [&](const Execution& execution) {
+    response = store_mesh(services, request, execution);
+    return store::Result{};
+  };
+  services.jobs->run_now(reading, [peer = request.peer] { return peer.hung_up(); });
   return response;
 }
 
@@ -105,7 +117,16 @@ http::Response content(const Services& services, const http::Request& request) {
   if (matches(request.header("If-None-Match"), tag)) return not_modified(tag);
   http::Response response;
   response.content_type = *type;
-  response.body = as_obj ? surface::write_obj(services.meshes->get(id)->mesh()) : services.store->mesh_content(id);
+  if (as_obj) {
+    jobs::Computation writing{"meshes", id, services.limits.json.default_deadline, {}};
+    writing.run = [&](const Execution& execution) {
+      response.body = surface::write_obj(services.meshes->get(id)->mesh(), execution);
+      return store::Result{};
+    };
+    services.jobs->run_now(writing, [peer = request.peer] { return peer.hung_up(); });
+  } else {
+    response.body = services.store->mesh_content(id);
+  }
   response.set_header("ETag", quoted(tag));
   response.set_header("Vary", "Accept");
   return response;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "supple/base/cancellation.h"
 #include "supple/base/cost_ledger.h"
 #include "supple/numerics/objective.h"
 
@@ -35,6 +36,10 @@ class ShiftedCholesky {
 
   /// How often a sparse pattern was analysed.
   int analyses() const;
+
+  /// From now on factorizations throw what the token throws, some milliseconds after a stop is requested. The ordering
+  /// of a large pattern, whose library looks for none, runs in a helper process where there are any.
+  void stop_with(const CancellationToken& cancellation);
 
   /// From now on bills the stages "factorization" and "solve" to the ledger, which outlives this; null for none.
   void bill_to(CostLedger* cost);

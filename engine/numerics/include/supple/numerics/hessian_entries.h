@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/numerics/objective.h"
 
 namespace supple::numerics {
@@ -72,6 +73,9 @@ class HessianEntries {
       for (int k = 0; k < count; ++k) add(row, first + k, values[k]);
     }
   }
+
+  /// Looks for a stop request while places are sorted; null for none. Outlives this or the next call.
+  void stop_with(const CancellationToken* cancellation) { cancellation_ = cancellation; }
 
   /// Zeroes the values and begins again at the start of the sequence.
   void clear();
@@ -140,6 +144,9 @@ class HessianEntries {
   void learn();
   bool add_to_pattern();
   void forget_unfilled();
+  void look_for_stop() const {
+    if (cancellation_) cancellation_->throw_if_requested();
+  }
   SparseMatrix lower(Eigen::Index n) const;
 
   Numbering numbering_;  ///< empty: none is held
@@ -151,6 +158,7 @@ class HessianEntries {
   std::vector<Place> pattern_;  ///< places, sorted, without repetition
   /// One for each place of the pattern, after the first, which receives what is dropped.
   std::vector<double> values_{0};
+  const CancellationToken* cancellation_ = nullptr;
   bool diverged_ = false;  ///< this time the sequence is another from cursor_ on
   std::vector<std::pair<Place, double>> unexpected_;
   std::vector<Block> blocks_;  ///< those of the sequence

@@ -19,7 +19,8 @@
 namespace supple::numerics {
 
 struct SystemOptions {
-  Execution execution{};  ///< whose ledger is billed for every term; what it points to outlives the system
+  Execution
+      execution{};  ///< whose ledger is billed for every term, and whose stop ends evaluations; outlives the system
   /// Derivatives up to this order are evaluated wherever the value is asked for: most trial states are accepted, and
   /// these cost little more than the value.
   int least_order = 0;
@@ -226,9 +227,12 @@ class System : public Objective {
       state.take_frame();
       framed = true;
     }
+    sums_->cancellation = &options_.execution.cancellation;
+    sums_->hessian.stop_with(&options_.execution.cancellation);
     sums_->clear(state.dimension(), order);
     for (const auto& term : terms_) {
       if (!term->active()) continue;
+      options_.execution.cancellation.throw_if_requested();
       term->prepare(state, order, options_.execution);
       const auto start = Clock::now();
       term->add(state, order, *sums_);

@@ -24,6 +24,8 @@ struct EnergySum {
   std::vector<Eigen::VectorXd> rank_one{};
   /// Whether terms that can (`has_convex_hessian`) give each element a positive semidefinite matrix near its Hessian.
   bool convex = false;
+  /// Looked at every few thousand elements; null where nobody stops the evaluation. Outlives it.
+  const CancellationToken* cancellation = nullptr;
 
   /// Makes the sum zero, for n degrees of freedom and derivatives up to `order`.
   void clear(Eigen::Index n, int order) {
@@ -39,6 +41,7 @@ struct EnergySum {
   template <std::size_t size>
   void add_element(const std::array<std::int32_t, size>& rows, int order, double share, const double* slope,
                    const double* lower) {
+    look_for_stop();
     value += share;
     if (order < 1) return;
     for (std::size_t k = 0; k < size; ++k) gradient[rows[k]] += slope[k];
@@ -47,11 +50,19 @@ struct EnergySum {
   /// The same for a number of rows that differs from element to element; see HessianEntries::add_block for their order.
   void add_element(std::span<const std::int32_t> rows, int order, double share, const double* slope,
                    const double* lower) {
+    look_for_stop();
     value += share;
     if (order < 1) return;
     for (const std::int32_t row : rows) gradient[row] += *slope++;
     if (order >= 2) hessian.add_block(rows, lower);
   }
+
+ private:
+  static constexpr std::uint32_t elements_between_looks = 4096;  // a power of two
+  void look_for_stop() {
+    if (++added_ % elements_between_looks == 0 && cancellation) cancellation->throw_if_requested();
+  }
+  std::uint32_t added_ = 0;
 };
 
 /// One term of a scene's energy: an elastic element group, a contact, a spring, a pressure.

@@ -33,14 +33,16 @@ MeshFormat detect_format(std::string_view bytes);
 ///
 /// Throws "mesh.malformed" with "line 12" or "byte 84" and what was expected, "mesh.too_large" with the limit and the
 /// value, "mesh.invalid_polygon" with the numbers that the faces have in the file ("face 17", counted from 0, skipped
-/// ones included) where a polygon crosses itself, or is not covered by a fan and has more than 4096 corners.
-TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits = {});
+/// ones included) where a polygon crosses itself, or is not covered by a fan and has more than 4096 corners. Stops
+/// within some 50 ms of a request to.
+TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits = {},
+                       const Execution& execution = {});
 
 /// read_mesh of the detected format, then TriangleMesh::build, with both's warnings.
-TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits = {});
+TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits = {}, const Execution& execution = {});
 
-std::string write_obj(const TriangleMesh& mesh);
+std::string write_obj(const TriangleMesh& mesh, const Execution& execution = {});
 /// Binary little-endian PLY with double coordinates and int32 indices: the canonical form, equal for equal meshes.
-std::string write_ply(const TriangleMesh& mesh);
+std::string write_ply(const TriangleMesh& mesh, const Execution& execution = {});
 
 }  // namespace supple::surface

@@ -68,6 +68,7 @@ struct RepairOutcome {
 /// Throws Error: "mesh.empty", also where no face is left; "mesh.non_finite", "mesh.index_out_of_range" as
 /// TriangleMesh::build; "mesh.too_large" where the split vertices exceed `limits`; with split_non_manifold
 /// "mesh.degenerate_face" where such faces are left.
-RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, const MeshLimits& limits = {});
+RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, const MeshLimits& limits = {},
+                          const Execution& execution = {});
 
 }  // namespace supple::surface

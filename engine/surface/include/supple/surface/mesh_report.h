@@ -31,6 +31,6 @@ struct MeshReport {
 };
 
 /// O(n).
-MeshReport report(const TriangleMesh& mesh);
+MeshReport report(const TriangleMesh& mesh, const Execution& execution = {});
 
 }  // namespace supple::surface

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "supple/base/execution.h"
+
 #include "supple/base/ids.h"
 
 namespace supple::surface {
@@ -32,9 +34,9 @@ class TriangleMesh {
   /// "mesh.non_finite" (coordinates, also beyond a magnitude of 1e70), "mesh.index_out_of_range",
   /// "mesh.degenerate_face" (a repeated vertex, or an area that vanishes in double precision: a height lost in the
   /// rounding of the coordinates, or below 1e-140), "mesh.non_manifold_edge",
-  /// "mesh.non_manifold_vertex", "mesh.not_orientable".
+  /// "mesh.non_manifold_vertex", "mesh.not_orientable". Stops within milliseconds of a request to.
   static TriangleMesh build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces,
-                            std::vector<std::string> warnings = {});
+                            std::vector<std::string> warnings = {}, const Execution& execution = {});
 
   /// The same surface with its vertices moved: faces, twins, fans and components are copied, lengths and angles are
   /// those of the new positions. O(n), without the sorting and the walks of `build`: for surfaces that deform step by
@@ -82,7 +84,7 @@ class TriangleMesh {
 
  private:
   /// Fills lengths, angles and extent from positions and connectivity.
-  void measure();
+  void measure(const Execution& execution = {});
 
   std::vector<Eigen::Vector3d> positions_;
   std::vector<Triangle> faces_;

@@ -1,0 +1,40 @@
+"""Fixtures of the hostile tests: the harness and the contract of the API tests, and servers of their own."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Iterator
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
+
+from contract import ROOT, Contract  # noqa: E402
+from harness import MODEL_MAKER, SERVER, Api, ServerProcess  # noqa: E402
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    for program in (SERVER, MODEL_MAKER):
+        if not program.exists():
+            pytest.exit(f"{program} is missing: build the target {program.name}, or set SUPPLE_BUILD", returncode=3)
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+    """One server for a file of tests, with the shipped models."""
+    folder = tmp_path_factory.mktemp("hostile")
+    process = ServerProcess(folder / "data", "--models", str(ROOT / "models")).start()
+    yield process
+    assert process.running(), f"the server died during the tests:\n{process.log_text()[-4000:]}"
+    process.stop()
+
+
+@pytest.fixture(scope="module")
+def contract() -> Contract:
+    return Contract()
+
+
+@pytest.fixture(scope="module")
+def api(server: ServerProcess, contract: Contract) -> Api:
+    return Api(server, contract)

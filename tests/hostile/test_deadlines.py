@@ -1,0 +1,111 @@
+"""Nothing outlives its deadline or its client by more than a second: the costliest request of each operation."""
+
+from __future__ import annotations
+
+import re
+import socket
+import subprocess
+import time
+from pathlib import Path
+from typing import Iterator, List
+
+import pytest
+import requests
+
+from costly import CASES, Costly, Meshes, meshes_of, named
+from harness import Api, ServerProcess
+
+DEADLINE = 1.0
+"""Seconds that each request asks for."""
+LATE = 1.0
+"""Seconds by which an answer, or the end of the computation, may come later; on an idle machine."""
+QUIET = 0.2
+"""CPU seconds that an idle server with its helpers may use in a second."""
+TICKS = 100.0
+
+
+def processes(pid: int) -> List[int]:
+    """The process and all that it has started."""
+    found, children = [], [pid]
+    while children:
+        found += children
+        shown = subprocess.run(["ps", "-o", "pid=", "--ppid", ",".join(map(str, children))], stdout=subprocess.PIPE,
+                               check=False, text=True)
+        children = [int(text) for text in shown.stdout.split()]
+    return found
+
+
+def cpu_seconds(pid: int) -> "dict[int, float]":
+    used = {}
+    for process in processes(pid):
+        try:
+            fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
+            used[process] = (int(fields[11]) + int(fields[12])) / TICKS
+        except OSError:
+            pass  # it has just ended
+    return used
+
+
+def cpu_within(pid: int, seconds: float) -> float:
+    """CPU seconds that the processes use from now on."""
+    before = cpu_seconds(pid)
+    time.sleep(seconds)
+    return sum(max(0.0, used - before.get(process, 0)) for process, used in cpu_seconds(pid).items())
+
+
+@pytest.fixture(scope="module")
+def meshes(api: Api) -> Meshes:
+    def upload(content: bytes) -> str:
+        response = requests.post(api.server.url + "/v1/meshes", data=content, headers={"Content-Type": "model/ply"}, timeout=120)
+        assert response.status_code in (200, 201), response.text
+        return str(response.json()["id"])
+    return meshes_of(upload)
+
+
+@pytest.fixture
+def slowness(server: ServerProcess) -> Iterator[float]:
+    """How much longer the server takes than the CPU seconds that it uses: 1 on an idle machine, n where n want its core."""
+    before, start = cpu_seconds(server.pid), time.monotonic()
+    requests.get(server.url + "/v1/families/IH21/structure?cells=16,16&format=svg", timeout=120)
+    wall = time.monotonic() - start
+    used = sum(max(0.0, seconds - before.get(process, 0)) for process, seconds in cpu_seconds(server.pid).items())
+    yield max(1.0, wall / max(used, 0.02))
+
+
+def sent_request(server: ServerProcess, request: Costly) -> socket.socket:
+    connection = socket.create_connection(("127.0.0.1", server.port))
+    connection.settimeout(120)
+    head = (f"{request.method} {request.path} HTTP/1.1\r\nHost: x\r\nAccept: {request.accept}\r\nContent-Length: {len(request.body)}\r\n"
+            f"Content-Type: {request.content_type}\r\n\r\n")
+    connection.sendall((head if request.body else re.sub("Content-.*?\r\n", "", head)).encode() + request.body)
+    return connection
+
+
+def first_line(connection: socket.socket) -> str:
+    return connection.recv(4096).split(b"\r\n", 1)[0].decode()
+
+
+TAKES_NO_DEADLINE = {name for name in CASES if name.startswith(("upload_", "repair_", "body_", "picture_of_many_cells"))}
+
+
+@pytest.mark.parametrize("name", sorted(set(CASES) - TAKES_NO_DEADLINE))
+def test_an_answer_comes_within_a_second_of_its_deadline(server: ServerProcess, meshes: Meshes, slowness: float, name: str) -> None:
+    request = named(name, meshes, DEADLINE)
+    start = time.monotonic()
+    connection = sent_request(server, request)
+    status = first_line(connection)
+    took = time.monotonic() - start
+    connection.close()
+    assert re.match(r"HTTP/1.1 (504|200|422) ", status), status
+    assert took < DEADLINE + LATE * slowness, f"{name}: {status} after {took:.2f} s, slowness {slowness:.2f}"
+
+
+@pytest.mark.parametrize("name", sorted(CASES))
+def test_the_processor_is_free_a_second_after_its_client_has_left(server: ServerProcess, meshes: Meshes, slowness: float,
+                                                                  name: str) -> None:
+    connection = sent_request(server, named(name, meshes, None))
+    time.sleep(0.5)
+    connection.close()
+    time.sleep(LATE * slowness)
+    used = cpu_within(server.pid, 0.5)
+    assert used < QUIET * 0.5, f"{name}: {used:.2f} CPU seconds in the half second after, slowness {slowness:.2f}"
