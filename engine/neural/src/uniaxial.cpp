@@ -56,6 +56,7 @@ std::vector<UniaxialState> uniaxial_path(const BasicEvaluator<Real>& evaluator,
     newton.go_to(strain);
     UniaxialPoint last;
     while (newton.working()) {
+      execution.cancellation.throw_if_requested();
       last = evaluate_at(newton.trial());
       newton.receive(last);
     }

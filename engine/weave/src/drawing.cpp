@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "supple/base/stop_pace.h"
+
 namespace supple::weave {
 namespace {
 
@@ -24,9 +26,12 @@ std::string number(double x) {
 
 class Picture {
  public:
+  explicit Picture(const CancellationToken& cancellation) : pace_(cancellation) {}
+
   void line(const std::vector<Eigen::Vector2d>& points, double width, const char* colour, bool closed = false) {
     body_ << "<path fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"" << number(width) << "\" d=\"";
     for (std::size_t i = 0; i < points.size(); ++i) {
+      pace_.look();
       body_ << (i == 0 ? 'M' : 'L') << number(points[i][0]) << ' ' << number(-points[i][1]);
       box_.extend(points[i]);
     }
@@ -53,6 +58,7 @@ class Picture {
   }
 
  private:
+  StopPace pace_;
   std::ostringstream body_;
   Eigen::AlignedBox2d box_;
 };
@@ -63,12 +69,15 @@ std::size_t polyline_size(const StrandCurve& curve) {
   return curve.straight() ? 2 : static_cast<std::size_t>(std::max(4.0, std::ceil(curve.length() / piece))) + 1;
 }
 
-std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve) {
+std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve, const Execution& execution) {
+  StopPace pace(execution.cancellation);
   std::vector<Eigen::Vector2d> points;
   points.reserve(polyline_size(curve));
   const auto count = static_cast<double>(polyline_size(curve) - 1);
-  for (std::size_t i = 0; i + 1 < polyline_size(curve); ++i)
+  for (std::size_t i = 0; i + 1 < polyline_size(curve); ++i) {
+    pace.look();
     points.push_back(curve.at(curve.length() * static_cast<double>(i) / count).position);
+  }
   // By name: at its length a loop begins again, and so would the picture of a periodic strand.
   points.emplace_back(curve.ends() == Ends::open ? curve.at(curve.length()).position
                                                  : Eigen::Vector2d(points.front() + curve.translation()));
@@ -76,7 +85,7 @@ std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve) {
 }
 
 std::string to_svg(const Weave& weave, const Execution& execution) {
-  Picture picture;
+  Picture picture(execution.cancellation);
   if (weave.lattice) {
     const Eigen::Matrix2d& a = *weave.lattice;
     const Eigen::Vector2d origin =
@@ -85,7 +94,7 @@ std::string to_svg(const Weave& weave, const Execution& execution) {
   }
   for (const Strand& strand : weave.strands) {
     execution.cancellation.throw_if_requested();
-    picture.line(polyline(strand.curve), 2 * strand.radius, strand_colour);
+    picture.line(polyline(strand.curve, execution), 2 * strand.radius, strand_colour);
   }
   for (const Crossing& crossing : weave.crossings) {
     execution.cancellation.throw_if_requested();
@@ -106,7 +115,8 @@ std::string to_svg(const Weave& weave, const Execution& execution) {
 }
 
 std::string to_svg(const std::vector<std::vector<Eigen::Vector3d>>& strands, double width) {
-  Picture picture;
+  const CancellationToken never;
+  Picture picture(never);
   for (const auto& strand : strands) {
     std::vector<Eigen::Vector2d> flat;
     flat.reserve(strand.size());

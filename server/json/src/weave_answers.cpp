@@ -22,11 +22,11 @@ void write_points(JsonWriter& out, const Points& points) {
   out.end_array();
 }
 
-void write_strand(JsonWriter& out, const weave::Strand& strand) {
+void write_strand(JsonWriter& out, const weave::Strand& strand, const Execution& execution) {
   out.begin_object().field("ends", weave::to_string(strand.curve.ends()));
   out.key("translation").numbers(strand.curve.translation());
   out.field("length", strand.curve.length()).field("radius", strand.radius).key("polyline");
-  write_points(out, weave::polyline(strand.curve));
+  write_points(out, weave::polyline(strand.curve, execution));
   out.end_object();
 }
 
@@ -159,7 +159,7 @@ std::string write_weave_layout(const Weave& weave, const std::vector<std::string
   out.begin_object().key("strands").begin_array();
   for (const auto& strand : weave.strands) {
     execution.cancellation.throw_if_requested();
-    write_strand(out, strand);
+    write_strand(out, strand, execution);
   }
   out.end_array().key("crossings").begin_array();
   for (const auto& crossing : weave.crossings) {

@@ -9,7 +9,7 @@
 namespace supple::weave {
 
 /// Points of a curve at rest for drawing it, both ends included (of a loop the first one twice); mm.
-std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve);
+std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve, const Execution& execution = {});
 /// How many points that has: about two for each millimetre of a curve.
 std::size_t polyline_size(const StrandCurve& curve);
 

@@ -1,0 +1,126 @@
+"""Helper processes as a client sees them: nobody waits for another's mesh, and what ends a helper ends no server."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List
+
+import pytest
+import requests
+
+from contract import Contract
+from costly import named
+from harness import Api, ServerProcess, problem_code
+from test_deadlines import cpu_within, processes, sent_request
+
+SOLID = "/v1/families/IH21/structure?cells=100,100&format=stl"
+"""A minute's work of the mesh generator."""
+CELL: Dict[str, Any] = {"family": "IH21", "mesh": {"mesh_size": 1.0}, "deadline": 2}
+
+
+@pytest.fixture
+def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
+    started: List[ServerProcess] = []
+
+    def start(*arguments: str) -> ServerProcess:
+        process = ServerProcess(tmp_path / "data", *arguments)
+        started.append(process)
+        return process.start()
+
+    yield start
+    for process in started:
+        process.stop()
+
+
+def helpers_of(server: ServerProcess) -> List[int]:
+    return [process for process in processes(server.pid) if process != server.pid]
+
+
+def get_in_background(server: ServerProcess, path: str) -> "tuple[threading.Thread, List[requests.Response]]":
+    answers: List[requests.Response] = []
+    thread = threading.Thread(target=lambda: answers.append(requests.get(server.url + path, timeout=120)))
+    thread.start()
+    return thread, answers
+
+
+def busy_helper(server: ServerProcess) -> int:
+    """The helper that computes."""
+    for _ in range(200):
+        for helper in helpers_of(server):
+            if cpu_within(helper, 0.05) > 0.02:
+                return helper
+    raise AssertionError("no helper is at work")
+
+
+def test_a_mesh_does_not_wait_for_one_that_takes_a_minute(api: Api, server: ServerProcess) -> None:
+    connection = sent_request(server, named("solid_of_many_cells", {}, None))
+    try:
+        busy_helper(server)
+        start = time.monotonic()
+        assert api.post("/v1/structures", CELL).status_code == 200
+        assert time.monotonic() - start < 2
+    finally:
+        connection.close()
+
+
+def test_a_helper_that_crashes_is_a_problem_of_its_request_alone(server: ServerProcess, api: Api) -> None:
+    thread, answers = get_in_background(server, SOLID)
+    os.kill(busy_helper(server), signal.SIGSEGV)
+    thread.join(30)
+    assert answers and (answers[0].status_code, problem_code(answers[0])) == (500, "server.helper_ended")
+    assert "tiling.stl" in answers[0].json()["detail"] and "signal 11" in answers[0].json()["detail"]
+    api.contract.check_response("GET", SOLID, 500, answers[0].headers, answers[0].content)
+    assert api.post("/v1/structures", CELL).status_code == 200
+
+
+def test_a_helper_is_refused_memory_beyond_its_setting(new_server: Callable[..., ServerProcess], contract: Contract) -> None:
+    api = Api(new_server("--helper-memory", "200MB"), contract)
+    response = api.get(SOLID, timeout=120)
+    # Where the library does not pass the refusal on, the helper ends.
+    assert problem_code(response) in ("server.out_of_memory", "server.helper_ended"), response.text
+    assert "209715200 bytes" in response.json()["detail"]
+    assert api.post("/v1/structures", CELL).status_code == 200
+
+
+def test_meshing_works_without_helpers_too(new_server: Callable[..., ServerProcess], contract: Contract, api: Api) -> None:
+    alone = Api(new_server("--helper", ""), contract)
+    assert helpers_of(alone.server) == []
+    path = "/v1/families/IH67/structure?cells=6,6&format=stl"
+    assert alone.get(path).content == api.get(path).content, "the same bytes"
+
+
+@pytest.mark.parametrize("name", ["layout_of_cusps", "solid_of_many_cells", "sheet_of_circles"])
+def test_the_server_ends_when_told_to_whatever_it_computes(new_server: Callable[..., ServerProcess], name: str) -> None:
+    server = new_server("--grace", "0.2")
+    connection = sent_request(server, named(name, {}, None))
+    time.sleep(0.5)
+    everything = processes(server.pid)
+    start = time.monotonic()
+    assert server.terminate() == 0
+    assert time.monotonic() - start < 3
+    connection.close()
+    for process in everything:
+        assert not Path(f"/proc/{process}").exists(), f"process {process} is left"
+
+
+def test_helpers_end_with_a_server_that_is_killed(new_server: Callable[..., ServerProcess]) -> None:
+    server = new_server()
+    connection = sent_request(server, named("solid_of_many_cells", {}, None))
+    helper = busy_helper(server)
+    server.kill()
+    connection.close()
+
+    def runs() -> bool:
+        try:
+            return Path(f"/proc/{helper}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
+        except OSError:
+            return False
+
+    deadline = time.monotonic() + 5
+    while runs() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not runs()
