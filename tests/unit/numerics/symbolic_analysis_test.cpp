@@ -1,0 +1,74 @@
+#include "symbolic_analysis.h"
+
+#include <gtest/gtest.h>
+
+#include "partial_cholesky.h"
+#include "supple/base/error.h"
+#include "supple/base/helper_processes.h"
+#include "supple/numerics/cholesky.h"
+#include "supple/numerics/hessian_entries.h"
+#include "support/expect_error.h"
+
+namespace supple::numerics {
+namespace {
+
+/// The Laplacian of a grid plus one: its factor has large fronts.
+SparseMatrix grid_matrix(int side) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto at = [side](int i, int j) { return i * side + j; };
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      entries.emplace_back(at(i, j), at(i, j), 5);
+      for (const auto& [k, l] : {std::pair(i + 1, j), std::pair(i, j + 1)}) {
+        if (k >= side || l >= side) continue;
+        entries.emplace_back(at(i, j), at(k, l), -1);
+        entries.emplace_back(at(k, l), at(i, j), -1);
+      }
+    }
+  SparseMatrix matrix(side * side, side * side);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+TEST(SymbolicAnalysis, OfALargePatternIsTheSameInAHelperProcess) {
+  const SparseMatrix matrix = grid_matrix(350);
+  ASSERT_GE(matrix.nonZeros(), 500'000) << "large enough for a helper";
+  const int n = static_cast<int>(matrix.rows());
+  const SymbolicAnalysis here = analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), {});
+  use_helper_processes(std::make_shared<HelperProcesses>(HelperOptions{SUPPLE_HELPER, 1, 0}));
+  const SymbolicAnalysis there = analyse(matrix, {}, {});
+  CancellationToken stopped;
+  stopped.request(StopReason::cancelled);
+  ::supple::testing::expect_error("job.cancelled", [&] { analyse(matrix, {}, stopped); });
+  use_helper_processes(nullptr);
+  EXPECT_EQ(here.old_index, there.old_index);
+  EXPECT_EQ(here.first, there.first);
+  EXPECT_EQ(here.row_begin, there.row_begin);
+  EXPECT_EQ(here.rows, there.rows);
+  EXPECT_EQ(here.entries, there.entries);
+}
+
+TEST(ShiftedCholesky, StopsBetweenFrontsAndWithinThem) {
+  const SparseMatrix matrix = grid_matrix(40);
+  ShiftedCholesky cholesky;
+  CancellationToken token;
+  cholesky.stop_with(token);
+  ASSERT_TRUE(cholesky.factorize(matrix, 0));
+  token.request(StopReason::deadline);
+  ::supple::testing::expect_error("job.deadline_exceeded", [&] { cholesky.factorize(matrix, 0); });
+  Eigen::MatrixXd front = Eigen::MatrixXd::Identity(64, 64);
+  EXPECT_FALSE(partial_cholesky(front.data(), 64, 64, 64, token));
+  EXPECT_TRUE(partial_cholesky(front.data(), 64, 64, 64)) << "a positive definite matrix";
+}
+
+TEST(HessianEntries, StopWhileTheySortTheirPlaces) {
+  HessianEntries entries;
+  CancellationToken token;
+  entries.stop_with(&token);
+  for (int i = 0; i < 1000; ++i) entries.add(i, i, 1);
+  token.request(StopReason::cancelled);
+  ::supple::testing::expect_error("job.cancelled", [&] { entries.matrix(1000); });
+}
+
+}  // namespace
+}  // namespace supple::numerics
