@@ -72,7 +72,7 @@ def test_a_helper_that_crashes_is_a_problem_of_its_request_alone(server: ServerP
     os.kill(busy_helper(server), signal.SIGSEGV)
     thread.join(30)
     assert answers and (answers[0].status_code, problem_code(answers[0])) == (500, "server.helper_ended")
-    assert "tiling.stl" in answers[0].json()["detail"] and "signal 11" in answers[0].json()["detail"]
+    assert "tiling/stl" in answers[0].json()["detail"] and "signal 11" in answers[0].json()["detail"]
     api.contract.check_response("GET", SOLID, 500, answers[0].headers, answers[0].content)
     assert api.post("/v1/structures", CELL).status_code == 200
 

@@ -178,11 +178,9 @@ class HelperProcesses::Process {
       if (got > 0) {
         into += got;
         count -= static_cast<std::size_t>(got);
-      } else if (got == 0) {
-        return false;
-      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+      } else if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
         wait(POLLIN, token);
-      } else if (errno != EINTR) {
+      } else if (got == 0 || errno != EINTR) {
         return false;
       }
     }

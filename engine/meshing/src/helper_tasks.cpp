@@ -8,7 +8,7 @@
 namespace supple::meshing {
 namespace {
 
-constexpr std::string_view fill_task = "meshing.fill";
+constexpr std::string_view fill_task = "meshing/fill";
 
 template <std::size_t n>
 void write_corners(ByteWriter& writer, const std::array<std::int32_t, n>& corners) {

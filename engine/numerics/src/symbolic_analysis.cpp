@@ -13,7 +13,7 @@
 namespace supple::numerics {
 namespace {
 
-constexpr std::string_view analysis_task = "numerics.analysis";
+constexpr std::string_view analysis_task = "numerics/analysis";
 
 /// Entries of a pattern that takes CHOLMOD a tenth of a second or so: where a helper is worth the way there.
 constexpr Eigen::Index many_entries = 500'000;

@@ -6,10 +6,10 @@
 namespace supple::tiling {
 namespace {
 
-constexpr std::string_view mesh_task = "tiling.mesh";
-constexpr std::string_view svg_task = "tiling.svg";
-constexpr std::string_view dxf_task = "tiling.dxf";
-constexpr std::string_view stl_task = "tiling.stl";
+constexpr std::string_view mesh_task = "tiling/mesh";
+constexpr std::string_view svg_task = "tiling/svg";
+constexpr std::string_view dxf_task = "tiling/dxf";
+constexpr std::string_view stl_task = "tiling/stl";
 
 /// The union of so many tiles' beams takes some milliseconds: less than anyone waits for a stop.
 constexpr double few_tiles = 64;
