@@ -38,7 +38,8 @@ struct Reading {
 };
 thread_local Reading reading;
 
-/// A deadline counts from the request's arrival: parsing a large body takes its share of it.
+/// The deadline of an immediate answer counts from the request's arrival: parsing a large body takes its share of it.
+/// That of a job is what its status says, from where it was accepted.
 void take_off_reading(const http::Request& request, jobs::Computation& computation) {
   if (reading.request != &request) return;
   constexpr double least = 1e-3;  // seconds: it has passed, and is told so
@@ -50,9 +51,11 @@ void take_off_reading(const http::Request& request, jobs::Computation& computati
 }  // namespace
 
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation) {
-  take_off_reading(request, computation);
   const auto preference = http::parse_preference(request.header("Prefer"), services.limits.max_wait);
-  if (!preference.respond_async && !preference.wait) return answer_immediately(services, request, computation);
+  if (!preference.respond_async && !preference.wait) {
+    take_off_reading(request, computation);
+    return answer_immediately(services, request, computation);
+  }
   const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
   http::Response response;
   if (preference.wait && *preference.wait > 0) {
