@@ -18,6 +18,9 @@ namespace {
 /// Members of one crossing lie this close together on a strand, relative to the strand's length.
 constexpr double joined_coordinate = 1e-7;
 
+/// Neighbouring pieces of a strand whose neighbours are looked for together.
+constexpr std::size_t pieces_of_a_query = 16;
+
 [[noreturn]] void refuse_layout(const std::string& what, std::size_t limit) {
   const std::string message = what + ": the limit is " + std::to_string(limit);
   throw Error("weave.invalid_layout", "The strands " + message + ".", {{"strands", message}});
@@ -70,17 +73,23 @@ class MeetingSearch {
     const std::vector<Eigen::AlignedBox2d> boxes = piece_boxes(curve);
     const std::vector<std::size_t> reached = copies_near(boxes);
     std::map<std::pair<std::int32_t, std::size_t>, CurveMeetings> meetings;
-    for (std::size_t piece = 0; piece < boxes.size(); ++piece) {
-      execution_.cancellation.throw_if_requested();
-      find_near(boxes[piece], strand, reached);
-      for (const auto& [other, copy, other_piece] : near_) {
+    for (std::size_t first = 0; first < boxes.size(); first += pieces_of_a_query) {
+      const std::size_t end = std::min(boxes.size(), first + pieces_of_a_query);
+      find_near(boxes, first, end, strand, reached);
+      for (std::size_t piece = first; piece < end; ++piece) {
         execution_.cancellation.throw_if_requested();
-        auto& group =
-            meetings
-                .try_emplace({other, copy}, curve, strands_[static_cast<std::size_t>(other)].curve, copies_[copy].moved)
-                .first->second;
-        found_ += group.add_pieces(piece, static_cast<std::size_t>(other_piece));
-        if (found_ > most_crossings) refuse_layout("cross at too many places", most_crossings);
+        for (const Near& near : near_) {
+          if (!boxes[piece].intersects(near.box)) continue;
+          execution_.cancellation.throw_if_requested();
+          if (++compared_ > most_near_pieces) refuse_near_pieces();
+          auto& group =
+              meetings
+                  .try_emplace({near.strand, near.copy}, curve, strands_[static_cast<std::size_t>(near.strand)].curve,
+                               copies_[near.copy].moved)
+                  .first->second;
+          found_ += group.add_pieces(piece, static_cast<std::size_t>(near.piece));
+          if (found_ > most_crossings) refuse_layout("cross at too many places", most_crossings);
+        }
       }
     }
     std::vector<Meeting> result;
@@ -101,24 +110,42 @@ class MeetingSearch {
     return result;
   }
 
-  void find_near(const Eigen::AlignedBox2d& box, std::int32_t strand, const std::vector<std::size_t>& reached) {
+  /// A piece of another strand, or of another copy, near some pieces of a strand.
+  struct Near {
+    std::int32_t strand, piece;
+    std::size_t copy;
+    Eigen::AlignedBox2d box;
+  };
+
+  [[noreturn]] static void refuse_near_pieces() {
+    refuse_layout("have too many pairs of pieces that lie near each other", most_near_pieces);
+  }
+
+  /// By strands, copies and pieces. Neighbouring pieces are asked for together: they have nearly the same neighbours.
+  void find_near(const std::vector<Eigen::AlignedBox2d>& boxes, std::size_t first, std::size_t end, std::int32_t strand,
+                 const std::vector<std::size_t>& reached) {
+    Eigen::AlignedBox2d around;
+    for (std::size_t piece = first; piece < end; ++piece) around.extend(boxes[piece]);
     near_.clear();
     for (const std::size_t copy : reached) {
+      execution_.cancellation.throw_if_requested();
       const bool own_copy = copies_[copy].after();
-      tree_.for_each_near(box, copies_[copy].moved, own_copy ? strand : strand + 1,
-                          [&](std::int32_t other, std::int32_t piece) { near_.emplace_back(other, copy, piece); });
+      tree_.for_each_near(around, copies_[copy].moved, own_copy ? strand : strand + 1,
+                          [&](std::int32_t other, std::int32_t piece, const Eigen::AlignedBox2d& box) {
+                            near_.push_back({other, piece, copy, box});
+                          });
     }
-    compared_ += near_.size();
-    if (compared_ > most_near_pieces)
-      refuse_layout("have too many pairs of pieces that lie near each other", most_near_pieces);
-    std::sort(near_.begin(), near_.end());
+    if (near_.size() > most_near_pieces) refuse_near_pieces();
+    std::sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) {
+      return std::tie(a.strand, a.copy, a.piece) < std::tie(b.strand, b.copy, b.piece);
+    });
   }
 
   const std::vector<Strand>& strands_;
   const Execution& execution_;
   std::vector<Copy> copies_;
   PieceTree tree_;
-  std::vector<std::tuple<std::int32_t, std::size_t, std::int32_t>> near_;  ///< strand, copy, piece
+  std::vector<Near> near_;
   std::size_t compared_ = 0;
   std::size_t found_ = 0;
 };

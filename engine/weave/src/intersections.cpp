@@ -127,8 +127,9 @@ std::vector<Intersection> intersections(const StrandCurve& first, const StrandCu
   std::vector<std::size_t> near;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     near.clear();
-    tree.for_each_near(boxes[i], shift, 0,
-                       [&near](std::int32_t, std::int32_t piece) { near.push_back(static_cast<std::size_t>(piece)); });
+    tree.for_each_near(boxes[i], shift, 0, [&near](std::int32_t, std::int32_t piece, const Eigen::AlignedBox2d&) {
+      near.push_back(static_cast<std::size_t>(piece));
+    });
     std::sort(near.begin(), near.end());
     for (const std::size_t j : near) meetings.add_pieces(i, j);
   }

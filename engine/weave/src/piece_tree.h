@@ -23,8 +23,8 @@ class PieceTree {
   /// Around all pieces.
   const Eigen::AlignedBox2d& box() const { return branches_.front().box; }
 
-  /// Calls visit(strand, piece) for every piece of the strands from `first_strand` on whose box, moved by `shift`,
-  /// meets `box`.
+  /// Calls visit(strand, piece, box of the piece, moved) for every piece of the strands from `first_strand` on whose
+  /// box, moved by `shift`, meets `box`.
   template <class Visit>
   void for_each_near(const Eigen::AlignedBox2d& box, const Eigen::Vector2d& shift, std::int32_t first_strand,
                      const Visit& visit) const {
@@ -42,7 +42,9 @@ class PieceTree {
       }
       for (std::int32_t i = branch.first; i < branch.end; ++i) {
         const Entry& entry = entries_[static_cast<std::size_t>(i)];
-        if (entry.strand >= first_strand && box.intersects(moved(entry.box, shift))) visit(entry.strand, entry.piece);
+        if (entry.strand < first_strand) continue;
+        const Eigen::AlignedBox2d there = moved(entry.box, shift);
+        if (box.intersects(there)) visit(entry.strand, entry.piece, there);
       }
     }
   }
