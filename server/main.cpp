@@ -4,7 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -12,8 +14,11 @@
 #include "server_options.h"
 #include "supple/base/helper_processes.h"
 #include "supple/base/threads.h"
+#include "supple/budget/memory.h"
 #include "supple/json/answers.h"
+#include "supple/json/json_writer.h"
 #include "supple/json/model_answers.h"
+#include "supple/routes/guard.h"
 #include "supple/routes/routes.h"
 
 namespace supple {
@@ -43,22 +48,52 @@ store::ModelStore::Options model_options(const std::string& folder) {
   return options;
 }
 
+/// Paths come from strangers: what is no plain character is left out, so that a line stays a line.
+void log_access(const http::Answered& answered) {
+  constexpr std::size_t most = 200;
+  std::string path;
+  for (const char c : answered.path.substr(0, most)) path += c > 0x20 && c < 0x7f ? c : '?';
+  spdlog::info("access {} {} {} {} {} {:.6f} s {} bytes", answered.id.empty() ? "-" : answered.id, answered.client,
+               answered.method.empty() ? "-" : answered.method, path.empty() ? "-" : path, answered.status,
+               answered.seconds, answered.body_bytes);
+}
+
+/// Ends the process once so many seconds have passed, whatever still runs: what the store has acknowledged is on disk.
+void end_at_the_latest_after(double seconds) {
+  std::thread([seconds] {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    spdlog::warn("a computation does not stop: ending without it");
+    std::_Exit(0);
+  }).detach();
+}
+
 /// The parts of the process, in the order in which they may use each other.
 class Process {
  public:
   Process(const ServerOptions& options, sigset_t signals)
-      : options_(options), signals_(signals), metrics_(SUPPLE_VERSION) {
+      : options_(options),
+        signals_(signals),
+        memory_(options.memory > 0 ? options.memory : budget::default_budget(budget::memory_limits()),
+                options.request_memory),
+        metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;
     services_.version = SUPPLE_VERSION;
     services_.web = options.web;
     services_.metrics = &metrics_;
+    services_.memory = &memory_;
+    json::set_answer_limit(static_cast<std::size_t>(options.max_answer));
+    http::ServerOptions http = options.http;
+    http.memory = &memory_;
+    http.headers = routes::security_headers();
     server_ = std::make_unique<http::Server>(
-        options.http, routes::make_router(services_), routes::problem_response,
+        http, routes::make_router(services_), routes::problem_response,
         [this](const http::Answered& answered) {
           metrics_.count_request(answered.pattern, answered.method, answered.status, answered.seconds);
+          if (options_.access_log) log_access(answered);
         },
-        [](const std::string& text) { spdlog::error("unexpected exception in {}", text); });
-    services_.connections = [this] { return server_->connections(); };
+        [](const std::string& text) { spdlog::error("unexpected exception in {}", text); },
+        routes::make_guard({options.http.host, options.allowed_hosts, options.allowed_origins}));
+    services_.load = [this] { return server_->load(); };
   }
 
   int run() {
@@ -79,6 +114,8 @@ class Process {
       int signal = 0;
       sigwait(&signals_, &signal);
       spdlog::info("signal {}: finishing within {} s", signal, options_.grace);
+      constexpr double seconds_to_stop = 4;
+      end_at_the_latest_after(options_.grace + seconds_to_stop);
     } catch (const std::exception& error) {
       spdlog::error("cannot start: {}", error.what());
       status = 1;
@@ -115,6 +152,7 @@ class Process {
 
   const ServerOptions& options_;
   const sigset_t signals_;
+  budget::MemoryBudget memory_;
   metrics::Metrics metrics_;
   routes::Services services_;
   std::unique_ptr<store::Store> store_;

@@ -38,8 +38,26 @@ void add_limits(CLI::App& app, ServerOptions& options) {
       ->check(CLI::PositiveNumber);
   group->add_option("--default-deadline", limits.json.default_deadline, "Seconds for a computation that does not say")
       ->check(CLI::PositiveNumber);
-  group->add_option("--max-connections", options.http.max_connections, "Connections at the same time, a thread each")
+  group->add_option("--max-connections", options.http.max_connections, "Connections at the same time")
+      ->check(CLI::Range(1, 100000));
+  group
+      ->add_option("--max-requests", options.http.max_requests,
+                   "Requests that are answered at the same time, a thread each")
       ->check(CLI::Range(1, 10000));
+  group
+      ->add_option("--client-share", options.http.client_share,
+                   "Share of connections and requests that one client may have")
+      ->check(CLI::Range(0.01, 1.0));
+  group
+      ->add_option(
+          "--memory", options.memory,
+          "Bytes that requests may reserve together; 0: 70 % of the machine's, control group's or process's memory")
+      ->transform(CLI::AsSizeValue(false));
+  group->add_option("--max-request-memory", options.request_memory, "Bytes that one request may reserve")
+      ->transform(CLI::AsSizeValue(false));
+  group->add_option("--max-answer", options.max_answer, "Bytes of an answer in JSON")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(65536.0, 1e15));
   group
       ->add_option("--event-streams", limits.event_streams, "Event streams at the same time (each is a connection too)")
       ->check(CLI::NonNegativeNumber);
@@ -85,6 +103,13 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
       ->check(CLI::PositiveNumber);
   app.add_option("--request-timeout", options.http.request_seconds, "Seconds that a request may take to arrive")
       ->check(CLI::PositiveNumber);
+  app.add_option("--head-timeout", options.http.head_seconds, "Seconds that a request's head may take to arrive")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--allowed-host", options.allowed_hosts,
+                 "A name that clients may call the server by, besides those of loopback and --host; * for every name");
+  app.add_option("--allowed-origin", options.allowed_origins,
+                 "Origin of pages, besides the server's own, that may send requests: https://supple.example");
+  app.add_flag("--access-log", options.access_log, "Log a line for each answered request");
   app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--helper", options.helper.program,

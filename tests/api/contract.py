@@ -125,7 +125,7 @@ class Contract:
         what = f"{method} {url} -> {status}"
         found = self.match(method, url)
         if found is None:
-            if status not in (400, 404, 405, 414) or media_type(headers.get("Content-Type")) != PROBLEM:
+            if status not in (400, 403, 404, 405, 408, 414, 421, 431) or media_type(headers.get("Content-Type")) != PROBLEM:
                 raise ContractViolation(f"{what} is outside the contract and must be a 404 or 405 problem")
             self.validate({"$ref": "#/components/schemas/Problem"}, strict_json(body), what)
             return

@@ -148,7 +148,7 @@ def test_a_deadline_ends_the_computation(api: Api, large_mesh: str) -> None:
 
 def test_a_client_that_hangs_up_cancels_its_computation(api: Api, large_mesh: str) -> None:
     body = json.dumps(long_request(large_mesh)).encode()
-    request = (b"POST /v1/geodesic-fields HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+    request = (b"POST /v1/geodesic-fields HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
                b"Content-Length: %d\r\n\r\n" % len(body)) + body
     connection = socket.create_connection(("127.0.0.1", api.server.port))
     connection.sendall(request)

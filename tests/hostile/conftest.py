@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Iterator
+from typing import Callable, Iterator, List
 
 import pytest
 
@@ -12,6 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from contract import ROOT, Contract  # noqa: E402
 from harness import MODEL_MAKER, SERVER, Api, ServerProcess  # noqa: E402
+from shapes import flat_grid  # noqa: E402
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
@@ -38,3 +39,24 @@ def contract() -> Contract:
 @pytest.fixture(scope="module")
 def api(server: ServerProcess, contract: Contract) -> Api:
     return Api(server, contract)
+
+
+@pytest.fixture()
+def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
+    """Starts servers of a test's own."""
+    started: List[ServerProcess] = []
+
+    def start(*arguments: str) -> ServerProcess:
+        process = ServerProcess(tmp_path / f"data{len(started)}", *arguments)
+        started.append(process)
+        return process.start()
+
+    yield start
+    for process in started:
+        process.stop()
+
+
+@pytest.fixture(scope="module")
+def grid_mesh(api: Api) -> str:
+    """The id of a flat unit square of 8 x 8 cells."""
+    return api.upload(*flat_grid(8))

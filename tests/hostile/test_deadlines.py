@@ -75,7 +75,7 @@ def slowness(server: ServerProcess) -> Iterator[float]:
 def sent_request(server: ServerProcess, request: Costly) -> socket.socket:
     connection = socket.create_connection(("127.0.0.1", server.port))
     connection.settimeout(120)
-    head = (f"{request.method} {request.path} HTTP/1.1\r\nHost: x\r\nAccept: {request.accept}\r\nContent-Length: {len(request.body)}\r\n"
+    head = (f"{request.method} {request.path} HTTP/1.1\r\nHost: localhost\r\nAccept: {request.accept}\r\nContent-Length: {len(request.body)}\r\n"
             f"Content-Type: {request.content_type}\r\n\r\n")
     connection.sendall((head if request.body else re.sub("Content-.*?\r\n", "", head)).encode() + request.body)
     return connection

@@ -22,20 +22,6 @@ SOLID = "/v1/families/IH21/structure?cells=100,100&format=stl"
 CELL: Dict[str, Any] = {"family": "IH21", "mesh": {"mesh_size": 1.0}, "deadline": 2}
 
 
-@pytest.fixture
-def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
-    started: List[ServerProcess] = []
-
-    def start(*arguments: str) -> ServerProcess:
-        process = ServerProcess(tmp_path / "data", *arguments)
-        started.append(process)
-        return process.start()
-
-    yield start
-    for process in started:
-        process.stop()
-
-
 def helpers_of(server: ServerProcess) -> List[int]:
     return [process for process in processes(server.pid) if process != server.pid]
 

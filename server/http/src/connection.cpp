@@ -167,6 +167,7 @@ Connection::Arrival Connection::read_body() {
         input_.erase(0, count);
         if (body.size() == length) break;
       }
+      if (received > most_at_once) return Arrival::waiting;
       // The buffer grows with what arrives: an announced length alone costs nothing.
       long count = 0;
       if (head_->chunked) {
@@ -182,7 +183,8 @@ Connection::Arrival Connection::read_body() {
         body.resize(have + static_cast<std::size_t>(std::max(count, 0L)));
       }
       if (count < 0) throw Error("http.bad_request", "The body ended early.");
-      if (count == 0 || (received += count) > most_at_once) return Arrival::waiting;
+      if (count == 0) return Arrival::waiting;
+      received += count;
     }
   } catch (...) {
     return give_up(std::current_exception());

@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -305,6 +306,9 @@ class Server::Implementation final : public httplib::Server {
     if (const auto found = answering_for_.find(client); --found->second == 0) answering_for_.erase(found);
     constexpr double weight = 0.05;  // of the latest request in the moving average
     mean_seconds_ += weight * (taken - mean_seconds_);
+    // What a large request has taken goes back to the system once nobody else is answered; it takes milliseconds.
+    constexpr double long_one = 0.2;  // seconds
+    if (answering_ == 0 && taken > long_one) budget::return_free_memory();
   }
 
   /// Whole seconds until one of the requests that are answered now will probably be done. Under the mutex.
@@ -400,7 +404,8 @@ class Server::Implementation final : public httplib::Server {
 
   /// Answers what is not even a request's head, without the library.
   bool send_refusal(const Connection& connection) {
-    const auto response = problem_response(connection.refusal());
+    auto response = problem_response(connection.refusal());
+    add_headers(response, {});
     current->status = response.status;
     std::string text = "HTTP/1.1 " + std::to_string(response.status) + " Refused\r\nConnection: close\r\n" +
                        "Content-Type: " + response.content_type + "\r\n";
@@ -432,9 +437,18 @@ class Server::Implementation final : public httplib::Server {
       response = problem_response(std::current_exception());
     }
     if (current->close_after_answer) response.set_header("Connection", "close");
-    response.set_header("Supple-Request-Id", connection.request.id);
+    add_headers(response, connection.request.id);
     current->status = response.status;
     fill(target, std::move(response));
+  }
+
+  void add_headers(Response& response, const std::string& id) const {
+    for (const auto& [name, value] : options_.headers) {
+      const bool is_set = std::any_of(response.headers.begin(), response.headers.end(),
+                                      [&, name = &name](const auto& header) { return header.first == *name; });
+      if (!is_set) response.set_header(name, value);
+    }
+    if (!id.empty()) response.set_header("Supple-Request-Id", id);
   }
 
   static void fill(httplib::Response& target, Response response) {

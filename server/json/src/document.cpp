@@ -3,13 +3,35 @@
 #include <string>
 #include <vector>
 
+#include "supple/budget/memory.h"
 #include "supple/problem/problem.h"
 #include "utf8.h"
 
 namespace supple::json {
 namespace {
 
-/// Builds the document from the parser's events and stops at the first limit.
+// What a value takes in memory, in bytes: a place in an array that grows by doubling, or a node of a map with its key;
+// what a container or a text takes besides.
+constexpr std::int64_t bytes_of_value = 40;
+constexpr std::int64_t bytes_of_member = 120;
+constexpr std::int64_t bytes_of_container = 64;
+constexpr std::int64_t bytes_at_once = 1 << 20;  // that are reserved together, which takes a mutex
+
+/// Takes a document apart from its leaves on. The library's own way is to collect the children of an array first, for
+/// which it allocates, in a destructor: where memory is short that ends the process.
+void dismantle(Document& document) {
+  if (document.is_array()) {
+    auto& array = document.get_ref<Document::array_t&>();
+    for (auto& element : array) dismantle(element);
+    array.clear();
+  } else if (document.is_object()) {
+    auto& object = document.get_ref<Document::object_t&>();
+    for (auto& member : object) dismantle(member.second);
+    object.clear();
+  }
+}
+
+/// Builds the document from the parser's events, stops at the first limit and reserves memory before it is taken.
 class BoundedBuilder final : public nlohmann::json_sax<Document> {
  public:
   BoundedBuilder(Document& root, const Limits& limits) : root_(root), limits_(limits) {}
@@ -19,7 +41,10 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
   bool number_integer(number_integer_t value) override { return add(value); }
   bool number_unsigned(number_unsigned_t value) override { return add(value); }
   bool number_float(number_float_t value, const string_t&) override { return add(value); }
-  bool string(string_t& value) override { return add(std::move(value)); }
+  bool string(string_t& value) override {
+    reserve(static_cast<std::int64_t>(value.size()));
+    return add(std::move(value));
+  }
   bool binary(binary_t&) override { return false; }
 
   bool start_object(std::size_t) override { return open(Document::object()); }
@@ -28,6 +53,7 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
   bool end_array() override { return close(); }
 
   bool key(string_t& name) override {
+    reserve(bytes_of_member + static_cast<std::int64_t>(name.size()));
     const auto [place, inserted] = stack_.back()->get_ref<Document::object_t&>().emplace(std::move(name), nullptr);
     if (!inserted)
       throw Error("request.malformed_json", "The key \"" + place->first + "\" is given twice in one object.");
@@ -53,6 +79,7 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
       problem::throw_limit("request.too_many_values", "The number of JSON values",
                            static_cast<double>(limits_.max_values), static_cast<double>(count_), "--max-json-values");
     }
+    reserve(bytes_of_value);
     if (stack_.empty()) {
       root_ = std::forward<Value>(value);
       return &root_;
@@ -77,6 +104,7 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
       problem::throw_limit("request.too_deep", "The nesting of the JSON", static_cast<double>(limits_.depth),
                            static_cast<double>(limits_.depth) + 1, "");
     }
+    reserve(bytes_of_container);
     stack_.push_back(place(std::move(container)));
     return true;
   }
@@ -86,8 +114,17 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
     return true;
   }
 
+  void reserve(std::int64_t bytes) {
+    needed_ += bytes;
+    if (needed_ <= reserved_) return;
+    budget::reserve(bytes_at_once, "the JSON of its body");
+    reserved_ += bytes_at_once;
+  }
+
   Document& root_;
   const Limits& limits_;
+  std::int64_t needed_ = 0;       // bytes so far
+  std::int64_t reserved_ = 0;     // bytes
   std::vector<Document*> stack_;  // containers that are open; stable, for only the innermost one grows
   Document* member_ = nullptr;
   std::size_t count_ = 0;
@@ -102,7 +139,12 @@ Document parse_document(std::string_view text, const Limits& limits) {
   if (text.empty()) throw Error("request.malformed_json", "The body is empty; this request takes a JSON object.");
   Document root;
   BoundedBuilder builder(root, limits);
-  Document::sax_parse(text.begin(), text.end(), &builder);
+  try {
+    Document::sax_parse(text.begin(), text.end(), &builder);
+  } catch (...) {
+    dismantle(root);
+    throw;
+  }
   return root;
 }
 

@@ -4,11 +4,23 @@
 #include <cmath>
 
 #include "supple/base/error.h"
+#include "supple/problem/problem.h"
 #include "utf8.h"
 
 namespace supple::json {
+namespace {
+
+std::size_t answer_limit = std::size_t{256} << 20;
+
+}  // namespace
+
+void set_answer_limit(std::size_t bytes) { answer_limit = bytes; }
 
 void JsonWriter::separate() {
+  if (text_.size() > answer_limit) {
+    problem::throw_limit("answer.too_large", "The number of bytes of the answer so far",
+                         static_cast<double>(answer_limit), static_cast<double>(text_.size()), "--max-answer");
+  }
   if (needs_comma_) text_ += ',';
   needs_comma_ = true;
 }

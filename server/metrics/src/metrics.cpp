@@ -55,6 +55,11 @@ struct Metrics::Implementation {
       prometheus::BuildGauge().Name("supple_jobs").Help("Unfinished jobs by state.").Register(registry);
   prometheus::Gauge& connections = gauge("supple_connections", "Open connections.");
   prometheus::Gauge& event_streams = gauge("supple_event_streams", "Event streams that are followed.");
+  prometheus::Gauge& answering = gauge("supple_requests_answering", "Requests that are answered, probes aside.");
+  prometheus::Gauge& evicted =
+      gauge("supple_connections_evicted", "Connections closed so far to make room for others.");
+  prometheus::Gauge& reserved = gauge("supple_memory_reserved_bytes", "Memory that requests have reserved.");
+  prometheus::Gauge& budget = gauge("supple_memory_budget_bytes", "Memory that requests may reserve together.");
   prometheus::Gauge& computations = gauge("supple_immediate_computations", "Immediate computations that run or wait.");
   prometheus::Gauge& meshes = gauge("supple_meshes_loaded", "Meshes held in memory.");
   prometheus::Gauge& mesh_bytes = gauge("supple_meshes_loaded_bytes", "Estimated memory of the meshes held.");
@@ -118,6 +123,10 @@ std::string Metrics::text(const Snapshot& snapshot) {
   for (const auto& [state, count] : snapshot.jobs) self.jobs.Add({{"state", state}}).Set(static_cast<double>(count));
   self.connections.Set(static_cast<double>(snapshot.connections));
   self.event_streams.Set(static_cast<double>(snapshot.event_streams));
+  self.answering.Set(static_cast<double>(snapshot.answering));
+  self.evicted.Set(static_cast<double>(snapshot.evicted));
+  self.reserved.Set(static_cast<double>(snapshot.reserved_bytes));
+  self.budget.Set(static_cast<double>(snapshot.budget_bytes));
   self.computations.Set(static_cast<double>(snapshot.computations));
   self.meshes.Set(static_cast<double>(snapshot.meshes_loaded));
   self.mesh_bytes.Set(static_cast<double>(snapshot.mesh_bytes));

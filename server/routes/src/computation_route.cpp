@@ -91,8 +91,10 @@ std::string plain_number(double value) {
 const std::string& json_body(const http::Request& request) {
   reading = {&request, std::chrono::steady_clock::now()};
   const auto type = http::media_type(request.header("Content-Type"));
-  if (!type.empty() && type != "application/json") {
-    throw Error("http.unsupported_media_type", "This request takes application/json, not " + type.substr(0, 80) + ".");
+  if (type != "application/json") {
+    // Without a type too: a page of another site may send such a request without asking.
+    throw Error("http.unsupported_media_type", "This request takes a body of Content-Type application/json, not " +
+                                                   (type.empty() ? "one without a type" : type.substr(0, 80)) + ".");
   }
   return request.body;
 }

@@ -34,7 +34,16 @@ http::Response readiness(const Services& services) {
 
 http::Response metrics_text(const Services& services) {
   metrics::Snapshot snapshot;
-  snapshot.connections = services.connections ? services.connections() : 0;
+  if (services.load) {
+    const auto load = services.load();
+    snapshot.connections = load.connections;
+    snapshot.answering = load.answering;
+    snapshot.evicted = static_cast<std::int64_t>(load.evicted);
+  }
+  if (services.memory) {
+    snapshot.reserved_bytes = services.memory->reserved();
+    snapshot.budget_bytes = services.memory->total();
+  }
   snapshot.event_streams = services.event_streams;
   if (services.ready) {
     snapshot.jobs = {{"accepted", static_cast<std::int64_t>(services.jobs->waiting())},
@@ -61,9 +70,10 @@ http::Response contract_text() {
 }  // namespace
 
 void add_service_routes(http::Router& router, Services& services) {
-  router.add({"GET", "/healthz", [&services](const http::Request&) { return health(services); }, {}});
-  router.add({"GET", "/readyz", [&services](const http::Request&) { return readiness(services); }, {}});
-  router.add({"GET", "/metrics", [&services](const http::Request&) { return metrics_text(services); }, {}});
+  constexpr auto probe = http::Route::Kind::probe;
+  router.add({"GET", "/healthz", [&services](const http::Request&) { return health(services); }, {}, probe});
+  router.add({"GET", "/readyz", [&services](const http::Request&) { return readiness(services); }, {}, probe});
+  router.add({"GET", "/metrics", [&services](const http::Request&) { return metrics_text(services); }, {}, probe});
   router.add({"GET", "/openapi.yaml", [](const http::Request&) { return contract_text(); }, {}});
 }
 

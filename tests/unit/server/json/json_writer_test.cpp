@@ -66,6 +66,24 @@ TEST(JsonWriter, WritesAProblemAsRfc9457DescribesIt) {
       R"("errors":[{"pointer":"/mesh","detail":"unknown"}],"limit":1,"value":2,"setting":"--max-x"})");
 }
 
+TEST(JsonWriter, RefusesAnAnswerBeyondItsLimit) {
+  constexpr std::size_t usual = std::size_t{256} << 20;
+  set_answer_limit(1000);
+  JsonWriter out;
+  out.begin_array();
+  const auto code = [&]() -> std::string {
+    try {
+      for (int i = 0; i < 10'000; ++i) out.integer(i);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return "none";
+  }();
+  set_answer_limit(usual);
+  EXPECT_EQ(code, "answer.too_large");
+  EXPECT_LT(out.take().size(), 1100U);
+}
+
 TEST(JsonWriter, WritesTimesInUtc) { EXPECT_EQ(time_text(1'700'000'000'042), "2023-11-14T22:13:20.042Z"); }
 
 }  // namespace

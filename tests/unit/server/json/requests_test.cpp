@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <string>
 
+#include "supple/budget/memory.h"
 #include "supple/problem/problem.h"
 
 namespace supple::json {
@@ -187,6 +189,20 @@ TEST(Requests, ReadTheRepairsOfAMeshAndNameTheFaultyOnes) {
   EXPECT_EQ(faulty(R"("repair":["weld"],"weld_tolerance":0.011)"), Pointers{"/weld_tolerance"});
   EXPECT_EQ(faulty(R"("repair":["drop_degenerate"],"weld_tolerance":0.001)"), Pointers{"/weld_tolerance"});
   EXPECT_EQ(faulty(R"("weld_tolerance":0.001)"), Pointers{"/weld_tolerance"});
+}
+
+TEST(Requests, ReserveTheMemoryOfTheirJsonBeforeTheyTakeIt) {
+  const auto code = [](std::int64_t each, const std::string& body) {
+    budget::MemoryBudget budget(1LL << 30, each);
+    budget::MemoryBudget::Reservation reservation(budget);
+    const budget::RequestMemory memory(reservation);
+    return error_of([&] { parse_geodesic_field(body, {}); }).code();
+  };
+  std::string arrays = "[";
+  for (int i = 0; i < 100'000; ++i) arrays += "[],";
+  arrays += "0]";
+  EXPECT_EQ(code(4 << 20, arrays), "request.too_much_memory");
+  EXPECT_EQ(code(64 << 20, arrays), "request.invalid");
 }
 
 TEST(Requests, RefuseMoreFacesThanTheLimit) {

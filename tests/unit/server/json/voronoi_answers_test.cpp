@@ -148,7 +148,8 @@ TEST(VoronoiAnswers, ShowADiagramOnItsWayUnlessItIsLarge) {
   SmallDiagram small;
   const auto partial = json::parse(write_partial_optimization(3, {2, 1, 0.5}, small.mesh, small.diagram));
   EXPECT_EQ(partial, json::parse(R"({"iteration":3,"energy":2,"gradient_norm":1,"step_length":0.5,
-      "site_positions":[[0,2,0],[2,0,0]],"positions":[[1,0,0],[1,1,0]],"vertices":[1],"borders":[[0,1]]})"));
+      "site_positions":[[0,2,0],[2,0,0]],"sites":[{"face":1,"barycentric":[0,0,1]},{"face":0,"barycentric":[0,1,0]}],
+      "positions":[[1,0,0],[1,1,0]],"vertices":[1],"borders":[[0,1]]})"));
   small.diagram.points.resize(most_partial_border_points + 1);
   small.diagram.edges[0].points.resize(most_partial_border_points + 1);
   std::iota(small.diagram.edges[0].points.begin(), small.diagram.edges[0].points.end(), 0);

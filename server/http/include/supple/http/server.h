@@ -3,6 +3,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "supple/budget/memory.h"
 #include "supple/http/router.h"
@@ -20,7 +22,8 @@ struct ServerOptions {
   double request_seconds = 60;  ///< a request that takes longer to arrive is refused
   double write_seconds = 60;    ///< a client that takes nothing of its answer for this long is dropped
   int requests_per_connection = 1'000'000;
-  budget::MemoryBudget* memory = nullptr;  ///< what bodies are reserved from; none where null
+  budget::MemoryBudget* memory = nullptr;                    ///< what bodies are reserved from; none where null
+  std::vector<std::pair<std::string, std::string>> headers;  ///< of every answer that does not set them itself
 };
 
 /// What became of a request.

@@ -40,7 +40,8 @@ struct Services {
   std::atomic<bool> ready{false};  ///< set after the pointers, read before them
   std::atomic<bool> stopping{false};
   std::atomic<int> event_streams{0};
-  std::function<int()> connections;
+  std::function<http::Load()> load;
+  budget::MemoryBudget* memory = nullptr;
 };
 
 }  // namespace supple::routes

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "supple/http/server.h"
+
+namespace supple::routes {
+
+/// Whose requests are answered.
+struct GuardOptions {
+  std::string listens_on = "127.0.0.1";      ///< the address, or name, of --host
+  std::vector<std::string> allowed_hosts;    ///< names besides those of loopback; setting --allowed-host
+  std::vector<std::string> allowed_origins;  ///< "https://supple.example"; setting --allowed-origin
+};
+
+/// Refuses what a page of another site could make a browser send to this server.
+///
+/// "http.misdirected_request" (421) where the host that the client means is neither a name of loopback, nor
+/// `listens_on`, nor allowed: such a name may be made to point here by whoever owns it (DNS rebinding), whose page then
+/// counts as this server's own. A server that listens beyond loopback also answers to numerical addresses, which nobody
+/// can make point elsewhere. "*" allows every name. "http.cross_origin" (403) where the header Origin names a page that
+/// is neither of the same host, nor of loopback, nor allowed, and where Sec-Fetch-Site says so of a request that
+/// changes or computes something.
+http::Server::Guard make_guard(GuardOptions options);
+
+/// Headers of every answer that does not set them itself: browsers neither guess types, nor run, embed, or keep what
+/// they get.
+std::vector<std::pair<std::string, std::string>> security_headers();
+
+}  // namespace supple::routes
