@@ -14,8 +14,7 @@ namespace supple::store {
 namespace {
 
 [[noreturn]] void fail(const std::string& action, const std::filesystem::path& path) {
-  throw Error("store.unavailable", "The store cannot " + action + " " + path.filename().string() + ": " +
-                                       std::generic_category().message(errno) + ".");
+  throw_file_error(action, path, errno);
 }
 
 class Descriptor {
@@ -37,26 +36,36 @@ void synchronize_folder(const std::filesystem::path& folder) {
   if (descriptor.get() < 0 || ::fsync(descriptor.get()) != 0) fail("synchronize", folder);
 }
 
-void write_durably(const std::filesystem::path& path, std::string_view bytes) {
-  const Descriptor descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+void write_durably(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
+  const Descriptor descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   if (descriptor.get() < 0) fail("create", path);
-  while (!bytes.empty()) {
-    const auto count = ::write(descriptor.get(), bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("write", path);
-    bytes.remove_prefix(static_cast<std::size_t>(count));
+  for (auto bytes : pieces) {
+    while (!bytes.empty()) {
+      const auto count = ::write(descriptor.get(), bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail("write", path);
+      bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
   }
   if (::fsync(descriptor.get()) != 0) fail("synchronize", path);
 }
 
 }  // namespace
 
-void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
+bool means_full(int error) { return error == ENOSPC || error == EDQUOT; }
+
+void throw_file_error(const std::string& action, const std::filesystem::path& path, int error) {
+  throw Error(means_full(error) ? "store.full" : "store.unavailable", "The store cannot " + action + " " +
+                                                                          path.filename().string() + ": " +
+                                                                          std::generic_category().message(error) + ".");
+}
+
+void write_atomically(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
   static std::atomic<unsigned> counter{0};
   std::filesystem::path part = path;
   part += "." + std::to_string(counter++) + std::string(unfinished_suffix);
   try {
-    write_durably(part, bytes);
+    write_durably(part, pieces);
     if (::rename(part.c_str(), path.c_str()) != 0) fail("rename", part);
   } catch (...) {
     ::unlink(part.c_str());

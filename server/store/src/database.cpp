@@ -1,19 +1,31 @@
 #include "database.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "atomic_file.h"
 #include "supple/base/error.h"
 
 namespace supple::store {
 namespace {
 
 [[noreturn]] void fail(sqlite3* handle) {
-  throw Error("store.unavailable", std::string("The store's database reports: ") +
-                                       (handle ? sqlite3_errmsg(handle) : "out of memory") + ".");
+  const std::string text = handle ? sqlite3_errmsg(handle) : "out of memory";
+  const int status = handle ? sqlite3_errcode(handle) & 0xFF : SQLITE_NOMEM;
+  const bool full = status == SQLITE_FULL || (status == SQLITE_IOERR && means_full(sqlite3_system_errno(handle)));
+  throw Error(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
 }
 
 }  // namespace
 
 Database::Database(const std::filesystem::path& path) {
-  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+  // Made here, for SQLite gives its other files the mode of this one.
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (descriptor < 0) throw_file_error("open", path, errno);
+  ::close(descriptor);
+  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX;
   if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
     const std::string text = handle_ ? sqlite3_errmsg(handle_) : "out of memory";
     sqlite3_close(handle_);

@@ -9,9 +9,11 @@
 
 namespace supple::store {
 
-/// A connection to an SQLite database. Errors throw "store.unavailable".
+/// A connection to an SQLite database. Errors throw "store.full" where the disk is, otherwise
+/// "store.unavailable".
 class Database {
  public:
+  /// Makes the file where it does not exist, for the server's user alone.
   explicit Database(const std::filesystem::path& path);
   ~Database();
   Database(const Database&) = delete;

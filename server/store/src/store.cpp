@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <set>
 #include <system_error>
 
@@ -97,11 +96,6 @@ std::optional<JobState> state_of(std::string_view name) {
   return static_cast<JobState>(found - state_names.begin());
 }
 
-std::int64_t now_milliseconds() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 struct Store::Implementation {
   explicit Implementation(const fs::path& data)
       : folder((fs::create_directories(data / "meshes"), fs::create_directories(data / "results"), data)),
@@ -115,7 +109,7 @@ struct Store::Implementation {
 
   /// One process at a time: a second one would call this one's running jobs interrupted.
   static int take_lock(const fs::path& data) {
-    const int descriptor = ::open((data / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    const int descriptor = ::open((data / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (descriptor < 0) {
       throw Error("store.unavailable", "The data folder " + data.string() +
                                            " is not writable: " + std::generic_category().message(errno) + ".");
@@ -177,7 +171,7 @@ std::pair<MeshRecord, bool> Store::add_mesh(
     try {
       mesh_content(record.id);
     } catch (const Error&) {
-      write_atomically(self.mesh_path(record.id), ply);
+      write_atomically(self.mesh_path(record.id), {ply});
     }
     return {std::move(*known), false};
   }
@@ -186,7 +180,7 @@ std::pair<MeshRecord, bool> Store::add_mesh(
   // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
   const std::lock_guard lock(self.mutex);
   if (auto known = self.find_mesh(record.id)) return {std::move(*known), false};
-  write_atomically(self.mesh_path(record.id), ply);
+  write_atomically(self.mesh_path(record.id), {ply});
   Statement(self.database, "INSERT INTO meshes (id, created, description) VALUES (?, ?, ?)")
       .bind(record.id)
       .bind(record.created)
@@ -249,7 +243,7 @@ void Store::add_job(const JobRecord& job) {
 
 void Store::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
-  if (result) write_atomically(self.result_path(job.id), result->body);
+  if (result) write_atomically(self.result_path(job.id), {result->body});
   const std::lock_guard lock(self.mutex);
   const int changed = Statement(self.database,
                                 "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, "

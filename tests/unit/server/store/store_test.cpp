@@ -1,6 +1,7 @@
 #include "supple/store/store.h"
 
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -150,6 +151,40 @@ TEST_F(StoreTest, RefusesAFolderThatIsInUse) {
 TEST_F(StoreTest, SaysThatAFolderCannotBeMade) {
   std::ofstream(folder_ / "file") << "x";
   EXPECT_EQ(code_of([&] { Store store(folder_ / "file" / "data"); }), "store.unavailable");
+}
+
+TEST_F(StoreTest, SaysThatTheDiskIsFullAndTakesWritesAgainOnceThereIsSpace) {
+  if (::mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=1m") != 0) GTEST_SKIP() << "mounting takes root";
+  {
+    Store store(folder_);
+    auto job = new_job("j");
+    store.add_job(job);
+    job.state = JobState::successful;
+    const Result large{"text/plain", {}, std::string(2 << 20, 'x')};
+    EXPECT_EQ(code_of([&] { store.add_mesh(large.body, describe); }), "store.full");
+    EXPECT_EQ(code_of([&] { store.finish_job(job, &large); }), "store.full");
+    std::ofstream ballast(folder_ / "ballast", std::ios::binary);
+    while (ballast.put('x').flush()) {
+    }
+    EXPECT_EQ(code_of([&] {
+                for (int i = 0; i < 1000; ++i) store.add_job(new_job("more" + std::to_string(i)));
+              }),
+              "store.full")
+        << "the database says so too";
+    ballast.close();
+    fs::remove(folder_ / "ballast");
+    const Result small{"text/plain", {}, "x"};
+    store.finish_job(job, &small);
+    EXPECT_EQ(store.job_result("j").body, "x");
+  }
+  EXPECT_EQ(::umount(folder_.c_str()), 0);
+}
+
+TEST_F(StoreTest, LetsOnlyItsUserReadItsFiles) {
+  Store store(folder_);
+  const auto mesh = store.add_mesh("abc", describe).first.id;
+  for (const auto& path : {folder_ / "supple.sqlite", folder_ / "lock", folder_ / "meshes" / (mesh + ".ply")})
+    EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write) << path;
 }
 
 TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {

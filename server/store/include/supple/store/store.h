@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/store/clock.h"
 #include "supple/store/records.h"
 
 namespace supple::store {
@@ -21,7 +22,8 @@ std::string sha256(std::string_view bytes);
 /// A file is written beside its place, synchronized, and renamed; its row is committed afterwards. So a row's file is
 /// always complete, whenever the process or the machine stops; files without a row are removed at the next start.
 /// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
-/// throws Error "store.unavailable" where the disk or the database refuses. Any thread may call; calls take turns.
+/// throws Error "store.full" where the disk is, "store.unavailable" where it or the database refuses otherwise. Any
+/// thread may call; calls take turns.
 class Store {
  public:
   /// Opens or makes the folder. Throws also where another process has it open.
@@ -60,8 +62,5 @@ class Store {
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
-
-/// Milliseconds since 1970.
-std::int64_t now_milliseconds();
 
 }  // namespace supple::store

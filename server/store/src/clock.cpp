@@ -1,0 +1,28 @@
+#include "supple/store/clock.h"
+
+#include <ctime>
+#include <utility>
+
+namespace supple::store {
+namespace {
+
+std::int64_t milliseconds_of(clockid_t clock) {
+  timespec time{};
+  ::clock_gettime(clock, &time);
+  return std::int64_t{time.tv_sec} * 1000 + time.tv_nsec / 1'000'000;
+}
+
+}  // namespace
+
+ProcessClock::ProcessClock()
+    : ProcessClock([] { return milliseconds_of(CLOCK_REALTIME); }, [] { return milliseconds_of(CLOCK_BOOTTIME); }) {}
+
+ProcessClock::ProcessClock(const Source& wall, Source elapsed)
+    : elapsed_(std::move(elapsed)), origin_(wall() - elapsed_()) {}
+
+std::int64_t now_milliseconds() {
+  static const ProcessClock clock;
+  return clock.now();
+}
+
+}  // namespace supple::store
