@@ -141,7 +141,8 @@ class Process {
         *store_, options_.jobs, json::write_problem, [this](const store::JobRecord& job) {
           const double seconds = job.started ? static_cast<double>(job.finished - job.started) / 1000 : 0;
           metrics_.count_finished_job(job.kind, std::string(store::state_name(job.state)), seconds);
-        });
+        },
+        [](const std::string& text) { spdlog::error(text); });
     services_.store = store_.get();
     services_.meshes = meshes_.get();
     services_.models = models_.get();

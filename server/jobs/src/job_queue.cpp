@@ -19,6 +19,7 @@ constexpr std::chrono::milliseconds progress_period{100};  // between two publis
 constexpr std::chrono::milliseconds look_at_client{20};
 constexpr std::chrono::milliseconds look_at_queue{250};
 constexpr std::chrono::minutes look_at_store{1};
+constexpr std::chrono::seconds write_again{1};
 
 Clock::duration duration(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -101,11 +102,12 @@ struct JobQueue::Job final : ProgressSink {
   std::exception_ptr failure;
 };
 
-JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe)
+JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log)
     : store_(store),
       options_(options),
       render_(std::move(render)),
       observe_(std::move(observe)),
+      log_(std::move(log)),
       slots_(options.immediate) {
   for (auto job : store_.unfinished_jobs()) {
     const problem::Problem problem{"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
@@ -114,7 +116,7 @@ JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render rend
     job.expires = job.finished + static_cast<std::int64_t>(1000 * options_.retention);
     job.error = render_(problem);
     job.error_status = problem::status_of(problem);
-    store_.finish_job(job, nullptr);
+    if (!write_end(job, nullptr)) unwritten_.emplace(job.id, job);
   }
   for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
   cleaner_ = std::thread([this] { clean_up(); });
@@ -225,12 +227,18 @@ JobQueue::JobPointer JobQueue::find(const std::string& id) const {
   return found != jobs_.end() && found->second->visible ? found->second : nullptr;
 }
 
+std::optional<JobStatus> JobQueue::status_in_memory(const std::string& id) const {
+  if (const auto job = find(id)) return status_of(*job);
+  if (const auto end = unwritten_.find(id); end != unwritten_.end()) return JobStatus{end->second, 0, {}};
+  return std::nullopt;
+}
+
 JobStatus JobQueue::status_of(const Job& job) { return {job.record, job.progress, job.stage, job.partial}; }
 
 JobStatus JobQueue::status(const std::string& id) const {
   {
     const std::lock_guard lock(mutex_);
-    if (const auto job = find(id)) return status_of(*job);
+    if (auto status = status_in_memory(id)) return *std::move(status);
   }
   const auto record = store_.job(id);
   if (!record) throw_not_found(id);
@@ -239,17 +247,23 @@ JobStatus JobQueue::status(const std::string& id) const {
 
 std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit,
                                       const std::string& after) const {
-  // The store knows a running job as accepted; both are looked for together and told apart in memory.
+  // The store knows a running job as accepted; both are looked for together and told apart in memory. It knows those
+  // whose end it did not take as accepted too: while there are any, only memory tells the states.
   std::vector<JobStatus> list;
-  const bool unfinished = state == JobState::accepted || state == JobState::running;
+  auto in_store = state;
+  if (state == JobState::running) in_store = JobState::accepted;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!unwritten_.empty()) in_store.reset();
+  }
   std::string last = after;
   while (list.size() < limit) {
-    const auto page = store_.jobs(unfinished ? std::optional(JobState::accepted) : state, limit, last);
+    const auto page = store_.jobs(in_store, limit, last);
     for (const auto& record : page) {
       JobStatus status{record, record.state == JobState::successful ? 1.0 : 0.0, {}};
       {
         const std::lock_guard lock(mutex_);
-        if (const auto job = find(record.id)) status = status_of(*job);
+        if (auto newer = status_in_memory(record.id)) status = *std::move(newer);
       }
       if ((!state || status.record.state == *state) && list.size() < limit) list.push_back(std::move(status));
     }
@@ -278,6 +292,8 @@ std::optional<JobStatus> JobQueue::remove(const std::string& id) {
   }
   if (!job) {
     if (!store_.remove_job(id)) throw_not_found(id);
+    const std::lock_guard lock(mutex_);
+    unwritten_.erase(id);
     return std::nullopt;
   }
   job->token.request(StopReason::cancelled);
@@ -376,19 +392,14 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
     record.error = render_(problem);
     record.error_status = problem::status_of(problem);
   }
+  bool written = true;
   if (job->visible) {
     // Disk work without the mutex; until it is done the job counts as unfinished.
     lock.unlock();
-    try {
-      store_.finish_job(record, result ? &*result : nullptr);
-    } catch (const Error& error) {
-      // The row stays unfinished and the next start calls it interrupted; what this process answers says why.
-      record.state = JobState::failed;
-      record.error = render_({error.code(), error.what(), {}, {}, {}});
-      record.error_status = problem::status_of({error.code(), {}, {}, {}, {}});
-    }
+    written = write_end(record, result ? &*result : nullptr);
     lock.lock();
   }
+  if (!written) unwritten_.insert_or_assign(record.id, record);
   job->record = record;
   job->finished = true;
   job->result = std::move(result);
@@ -402,8 +413,43 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
   observe_(record);
 }
 
+bool JobQueue::write_end(store::JobRecord& record, const Result* result) {
+  try {
+    store_.finish_job(record, result);
+    return true;
+  } catch (...) {
+    const auto problem = problem::problem_of(std::current_exception());
+    if (log_) log_("the end of job " + record.id + " cannot be stored: " + problem.detail);
+    if (!result) return false;
+    record.state = JobState::failed;
+    record.error = render_(problem);
+    record.error_status = problem::status_of(problem);
+  }
+  // Where the result does not fit, the reason often does.
+  return write_end(record, nullptr);
+}
+
+void JobQueue::write_what_was_refused() {
+  std::vector<store::JobRecord> records;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, record] : unwritten_) records.push_back(record);
+  }
+  for (const auto& record : records) {
+    try {
+      store_.finish_job(record, nullptr);
+    } catch (const Error&) {
+      return;  // said when it was refused first; the others have no better chance
+    }
+    if (log_) log_("the end of job " + record.id + " is stored now");
+    const std::lock_guard lock(mutex_);
+    unwritten_.erase(record.id);
+  }
+}
+
 void JobQueue::clean_up() {
   auto next_look_at_store = Clock::now();
+  auto next_write = Clock::now();
   std::unique_lock lock(mutex_);
   while (!ending_) {
     std::vector<JobPointer> stopped;  // while they waited for a worker
@@ -417,6 +463,10 @@ void JobQueue::clean_up() {
     }
     lock.unlock();
     for (const auto& job : stopped) run_job(job);
+    if (Clock::now() >= next_write) {
+      write_what_was_refused();
+      next_write = Clock::now() + write_again;
+    }
     if (Clock::now() >= next_look_at_store) {
       try {
         store_.remove_expired_jobs(store::now_milliseconds(), options_.max_jobs);
@@ -449,6 +499,7 @@ void JobQueue::shut_down(double grace_seconds) {
   workers_.clear();
   if (cleaner_.joinable()) cleaner_.join();
   for (const auto& job : left) run_job(job);
+  write_what_was_refused();
 }
 
 }  // namespace supple::jobs

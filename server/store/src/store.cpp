@@ -243,22 +243,30 @@ void Store::add_job(const JobRecord& job) {
 
 void Store::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
-  if (result) write_atomically(self.result_path(job.id), {result->body});
-  const std::lock_guard lock(self.mutex);
-  const int changed = Statement(self.database,
-                                "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, "
-                                "error_status = ?, result_type = ?, result_headers = ?, result_hash = ? WHERE id = ?")
-                          .bind(state_name(job.state))
-                          .bind(job.started)
-                          .bind(job.finished)
-                          .bind(job.expires)
-                          .bind(job.error)
-                          .bind(static_cast<std::int64_t>(job.error_status))
-                          .bind(result ? result->content_type : "")
-                          .bind(result ? join_headers(*result) : "")
-                          .bind(result ? sha256(result->body) : "")
-                          .bind(job.id)
-                          .run();
+  int changed = 0;
+  try {
+    if (result) write_atomically(self.result_path(job.id), {result->body});
+    const std::lock_guard lock(self.mutex);
+    changed = Statement(self.database,
+                        "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, "
+                        "error_status = ?, result_type = ?, result_headers = ?, result_hash = ? WHERE id = ?")
+                  .bind(state_name(job.state))
+                  .bind(job.started)
+                  .bind(job.finished)
+                  .bind(job.expires)
+                  .bind(job.error)
+                  .bind(static_cast<std::int64_t>(job.error_status))
+                  .bind(result ? result->content_type : "")
+                  .bind(result ? join_headers(*result) : "")
+                  .bind(result ? sha256(result->body) : "")
+                  .bind(job.id)
+                  .run();
+  } catch (...) {
+    // A result without its row takes the space that the reason of the failure needs.
+    std::error_code ignored;
+    if (result) fs::remove(self.result_path(job.id), ignored);
+    throw;
+  }
   if (changed == 0) {
     std::error_code ignored;
     fs::remove(self.result_path(job.id), ignored);

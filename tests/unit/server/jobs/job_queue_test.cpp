@@ -1,9 +1,11 @@
 #include "supple/jobs/job_queue.h"
 
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 
 #include "supple/base/error.h"
 #include "supple/json/answers.h"
@@ -100,6 +102,102 @@ TEST_F(JobQueueTest, KeepsTheProblemOfAFailedJob) {
   EXPECT_EQ(status.record.state, JobState::failed);
   EXPECT_EQ(status.record.error_status, 422);
   EXPECT_NE(status.record.error.find("karcher.weights"), std::string::npos);
+}
+
+/// A store on a disk of 1 MiB.
+class FullDiskTest : public JobQueueTest {
+ protected:
+  void SetUp() override {
+    store_.reset();
+    mounted_ = ::mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=1m") == 0;
+    if (!mounted_) GTEST_SKIP() << "mounting takes root";
+    store_ = std::make_unique<store::Store>(folder_);
+    start();
+  }
+  void TearDown() override {
+    queue_.reset();
+    store_.reset();
+    if (mounted_) {
+      EXPECT_EQ(::umount(folder_.c_str()), 0);
+    }
+  }
+
+  void start() {
+    queue_ = std::make_unique<JobQueue>(
+        *store_, options_, json::write_problem, [](const store::JobRecord&) {},
+        [this](const std::string&) { ++logged_; });
+  }
+  /// Takes all the space that there is until it is let go of.
+  void fill() const {
+    std::ofstream ballast(folder_ / "ballast", std::ios::binary);
+    while (ballast.put('x').flush()) {
+    }
+  }
+  void make_space() const { fs::remove(folder_ / "ballast"); }
+
+  Computation waiting() {
+    return computation([this](const Execution&) {
+      ++started_;
+      while (!open_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return store::Result{"text/plain", {}, "42"};
+    });
+  }
+  bool in_list(std::optional<JobState> state, const std::string& id) {
+    const auto list = queue().list(state, 10, "");
+    return std::any_of(list.begin(), list.end(), [&](const auto& status) { return status.record.id == id; });
+  }
+
+  bool mounted_ = false;
+  std::atomic<bool> open_{false};
+  std::atomic<int> logged_{0};
+};
+
+TEST_F(FullDiskTest, FailsAJobWhoseResultDoesNotFit) {
+  const auto id = queue().submit(answering(std::string(2 << 20, 'x'))).record.id;
+  const auto status = wait_until_finished(id);
+  EXPECT_EQ(status.record.state, JobState::failed);
+  EXPECT_EQ(status.record.error_status, 507);
+  EXPECT_NE(status.record.error.find("store.full"), std::string::npos) << status.record.error;
+  EXPECT_EQ(store_->job(id)->state, JobState::failed) << "the reason does fit";
+  EXPECT_EQ(logged_, 1);
+  EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+}
+
+TEST_F(FullDiskTest, HoldsTheEndOfAJobUntilThereIsSpaceAgain) {
+  const auto id = queue().submit(waiting()).record.id;
+  wait_until_started();
+  fill();
+  open_ = true;
+  const auto status = wait_until_finished(id);
+  EXPECT_EQ(status.record.state, JobState::failed);
+  EXPECT_NE(status.record.error.find("store.full"), std::string::npos) << status.record.error;
+  EXPECT_EQ(store_->job(id)->state, JobState::accepted) << "the disk is full";
+  EXPECT_GE(logged_, 1);
+  EXPECT_TRUE(in_list(JobState::failed, id));
+  EXPECT_TRUE(in_list(std::nullopt, id));
+  EXPECT_FALSE(in_list(JobState::accepted, id));
+  EXPECT_FALSE(in_list(JobState::running, id));
+  EXPECT_FALSE(queue().mesh_in_use("mesh"));
+  make_space();
+  for (int i = 0; i < 500 && store_->job(id)->state == JobState::accepted; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(store_->job(id)->state, JobState::failed) << "written once there is space";
+  EXPECT_EQ(queue().status(id).record.error, status.record.error);
+  EXPECT_EQ(queue().status(id).record.finished, status.record.finished);
+  queue_.reset();
+  start();
+  EXPECT_EQ(queue().status(id).record.error, status.record.error) << "a restart agrees";
+}
+
+TEST_F(FullDiskTest, KeepsADismissedJobDismissed) {
+  const auto id = queue().submit(endless()).record.id;
+  wait_until_started();
+  fill();
+  EXPECT_EQ(queue().remove(id)->record.state, JobState::dismissed);
+  EXPECT_EQ(queue().status(id).record.state, JobState::dismissed);
+  make_space();
+  EXPECT_FALSE(queue().remove(id)) << "a finished job is removed";
+  EXPECT_EQ(code_of([&] { queue().status(id); }), "job.not_found");
 }
 
 TEST_F(JobQueueTest, StopsAJobThatIsCancelled) {

@@ -50,15 +50,19 @@ struct QueueOptions {
 
 /// Runs computations: at once on the caller's thread, or as jobs on worker threads.
 ///
-/// Problems of failed jobs are kept as the text that `render` makes of them. All members may be called from any thread.
+/// Problems of failed jobs are kept as the text that `render` makes of them. A job whose result cannot be stored fails
+/// with the reason ("store.full", "store.unavailable"); where the store does not take that end either, it is held in
+/// memory, for all who ask, and written as soon as the store takes it. All members may be called from any thread.
 class JobQueue {
  public:
   using Render = std::function<std::string(const problem::Problem&)>;
   /// Hears of every finished job.
   using Observe = std::function<void(const store::JobRecord&)>;
+  /// Hears what the store refused to keep, as text for the log. Called from any thread.
+  using Log = std::function<void(const std::string&)>;
 
   /// Jobs that an earlier process left unfinished become failed with "job.interrupted".
-  JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe);
+  JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log = {});
   /// Shuts down without grace.
   ~JobQueue();
   JobQueue(const JobQueue&) = delete;
@@ -114,7 +118,12 @@ class JobQueue {
   void run_job(const JobPointer& job);
   void finish(const JobPointer& job, store::JobState state, std::optional<store::Result> result,
               std::exception_ptr failure);
+  /// Stores how a job ended; what the store refuses becomes part of the record. Returns whether the store has it.
+  bool write_end(store::JobRecord& record, const store::Result* result);
+  void write_what_was_refused();
   JobPointer find(const std::string& id) const;
+  /// Under the mutex: the status of what memory knows better than the store.
+  std::optional<JobStatus> status_in_memory(const std::string& id) const;
   static JobStatus status_of(const Job& job);
   void clean_up();
 
@@ -122,6 +131,7 @@ class JobQueue {
   const QueueOptions options_;
   const Render render_;
   const Observe observe_;
+  const Log log_;
   Watchdog watchdog_;
   ComputeSlots slots_;
 
@@ -130,7 +140,8 @@ class JobQueue {
   std::condition_variable end_;  // for the cleaner, which must not take a wake-up that a worker is meant to get
   mutable std::condition_variable changed_;  // a job's status has changed
   std::deque<JobPointer> queue_;
-  std::map<std::string, JobPointer> jobs_;  // unfinished ones, those not yet visible to clients included
+  std::map<std::string, JobPointer> jobs_;             // unfinished ones, those not yet visible to clients included
+  std::map<std::string, store::JobRecord> unwritten_;  // finished ones whose end the store did not take
   std::map<std::uint64_t, CancellationToken> immediate_;
   /// The latest unfinished computation of each session, with a number that tells it from later ones.
   std::map<std::string, std::pair<std::uint64_t, CancellationToken>> sessions_;
