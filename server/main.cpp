@@ -48,7 +48,7 @@ store::ModelStore::Options model_options(const std::string& folder) {
   return options;
 }
 
-/// Paths come from strangers: what is no plain character is left out, so that a line stays a line.
+/// Paths come from strangers: what is no plain character becomes a question mark, so that a line stays a line.
 void log_access(const http::Answered& answered) {
   constexpr std::size_t most = 200;
   std::string path;
@@ -65,6 +65,15 @@ void end_at_the_latest_after(double seconds) {
     spdlog::warn("a computation does not stop: ending without it");
     std::_Exit(0);
   }).detach();
+}
+
+store::Store::Recovery recovery() {
+  store::Store::Recovery recovery;
+  recovery.describe = [](const std::string& ply, const std::string& id, std::int64_t created) {
+    return json::write_mesh(id, created, surface::report(surface::load_mesh(ply)));
+  };
+  recovery.warn = [](const std::string& text) { spdlog::warn(text); };
+  return recovery;
 }
 
 /// The parts of the process, in the order in which they may use each other.
@@ -135,10 +144,11 @@ class Process {
  private:
   void open() {
     models_ = std::make_unique<store::ModelStore>(model_options(options_.models));  // reads while the store opens
-    store_ = std::make_unique<store::Store>(options_.data);
+    store_ = std::make_unique<store::Store>(options_.data, recovery());
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
     jobs_ = std::make_unique<jobs::JobQueue>(
-        *store_, options_.jobs, json::write_problem, [this](const store::JobRecord& job) {
+        *store_, options_.jobs, json::write_problem,
+        [this](const store::JobRecord& job) {
           const double seconds = job.started ? static_cast<double>(job.finished - job.started) / 1000 : 0;
           metrics_.count_finished_job(job.kind, std::string(store::state_name(job.state)), seconds);
         },

@@ -11,7 +11,7 @@ import pytest
 
 from contract import Contract
 from harness import Api, ServerProcess
-from shapes import bumpy_sphere
+from shapes import bumpy_sphere, flat_grid
 
 ASYNC = {"Prefer": "respond-async"}
 FIELDS = "/v1/geodesic-fields"
@@ -60,3 +60,32 @@ def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, 
     server.start()
     assert Api(server, contract).get(f"/v1/jobs/{job}").json() == document
     server.stop()
+
+
+@pytest.mark.parametrize("damage", ["overwritten", "lost"])
+def test_a_start_without_a_sound_database_keeps_the_meshes_and_deletes_nothing(damage: str, new_server: NewServer,
+                                                                              contract: Contract) -> None:
+    server = new_server()
+    api = Api(server, contract)
+    mesh = api.upload(*flat_grid(8))
+    before = api.get(f"/v1/meshes/{mesh}").json()
+    job = api.post(FIELDS, {"mesh": mesh, "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
+    api.wait_for_job(job)
+    result = api.get(f"/v1/jobs/{job}/result").content
+    assert server.terminate() == 0
+    database = server.data / "supple.sqlite"
+    if damage == "lost":
+        database.unlink()
+    else:
+        database.write_bytes(b"not a database" * 1000)
+    server.start()
+    api = Api(server, contract)
+    after = api.get(f"/v1/meshes/{mesh}").json()
+    assert {**after, "created": ""} == {**before, "created": ""}
+    api.ok(FIELDS, {"mesh": mesh, "sources": [{"vertex": 0}]})
+    assert api.get(f"/v1/jobs/{job}").status_code == 404
+    kept = [path.read_bytes() for path in (server.data / "quarantine").iterdir()]
+    assert result in kept
+    assert len(kept) == (1 if damage == "lost" else 2)
+    assert f"{job}.result is moved to quarantine" in server.log_text()
+    assert f"the mesh {mesh} had no row and is indexed again" in server.log_text()

@@ -6,7 +6,6 @@
 #include <cerrno>
 
 #include "atomic_file.h"
-#include "supple/base/error.h"
 
 namespace supple::store {
 namespace {
@@ -14,6 +13,10 @@ namespace {
 [[noreturn]] void fail(sqlite3* handle) {
   const std::string text = handle ? sqlite3_errmsg(handle) : "out of memory";
   const int status = handle ? sqlite3_errcode(handle) & 0xFF : SQLITE_NOMEM;
+  // A statement that SQLite does not understand is one of ours over a table that is not as we made it.
+  if (status == SQLITE_CORRUPT || status == SQLITE_NOTADB || status == SQLITE_ERROR) {
+    throw DamagedDatabase("The store's database is damaged: " + text + ".");
+  }
   const bool full = status == SQLITE_FULL || (status == SQLITE_IOERR && means_full(sqlite3_system_errno(handle)));
   throw Error(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
 }
@@ -38,6 +41,11 @@ Database::~Database() { sqlite3_close(handle_); }
 
 void Database::execute(const char* statements) {
   if (sqlite3_exec(handle_, statements, nullptr, nullptr, nullptr) != SQLITE_OK) fail(handle_);
+}
+
+void Database::check() const {
+  Statement rows(*this, "PRAGMA quick_check(1)");
+  if (rows.step() && rows.text(0) != "ok") throw DamagedDatabase("The store's database is damaged: " + rows.text(0));
 }
 
 Statement::Statement(const Database& database, std::string_view sql) : database_(database) {

@@ -7,10 +7,18 @@
 #include <string>
 #include <string_view>
 
+#include "supple/base/error.h"
+
 namespace supple::store {
 
-/// A connection to an SQLite database. Errors throw "store.full" where the disk is, otherwise
-/// "store.unavailable".
+/// The database is none any more, is damaged, or lacks a table or a column.
+class DamagedDatabase : public Error {
+ public:
+  explicit DamagedDatabase(const std::string& message) : Error("store.corrupted", message) {}
+};
+
+/// A connection to an SQLite database. Errors throw "store.full" where the disk is, DamagedDatabase
+/// ("store.corrupted"), otherwise "store.unavailable".
 class Database {
  public:
   /// Makes the file where it does not exist, for the server's user alone.
@@ -20,6 +28,8 @@ class Database {
   Database& operator=(const Database&) = delete;
 
   void execute(const char* statements);
+  /// Looks through the whole file, O(its size). Throws DamagedDatabase with the first thing that is wrong.
+  void check() const;
   sqlite3* handle() const { return handle_; }
 
  private:

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <set>
 #include <system_error>
 
@@ -86,6 +87,24 @@ void split_headers(const std::string& text, Result& result) {
   }
 }
 
+/// Whether write_atomically left it: the process ended before the file was complete.
+bool is_unfinished(const fs::path& path) { return path.extension() == unfinished_suffix; }
+
+/// Milliseconds since 1970.
+std::int64_t modified(const fs::path& path) {
+  const auto age = fs::file_time_type::clock::now() - fs::last_write_time(path);
+  return now_milliseconds() - std::chrono::duration_cast<std::chrono::milliseconds>(age).count();
+}
+
+/// "20260131T235959Z", in UTC.
+std::string compact_time() {
+  const auto seconds = static_cast<std::time_t>(now_milliseconds() / 1000);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 20> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts)};
+}
+
 }  // namespace
 
 std::string_view state_name(JobState state) { return state_names[static_cast<std::size_t>(state)]; }
@@ -97,13 +116,14 @@ std::optional<JobState> state_of(std::string_view name) {
 }
 
 struct Store::Implementation {
-  explicit Implementation(const fs::path& data)
-      : folder((fs::create_directories(data / "meshes"), fs::create_directories(data / "results"), data)),
+  Implementation(const fs::path& data, const Recovery& means)
+      : recovery(means),
+        folder((fs::create_directories(data / "meshes"), fs::create_directories(data / "results"), data)),
         lock(take_lock(data)),
-        database(data / "supple.sqlite") {
-    database.execute(schema);
-    remove_stray_files("meshes", ".ply", "SELECT id FROM meshes");
-    remove_stray_files("results", ".result", "SELECT id FROM jobs WHERE result_hash <> ''");
+        connection(open_database()),
+        database(*connection) {
+    recover_meshes();
+    recover_results();
   }
   ~Implementation() { ::close(lock); }
 
@@ -121,12 +141,135 @@ struct Store::Implementation {
     return descriptor;
   }
 
-  void remove_stray_files(const char* subfolder, const std::string& suffix, const char* known_ids) {
+  static std::unique_ptr<Database> try_database(const fs::path& path) {
+    auto opened = std::make_unique<Database>(path);
+    opened->check();
+    opened->execute(schema);
+    // A column that is missing is found now, not by the first request that needs it.
+    const Statement meshes(*opened, "SELECT id, created, description FROM meshes");
+    const Statement jobs(*opened, "SELECT " + std::string(job_columns) +
+                                      ", result_type, result_headers, result_hash, sequence FROM jobs");
+    return opened;
+  }
+
+  std::unique_ptr<Database> open_database() const {
+    const auto path = folder / "supple.sqlite";
+    const auto set_aside = [&] {
+      // Its log and its index belong to it: beside a new database they would be taken for that one's.
+      for (const char* suffix : {"", "-wal", "-shm"}) {
+        auto file = path;
+        file += suffix;
+        if (fs::exists(file)) quarantine(file);
+      }
+    };
+    if (!fs::exists(path)) set_aside();
+    try {
+      return try_database(path);
+    } catch (const DamagedDatabase& error) {
+      warn(std::string(error.what()) + " It is set aside and a new one is made.");
+    }
+    set_aside();
+    return try_database(path);
+  }
+
+  void warn(const std::string& text) const {
+    if (recovery.warn) recovery.warn(text);
+  }
+
+  /// Moves a file into the folder of what is not understood, under a name that says when. Throws fs::filesystem_error.
+  void quarantine(const fs::path& file) const {
+    const auto target_folder = folder / "quarantine";
+    fs::create_directories(target_folder);
+    const auto name = compact_time() + "-" + file.filename().string();
+    auto target = target_folder / name;
+    for (int i = 1; fs::exists(target); ++i) target = target_folder / (name + "." + std::to_string(i));
+    fs::rename(file, target);
+    warn("the file " + file.filename().string() + " is moved to quarantine/" + target.filename().string());
+  }
+
+  /// For a file that the server can do without: where it cannot be moved, as on a full disk, it stays.
+  void try_to_quarantine(const fs::path& file) const {
+    try {
+      quarantine(file);
+    } catch (const fs::filesystem_error& error) {
+      warn("the file " + file.filename().string() + " is unknown and cannot be moved: " + error.code().message());
+    }
+  }
+
+  /// The regular files of a folder that no row knows, without the half-written ones, which are removed.
+  std::vector<fs::path> unknown_files(const char* subfolder, const std::string& suffix, const char* known_ids) const {
     std::set<std::string> known;
     for (Statement rows(database, known_ids); rows.step();) known.insert(rows.text(0) + suffix);
+    std::vector<fs::path> unknown;
     for (const auto& entry : fs::directory_iterator(folder / subfolder)) {
-      if (entry.is_regular_file() && !known.contains(entry.path().filename().string())) fs::remove(entry.path());
+      if (!entry.is_regular_file() || known.contains(entry.path().filename().string())) continue;
+      unknown.push_back(entry.path());
     }
+    std::error_code ignored;
+    const auto unfinished = std::stable_partition(unknown.begin(), unknown.end(),
+                                                  [](const fs::path& path) { return !is_unfinished(path); });
+    for (auto path = unfinished; path != unknown.end(); ++path) fs::remove(*path, ignored);
+    unknown.erase(unfinished, unknown.end());
+    return unknown;
+  }
+
+  /// The row of a mesh from its file; nothing where the file is not what its name says.
+  std::optional<MeshRecord> describe_file(const fs::path& file, std::int64_t created) const {
+    if (file.extension() != ".ply" || !recovery.describe) return std::nullopt;
+    MeshRecord record{file.stem().string(), created, {}};
+    try {
+      const auto ply = read_file(file);
+      if (sha256(ply) != record.id) return std::nullopt;
+      record.description = recovery.describe(ply, record.id, created);
+    } catch (const std::exception& error) {
+      warn("the file " + file.filename().string() + " cannot be indexed: " + error.what());
+      return std::nullopt;
+    }
+    return record;
+  }
+
+  void recover_meshes() {
+    std::vector<std::pair<std::int64_t, fs::path>> files;
+    for (auto& file : unknown_files("meshes", ".ply", "SELECT id FROM meshes")) {
+      const auto created = modified(file);
+      files.emplace_back(created, std::move(file));
+    }
+    std::sort(files.begin(), files.end());
+    for (const auto& [created, file] : files) {
+      const auto record = describe_file(file, created);
+      if (!record) {
+        try_to_quarantine(file);
+        continue;
+      }
+      try {
+        insert_mesh(*record);
+        warn("the mesh " + record->id + " had no row and is indexed again");
+      } catch (const Error& error) {
+        warn("the mesh " + record->id + " cannot be indexed before the next start: " + error.what());
+      }
+    }
+  }
+
+  void recover_results() {
+    std::set<std::string> unacknowledged;
+    for (Statement rows(database, "SELECT id FROM jobs WHERE result_hash = ''"); rows.step();)
+      unacknowledged.insert(rows.text(0) + ".result");
+    for (const auto& file : unknown_files("results", ".result", "SELECT id FROM jobs WHERE result_hash <> ''")) {
+      std::error_code ignored;
+      if (unacknowledged.contains(file.filename().string())) {
+        fs::remove(file, ignored);
+      } else {
+        try_to_quarantine(file);
+      }
+    }
+  }
+
+  void insert_mesh(const MeshRecord& record) {
+    Statement(database, "INSERT INTO meshes (id, created, description) VALUES (?, ?, ?)")
+        .bind(record.id)
+        .bind(record.created)
+        .bind(record.description)
+        .run();
   }
 
   fs::path mesh_path(const std::string& id) const { return folder / "meshes" / (id + ".ply"); }
@@ -140,20 +283,22 @@ struct Store::Implementation {
 
   bool delete_job(const std::string& id) {
     if (Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() == 0) return false;
-    std::error_code ignored;  // a file without a row goes at the next start
+    std::error_code ignored;  // a file without a row goes into quarantine at the next start
     fs::remove(result_path(id), ignored);
     return true;
   }
 
+  const Recovery recovery;
   const fs::path folder;
   const int lock;
   mutable std::mutex mutex;
-  mutable Database database;
+  const std::unique_ptr<Database> connection;
+  Database& database;
 };
 
-Store::Store(const fs::path& folder) {
+Store::Store(const fs::path& folder, const Recovery& recovery) {
   try {
-    implementation_ = std::make_unique<Implementation>(folder);
+    implementation_ = std::make_unique<Implementation>(folder, recovery);
   } catch (const fs::filesystem_error& error) {
     throw Error("store.unavailable",
                 "The data folder " + folder.string() + " cannot be used: " + error.code().message() + ".");
@@ -181,11 +326,7 @@ std::pair<MeshRecord, bool> Store::add_mesh(
   const std::lock_guard lock(self.mutex);
   if (auto known = self.find_mesh(record.id)) return {std::move(*known), false};
   write_atomically(self.mesh_path(record.id), {ply});
-  Statement(self.database, "INSERT INTO meshes (id, created, description) VALUES (?, ?, ?)")
-      .bind(record.id)
-      .bind(record.created)
-      .bind(record.description)
-      .run();
+  self.insert_mesh(record);
   return {std::move(record), true};
 }
 
@@ -216,7 +357,7 @@ std::string Store::mesh_content(const std::string& id) const {
 bool Store::remove_mesh(const std::string& id) {
   const std::lock_guard lock(implementation_->mutex);
   if (Statement(implementation_->database, "DELETE FROM meshes WHERE id = ?").bind(id).run() == 0) return false;
-  std::error_code ignored;  // a file without a row goes at the next start
+  std::error_code ignored;  // a file without a row is a mesh again at the next start
   fs::remove(implementation_->mesh_path(id), ignored);
   return true;
 }

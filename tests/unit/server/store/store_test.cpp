@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <iterator>
+#include <set>
 
 #include "supple/base/error.h"
 
@@ -44,7 +46,26 @@ class StoreTest : public testing::Test {
     return "nothing was thrown";
   }
 
+  /// Knows only "no mesh" as no mesh.
+  Store::Recovery recovery() {
+    return {[](const std::string& ply, const std::string& id, std::int64_t created) {
+              if (ply == "no mesh") throw Error("mesh.malformed", "This is no mesh.");
+              return describe(id, created);
+            },
+            [this](const std::string& text) { warnings_.push_back(text); }};
+  }
+  /// The contents of what is in quarantine.
+  std::multiset<std::string> quarantined() const {
+    std::multiset<std::string> contents;
+    for (const auto& entry : fs::directory_iterator(folder_ / "quarantine")) {
+      std::ifstream file(entry.path(), std::ios::binary);
+      contents.emplace(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    }
+    return contents;
+  }
+
   fs::path folder_;
+  std::vector<std::string> warnings_;
 };
 
 TEST_F(StoreTest, NamesAMeshByTheHashOfItsContent) {
@@ -134,13 +155,89 @@ TEST_F(StoreTest, LosesNothingThatWasFinishedWhenTheProcessIsKilled) {
   EXPECT_EQ(store.unfinished_jobs()[0].id, "open");
 }
 
-TEST_F(StoreTest, RemovesFilesWithoutARowAtTheNextStart) {
-  { Store store(folder_); }
-  for (const char* name : {"meshes/0123.ply", "meshes/ab.ply.0.part", "results/x.result"})
+TEST_F(StoreTest, RemovesOnlyWhatWasNeverAcknowledged) {
+  {
+    Store store(folder_);
+    store.add_job(new_job("open"));
+  }
+  for (const char* name : {"meshes/ab.ply.0.part", "results/x.result.1.part", "results/open.result"})
     std::ofstream(folder_ / name) << "x";
-  Store store(folder_);
+  const Store store(folder_, recovery());
   EXPECT_TRUE(fs::is_empty(folder_ / "meshes"));
   EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+  EXPECT_FALSE(fs::exists(folder_ / "quarantine"));
+}
+
+TEST_F(StoreTest, MovesUnknownFilesIntoQuarantine) {
+  { Store store(folder_); }
+  const auto wrong_hash = std::string(64, '0') + ".ply";
+  const auto no_mesh = sha256("no mesh") + ".ply";
+  std::ofstream(folder_ / "meshes" / wrong_hash) << "abc";
+  std::ofstream(folder_ / "meshes" / no_mesh) << "no mesh";
+  std::ofstream(folder_ / "meshes" / "notes.txt") << "mine";
+  std::ofstream(folder_ / "results" / "x.result") << "first";
+  { const Store store(folder_, recovery()); }
+  std::ofstream(folder_ / "results" / "x.result") << "second";
+  const Store store(folder_, recovery());
+  EXPECT_TRUE(store.meshes(10, "").empty());
+  EXPECT_TRUE(fs::is_empty(folder_ / "meshes"));
+  EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+  const auto kept = quarantined();
+  EXPECT_EQ(kept.size(), 5U);
+  for (const auto& text : {"abc", "no mesh", "mine", "first", "second"}) EXPECT_EQ(kept.count(text), 1U) << text;
+  EXPECT_GE(warnings_.size(), 5U);
+}
+
+TEST_F(StoreTest, IndexesMeshesAgainWhoseDatabaseIsLost) {
+  MeshRecord before;
+  {
+    Store store(folder_);
+    before = store.add_mesh("abc", describe).first;
+  }
+  fs::remove(folder_ / "supple.sqlite");
+  const Store store(folder_, recovery());
+  const auto after = store.mesh(before.id);
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->description, before.description);
+  EXPECT_NEAR(static_cast<double>(after->created), static_cast<double>(before.created), 5000);
+  EXPECT_EQ(store.mesh_content(before.id), "abc");
+}
+
+TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {
+  const auto database = folder_ / "supple.sqlite";
+  const auto overwrite = [&](std::streamoff begin, std::size_t count) {
+    std::fstream file(database, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(begin) << std::string(count, '\xA5');
+  };
+  const std::vector<std::pair<const char*, std::function<void()>>> damages{
+      {"its head", [&] { overwrite(0, 100); }},
+      {"its pages", [&] { overwrite(4096, 8000); }},
+      {"its end", [&] { fs::resize_file(database, 4096 + 100); }},
+  };
+  for (const auto& [name, damage] : damages) {
+    fs::remove_all(folder_);
+    warnings_.clear();
+    std::string mesh;
+    {
+      Store store(folder_);
+      mesh = store.add_mesh("abc", describe).first.id;
+      auto job = new_job("j");
+      store.add_job(job);
+      job.state = JobState::successful;
+      const Result result{"text/plain", {}, "42"};
+      store.finish_job(job, &result);
+    }
+    damage();
+    Store store(folder_, recovery());
+    EXPECT_EQ(store.mesh_content(mesh), "abc") << name;
+    EXPECT_EQ(store.meshes(10, "").size(), 1U) << name;
+    EXPECT_FALSE(store.job("j")) << name;
+    const auto kept = quarantined();
+    EXPECT_EQ(kept.count("42"), 1U) << name;
+    EXPECT_EQ(kept.size(), 2U) << name << ": the database and the result";
+    EXPECT_NE(warnings_.at(0).find("damaged"), std::string::npos) << warnings_.at(0);
+    EXPECT_EQ(store.add_mesh("more", describe).second, true) << name << ": it is a store again";
+  }
 }
 
 TEST_F(StoreTest, RefusesAFolderThatIsInUse) {

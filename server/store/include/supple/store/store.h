@@ -20,14 +20,28 @@ std::string sha256(std::string_view bytes);
 /// mesh and each result.
 ///
 /// A file is written beside its place, synchronized, and renamed; its row is committed afterwards. So a row's file is
-/// always complete, whenever the process or the machine stops; files without a row are removed at the next start.
+/// always complete, whenever the process or the machine stops.
+///
+/// At the start the database is looked through. A damaged one is moved into the folder "quarantine" and a new one is
+/// made. Mesh files without a row whose name is their hash get a row again; every other file that no row knows is moved
+/// into quarantine. Removed is only what was never acknowledged: half-written files, and the result of an unfinished
+/// job.
+///
 /// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
 /// throws Error "store.full" where the disk is, "store.unavailable" where it or the database refuses otherwise. Any
 /// thread may call; calls take turns.
 class Store {
  public:
+  /// What the store needs in order to recover at the start.
+  struct Recovery {
+    /// Makes the description of a mesh anew from its file. Without it, or where it throws, the file goes into
+    /// quarantine.
+    std::function<std::string(const std::string& ply, const std::string& id, std::int64_t created)> describe;
+    std::function<void(const std::string&)> warn;  ///< hears what was found and what became of it
+  };
+
   /// Opens or makes the folder. Throws also where another process has it open.
-  explicit Store(const std::filesystem::path& folder);
+  explicit Store(const std::filesystem::path& folder, const Recovery& recovery = {});
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
