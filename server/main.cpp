@@ -70,7 +70,7 @@ void end_at_the_latest_after(double seconds) {
 store::Store::Recovery recovery() {
   store::Store::Recovery recovery;
   recovery.describe = [](const std::string& ply, const std::string& id, std::int64_t created) {
-    return json::write_mesh(id, created, surface::report(surface::load_mesh(ply)));
+    return json::write_mesh(id, created, surface::report(store::load_stored_mesh(ply)));
   };
   recovery.warn = [](const std::string& text) { spdlog::warn(text); };
   return recovery;

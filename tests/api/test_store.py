@@ -89,3 +89,15 @@ def test_a_start_without_a_sound_database_keeps_the_meshes_and_deletes_nothing(d
     assert len(kept) == (1 if damage == "lost" else 2)
     assert f"{job}.result is moved to quarantine" in server.log_text()
     assert f"the mesh {mesh} had no row and is indexed again" in server.log_text()
+
+
+def test_the_data_folder_is_for_the_user_of_the_server_alone(new_server: NewServer, contract: Contract) -> None:
+    server = new_server()
+    Api(server, contract).upload(*flat_grid(2))
+    assert server.data.stat().st_mode & 0o777 == 0o700
+    assert server.terminate() == 0
+    server.data.chmod(0o755)
+    server.start()
+    assert server.data.stat().st_mode & 0o777 == 0o700
+    assert "0700" in server.log_text()
+    assert [oct(path.stat().st_mode & 0o777) for path in (server.data / "meshes").iterdir()] == ["0o600"]

@@ -1,5 +1,7 @@
 #include "supple/store/mesh_cache.h"
 
+#include <limits>
+
 #include "supple/surface/mesh_io.h"
 
 namespace supple::store {
@@ -9,6 +11,11 @@ namespace {
 constexpr std::int64_t bytes_per_face = 700;
 
 }  // namespace
+
+surface::TriangleMesh load_stored_mesh(std::string_view ply) {
+  constexpr auto most = std::numeric_limits<std::int64_t>::max();
+  return surface::load_mesh(ply, {most, most});
+}
 
 std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id) {
   std::shared_ptr<Entry> entry;
@@ -30,7 +37,7 @@ std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id) {
   std::shared_ptr<const LoadedMesh> mesh;
   try {
     mesh = std::make_shared<const LoadedMesh>(
-        std::make_shared<const surface::TriangleMesh>(surface::load_mesh(store_.mesh_content(id))));
+        std::make_shared<const surface::TriangleMesh>(load_stored_mesh(store_.mesh_content(id))));
   } catch (...) {
     const std::lock_guard lock(mutex_);
     const auto slot = entries_.find(id);

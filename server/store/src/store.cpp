@@ -118,7 +118,8 @@ std::optional<JobState> state_of(std::string_view name) {
 struct Store::Implementation {
   Implementation(const fs::path& data, const Recovery& means)
       : recovery(means),
-        folder((fs::create_directories(data / "meshes"), fs::create_directories(data / "results"), data)),
+        folder(data),
+        prepared(prepare_folder()),
         lock(take_lock(data)),
         connection(open_database()),
         database(*connection) {
@@ -126,6 +127,26 @@ struct Store::Implementation {
     recover_results();
   }
   ~Implementation() { ::close(lock); }
+
+  /// For the server's user alone, also where an earlier version or an administrator made the folder.
+  bool prepare_folder() const {
+    const bool existed = fs::exists(folder);
+    fs::create_directories(folder);
+    const auto before = fs::status(folder).permissions();
+    if (before != fs::perms::owner_all) {
+      std::error_code error;
+      fs::permissions(folder, fs::perms::owner_all, error);
+      if (error) {
+        warn("the data folder may be entered by others and belongs to another user, so this cannot be changed: " +
+             error.message());
+      } else if (existed) {
+        warn("the data folder could be entered by others, and is for the server's user alone now (mode 0700)");
+      }
+    }
+    fs::create_directories(folder / "meshes");
+    fs::create_directories(folder / "results");
+    return true;
+  }
 
   /// One process at a time: a second one would call this one's running jobs interrupted.
   static int take_lock(const fs::path& data) {
@@ -290,6 +311,7 @@ struct Store::Implementation {
 
   const Recovery recovery;
   const fs::path folder;
+  const bool prepared;  ///< the folder is there before the lock in it is taken
   const int lock;
   mutable std::mutex mutex;
   const std::unique_ptr<Database> connection;

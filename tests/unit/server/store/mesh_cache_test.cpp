@@ -74,6 +74,27 @@ TEST_F(MeshCacheTest, SaysThatThereIsNoSuchMesh) {
   EXPECT_EQ(cache.size().meshes, 0U);
 }
 
+TEST_F(MeshCacheTest, LoadsAMeshThatWasAcceptedUnderHigherLimits) {
+  MeshCache cache(store_, 1 << 20);
+  // A head alone: what is said of it shows that its numbers were taken, and the vertices themselves looked for.
+  const auto head = [this](const std::string& vertices) {
+    return store_
+        .add_mesh("ply\nformat binary_little_endian 1.0\nelement vertex " + vertices +
+                      "\nproperty double x\nproperty double y\nproperty double z\nelement face 1\n"
+                      "property list uchar int vertex_indices\nend_header\n",
+                  [](auto&, auto) { return "{}"; })
+        .first.id;
+  };
+  for (const char* vertices : {"1000", "20000001", "9000000000000000000"}) {
+    try {
+      cache.get(head(vertices));
+      FAIL() << "nothing was thrown";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), "mesh.malformed") << vertices << ": " << error.what();
+    }
+  }
+}
+
 TEST_F(MeshCacheTest, ForgetsADeletedMesh) {
   MeshCache cache(store_, 1 << 20);
   const auto id = add_triangle(1);

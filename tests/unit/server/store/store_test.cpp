@@ -284,6 +284,24 @@ TEST_F(StoreTest, LetsOnlyItsUserReadItsFiles) {
     EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write) << path;
 }
 
+TEST_F(StoreTest, LetsOnlyItsUserEnterItsFolder) {
+  const auto data = folder_ / "new" / "data";
+  {
+    const Store store(data, recovery());
+    EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
+    EXPECT_TRUE(warnings_.empty()) << "nothing is said of a folder that the store made";
+  }
+  fs::permissions(data, fs::perms::owner_all | fs::perms::group_all | fs::perms::others_read);
+  {
+    const Store store(data, recovery());
+    EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
+    ASSERT_EQ(warnings_.size(), 1U);
+    EXPECT_NE(warnings_[0].find("0700"), std::string::npos);
+  }
+  const Store store(data, recovery());
+  EXPECT_EQ(warnings_.size(), 1U) << "said once";
+}
+
 TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {
   Store store(folder_);
   for (int i = 0; i < 5; ++i) {

@@ -8,11 +8,16 @@
 #include <mutex>
 #include <shared_mutex>
 #include <string>
+#include <string_view>
 
 #include "supple/store/store.h"
 #include "supple/surface/geodesic_solver.h"
 
 namespace supple::store {
+
+/// The mesh of a stored file, O(its bytes). No limit of meshes applies: the one under which it was accepted did, and
+/// may have been changed since. Throws as surface::load_mesh.
+surface::TriangleMesh load_stored_mesh(std::string_view ply);
 
 /// A mesh in memory with what its geodesics need.
 struct LoadedMesh {
@@ -28,7 +33,7 @@ class MeshCache {
   MeshCache(const Store& store, std::int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
 
   /// Loads the mesh if it is not held; of several requests for one mesh, one loads it and the others wait. Throws
-  /// "mesh.not_found", "store.corrupted".
+  /// "mesh.not_found", "store.corrupted". A stored mesh loads whatever the limits of meshes are now.
   std::shared_ptr<const LoadedMesh> get(const std::string& id);
   /// Holds a mesh that is in memory already.
   void put(const std::string& id, std::shared_ptr<const LoadedMesh> mesh);
