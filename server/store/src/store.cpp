@@ -302,11 +302,12 @@ struct Store::Implementation {
     return MeshRecord{id, row.integer(0), row.text(1)};
   }
 
-  bool delete_job(const std::string& id) {
-    if (Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() == 0) return false;
+  bool delete_row(const std::string& id) {
+    return Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() > 0;
+  }
+  void delete_result(const std::string& id) const {
     std::error_code ignored;  // a file without a row goes into quarantine at the next start
     fs::remove(result_path(id), ignored);
-    return true;
   }
 
   const Recovery recovery;
@@ -475,7 +476,9 @@ Result Store::job_result(const std::string& id) const {
 
 bool Store::remove_job(const std::string& id) {
   const std::lock_guard lock(implementation_->mutex);
-  return implementation_->delete_job(id);
+  if (!implementation_->delete_row(id)) return false;
+  implementation_->delete_result(id);
+  return true;
 }
 
 std::vector<JobRecord> Store::unfinished_jobs() const {
@@ -499,8 +502,10 @@ std::size_t Store::remove_expired_jobs(std::int64_t now, std::size_t most) {
     while (rows.step()) ids.push_back(rows.text(0));
   }
   Transaction transaction(self.database);
-  for (const auto& id : ids) self.delete_job(id);
+  for (const auto& id : ids) self.delete_row(id);
   transaction.commit();
+  // Only now, for a row that stays because the commit failed must still have its result.
+  for (const auto& id : ids) self.delete_result(id);
   return ids.size();
 }
 

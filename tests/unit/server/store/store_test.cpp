@@ -320,6 +320,30 @@ TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {
   EXPECT_TRUE(store.job("j4")) << "an unfinished job is never removed";
 }
 
+TEST_F(StoreTest, KeepsTheResultsOfExpiredJobsWhereTheRowsCannotBeRemoved) {
+  if (::mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=1m") != 0) GTEST_SKIP() << "mounting takes root";
+  {
+    Store store(folder_);
+    auto job = new_job("j");
+    store.add_job(job);
+    job.state = JobState::successful;
+    job.finished = 1000;
+    job.expires = 1500;
+    const Result result{"text/plain", {}, "42"};
+    store.finish_job(job, &result);
+    std::ofstream ballast(folder_ / "ballast", std::ios::binary);
+    while (ballast.put('x').flush()) {
+    }
+    ballast.close();
+    EXPECT_EQ(code_of([&] { store.remove_expired_jobs(2000, 10); }), "store.full");
+    EXPECT_EQ(store.job_result("j").body, "42") << "the row is still there, and so is its file";
+    fs::remove(folder_ / "ballast");
+    EXPECT_EQ(store.remove_expired_jobs(2000, 10), 1U);
+    EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+  }
+  EXPECT_EQ(::umount(folder_.c_str()), 0);
+}
+
 TEST_F(StoreTest, KeepsNoResultOfAJobThatWasRemovedMeanwhile) {
   Store store(folder_);
   auto job = new_job("j");
