@@ -179,6 +179,7 @@ int serve(const ServerOptions& options) {
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
   const auto signals = block_end_signals();
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is an error of that write, not the end
   set_thread_count(options.threads);
   if (options.helper.program.empty()) {
     spdlog::warn("no helper program: meshing runs in this process, where nothing stops it");

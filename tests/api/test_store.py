@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 from pathlib import Path
 from typing import Callable, Iterator
@@ -10,8 +11,8 @@ from typing import Callable, Iterator
 import pytest
 
 from contract import Contract
-from harness import Api, ServerProcess
-from shapes import bumpy_sphere, flat_grid
+from harness import Api, ServerProcess, problem_code
+from shapes import bumpy_sphere, flat_grid, sphere
 
 ASYNC = {"Prefer": "respond-async"}
 FIELDS = "/v1/geodesic-fields"
@@ -101,3 +102,16 @@ def test_the_data_folder_is_for_the_user_of_the_server_alone(new_server: NewServ
     assert server.data.stat().st_mode & 0o777 == 0o700
     assert "0700" in server.log_text()
     assert [oct(path.stat().st_mode & 0o777) for path in (server.data / "meshes").iterdir()] == ["0o600"]
+
+
+def test_a_file_beyond_the_limit_of_its_size_is_refused_and_ends_nothing(new_server: NewServer, contract: Contract) -> None:
+    server = new_server()
+    api = Api(server, contract)
+    vertices, faces = sphere(5)
+    resource.prlimit(server.pid, resource.RLIMIT_FSIZE, (300_000, 300_000))
+    response = api.post("/v1/meshes", {"vertices": [list(map(float, v)) for v in vertices],
+                                       "faces": [list(map(int, f)) for f in faces]})
+    assert (response.status_code, problem_code(response)) == (503, "store.unavailable")
+    assert "File too large" in response.json()["detail"]
+    api.upload(*flat_grid(2))
+    assert list((server.data / "meshes").glob("*.part")) == []
