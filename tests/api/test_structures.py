@@ -222,7 +222,7 @@ def test_a_bad_query_is_refused_by_the_name_of_its_parameter(api: Api, name: str
     response = api.get(link("IH21", **{name: text}), faulty=True)
     assert (response.status_code, problem_code(response)) == (400, "request.invalid_parameter")
     assert pointers(response) == [f"query {name}"] and name in response.json()["detail"]
-    assert "Cache-Control" not in response.headers
+    assert response.headers["Cache-Control"] == "no-cache"
 
 
 def test_all_bad_parts_of_a_query_are_named_at_once(api: Api) -> None:
