@@ -395,8 +395,8 @@ void measure_host_steps(Report& report, const NetworkSettings& settings) {
     int n;
     double element_size;
   };
-  const std::vector<Size> all =
-      settings.brief ? std::vector<Size>{{2, 1.3}} : std::vector<Size>{{3, 1.3}, {4, 1.3}, {6, 1.3}, {8, 1.2}, {11, 1.2}};
+  const std::vector<Size> all = settings.brief ? std::vector<Size>{{2, 1.3}}
+                                               : std::vector<Size>{{3, 1.3}, {4, 1.3}, {6, 1.3}, {8, 1.2}, {11, 1.2}};
   std::vector<double> unknowns, ms;
   for (const auto& [n, element_size] : all) {
     HostScene scene = rabbit_scene(n, settings.brief ? 0.3 : 0.15, element_size);
