@@ -1,0 +1,65 @@
+// Bytes as they may arrive on a connection: heads of requests, and bodies in chunks.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "chunked_body.h"
+#include "request_head.h"
+#include "supple/base/error.h"
+
+namespace {
+
+using supple::http::ChunkedBody;
+
+/// The body, whether it is complete, and what is left; nothing of it where the framing is refused.
+struct Outcome {
+  std::string body;
+  std::string left;
+  bool complete = false;
+  bool refused = false;
+  bool operator==(const Outcome&) const = default;
+};
+
+Outcome read_in_pieces(const std::string& bytes, std::size_t piece) {
+  Outcome outcome;
+  ChunkedBody chunks;
+  try {
+    for (std::size_t at = 0; at < bytes.size(); at += piece) {
+      outcome.left += bytes.substr(at, piece);
+      if (!outcome.complete) outcome.complete = chunks.take(outcome.left, outcome.body);
+    }
+  } catch (const supple::Error&) {
+    outcome = {};
+    outcome.refused = true;
+  }
+  return outcome;
+}
+
+void read_head_of(const std::string& bytes) {
+  const auto end = supple::http::end_of_head(bytes);
+  if (end == std::string::npos) return;
+  try {
+    const auto head = supple::http::read_head(bytes.substr(0, end));
+    supple::http::read_query(head.query);
+    // What was understood is understood in one way only.
+    if (head.chunked && head.content_length) std::abort();
+    if (head.path.empty() || head.path.front() != '/') std::abort();
+  } catch (const supple::Error&) {
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
+  read_head_of(bytes);
+  // However the bytes arrive, they say the same, unless more than a body's end is there to be refused.
+  const auto whole = read_in_pieces(bytes, std::max<std::size_t>(bytes.size(), 1));
+  const auto pieces = read_in_pieces(bytes, std::size_t{1} + data[0] % 16);
+  if (!whole.refused && !pieces.refused && !(whole == pieces)) std::abort();
+  return 0;
+}
