@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -25,13 +26,13 @@ Clock::duration duration(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-problem::ProblemError queue_full(std::size_t limit) {
-  problem::Problem problem{"job.queue_full",
-                           "The queue holds " + std::to_string(limit) + " jobs, its limit (setting --max-queue).",
-                           {},
-                           problem::Limit{static_cast<double>(limit), static_cast<double>(limit) + 1, "--max-queue"},
-                           5};
-  return problem::ProblemError(std::move(problem));
+problem::ProblemError queue_full(const std::string& detail, double limit, double value, const std::string& setting,
+                                 int retry_after) {
+  return problem::ProblemError({"job.queue_full",
+                                detail + " (setting " + setting + ").",
+                                {},
+                                problem::Limit{limit, value, setting},
+                                retry_after});
 }
 
 [[noreturn]] void throw_shutting_down() { throw Error("server.shutting_down", "The server is shutting down."); }
@@ -181,12 +182,44 @@ JobQueue::JobPointer JobQueue::enqueue(Computation computation, bool visible) {
       watchdog_, Watchdog::Watch{job->token, Clock::now() + duration(job->computation.deadline), {}});
   const std::lock_guard lock(mutex_);
   if (refusing_) throw_shutting_down();
-  if (queue_.size() >= options_.max_queue) throw queue_full(options_.max_queue);
+  require_place(job->computation.bytes);
   if (visible) publish(*job);
   job->in_session = enter_session(job->computation.session, job->token);
   jobs_.emplace(job->record.id, job);
   queue_.push_back(job);
+  queue_bytes_ += job->computation.bytes;
   work_.notify_one();
+  return job;
+}
+
+void JobQueue::require_place(std::int64_t bytes) const {
+  // A place is free once one of the workers has taken the next job.
+  constexpr double longest = 3600;
+  const double seconds = std::clamp(mean_seconds_ / options_.workers, 1.0, longest);
+  const int retry_after = static_cast<int>(std::ceil(seconds));
+  if (queue_.size() >= options_.max_queue) {
+    const auto limit = static_cast<double>(options_.max_queue);
+    throw queue_full("The queue holds " + std::to_string(options_.max_queue) + " jobs, its limit", limit, limit + 1,
+                     "--max-queue", retry_after);
+  }
+  if (queue_bytes_ + bytes > options_.max_queue_bytes) {
+    throw queue_full("With this job those that wait would hold " + std::to_string(queue_bytes_ + bytes) +
+                         " bytes of memory, their limit is " + std::to_string(options_.max_queue_bytes),
+                     static_cast<double>(options_.max_queue_bytes), static_cast<double>(queue_bytes_ + bytes),
+                     "--max-queue-bytes", retry_after);
+  }
+}
+
+JobQueue::JobPointer JobQueue::take_next() {
+  const auto runs = [this](const JobPointer& job) {
+    const auto found = running_of_.find(job->computation.client);
+    return found == running_of_.end() ? 0 : found->second;
+  };
+  const auto next = std::min_element(queue_.begin(), queue_.end(),
+                                     [&](const JobPointer& a, const JobPointer& b) { return runs(a) < runs(b); });
+  auto job = *next;
+  queue_bytes_ -= job->computation.bytes;
+  queue_.erase(next);
   return job;
 }
 
@@ -336,10 +369,11 @@ void JobQueue::work() {
   while (true) {
     work_.wait(lock, [this] { return ending_ || !queue_.empty(); });
     if (ending_) return;
-    const auto job = queue_.front();
-    queue_.pop_front();
+    const auto job = take_next();
     if (job->finished) continue;
     ++running_;
+    ++running_of_[job->computation.client];
+    const auto begin = Clock::now();
     job->record.state = JobState::running;
     job->record.started = store::now_milliseconds();
     ++job->version;
@@ -348,6 +382,9 @@ void JobQueue::work() {
     run_job(job);
     lock.lock();
     --running_;
+    if (const auto of = running_of_.find(job->computation.client); --of->second == 0) running_of_.erase(of);
+    constexpr double weight = 0.1;  // of the latest job in the moving average
+    mean_seconds_ += weight * (std::chrono::duration<double>(Clock::now() - begin).count() - mean_seconds_);
     changed_.notify_all();
   }
 }
@@ -456,6 +493,7 @@ void JobQueue::clean_up() {
     for (auto place = queue_.begin(); place != queue_.end();) {
       if ((*place)->finished || (*place)->token.requested()) {
         stopped.push_back(*place);
+        queue_bytes_ -= (*place)->computation.bytes;
         place = queue_.erase(place);
       } else {
         ++place;

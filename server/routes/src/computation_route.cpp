@@ -52,6 +52,8 @@ void take_off_reading(const http::Request& request, jobs::Computation& computati
 
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation) {
   const auto preference = http::parse_preference(request.header("Prefer"), services.limits.max_wait);
+  computation.client = request.client;
+  computation.bytes = static_cast<std::int64_t>(request.body.size());
   if (!preference.respond_async && !preference.wait) {
     take_off_reading(request, computation);
     return answer_immediately(services, request, computation);

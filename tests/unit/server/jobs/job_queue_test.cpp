@@ -6,6 +6,10 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "supple/base/error.h"
 #include "supple/json/answers.h"
@@ -289,6 +293,68 @@ TEST_F(JobQueueTest, RefusesMoreJobsThanTheQueueHoldsAndNamesTheLimit) {
     EXPECT_EQ(error.problem().limit->limit, 2);
     EXPECT_EQ(error.problem().limit->setting, "--max-queue");
   }
+}
+
+TEST_F(JobQueueTest, RefusesJobsThatHoldMoreMemoryThanTheQueueMay) {
+  options_.max_queue_bytes = 100;
+  const auto of_bytes = [](std::int64_t bytes) {
+    auto computation = answering("x");
+    computation.bytes = bytes;
+    return computation;
+  };
+  const auto running = queue().submit(endless()).record.id;
+  wait_until_started();
+  const auto first = queue().submit(of_bytes(60)).record.id;
+  try {
+    queue().submit(of_bytes(41));
+    FAIL() << "nothing was thrown";
+  } catch (const problem::ProblemError& error) {
+    EXPECT_EQ(error.code(), "job.queue_full");
+    EXPECT_EQ(error.problem().limit->limit, 100);
+    EXPECT_EQ(error.problem().limit->value, 101);
+    EXPECT_EQ(error.problem().limit->setting, "--max-queue-bytes");
+    EXPECT_GE(error.problem().retry_after.value_or(0), 1);
+  }
+  queue().submit(of_bytes(40));
+  queue().remove(first);
+  queue().remove(running);
+  // What has left the queue, one way or the other, makes place.
+  for (int i = 0; i < 3; ++i) wait_until_finished(queue().submit(of_bytes(100)).record.id);
+}
+
+TEST_F(JobQueueTest, LetsNoClientKeepTheWorkersFromOthers) {
+  std::mutex mutex;
+  std::string order;
+  const auto of_client = [&](const std::string& client) {
+    Computation computation{"test", {}, 600, {}};
+    computation.client = client;
+    computation.run = [&, client](const Execution&) {
+      const std::lock_guard lock(mutex);
+      order += client;
+      return store::Result{"text/plain", {}, client};
+    };
+    return computation;
+  };
+  options_.workers = 2;
+  auto long_one = endless();
+  long_one.client = "a";
+  const auto running = queue().submit(long_one).record.id;
+  wait_until_started();
+  auto blocker = endless();
+  blocker.client = "b";
+  const auto blocked = queue().submit(blocker).record.id;
+  while (started_ < 2) std::this_thread::yield();
+  std::vector<std::string> others;
+  for (int i = 0; i < 5; ++i) others.push_back(queue().submit(of_client("a")).record.id);
+  const auto of_other = queue().submit(of_client("c")).record.id;
+  queue().remove(blocked);  // "a" has a job that runs, "c" has none: its turn
+  wait_until_finished(of_other);
+  {
+    const std::lock_guard lock(mutex);
+    EXPECT_EQ(order.substr(0, 1), "c");
+  }
+  queue().remove(running);
+  for (const auto& id : others) wait_until_finished(id);
 }
 
 TEST_F(JobQueueTest, TellsProgressAndStage) {

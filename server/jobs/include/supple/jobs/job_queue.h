@@ -30,6 +30,9 @@ struct Computation {
   std::function<store::Result(const Execution&)> run;
   /// An unfinished computation of the same session is stopped with "design.superseded"; empty: of none.
   std::string session{};
+  /// Who asked: while others wait, nobody's jobs take more workers than theirs.
+  std::string client{};
+  std::int64_t bytes = 0;  ///< of memory that it holds while it waits, about: those of its request
 };
 
 /// A job as a client sees it: its record, and how far it is.
@@ -41,11 +44,12 @@ struct JobStatus {
 };
 
 struct QueueOptions {
-  int workers = 2;                ///< jobs that run at the same time
-  int immediate = 4;              ///< immediate computations that run at the same time
-  std::size_t max_queue = 1000;   ///< jobs that wait for a worker; setting --max-queue
-  double retention = 7 * 86400;   ///< seconds that a finished job is kept; setting --retention
-  std::size_t max_jobs = 10'000;  ///< finished jobs that are kept; setting --max-jobs
+  int workers = 2;                             ///< jobs that run at the same time
+  int immediate = 4;                           ///< immediate computations that run at the same time
+  std::size_t max_queue = 1000;                ///< jobs that wait for a worker; setting --max-queue
+  std::int64_t max_queue_bytes = 256LL << 20;  ///< of memory that those hold; setting --max-queue-bytes
+  double retention = 7 * 86400;                ///< seconds that a finished job is kept; setting --retention
+  std::size_t max_jobs = 10'000;               ///< finished jobs that are kept; setting --max-jobs
 };
 
 /// Runs computations: at once on the caller's thread, or as jobs on worker threads.
@@ -113,6 +117,10 @@ class JobQueue {
   std::uint64_t enter_session(const std::string& session, const CancellationToken& token);
   void leave_session(const std::string& session, std::uint64_t number);
   JobPointer enqueue(Computation computation, bool visible);
+  /// Under the mutex: throws "job.queue_full" where there is no place for a job that holds so many bytes.
+  void require_place(std::int64_t bytes) const;
+  /// Under the mutex: takes the job that a worker runs next, the first one of the client with the fewest that run.
+  JobPointer take_next();
   void publish(Job& job);
   void work();
   void run_job(const JobPointer& job);
@@ -140,6 +148,9 @@ class JobQueue {
   std::condition_variable end_;  // for the cleaner, which must not take a wake-up that a worker is meant to get
   mutable std::condition_variable changed_;  // a job's status has changed
   std::deque<JobPointer> queue_;
+  std::int64_t queue_bytes_ = 0;                       // that the jobs in the queue hold
+  std::map<std::string, int> running_of_;              // jobs of each client that run
+  double mean_seconds_ = 0;                            // that a job runs, a moving average
   std::map<std::string, JobPointer> jobs_;             // unfinished ones, those not yet visible to clients included
   std::map<std::string, store::JobRecord> unwritten_;  // finished ones whose end the store did not take
   std::map<std::uint64_t, CancellationToken> immediate_;
