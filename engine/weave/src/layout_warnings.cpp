@@ -11,7 +11,7 @@ namespace {
 
 constexpr double small_angle = 0.2;  ///< rad
 /// Crossings between two looks for a stop request: a few milliseconds.
-constexpr std::size_t crossings_between_looks = 1024;
+constexpr std::size_t warned_crossings_between_looks = 1024;
 /// Places of a strand this close, relative to its length, are one.
 constexpr double near_share = 1e-6;
 
@@ -92,7 +92,7 @@ bool has_small_angle(const Weave& weave, const Crossing& crossing) {
 void warn_of_angles(const Weave& weave, const Execution& execution, std::vector<std::string>& warnings) {
   Cases flat;
   for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
-    if (c % crossings_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (c % warned_crossings_between_looks == 0) execution.cancellation.throw_if_requested();
     if (has_small_angle(weave, weave.crossings[c])) flat.add(c);
   }
   tell(flat, "have strands that meet at less than 0.2 rad", "crossings", warnings);

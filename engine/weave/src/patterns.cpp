@@ -16,7 +16,7 @@ using std::numbers::pi;
 /// Points of a circle's spline: its radius of curvature is then right to 1e-5.
 constexpr int circle_points = 64;
 /// Crossings between two looks for a stop request: a few milliseconds.
-constexpr std::size_t crossings_between_looks = 1024;
+constexpr std::size_t laid_crossings_between_looks = 1024;
 
 void require(bool good, const char* where, const std::string& message) {
   if (!good) throw Error("weave.invalid_pattern", std::string(where) + " " + message, {{where, message}});
@@ -126,7 +126,7 @@ void limit_sliding(Weave& weave, double share, const Execution& execution) {
     for (const CrossingMember& m : crossing.members) places[static_cast<std::size_t>(m.strand)].push_back(m.coordinate);
   for (auto& list : places) std::sort(list.begin(), list.end());
   for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
-    if (c % crossings_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (c % laid_crossings_between_looks == 0) execution.cancellation.throw_if_requested();
     for (CrossingMember& m : weave.crossings[c].members) {
       if (!m.slides) continue;
       const auto s = static_cast<std::size_t>(m.strand);

@@ -22,7 +22,7 @@ constexpr double same_point = 1e-9;
 /// Points that leave a line by less, relative to the extent, lie on it.
 constexpr double on_line = 1e-12;
 /// Pieces between two looks for a stop request: a millisecond's work.
-constexpr std::size_t pieces_between_looks = 1024;
+constexpr std::size_t curve_pieces_between_looks = 1024;
 
 /// Gauss-Legendre points and weights on [-1, 1].
 constexpr std::array<std::array<double, 2>, 5> gauss{{{-0.9061798459386640, 0.2369268850561891},
@@ -202,7 +202,7 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
   std::vector<std::size_t> given;
   given.reserve(values_.size());
   for (std::size_t piece = 0; piece + 1 < values_.size(); ++piece) {
-    if (piece % pieces_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (piece % curve_pieces_between_looks == 0) execution.cancellation.throw_if_requested();
     given.push_back(refined.size());
     const double h = knots_[piece + 1] - knots_[piece];
     // The curvature is greatest near an end of a piece or in its middle; twice that is a bound in practice.
@@ -236,7 +236,7 @@ void StrandCurve::measure(const Execution& execution) {
   std::vector<double> knots{0};
   knots.reserve(knots_.size());
   for (std::size_t piece = 0; piece + 1 < knots_.size(); ++piece) {
-    if (piece % pieces_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (piece % curve_pieces_between_looks == 0) execution.cancellation.throw_if_requested();
     knots.push_back(knots.back() + piece_length(piece, 0, knots_[piece + 1] - knots_[piece]));
   }
   knots_ = std::move(knots);

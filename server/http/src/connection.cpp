@@ -39,7 +39,8 @@ Connection::~Connection() {
 
 void Connection::begin_next() {
   place_ = Place::idle;
-  deadline_ = Clock::now() + patience_.idle;
+  waits_since_ = Clock::now();
+  deadline_ = waits_since_ + patience_.idle;
   head_.reset();
   chunks_ = {};
   request = Request();
@@ -98,8 +99,8 @@ Connection::Arrival Connection::read_request_head(const Admit& admit) {
     while (place_ == Place::idle && input_.starts_with("\r\n")) input_.erase(0, 2);  // RFC 9112, 2.2
     if (!input_.empty() && place_ == Place::idle) {
       place_ = Place::head;
-      started_ = Clock::now();
-      deadline_ = started_ + patience_.head;
+      waits_since_ = Clock::now();
+      deadline_ = waits_since_ + patience_.head;
     }
     const auto end = end_of_head(input_);
     if (end != std::string::npos && end <= max_head_bytes) {
@@ -123,7 +124,7 @@ Connection::Arrival Connection::read_request_head(const Admit& admit) {
         return give_up(std::current_exception());
       }
       place_ = Place::body;
-      deadline_ = started_ + patience_.request;
+      deadline_ = waits_since_ + patience_.request;
       if (head_->expects_continue && input_.empty()) {
         constexpr std::string_view go_on = "HTTP/1.1 100 Continue\r\n\r\n";
         ::send(socket_, go_on.data(), go_on.size(), MSG_NOSIGNAL | MSG_DONTWAIT);

@@ -58,8 +58,8 @@ class Connection {
   int socket() const { return socket_; }
   const std::string& client() const { return client_; }
   Clock::time_point deadline() const { return deadline_; }
-  /// When its first byte arrived.
-  Clock::time_point started() const { return started_; }
+  /// When it began to wait: for a request, or since the first byte of one for the rest.
+  Clock::time_point waits_since() const { return waits_since_; }
   /// Whether no byte of a request has arrived.
   bool idle() const { return place_ == Place::idle; }
   bool lingering() const { return place_ == Place::lingering; }
@@ -90,7 +90,7 @@ class Connection {
   budget::MemoryBudget* const budget_;
   const Patience patience_;
   Place place_ = Place::idle;
-  Clock::time_point started_{};
+  Clock::time_point waits_since_ = Clock::now();
   Clock::time_point deadline_{};
   std::string input_;  ///< bytes that have arrived and belong to no request yet
   std::optional<RequestHead> head_;

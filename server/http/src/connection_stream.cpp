@@ -51,14 +51,9 @@ bool ConnectionStream::send_all(const char* data, std::size_t size) {
 
 ssize_t ConnectionStream::write(const char* data, std::size_t size) {
   constexpr std::size_t small = 64 * 1024;
-  if (!answer_has_begun_ && size <= small) {
-    answer_has_begun_ = true;
-    waiting_.assign(data, size);
-    return static_cast<ssize_t>(size);
-  }
-  if (!waiting_.empty() && size <= small) {
+  if (waiting_.size() + size <= small) {
     waiting_.append(data, size);
-    return flush() ? static_cast<ssize_t>(size) : -1;
+    return !at_once_ || flush() ? static_cast<ssize_t>(size) : -1;
   }
   return flush() && send_all(data, size) ? static_cast<ssize_t>(size) : -1;
 }

@@ -16,9 +16,11 @@ class ConnectionStream final : public httplib::Stream {
   bool is_readable() const override { return !head_.empty(); }
   bool is_writable() const override;
   ssize_t read(char* data, std::size_t size) override;
-  /// Sends everything or fails (-1). The first piece of an answer, its head, waits for the second so that small answers
-  /// leave in one packet.
+  /// Sends everything or fails (-1). A small answer waits for `flush`, so that it leaves in one packet, and once the
+  /// server is done with it.
   ssize_t write(const char* data, std::size_t size) override;
+  /// From here on nothing waits: pieces of a streamed answer are sent as they come.
+  void send_at_once() { at_once_ = true; }
   /// Sends what waits. False once the client has gone.
   bool flush();
   void get_remote_ip_and_port(std::string& ip, int& port) const override;
@@ -32,7 +34,7 @@ class ConnectionStream final : public httplib::Stream {
   int socket_;
   double write_seconds_;
   std::string_view head_;
-  bool answer_has_begun_ = false;
+  bool at_once_ = false;
   std::string waiting_;
 };
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int most_events = 256;
 constexpr std::chrono::milliseconds period{50};  // between two looks at the deadlines
+constexpr std::chrono::seconds moment{1};        // in which the first bytes of a new connection are due
 
 }  // namespace
 
@@ -42,11 +43,10 @@ void Lobby::take(std::shared_ptr<Connection> connection) {
 }
 
 void Lobby::make_room() {
-  {
-    const std::lock_guard lock(mutex_);
-    ++asked_for_room_;
-  }
+  std::unique_lock lock(mutex_);
+  const auto number = ++rooms_asked_for_;
   ::eventfd_write(wake_, 1);
+  room_made_.wait(lock, [&] { return stopping_ || rooms_made_ >= number; });
 }
 
 void Lobby::stop() {
@@ -55,6 +55,7 @@ void Lobby::stop() {
     stopping_ = true;
     taken_.clear();
   }
+  room_made_.notify_all();
   ::eventfd_write(wake_, 1);
   if (!thread_.joinable()) return;
   thread_.join();
@@ -65,6 +66,7 @@ void Lobby::stop() {
 void Lobby::run() {
   std::array<epoll_event, most_events> events{};
   auto next_look = Connection::Clock::now() + period;
+  std::uint64_t rooms_made = 0;
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_look - Connection::Clock::now()).count();
     const bool nobody = waiting_.empty();
@@ -80,14 +82,20 @@ void Lobby::run() {
       }
     }
     std::vector<std::shared_ptr<Connection>> taken;
-    int asked = 0;
+    std::uint64_t asked = 0;
     {
       const std::lock_guard lock(mutex_);
       if (stopping_) break;
       taken.swap(taken_);
-      std::swap(asked, asked_for_room_);
+      asked = rooms_asked_for_;
     }
-    for (; asked > 0; --asked) close_one();  // before others come, who might take the place
+    // Before others come, who might take the place.
+    if (asked > rooms_made) {
+      for (; rooms_made < asked; ++rooms_made) close_one();
+      const std::lock_guard lock(mutex_);
+      rooms_made_ = rooms_made;
+      room_made_.notify_all();
+    }
     for (auto& connection : taken) add(std::move(connection));
     if (Connection::Clock::now() >= next_look) {
       close_expired();
@@ -137,13 +145,16 @@ void Lobby::close_expired() {
 void Lobby::close_one() {
   std::map<std::string, int> connections;
   for (const auto& [socket, connection] : waiting_) ++connections[connection->client()];
+  const auto now = Connection::Clock::now();
+  const auto rank = [now](const Connection& connection) {
+    if (connection.lingering()) return 0;
+    return connection.idle() && now - connection.waits_since() > moment ? 1 : 2;
+  };
   const auto is_before = [&](const Connection& a, const Connection& b) {
-    const auto rank = [](const Connection& c) { return c.lingering() ? 0 : (c.idle() ? 1 : 2); };
     if (rank(a) != rank(b)) return rank(a) < rank(b);
-    if (rank(a) < 2) return a.deadline() < b.deadline();
-    const int of_a = connections[a.client()];
-    const int of_b = connections[b.client()];
-    return of_a != of_b ? of_a > of_b : a.started() < b.started();
+    const int of_a = rank(a) < 2 ? 0 : connections[a.client()];
+    const int of_b = rank(b) < 2 ? 0 : connections[b.client()];
+    return of_a != of_b ? of_a > of_b : a.waits_since() < b.waits_since();
   };
   Connection* chosen = nullptr;
   for (const auto& [socket, connection] : waiting_) {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <atomic>
+#include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -26,8 +27,9 @@ class Lobby {
 
   /// Takes a connection to wait, or to linger. Any thread may call. Closes it where the lobby has stopped.
   void take(std::shared_ptr<Connection> connection);
-  /// Asks for a place: closes the connection that has waited longest without a byte of a request, otherwise of the
-  /// client with most connections here the one whose request began first. Any thread may call; it happens soon.
+  /// Closes a connection, if there is one: that has been answered, that has waited longest without a byte of a request,
+  /// or of the client with most connections here the one that has waited longest for the rest. One that has just come
+  /// is not the first to go. Any thread but the lobby's may call; returns once it has happened.
   void make_room();
   /// Closes every connection that waits and returns once the thread has ended.
   void stop();
@@ -47,7 +49,9 @@ class Lobby {
   std::unordered_map<int, std::shared_ptr<Connection>> waiting_;  // the thread's alone
   std::mutex mutex_;
   std::vector<std::shared_ptr<Connection>> taken_;
-  int asked_for_room_ = 0;
+  std::condition_variable room_made_;
+  std::uint64_t rooms_asked_for_ = 0;
+  std::uint64_t rooms_made_ = 0;
   bool stopping_ = false;
   std::thread thread_;
 };

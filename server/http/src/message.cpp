@@ -6,16 +6,10 @@
 #include <algorithm>
 #include <charconv>
 
+#include "text.h"
+
 namespace supple::http {
 namespace {
-
-constexpr std::string_view blanks = " \t";
-
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-}
 
 std::string lower(std::string_view text) {
   std::string result(text);

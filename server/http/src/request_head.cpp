@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "supple/base/error.h"
+#include "text.h"
 
 namespace supple::http {
 namespace {
@@ -28,12 +29,6 @@ bool is_token(std::string_view text) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
            marks.find(c) != std::string_view::npos;
   });
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
 /// Takes the next line, without its end, from the text.

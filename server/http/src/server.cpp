@@ -45,6 +45,7 @@ Clock::duration seconds(double value) {
 /// The request that this thread answers.
 struct Exchange {
   Connection* connection = nullptr;
+  ConnectionStream* stream = nullptr;
   int status = 0;
   bool close_after_answer = false;
 };
@@ -329,10 +330,7 @@ class Server::Implementation final : public httplib::Server {
   /// Answers on the connection until no further request is there, which is left to the lobby to wait for.
   void serve_connection(std::shared_ptr<Connection> connection, bool placed) {
     while (true) {
-      const auto client = connection->request.client;
-      const auto begin = Clock::now();
-      const auto after = answer_on(*connection);
-      if (placed) leave_place(client, std::chrono::duration<double>(Clock::now() - begin).count());
+      const auto after = answer_on(*connection, placed);
       if (after == After::close) return;
       if (after == After::linger) {
         connection->linger(linger_time);
@@ -361,7 +359,9 @@ class Server::Implementation final : public httplib::Server {
 
   enum class After { next, linger, close };
 
-  After answer_on(Connection& connection) {
+  /// Leaves the request's place before the last bytes of a small answer are sent: a client that has them may count on
+  /// it.
+  After answer_on(Connection& connection, bool placed) {
     Exchange exchange;
     exchange.connection = &connection;
     exchange.close_after_answer = connection.unread() || !connection.head();
@@ -370,13 +370,20 @@ class Server::Implementation final : public httplib::Server {
     const bool last = ++connection.answered >= options_.requests_per_connection || stopping_;
     bool closed_by_client = false;
     bool sent = false;
+    const auto leave = [&] {
+      if (!placed) return;
+      leave_place(connection.request.client, std::chrono::duration<double>(Clock::now() - begin).count());
+    };
     if (connection.head()) {
       const auto head = head_for_library(*connection.head());
       ConnectionStream stream(connection.socket(), options_.write_seconds, head);
+      exchange.stream = &stream;
       const bool answered = process_request(stream, last, closed_by_client, [](httplib::Request&) {});
+      leave();
       sent = stream.flush();
       if (!answered) exchange.close_after_answer = true;
     } else {
+      leave();
       sent = send_refusal(connection);
     }
     current = nullptr;
@@ -455,6 +462,7 @@ class Server::Implementation final : public httplib::Server {
     target.status = response.status;
     for (auto& [name, value] : response.headers) target.set_header(name, value);
     if (response.stream) {
+      current->stream->send_at_once();
       const Peer peer(current->connection->socket());
       target.set_chunked_content_provider(
           response.content_type, [stream = std::move(response.stream), peer](std::size_t, httplib::DataSink& sink) {

@@ -20,7 +20,7 @@ bool wants_picture(const http::Request& request) {
 }
 
 /// The weave of a request, billed as the stage "layout".
-Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
+Weave lay_out_billed(const json::WeaveSpec& spec, const Execution& execution) {
   execution.checkpoint(0, "layout");
   const StageTimer timer(execution.cost, "layout");
   return make_weave(spec, execution);
@@ -30,7 +30,7 @@ Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
 Weave lay_out_first(const json::WeaveSpec& spec, const Execution& execution) {
   constexpr double share = 0.02;
   const PartOfExecution part(execution, 0, share);
-  return lay_out(spec, part.execution());
+  return lay_out_billed(spec, part.execution());
 }
 
 /// Throws "request.limit_exceeded" where the strands at rest would be too large an answer.
@@ -45,7 +45,7 @@ void check_polylines(const Weave& weave, const json::Limits& limits) {
 store::Result draw(const json::WeaveSpec& spec, const json::Limits& limits, const Execution& outer) {
   store::Result result;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    const Weave weave = lay_out(spec, execution);
+    const Weave weave = lay_out_billed(spec, execution);
     check_polylines(weave, limits);
     const StageTimer timer(execution.cost, "export");
     result.body = to_svg(weave, execution);
@@ -62,7 +62,7 @@ store::Result describe(const json::WeaveLayoutRequest& request, const json::Limi
   const auto bill = billed(outer, [&](const Execution& execution) {
     {
       const PartOfExecution part(execution, 0, 0.5);
-      weave = lay_out(request.weave, part.execution());
+      weave = lay_out_billed(request.weave, part.execution());
       check_polylines(weave, limits);
     }
     {
