@@ -21,12 +21,12 @@ int main(int argc, char** argv) {
   };
   tasks["leave"] = [](std::string_view) -> std::string { std::_Exit(3); };
   tasks["refuse"] = [](std::string_view) -> std::string {
-    std::vector<supple::Error::Detail> details(2);  // as a list of lists they make clang 14 crash
-    details[0] = {"parameters", "are odd"};
-    details[1] = {"size", "is even"};
-    throw supple::Error("tiling.meshing_failed", "No mesh.", details);
+    throw supple::Error("tiling.meshing_failed", "No mesh.", {{"parameters", "are odd"}, {"size", "is even"}});
   };
   tasks["surprise"] = [](std::string_view) -> std::string { throw std::logic_error("a surprise"); };
-  tasks["swell"] = [](std::string_view) { return std::string(std::size_t{4} << 30U, 'x'); };
+  tasks["swell"] = [](std::string_view request) {
+    // A length that the compiler knows makes clang 14 try it out, and crash.
+    return std::string(request.size() + (std::size_t{4} << 30U), 'x');
+  };
   return supple::serve_as_helper(argc, argv, tasks);
 }
