@@ -315,9 +315,10 @@ TEST_F(JobQueueTest, RefusesJobsThatHoldMoreMemoryThanTheQueueMay) {
     EXPECT_EQ(error.problem().limit->setting, "--max-queue-bytes");
     EXPECT_GE(error.problem().retry_after.value_or(0), 1);
   }
-  queue().submit(of_bytes(40));
+  const auto second = queue().submit(of_bytes(40)).record.id;
   queue().remove(first);
   queue().remove(running);
+  wait_until_finished(second);
   // What has left the queue, one way or the other, makes place.
   for (int i = 0; i < 3; ++i) wait_until_finished(queue().submit(of_bytes(100)).record.id);
 }
