@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 from pathlib import Path
-from typing import Callable, Iterator, List
+from typing import Callable, Iterator
 
 import pytest
 
@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "clients" / "python"))
 
 from contract import Contract, ROOT  # noqa: E402
-from harness import Api, MODEL_MAKER, SERVER, ServerProcess, make_model  # noqa: E402
+from harness import Api, MODEL_MAKER, SERVER, ServerProcess, make_model, servers_of_a_test  # noqa: E402
 from shapes import flat_grid, sphere  # noqa: E402
 
 
@@ -65,16 +65,7 @@ def api(server: ServerProcess, contract: Contract) -> Api:
 @pytest.fixture
 def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
     """Starts servers of a test's own, which may be killed and restarted."""
-    started: List[ServerProcess] = []
-
-    def start(*arguments: str, data: str = "data") -> ServerProcess:
-        process = ServerProcess(tmp_path / data, *arguments)
-        started.append(process)
-        return process.start()
-
-    yield start
-    for process in started:
-        process.stop()
+    yield from servers_of_a_test(tmp_path)
 
 
 @pytest.fixture(scope="session")

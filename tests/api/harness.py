@@ -10,7 +10,7 @@ import socket
 import subprocess
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Callable, Dict, Iterator, List, Optional
 
 import requests
 
@@ -113,6 +113,20 @@ class ServerProcess:
                 name, value = line.rsplit(" ", 1)
                 samples[name] = float(value)
         return samples
+
+
+def servers_of_a_test(folder: Path) -> "Iterator[Callable[..., ServerProcess]]":
+    """What a fixture yields to start servers of a test's own, which may be killed and restarted; ends them afterwards."""
+    started: List[ServerProcess] = []
+
+    def start(*arguments: str, data: str = "data") -> ServerProcess:
+        process = ServerProcess(folder / data, *arguments)
+        started.append(process)
+        return process.start()
+
+    yield start
+    for process in started:
+        process.stop()
 
 
 class Api:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Callable, Iterator, List
+from typing import Callable, Iterator
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from contract import ROOT, Contract  # noqa: E402
-from harness import MODEL_MAKER, SERVER, Api, ServerProcess  # noqa: E402
+from harness import MODEL_MAKER, SERVER, Api, ServerProcess, servers_of_a_test  # noqa: E402
 from shapes import flat_grid  # noqa: E402
 
 
@@ -44,16 +44,7 @@ def api(server: ServerProcess, contract: Contract) -> Api:
 @pytest.fixture()
 def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
     """Starts servers of a test's own."""
-    started: List[ServerProcess] = []
-
-    def start(*arguments: str) -> ServerProcess:
-        process = ServerProcess(tmp_path / f"data{len(started)}", *arguments)
-        started.append(process)
-        return process.start()
-
-    yield start
-    for process in started:
-        process.stop()
+    yield from servers_of_a_test(tmp_path)
 
 
 @pytest.fixture(scope="module")

@@ -156,8 +156,11 @@ Connection::Arrival Connection::read_body() {
     long received = 0;
     while (true) {
       if (head_->chunked) {
-        const auto before = body.capacity();
-        memory_.add(static_cast<std::int64_t>(std::max(before, body.size() + input_.size()) - before), "the body");
+        if (const auto most = body.size() + input_.size(); most > body.capacity()) {
+          const auto room = std::max(most, 2 * body.capacity());
+          memory_.add(static_cast<std::int64_t>(room - body.capacity()), "the body");
+          body.reserve(room);
+        }
         const bool done = chunks_.take(input_, body);
         if (body.size() > limit.bytes) throw_too_large(limit, static_cast<double>(body.size()));
         if (done) break;

@@ -76,6 +76,7 @@ class Connection {
   Request request;               ///< what arrives or has arrived, as handlers see it
   const Route* route = nullptr;  ///< that answers it; null where none does
   int answered = 0;              ///< requests so far, counted by whoever answers them
+  bool surplus = false;          ///< beyond the limit of connections: may ask for one probe
 
  private:
   enum class Place { idle, head, body, arrived, lingering };

@@ -42,11 +42,13 @@ void Lobby::take(std::shared_ptr<Connection> connection) {
   ::eventfd_write(wake_, 1);
 }
 
-void Lobby::make_room() {
+bool Lobby::make_room(const std::string& client) {
   std::unique_lock lock(mutex_);
-  const auto number = ++rooms_asked_for_;
+  room_asked_for_ = client;
+  closed_one_ = false;
   ::eventfd_write(wake_, 1);
-  room_made_.wait(lock, [&] { return stopping_ || rooms_made_ >= number; });
+  room_made_.wait(lock, [this] { return stopping_ || !room_asked_for_; });
+  return closed_one_;
 }
 
 void Lobby::stop() {
@@ -66,7 +68,6 @@ void Lobby::stop() {
 void Lobby::run() {
   std::array<epoll_event, most_events> events{};
   auto next_look = Connection::Clock::now() + period;
-  std::uint64_t rooms_made = 0;
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_look - Connection::Clock::now()).count();
     const bool nobody = waiting_.empty();
@@ -82,21 +83,22 @@ void Lobby::run() {
       }
     }
     std::vector<std::shared_ptr<Connection>> taken;
-    std::uint64_t asked = 0;
+    std::optional<std::string> asked;
     {
       const std::lock_guard lock(mutex_);
       if (stopping_) break;
       taken.swap(taken_);
-      asked = rooms_asked_for_;
-    }
-    // Before others come, who might take the place.
-    if (asked > rooms_made) {
-      for (; rooms_made < asked; ++rooms_made) close_one();
-      const std::lock_guard lock(mutex_);
-      rooms_made_ = rooms_made;
-      room_made_.notify_all();
+      asked = room_asked_for_;
     }
     for (auto& connection : taken) add(std::move(connection));
+    // After those that came before: one of them may be the one to go.
+    if (asked) {
+      const bool closed = close_one(*asked);
+      const std::lock_guard lock(mutex_);
+      closed_one_ = closed;
+      room_asked_for_.reset();
+      room_made_.notify_all();
+    }
     if (Connection::Clock::now() >= next_look) {
       close_expired();
       next_look = Connection::Clock::now() + period;
@@ -142,7 +144,7 @@ void Lobby::close_expired() {
   for (auto* const connection : expired) hand_over(connection->socket(), connection->expire());
 }
 
-void Lobby::close_one() {
+bool Lobby::close_one(const std::string& client) {
   std::map<std::string, int> connections;
   for (const auto& [socket, connection] : waiting_) ++connections[connection->client()];
   const auto now = Connection::Clock::now();
@@ -158,9 +160,11 @@ void Lobby::close_one() {
   };
   Connection* chosen = nullptr;
   for (const auto& [socket, connection] : waiting_) {
+    if (!client.empty() && connection->client() != client) continue;
     if (!chosen || is_before(*connection, *chosen)) chosen = connection.get();
   }
   if (chosen) hand_over(chosen->socket(), Connection::Arrival::closed);
+  return chosen != nullptr;
 }
 
 }  // namespace supple::http

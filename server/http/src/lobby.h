@@ -1,10 +1,11 @@
 #pragma once
 
 #include <condition_variable>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <unordered_map>
 #include <vector>
@@ -27,10 +28,11 @@ class Lobby {
 
   /// Takes a connection to wait, or to linger. Any thread may call. Closes it where the lobby has stopped.
   void take(std::shared_ptr<Connection> connection);
-  /// Closes a connection, if there is one: that has been answered, that has waited longest without a byte of a request,
-  /// or of the client with most connections here the one that has waited longest for the rest. One that has just come
-  /// is not the first to go. Any thread but the lobby's may call; returns once it has happened.
-  void make_room();
+  /// Closes a connection of this client, of any where it is empty: one that has been answered, that has waited longest
+  /// without a byte of a request, or of the client with most connections here the one that has waited longest for the
+  /// rest. One that has just come is not the first to go. Returns whether there was one, once it has been closed. For
+  /// one thread, not the lobby's.
+  bool make_room(const std::string& client);
   /// Closes every connection that waits and returns once the thread has ended.
   void stop();
 
@@ -40,7 +42,7 @@ class Lobby {
   void look_at(Connection& connection);
   void hand_over(int socket, Connection::Arrival arrival);
   void close_expired();
-  void close_one();
+  bool close_one(const std::string& client);
 
   const Connection::Admit admit_;
   const Deliver deliver_;
@@ -50,8 +52,8 @@ class Lobby {
   std::mutex mutex_;
   std::vector<std::shared_ptr<Connection>> taken_;
   std::condition_variable room_made_;
-  std::uint64_t rooms_asked_for_ = 0;
-  std::uint64_t rooms_made_ = 0;
+  std::optional<std::string> room_asked_for_;  // by which client's connections, until it has been looked for
+  bool closed_one_ = false;                    // whether it was found
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -11,13 +11,6 @@
 namespace supple::http {
 namespace {
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return result;
-}
-
 /// Calls visit(piece) for the trimmed pieces between separators.
 template <class Visit>
 void for_each_piece(std::string_view text, char separator, Visit visit) {
@@ -46,6 +39,13 @@ int match(std::string_view range, std::string_view type) {
 
 }  // namespace
 
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return result;
+}
+
 bool Peer::hung_up() const {
   if (socket_ < 0) return false;
   pollfd entry{socket_, POLLRDHUP, 0};
@@ -62,7 +62,7 @@ std::string Request::header(std::string_view name) const {
   return value;
 }
 
-std::string media_type(std::string_view header) { return lower(trimmed(header.substr(0, header.find(';')))); }
+std::string media_type(std::string_view header) { return lower_case(trimmed(header.substr(0, header.find(';')))); }
 
 std::optional<std::string_view> negotiate(std::string_view accept, const std::vector<std::string_view>& offered) {
   if (trimmed(accept).empty()) return offered.front();
@@ -91,7 +91,7 @@ std::optional<std::string_view> negotiate(std::string_view accept, const std::ve
 Preference parse_preference(std::string_view header, double max_wait) {
   Preference preference;
   for_each_piece(header, ',', [&](std::string_view entry) {
-    const auto text = lower(trimmed(entry.substr(0, entry.find(';'))));
+    const auto text = lower_case(trimmed(entry.substr(0, entry.find(';'))));
     if (text == "respond-async") preference.respond_async = true;
     if (!text.starts_with("wait=") || preference.wait) return;
     const auto seconds = number(std::string_view(text).substr(5));

@@ -4,7 +4,6 @@
 #include <httplib.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <openssl/rand.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -12,10 +11,12 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <random>
 #include <stdexcept>
 
 #include "connection.h"
@@ -72,16 +73,15 @@ class RunAtOnce final : public httplib::TaskQueue {
   void shutdown() override {}
 };
 
-std::string random_id() {
-  std::array<unsigned char, 8> bytes{};
-  RAND_bytes(bytes.data(), static_cast<int>(bytes.size()));
-  constexpr char digits[] = "0123456789abcdef";
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15];
-  }
-  return text;
+/// 16 hexadecimal digits that no other request of this process has, and hardly one of another process: a number that
+/// counts on from a random one. It names a request in the log and is no secret.
+std::string next_request_id() {
+  static std::atomic<std::uint64_t> next{std::uint64_t{std::random_device{}()} << 32U};
+  constexpr std::size_t length = 16;
+  std::array<char, length> digits{};
+  char* const end = std::to_chars(digits.data(), digits.data() + length, next++, 16).ptr;
+  std::string text(digits.data(), end);
+  return text.insert(0, length - text.size(), '0');
 }
 
 /// The address of the other end. Of IPv6 the first 64 bits, which one customer has to himself.
@@ -215,25 +215,34 @@ class Server::Implementation final : public httplib::Server {
     const int yes = 1;
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     const auto client = peer_address(socket);
-    bool room_is_needed = false;
-    bool refused = false;
+    bool all_full = false;
+    bool share_full = false;
     {
       const std::lock_guard lock(mutex_);
       ++connections_;
-      const int of_client = ++connections_of_[client];
-      room_is_needed = connections_ > options_.max_connections || of_client > share_of(options_.max_connections);
-      refused = connections_ > options_.max_connections + reserve_connections;
-      if (room_is_needed) ++evicted_;
+      all_full = connections_ > options_.max_connections;
+      share_full = ++connections_of_[client] > share_of(options_.max_connections);
     }
     auto connection = std::make_shared<CountedConnection>(*this, socket, client);
-    if (room_is_needed) lobby_.make_room();
-    if (refused) {
+    // Who has more than a share makes room himself.
+    bool closed_one = share_full && lobby_.make_room(client);
+    if (!closed_one && all_full) closed_one = lobby_.make_room({});
+    const int surplus = count_closed(closed_one) - options_.max_connections;
+    connection->surplus = surplus > 0;
+    if (surplus > reserve_connections) {
       connection->refuse(too_many_connections());
       deliver(std::move(connection));
       return true;
     }
     lobby_.take(std::move(connection));
     return true;
+  }
+
+  /// Returns the number of connections that there are then.
+  int count_closed(bool closed_one) {
+    const std::lock_guard lock(mutex_);
+    if (closed_one) ++evicted_;
+    return connections_;
   }
 
   void leave(const std::string& client) {
@@ -246,7 +255,7 @@ class Server::Implementation final : public httplib::Server {
   void admit(Connection& connection) {
     const auto& head = *connection.head();
     auto& request = connection.request;
-    request.id = random_id();
+    request.id = next_request_id();
     request.method = head.method;
     request.path = head.path;
     request.host = head.host;
@@ -262,7 +271,7 @@ class Server::Implementation final : public httplib::Server {
     } catch (const Error&) {
       no_route = std::current_exception();
     }
-    if (guard_) guard_(request, connection.route);
+    if (guard_) guard_(request);
     if (no_route) std::rethrow_exception(no_route);
     if (head.has_body()) check_body(request);
   }
@@ -270,10 +279,10 @@ class Server::Implementation final : public httplib::Server {
   /// Takes a place among the requests that are answered; refuses the request where there is none. False for one that
   /// needs no place: a probe, or a refusal.
   bool enter(Connection& connection) {
-    if (connection.refusal() || (connection.route && connection.route->kind == Route::Kind::probe)) return false;
+    if (connection.refusal() || (connection.route && connection.route->probe)) return false;
     const std::lock_guard lock(mutex_);
     const auto& client = connection.request.client;
-    if (connections_ > options_.max_connections) {
+    if (connection.surplus) {
       connection.refuse(too_many_connections());
       return false;
     }
@@ -302,14 +311,17 @@ class Server::Implementation final : public httplib::Server {
   }
 
   void leave_place(const std::string& client, double taken) {
-    const std::lock_guard lock(mutex_);
-    --answering_;
-    if (const auto found = answering_for_.find(client); --found->second == 0) answering_for_.erase(found);
-    constexpr double weight = 0.05;  // of the latest request in the moving average
-    mean_seconds_ += weight * (taken - mean_seconds_);
-    // What a large request has taken goes back to the system once nobody else is answered; it takes milliseconds.
+    constexpr double weight = 0.05;   // of the latest request in the moving average
     constexpr double long_one = 0.2;  // seconds
-    if (answering_ == 0 && taken > long_one) budget::return_free_memory();
+    bool last = false;
+    {
+      const std::lock_guard lock(mutex_);
+      last = --answering_ == 0;
+      if (const auto found = answering_for_.find(client); --found->second == 0) answering_for_.erase(found);
+      mean_seconds_ += weight * (taken - mean_seconds_);
+    }
+    // What a large request has taken goes back to the system once nobody else is answered; it takes milliseconds.
+    if (last && taken > long_one) budget::return_free_memory();
   }
 
   /// Whole seconds until one of the requests that are answered now will probably be done. Under the mutex.
@@ -364,7 +376,7 @@ class Server::Implementation final : public httplib::Server {
   After answer_on(Connection& connection, bool placed) {
     Exchange exchange;
     exchange.connection = &connection;
-    exchange.close_after_answer = connection.unread() || !connection.head();
+    exchange.close_after_answer = connection.unread() || !connection.head() || connection.surplus;
     current = &exchange;
     const auto begin = Clock::now();
     const bool last = ++connection.answered >= options_.requests_per_connection || stopping_;

@@ -11,17 +11,10 @@
 namespace supple::routes {
 namespace {
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return result;
-}
-
 /// The name of a "name:port", without brackets and the root's dot.
 std::string name_of(std::string_view host) {
-  if (host.starts_with('[')) return lower(host.substr(1, std::min(host.find(']'), host.size()) - 1));
-  auto name = lower(host.substr(0, host.find(':')));
+  if (host.starts_with('[')) return http::lower_case(host.substr(1, std::min(host.find(']'), host.size()) - 1));
+  auto name = http::lower_case(host.substr(0, host.find(':')));
   if (name.ends_with('.')) name.pop_back();
   return name;
 }
@@ -55,10 +48,10 @@ bool only_reads(const std::string& method) { return method == "GET" || method ==
 
 http::Server::Guard make_guard(GuardOptions options) {
   for (auto& host : options.allowed_hosts) host = name_of(host);
-  for (auto& origin : options.allowed_origins) origin = lower(origin);
-  options.listens_on = lower(options.listens_on);
+  for (auto& origin : options.allowed_origins) origin = http::lower_case(origin);
+  options.listens_on = http::lower_case(options.listens_on);
   const bool beyond_loopback = !is_loopback(options.listens_on);
-  return [options = std::move(options), beyond_loopback](http::Request& request, const http::Route*) {
+  return [options = std::move(options), beyond_loopback](const http::Request& request) {
     const auto name = name_of(request.host);
     const bool known = name.empty() || is_loopback(name) || name == options.listens_on ||
                        (beyond_loopback && is_address(name)) || contains(options.allowed_hosts, name) ||
@@ -67,7 +60,7 @@ http::Server::Guard make_guard(GuardOptions options) {
       throw Error("http.misdirected_request", "The server does not answer to the name " + name.substr(0, 80) +
                                                   " in the header Host (setting --allowed-host).");
     }
-    const auto origin = lower(request.header("Origin"));
+    const auto origin = http::lower_case(request.header("Origin"));
     if (origin.empty()) {
       if (!only_reads(request.method) && request.header("Sec-Fetch-Site") == "cross-site") {
         throw Error("http.cross_origin", "A browser says that a page of another site sends this request.");
@@ -75,7 +68,7 @@ http::Server::Guard make_guard(GuardOptions options) {
       return;
     }
     const auto host = host_of_origin(origin);
-    const bool same = !host.empty() && (host == lower(request.host) || is_loopback(name_of(host)));
+    const bool same = !host.empty() && (host == http::lower_case(request.host) || is_loopback(name_of(host)));
     if (!same && !contains(options.allowed_origins, origin)) {
       throw Error("http.cross_origin", "A page of " + origin.substr(0, 80) +
                                            " sends this request, not one of this server (setting --allowed-origin).");

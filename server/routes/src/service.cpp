@@ -70,10 +70,9 @@ http::Response contract_text() {
 }  // namespace
 
 void add_service_routes(http::Router& router, Services& services) {
-  constexpr auto probe = http::Route::Kind::probe;
-  router.add({"GET", "/healthz", [&services](const http::Request&) { return health(services); }, {}, probe});
-  router.add({"GET", "/readyz", [&services](const http::Request&) { return readiness(services); }, {}, probe});
-  router.add({"GET", "/metrics", [&services](const http::Request&) { return metrics_text(services); }, {}, probe});
+  router.add({"GET", "/healthz", [&services](const http::Request&) { return health(services); }, {}, true});
+  router.add({"GET", "/readyz", [&services](const http::Request&) { return readiness(services); }, {}, true});
+  router.add({"GET", "/metrics", [&services](const http::Request&) { return metrics_text(services); }, {}, true});
   router.add({"GET", "/openapi.yaml", [](const http::Request&) { return contract_text(); }, {}});
 }
 

@@ -36,16 +36,14 @@ void synchronize_folder(const std::filesystem::path& folder) {
   if (descriptor.get() < 0 || ::fsync(descriptor.get()) != 0) fail("synchronize", folder);
 }
 
-void write_durably(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
+void write_durably(const std::filesystem::path& path, std::string_view bytes) {
   const Descriptor descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   if (descriptor.get() < 0) fail("create", path);
-  for (auto bytes : pieces) {
-    while (!bytes.empty()) {
-      const auto count = ::write(descriptor.get(), bytes.data(), bytes.size());
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) fail("write", path);
-      bytes.remove_prefix(static_cast<std::size_t>(count));
-    }
+  while (!bytes.empty()) {
+    const auto count = ::write(descriptor.get(), bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("write", path);
+    bytes.remove_prefix(static_cast<std::size_t>(count));
   }
   if (::fsync(descriptor.get()) != 0) fail("synchronize", path);
 }
@@ -60,12 +58,12 @@ void throw_file_error(const std::string& action, const std::filesystem::path& pa
                                                                           std::generic_category().message(error) + ".");
 }
 
-void write_atomically(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
+void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
   static std::atomic<unsigned> counter{0};
   std::filesystem::path part = path;
   part += "." + std::to_string(counter++) + std::string(unfinished_suffix);
   try {
-    write_durably(part, pieces);
+    write_durably(part, bytes);
     if (::rename(part.c_str(), path.c_str()) != 0) fail("rename", part);
   } catch (...) {
     ::unlink(part.c_str());

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -14,10 +13,10 @@ namespace supple::store {
 /// Whether an error number says that the disk or the user's share of it is used up.
 bool means_full(int error);
 
-/// Writes the pieces one after the other to a neighbour of `path` and renames it into place, both durably: afterwards,
-/// or after a crash at any moment, the file has all of the content or does not exist (or has its old content). Only the
-/// user of the server may read it. Throws "store.full", "store.unavailable".
-void write_atomically(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces);
+/// Writes `bytes` to a neighbour of `path` and renames it into place, both durably: afterwards, or after a crash at any
+/// moment, the file has all of the content or does not exist (or has its old content). Only the user of the server may
+/// read it. Throws "store.full", "store.unavailable".
+void write_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// Throws "store.corrupted" where the file is missing, "store.unavailable" where it
 /// cannot be read.

@@ -339,7 +339,7 @@ std::pair<MeshRecord, bool> Store::add_mesh(
     try {
       mesh_content(record.id);
     } catch (const Error&) {
-      write_atomically(self.mesh_path(record.id), {ply});
+      write_atomically(self.mesh_path(record.id), ply);
     }
     return {std::move(*known), false};
   }
@@ -348,7 +348,7 @@ std::pair<MeshRecord, bool> Store::add_mesh(
   // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
   const std::lock_guard lock(self.mutex);
   if (auto known = self.find_mesh(record.id)) return {std::move(*known), false};
-  write_atomically(self.mesh_path(record.id), {ply});
+  write_atomically(self.mesh_path(record.id), ply);
   self.insert_mesh(record);
   return {std::move(record), true};
 }
@@ -409,7 +409,7 @@ void Store::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
   int changed = 0;
   try {
-    if (result) write_atomically(self.result_path(job.id), {result->body});
+    if (result) write_atomically(self.result_path(job.id), result->body);
     const std::lock_guard lock(self.mutex);
     changed = Statement(self.database,
                         "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, "

@@ -36,7 +36,7 @@ async function finished(client: Client, job: Job, options: JobOptions): Promise<
   try {
     if (await followEvents(client, job, options)) return;
   } catch (error) {
-    if (isAbort(error) || (error instanceof Problem && error.document.status !== 503)) throw error;
+    if (isAbort(error) || (error instanceof Problem && ![429, 503].includes(error.document.status))) throw error;
     if (error instanceof ConnectionLost) throw error;
   }
   await poll(client, job, options);

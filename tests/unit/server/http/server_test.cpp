@@ -19,7 +19,12 @@ using namespace std::chrono_literals;
 /// A client's end of a connection, in bytes.
 class Client {
  public:
-  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  /// `from` is the last byte of its own address, of those of loopback.
+  explicit Client(int port, std::uint32_t from = 1) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    own.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + from);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<sockaddr*>(&own), sizeof own), 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -79,9 +84,7 @@ class HttpServerTest : public testing::Test {
                   return text("done!");
                 },
                 {}});
-    Route probe{"GET", "/probe", [](const Request&) { return text("alive!"); }, {}};
-    probe.kind = Route::Kind::probe;
-    router.add(std::move(probe));
+    router.add({"GET", "/probe", [](const Request&) { return text("alive!"); }, {}, true});
     router.add({"GET",
                 "/stream",
                 [](const Request&) {
@@ -105,7 +108,7 @@ class HttpServerTest : public testing::Test {
           const std::lock_guard lock(report_mutex_);
           reported_ = text;
         },
-        [](Request& request, const Route*) {
+        [](Request& request) {
           if (request.host == "evil") throw Error("http.misdirected_request", "Not this server.");
           if (const auto client = request.header("X-Client"); !client.empty()) request.client = client;
         });
@@ -274,6 +277,23 @@ TEST_F(HttpServerTest, ClosesTheConnectionThatHasWaitedLongestWhereRoomIsNeeded)
   EXPECT_EQ(first.read_all(), "");
   second.send(get("/hello/c"));
   EXPECT_TRUE(second.read_until("!").ends_with("hello c!"));
+  EXPECT_EQ(server_->load().evicted, 1U);
+}
+
+TEST_F(HttpServerTest, LetsAClientWithMoreThanItsShareMakeRoomItself) {
+  options_.max_connections = 4;
+  options_.client_share = 0.5;
+  start();
+  Client other(port_, 2);
+  for (int i = 0; i < 5000 && server_->connections() < 1; ++i) std::this_thread::sleep_for(1ms);
+  std::this_thread::sleep_for(1100ms);  // it has waited longest, and long enough to be closed where room is needed
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int i = 0; i < 3; ++i) clients.push_back(std::make_unique<Client>(port_));  // two are its share
+  EXPECT_EQ(clients[0]->read_all(), "");
+  for (Client* client : {&other, clients[2].get()}) {
+    client->send(get("/hello/a"));
+    EXPECT_TRUE(client->read_until("!").ends_with("hello a!"));
+  }
   EXPECT_EQ(server_->load().evicted, 1U);
 }
 

@@ -21,7 +21,7 @@ std::string verdict(const GuardOptions& options, const Asked& asked) {
   if (!asked.origin.empty()) request.headers.emplace_back("Origin", asked.origin);
   if (!asked.fetch_site.empty()) request.headers.emplace_back("Sec-Fetch-Site", asked.fetch_site);
   try {
-    make_guard(options)(request, nullptr);
+    make_guard(options)(request);
   } catch (const Error& error) {
     return error.code();
   }

@@ -63,6 +63,9 @@ struct Response {
   void set_header(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }
 };
 
+/// With the letters of ASCII in lower case.
+std::string lower_case(std::string_view text);
+
 /// The media type of a header value, lower case, without parameters: "application/json".
 std::string media_type(std::string_view header);
 

@@ -22,15 +22,8 @@ struct Route {
   std::string method;
   std::string pattern;  ///< "/v1/meshes/{mesh}/content": names in braces stand for one segment each
   Handler handler;
-  BodyLimit body;  ///< 0 bytes: the route takes no body
-  /// What an answer costs and whom it is for decide which threads answer and who may ask.
-  enum class Kind {
-    probe,   ///< cheap and needed when all else is busy: has threads of its own; anybody may ask
-    page,    ///< files of the web editor: anybody may ask
-    normal,  ///< all else
-    admin    ///< what concerns the server as a whole
-  };
-  Kind kind = Kind::normal;
+  BodyLimit body;      ///< 0 bytes: the route takes no body
+  bool probe = false;  ///< cheap, and needed when all else is busy: answered by threads of its own
 };
 
 /// Finds the handler of a request by comparing path segments. Filled before the server runs, read only afterwards.

@@ -58,9 +58,9 @@ class Server {
   using Observe = std::function<void(const Answered&)>;
   /// Hears the text of exceptions whose cause a client is not told.
   using Report = std::function<void(const std::string& text)>;
-  /// Decides whether a request may be answered at all, before its body is read, and may name its client. The route is
-  /// null where there is none. Throws what refuses it.
-  using Guard = std::function<void(Request& head, const Route* route)>;
+  /// Decides whether a request may be answered at all, before its body is read, and may name its client. Throws what
+  /// refuses it.
+  using Guard = std::function<void(Request& head)>;
 
   Server(const ServerOptions& options, Router router, Render render, Observe observe, Report report, Guard guard = {});
   ~Server();
