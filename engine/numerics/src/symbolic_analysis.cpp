@@ -2,7 +2,7 @@
 
 #include <cholmod.h>
 
-#include <cstring>
+#include <algorithm>
 #include <new>
 #include <span>
 
@@ -71,7 +71,7 @@ void write_integers(ByteWriter& writer, std::span<const int> values) {
 std::vector<int> read_integers(ByteReader& reader) {
   const std::string bytes = reader.text();
   std::vector<int> values(bytes.size() / sizeof(int));
-  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(int));
+  std::copy_n(bytes.data(), values.size() * sizeof(int), reinterpret_cast<char*>(values.data()));
   return values;
 }
 
