@@ -14,6 +14,7 @@
 #include "server_options.h"
 #include "supple/base/helper_processes.h"
 #include "supple/base/threads.h"
+#include "supple/budget/counting_malloc.h"
 #include "supple/budget/memory.h"
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
@@ -82,8 +83,7 @@ class Process {
   Process(const ServerOptions& options, sigset_t signals)
       : options_(options),
         signals_(signals),
-        memory_(options.memory > 0 ? options.memory : budget::default_budget(budget::memory_limits()),
-                options.request_memory),
+        memory_(options.memory, options.request_memory),
         metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;
     services_.version = SUPPLE_VERSION;
@@ -146,8 +146,10 @@ class Process {
     models_ = std::make_unique<store::ModelStore>(model_options(options_.models));  // reads while the store opens
     store_ = std::make_unique<store::Store>(options_.data, recovery());
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
+    auto queue = options_.jobs;
+    queue.memory = &memory_;
     jobs_ = std::make_unique<jobs::JobQueue>(
-        *store_, options_.jobs, json::write_problem,
+        *store_, queue, json::write_problem,
         [this](const store::JobRecord& job) {
           const double seconds = job.started ? static_cast<double>(job.finished - job.started) / 1000 : 0;
           metrics_.count_finished_job(job.kind, std::string(store::state_name(job.state)), seconds);
@@ -181,6 +183,7 @@ int serve(const ServerOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is an error of that write, not the end
   set_thread_count(options.threads);
+  if (!budget::counts_allocations()) spdlog::warn("what computations allocate is not held against --memory");
   if (options.helper.program.empty()) {
     spdlog::warn("no helper program: meshing runs in this process, where nothing stops it");
   } else {

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <thread>
 
+#include "supple/budget/memory.h"
+
 namespace supple {
 namespace {
 
@@ -51,9 +53,9 @@ void add_limits(CLI::App& app, ServerOptions& options) {
   group
       ->add_option(
           "--memory", options.memory,
-          "Bytes that requests may reserve together; 0: 70 % of the machine's, control group's or process's memory")
+          "Bytes that requests and computations may take together: 60 % of the machine's, control group's or process's")
       ->transform(CLI::AsSizeValue(false));
-  group->add_option("--max-request-memory", options.request_memory, "Bytes that one request may reserve")
+  group->add_option("--max-request-memory", options.request_memory, "Bytes that one request may take")
       ->transform(CLI::AsSizeValue(false));
   group->add_option("--max-answer", options.max_answer, "Bytes of an answer in JSON")
       ->transform(CLI::AsSizeValue(false))
@@ -75,6 +77,10 @@ void add_limits(CLI::App& app, ServerOptions& options) {
 }  // namespace
 
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
+  const auto shares = budget::default_shares(budget::memory_limits());
+  options.memory = shares.requests;
+  options.mesh_memory = shares.meshes;
+  options.helper.memory = static_cast<std::uint64_t>(shares.helper);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   options.jobs.workers = cores;
   options.jobs.immediate = 2 * cores;

@@ -20,15 +20,15 @@ struct ServerOptions {
   std::string models;                       ///< folder; none where empty
   std::string web;                          ///< folder of the built web editor; none where empty
   int threads = 0;                          ///< compute threads; 0: one for each core
-  std::int64_t mesh_memory = 2LL << 30;     ///< bytes
+  std::int64_t mesh_memory = 0;             ///< bytes; like the following three a share of the machine's at first
   double grace = 5;                         ///< seconds that running computations get at the end
-  std::int64_t memory = 0;                  ///< bytes that requests may reserve together; 0: a share of the machine's
-  std::int64_t request_memory = 1LL << 30;  ///< bytes that one request may reserve
+  std::int64_t memory = 0;                  ///< bytes that requests and computations may take together
+  std::int64_t request_memory = 1LL << 30;  ///< bytes that one request may take
   std::int64_t max_answer = 256LL << 20;    ///< bytes of an answer in JSON
   std::vector<std::string> allowed_hosts;
   std::vector<std::string> allowed_origins;
-  bool access_log = false;                  ///< a line for each answered request
-  HelperOptions helper{{}, 0, 8ULL << 30};  ///< everything in this process where its program is empty
+  bool access_log = false;         ///< a line for each answered request
+  HelperOptions helper{{}, 0, 0};  ///< everything in this process where its program is empty
   std::string log_level = "info";
 };
 

@@ -7,6 +7,8 @@
 
 #include <memory>
 #include <mutex>
+
+#include "supple/base/memory_account.h"
 #ifdef SUPPLE_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -57,11 +59,13 @@ void parallel_for(int n, const std::function<void(int)>& body) {
   const char finished = 0;
   const ObserveAtEnd all_parts{&finished};
   publish(&body);
+  MemoryAccount* const account = MemoryAccount::of_this_thread();
   // A thread that waits for the end of these calls helps with these only: one that is itself a part of another loop
   // would else begin further parts of that loop, and come back after them.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(0, n, [&](int i) {
       observe(&body);
+      const MemoryAccount::Use use(account);
       const PublishAtEnd part{&finished};
       body(i);
     });

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "supple/problem/problem.h"
+#include "refusals.h"
 
 namespace supple::budget {
 namespace {
@@ -75,10 +75,17 @@ MemoryLimits memory_limits() {
   return limits;
 }
 
-std::int64_t default_budget(const MemoryLimits& limits) {
+MemoryShares default_shares(const MemoryLimits& limits) {
   auto memory = limits.resident;
   if (limits.virtual_size > 0) memory = std::min(memory, limits.virtual_size);
-  return static_cast<std::int64_t>(default_share * static_cast<double>(memory));
+  constexpr std::int64_t gibibyte = 1LL << 30;
+  return {memory / 5 * 3, std::min(memory / 8, 2 * gibibyte), std::min(memory / 4, 8 * gibibyte)};
+}
+
+void spare_address_space(const MemoryLimits& limits) {
+  constexpr std::int64_t plenty = 64LL << 30;
+  constexpr int few = 2;
+  if (limits.virtual_size > 0 && limits.virtual_size < plenty) ::mallopt(M_ARENA_MAX, few);
 }
 
 MemoryBudget::Reservation::Reservation(Reservation&& other) noexcept
@@ -95,23 +102,15 @@ MemoryBudget::Reservation& MemoryBudget::Reservation::operator=(Reservation&& ot
 
 void MemoryBudget::Reservation::add(std::int64_t bytes, const std::string& what) {
   if (!budget_ || bytes <= 0) return;
-  if (bytes_ + bytes > budget_->each_) {
-    problem::throw_limit("request.too_much_memory", "What the request needs in bytes of memory, with " + what + ",",
-                         static_cast<double>(budget_->each_), static_cast<double>(bytes_ + bytes),
-                         "--max-request-memory");
+  if (bytes_ + bytes > budget_->each_) refuse_one(budget_->each_, bytes_ + bytes, what);
+  std::int64_t all = 0;
+  {
+    const std::lock_guard lock(budget_->mutex_);
+    all = budget_->in_use() + bytes;
+    if (all <= budget_->total_) budget_->reserved_ += bytes;
   }
-  const std::lock_guard lock(budget_->mutex_);
-  if (budget_->reserved_ + bytes > budget_->total_) {
-    constexpr int soon = 5;  // seconds: requests hold what they reserve for as long as they are read and answered
-    problem::Problem problem{"server.out_of_memory", {}, {}, {}, soon};
-    problem.limit = problem::Limit{static_cast<double>(budget_->total_),
-                                   static_cast<double>(budget_->reserved_ + bytes), "--memory"};
-    problem.detail = "With " + what + " all requests together would need " +
-                     std::to_string(budget_->reserved_ + bytes) + " bytes of memory, the limit is " +
-                     std::to_string(budget_->total_) + " (setting --memory).";
-    throw problem::ProblemError(std::move(problem));
-  }
-  budget_->reserved_ += bytes;
+  // Outside of the mutex: what is allocated for the text may have to be counted.
+  if (all > budget_->total_) refuse_all(budget_->total_, all, what);
   bytes_ += bytes;
 }
 
@@ -121,9 +120,18 @@ void MemoryBudget::Reservation::release() noexcept {
   budget_->reserved_ -= std::exchange(bytes_, 0);
 }
 
-std::int64_t MemoryBudget::reserved() const {
+std::int64_t MemoryBudget::used() const {
   const std::lock_guard lock(mutex_);
-  return reserved_;
+  return in_use();
+}
+
+void MemoryBudget::return_what_is_free() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!holds_free_memory_ || !computations_.empty()) return;
+    holds_free_memory_ = false;
+  }
+  return_free_memory();
 }
 
 RequestMemory::RequestMemory(MemoryBudget::Reservation& reservation) : outer_(std::exchange(current, &reservation)) {}

@@ -9,6 +9,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "supple/budget/computation_memory.h"
+
 namespace supple::jobs {
 namespace {
 
@@ -152,7 +154,20 @@ Result JobQueue::run_now(const Computation& computation, std::function<bool()> h
   const ComputeSlots::Slot slot(slots_, token);
   Execution execution;
   execution.cancellation = token;
-  return computation.run(execution);
+  return compute(computation, execution);
+}
+
+Result JobQueue::compute(const Computation& computation, const Execution& execution) const {
+  if (!options_.memory) return computation.run(execution);
+  budget::ComputationMemory memory(*options_.memory, execution.cancellation);
+  try {
+    const MemoryAccount::Use use(&memory);
+    return computation.run(execution);
+  } catch (...) {
+    // However the stop reached its end: as a stop, as a lack of memory, or as an error that came of it.
+    memory.throw_if_stopped();
+    throw;
+  }
 }
 
 std::uint64_t JobQueue::enter_session(const std::string& session, const CancellationToken& token) {
@@ -397,7 +412,7 @@ void JobQueue::run_job(const JobPointer& job) {
     Execution execution;
     execution.cancellation = job->token;
     execution.progress = job.get();
-    result = job->computation.run(execution);
+    result = compute(job->computation, execution);
   } catch (...) {
     failure = std::current_exception();
   }
@@ -501,6 +516,7 @@ void JobQueue::clean_up() {
     }
     lock.unlock();
     for (const auto& job : stopped) run_job(job);
+    if (options_.memory) options_.memory->return_what_is_free();
     if (Clock::now() >= next_write) {
       write_what_was_refused();
       next_write = Clock::now() + write_again;

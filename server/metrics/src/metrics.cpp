@@ -58,7 +58,8 @@ struct Metrics::Implementation {
   prometheus::Gauge& answering = gauge("supple_requests_answering", "Requests that are answered, probes aside.");
   prometheus::Gauge& evicted =
       gauge("supple_connections_evicted", "Connections closed so far to make room for others.");
-  prometheus::Gauge& reserved = gauge("supple_memory_reserved_bytes", "Memory that requests have reserved.");
+  prometheus::Gauge& used =
+      gauge("supple_memory_used_bytes", "Memory that requests have reserved and computations have allocated.");
   prometheus::Gauge& budget = gauge("supple_memory_budget_bytes", "Memory that requests may reserve together.");
   prometheus::Gauge& computations = gauge("supple_immediate_computations", "Immediate computations that run or wait.");
   prometheus::Gauge& meshes = gauge("supple_meshes_loaded", "Meshes held in memory.");
@@ -125,7 +126,7 @@ std::string Metrics::text(const Snapshot& snapshot) {
   self.event_streams.Set(static_cast<double>(snapshot.event_streams));
   self.answering.Set(static_cast<double>(snapshot.answering));
   self.evicted.Set(static_cast<double>(snapshot.evicted));
-  self.reserved.Set(static_cast<double>(snapshot.reserved_bytes));
+  self.used.Set(static_cast<double>(snapshot.used_bytes));
   self.budget.Set(static_cast<double>(snapshot.budget_bytes));
   self.computations.Set(static_cast<double>(snapshot.computations));
   self.meshes.Set(static_cast<double>(snapshot.meshes_loaded));

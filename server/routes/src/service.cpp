@@ -41,7 +41,7 @@ http::Response metrics_text(const Services& services) {
     snapshot.evicted = static_cast<std::int64_t>(load.evicted);
   }
   if (services.memory) {
-    snapshot.reserved_bytes = services.memory->reserved();
+    snapshot.used_bytes = services.memory->used();
     snapshot.budget_bytes = services.memory->total();
   }
   snapshot.event_streams = services.event_streams;

@@ -27,15 +27,15 @@ TEST(MemoryBudget, GivesBackWhatARequestReserved) {
     Reservation first(budget);
     first.add(30, "the body");
     first.add(20, "the body");
-    EXPECT_EQ(budget.reserved(), 50);
+    EXPECT_EQ(budget.used(), 50);
     Reservation second = std::move(first);
-    EXPECT_EQ(budget.reserved(), 50);
+    EXPECT_EQ(budget.used(), 50);
     EXPECT_EQ(second.bytes(), 50);
     second = Reservation(budget);
-    EXPECT_EQ(budget.reserved(), 0);
+    EXPECT_EQ(budget.used(), 0);
     second.add(10, "the body");
   }
-  EXPECT_EQ(budget.reserved(), 0);
+  EXPECT_EQ(budget.used(), 0);
 }
 
 TEST(MemoryBudget, RefusesARequestBeyondItsOwnLimit) {
@@ -48,7 +48,7 @@ TEST(MemoryBudget, RefusesARequestBeyondItsOwnLimit) {
   EXPECT_EQ(problem.limit->limit, 80);
   EXPECT_EQ(problem.limit->value, 81);
   EXPECT_EQ(problem.limit->setting, "--max-request-memory");
-  EXPECT_EQ(budget.reserved(), 50);
+  EXPECT_EQ(budget.used(), 50);
   EXPECT_EQ(refusal(reservation, 30).code, "");
 }
 
@@ -85,7 +85,7 @@ TEST(MemoryBudget, OfAThreadIsThatOfTheRequestItAnswers) {
     EXPECT_EQ(inner.bytes(), 20);
   }
   reserve(1000, "nothing");
-  EXPECT_EQ(budget.reserved(), 15);
+  EXPECT_EQ(budget.used(), 15);
 }
 
 TEST(MemoryUse, GrowsWithWhatIsAllocated) {
@@ -98,11 +98,15 @@ TEST(MemoryUse, GrowsWithWhatIsAllocated) {
   EXPECT_EQ(block.back(), 1);
 }
 
-TEST(MemoryLimits, AreAShareOfTheSmallestThatThereIs) {
+TEST(MemoryLimits, AreDividedInShares) {
   EXPECT_GT(memory_limits().resident, 0);
-  EXPECT_EQ(default_budget({1000, 0}), 700);
-  EXPECT_EQ(default_budget({1000, 500}), 350);
-  EXPECT_EQ(default_budget({1000, 5000}), 700);
+  EXPECT_EQ(default_shares({1000, 0}).requests, 600);
+  EXPECT_EQ(default_shares({1000, 500}).requests, 300);
+  EXPECT_EQ(default_shares({1000, 5000}).requests, 600);
+  EXPECT_EQ(default_shares({1000, 0}).meshes, 125);
+  EXPECT_EQ(default_shares({1000, 0}).helper, 250);
+  EXPECT_EQ(default_shares({1LL << 40, 0}).meshes, 2LL << 30);
+  EXPECT_EQ(default_shares({1LL << 40, 0}).helper, 8LL << 30);
 }
 
 }  // namespace

@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/budget/counting_malloc.h"
+#include "supple/budget/memory.h"
 #include "supple/json/answers.h"
 
 namespace supple::jobs {
@@ -268,6 +270,35 @@ TEST_F(JobQueueTest, FailsARunningJobAtItsDeadline) {
   const auto status = wait_until_finished(id);
   EXPECT_EQ(status.record.error_status, 504);
   EXPECT_NE(status.record.error.find("job.deadline_exceeded"), std::string::npos);
+}
+
+/// Takes so much memory in small blocks that it has to be stopped, and looks for a stop as it goes.
+store::Result fill(const Execution& execution, std::size_t bytes) {
+  std::vector<std::vector<char>> blocks;
+  for (std::size_t taken = 0; taken < bytes; taken += 1 << 16) {
+    execution.checkpoint(0.5, "filling");
+    blocks.emplace_back(1 << 16, 'x');
+  }
+  return {"text/plain", {}, std::to_string(blocks.size())};
+}
+
+TEST_F(JobQueueTest, StopsWhatTakesMoreMemoryThanARequestMay) {
+  if (!budget::counts_allocations()) GTEST_SKIP() << "a sanitizer allocates";
+  budget::MemoryBudget memory(256 << 20, 64 << 20);
+  options_.memory = &memory;
+  const auto filling = [](std::size_t bytes) {
+    return computation([bytes](const Execution& execution) { return fill(execution, bytes); });
+  };
+  const auto in_one_block = computation([](const Execution&) {
+    return store::Result{"text/plain", {}, std::string(std::size_t{65} << 20, 'x')};
+  });
+  EXPECT_EQ(queue().run_now(filling(32 << 20), {}).body, "512");
+  EXPECT_EQ(code_of([&] { queue().run_now(filling(80 << 20), {}); }), "request.too_much_memory");
+  EXPECT_EQ(code_of([&] { queue().run_now(in_one_block, {}); }), "request.too_much_memory");
+  const auto job = wait_until_finished(queue().submit(filling(80 << 20)).record.id);
+  EXPECT_EQ(job.record.state, JobState::failed);
+  EXPECT_NE(job.record.error.find("--max-request-memory"), std::string::npos) << job.record.error;
+  EXPECT_LT(memory.used(), 1 << 20);
 }
 
 TEST_F(JobQueueTest, FailsAWaitingJobAtItsDeadline) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <vector>
 
 namespace supple::budget {
 
@@ -23,11 +24,22 @@ struct MemoryLimits {
 };
 MemoryLimits memory_limits();
 
-/// The share of all memory that requests may reserve and computations may fill where nobody says otherwise.
-constexpr double default_share = 0.7;
-std::int64_t default_budget(const MemoryLimits& limits);
+/// How a server divides the memory that it may have where nobody says otherwise, in bytes.
+struct MemoryShares {
+  std::int64_t requests = 0;  ///< for what requests reserve and computations allocate: 60 %
+  std::int64_t meshes = 0;    ///< for meshes that stay loaded: an eighth, 2 GiB at most
+  std::int64_t helper = 0;    ///< for one helper process: a quarter, 8 GiB at most
+};
+MemoryShares default_shares(const MemoryLimits& limits);
 
-/// Bytes that requests reserve before they are allocated, all together and each by itself. Any thread may call.
+/// Keeps the C library from setting aside address space for many threads at once, 64 MiB each, where the process may
+/// not have much. Call before threads start.
+void spare_address_space(const MemoryLimits& limits);
+
+class ComputationMemory;
+
+/// Bytes that requests reserve before they are allocated and that computations allocate, all together and each by
+/// itself. Any thread may call.
 class MemoryBudget {
  public:
   /// `total` for all requests together (setting --memory), `each` for one (setting --max-request-memory).
@@ -56,13 +68,24 @@ class MemoryBudget {
 
   std::int64_t total() const { return total_; }
   std::int64_t each() const { return each_; }
-  std::int64_t reserved() const;
+  /// What requests have reserved and computations have allocated.
+  std::int64_t used() const;
+  /// Gives memory back to the system, where a large computation has ended since the last call and none is running. For
+  /// a thread that has time for it: what is given back at once has to be fetched again by the next computation.
+  void return_what_is_free();
 
  private:
+  friend class ComputationMemory;
+  /// Under the mutex.
+  std::int64_t in_use() const noexcept { return reserved_ + allocated_; }
+
   const std::int64_t total_;
   const std::int64_t each_;
   mutable std::mutex mutex_;
   std::int64_t reserved_ = 0;
+  std::int64_t allocated_ = 0;
+  std::vector<ComputationMemory*> computations_;
+  bool holds_free_memory_ = false;
 };
 
 /// Makes a reservation the one that `reserve` adds to on this thread, for its lifetime.

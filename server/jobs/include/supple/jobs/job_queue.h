@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "supple/base/execution.h"
+#include "supple/budget/memory.h"
 #include "supple/jobs/compute_slots.h"
 #include "supple/jobs/watchdog.h"
 #include "supple/problem/problem.h"
@@ -50,6 +51,7 @@ struct QueueOptions {
   std::int64_t max_queue_bytes = 256LL << 20;  ///< of memory that those hold; setting --max-queue-bytes
   double retention = 7 * 86400;                ///< seconds that a finished job is kept; setting --retention
   std::size_t max_jobs = 10'000;               ///< finished jobs that are kept; setting --max-jobs
+  budget::MemoryBudget* memory = nullptr;      ///< that computations may fill; null: any amount
 };
 
 /// Runs computations: at once on the caller's thread, or as jobs on worker threads.
@@ -123,6 +125,9 @@ class JobQueue {
   JobPointer take_next();
   void publish(Job& job);
   void work();
+  /// Runs it on this thread and holds what it allocates against the budget. Throws what it throws, or why it had to be
+  /// stopped: "request.too_much_memory", "server.out_of_memory".
+  store::Result compute(const Computation& computation, const Execution& execution) const;
   void run_job(const JobPointer& job);
   void finish(const JobPointer& job, store::JobState state, std::optional<store::Result> result,
               std::exception_ptr failure);

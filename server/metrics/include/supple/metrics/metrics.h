@@ -12,11 +12,11 @@ struct Snapshot {
   std::map<std::string, std::int64_t> jobs;  ///< by state: those that this process holds or has finished
   std::int64_t connections = 0;
   std::int64_t event_streams = 0;
-  std::int64_t answering = 0;       ///< requests that are answered at the moment, probes aside
-  std::int64_t evicted = 0;         ///< connections closed so far to make room for others
-  std::int64_t reserved_bytes = 0;  ///< of the memory budget, by requests
-  std::int64_t budget_bytes = 0;    ///< the memory budget
-  std::int64_t computations = 0;    ///< immediate ones that run or wait
+  std::int64_t answering = 0;     ///< requests that are answered at the moment, probes aside
+  std::int64_t evicted = 0;       ///< connections closed so far to make room for others
+  std::int64_t used_bytes = 0;    ///< of the memory budget, by requests and computations
+  std::int64_t budget_bytes = 0;  ///< the memory budget
+  std::int64_t computations = 0;  ///< immediate ones that run or wait
   std::int64_t meshes_loaded = 0;
   std::int64_t mesh_bytes = 0;  ///< estimate of the loaded meshes
   std::int64_t models_loaded = 0;
