@@ -148,6 +148,7 @@ class Process {
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
     auto queue = options_.jobs;
     queue.memory = &memory_;
+    queue.max_resident = budget::default_shares(budget::memory_limits()).process;
     jobs_ = std::make_unique<jobs::JobQueue>(
         *store_, queue, json::write_problem,
         [this](const store::JobRecord& job) {
@@ -182,6 +183,7 @@ int serve(const ServerOptions& options) {
   const auto signals = block_end_signals();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is an error of that write, not the end
+  budget::spare_address_space(budget::memory_limits());
   set_thread_count(options.threads);
   if (!budget::counts_allocations()) spdlog::warn("what computations allocate is not held against --memory");
   if (options.helper.program.empty()) {

@@ -69,6 +69,20 @@ void ComputationMemory::stop_largest(std::int64_t wanted) noexcept {
   largest->stop(Stopped::beyond_all, budget_.in_use() + wanted);
 }
 
+void ComputationMemory::stop_largest_of(MemoryBudget& budget, std::int64_t resident, std::int64_t most) noexcept {
+  ComputationMemory* largest = nullptr;
+  bool one_is_stopping = false;
+  for (auto* const one : budget.computations_) {
+    if (one->stopped_ != Stopped::no) {
+      one_is_stopping = true;
+    } else if (!largest || one->held_ > largest->held_) {
+      largest = one;
+    }
+  }
+  const bool urgent = resident > most + most / 8;
+  if (largest && (urgent || !one_is_stopping)) largest->stop(Stopped::beyond_the_process, resident);
+}
+
 void ComputationMemory::throw_if_stopped() const {
   Stopped stopped = Stopped::no;
   std::int64_t needed = 0;
@@ -79,6 +93,7 @@ void ComputationMemory::throw_if_stopped() const {
   }
   // Outside of the mutex: what is allocated for the texts may have to be counted.
   if (stopped == Stopped::beyond_its_own) refuse_one(budget_.each_, needed, "what it has computed so far");
+  if (stopped == Stopped::beyond_the_process) refuse_process(needed);
   if (stopped == Stopped::beyond_all) refuse_all(budget_.total_, needed, "what this one has computed so far");
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "refusals.h"
+#include "supple/budget/computation_memory.h"
 
 namespace supple::budget {
 namespace {
@@ -79,7 +80,7 @@ MemoryShares default_shares(const MemoryLimits& limits) {
   auto memory = limits.resident;
   if (limits.virtual_size > 0) memory = std::min(memory, limits.virtual_size);
   constexpr std::int64_t gibibyte = 1LL << 30;
-  return {memory / 5 * 3, std::min(memory / 8, 2 * gibibyte), std::min(memory / 4, 8 * gibibyte)};
+  return {memory / 5 * 3, std::min(memory / 8, 2 * gibibyte), std::min(memory / 4, 8 * gibibyte), memory / 4 * 3};
 }
 
 void spare_address_space(const MemoryLimits& limits) {
@@ -123,6 +124,15 @@ void MemoryBudget::Reservation::release() noexcept {
 std::int64_t MemoryBudget::used() const {
   const std::lock_guard lock(mutex_);
   return in_use();
+}
+
+void MemoryBudget::relieve(std::int64_t resident, std::int64_t most) {
+  if (resident <= most) return;
+  return_free_memory();
+  resident = memory_use().resident;
+  if (resident <= most) return;
+  const std::lock_guard lock(mutex_);
+  ComputationMemory::stop_largest_of(*this, resident, most);
 }
 
 void MemoryBudget::return_what_is_free() {

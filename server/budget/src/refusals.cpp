@@ -5,6 +5,11 @@
 #include "supple/problem/problem.h"
 
 namespace supple::budget {
+namespace {
+
+constexpr int soon = 5;  // seconds: requests hold what they need for as long as they are read and answered
+
+}  // namespace
 
 void refuse_one(std::int64_t limit, std::int64_t needed, const std::string& what) {
   problem::throw_limit("request.too_much_memory", "What the request needs in bytes of memory, with " + what + ",",
@@ -12,12 +17,21 @@ void refuse_one(std::int64_t limit, std::int64_t needed, const std::string& what
 }
 
 void refuse_all(std::int64_t limit, std::int64_t needed, const std::string& what) {
-  constexpr int soon = 5;  // seconds: requests hold what they need for as long as they are read and answered
   problem::Problem problem{"server.out_of_memory", {}, {}, {}, soon};
   problem.limit = problem::Limit{static_cast<double>(limit), static_cast<double>(needed), "--memory"};
   problem.detail = "With " + what + " all requests together would need " + std::to_string(needed) +
                    " bytes of memory, the limit is " + std::to_string(limit) + " (setting --memory).";
   throw problem::ProblemError(std::move(problem));
+}
+
+void refuse_process(std::int64_t resident) {
+  throw problem::ProblemError({"server.out_of_memory",
+                               "The server has " + std::to_string(resident) +
+                                   " bytes in main memory, which is nearly all that it may have; the computation that "
+                                   "held most was stopped.",
+                               {},
+                               {},
+                               soon});
 }
 
 }  // namespace supple::budget

@@ -2,7 +2,7 @@
 
 namespace supple::jobs {
 
-Watchdog::Watchdog() : thread_([this] { run(); }) {}
+Watchdog::Watchdog(std::function<void()> look) : look_(std::move(look)), thread_([this] { run(); }) {}
 
 Watchdog::~Watchdog() {
   {
@@ -39,6 +39,11 @@ void Watchdog::run() {
       idle_rounds = 0;
     }
     wake_.wait_for(lock, period, [this] { return ending_; });
+    if (look_) {
+      lock.unlock();
+      look_();
+      lock.lock();
+    }
     const auto now = Clock::now();
     for (const auto& [id, watch] : watches_) {
       if (watch.deadline && now >= *watch.deadline) watch.token.request(StopReason::deadline);

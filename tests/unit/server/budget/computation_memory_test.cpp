@@ -110,6 +110,24 @@ TEST(ComputationMemory, GivesABlockAMarginWhileALargerOneIsStopping) {
   EXPECT_EQ(small.problem().code, "server.out_of_memory");
 }
 
+TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
+  MemoryBudget budget(1000, 1000);
+  Computation large(budget);
+  Computation small(budget);
+  large.memory.add(20);
+  small.memory.add(10);
+  const auto now = memory_use().resident;
+  budget.relieve(now, 2 * now);
+  EXPECT_FALSE(large.token.requested());
+  budget.relieve(now, now - now / 16);
+  EXPECT_TRUE(large.token.requested());
+  EXPECT_EQ(large.problem().code, "server.out_of_memory");
+  budget.relieve(now, now - now / 16);
+  EXPECT_FALSE(small.token.requested()) << "the other one has time to end";
+  budget.relieve(now, now / 2);
+  EXPECT_TRUE(small.token.requested()) << "unless there is none";
+}
+
 TEST(ComputationMemory, CountsTheBlocksOfEveryThreadThatHelps) {
   if (!counts_allocations()) GTEST_SKIP() << "a sanitizer allocates";
   set_thread_count(2);

@@ -105,6 +105,7 @@ TEST(MemoryLimits, AreDividedInShares) {
   EXPECT_EQ(default_shares({1000, 5000}).requests, 600);
   EXPECT_EQ(default_shares({1000, 0}).meshes, 125);
   EXPECT_EQ(default_shares({1000, 0}).helper, 250);
+  EXPECT_EQ(default_shares({1000, 0}).process, 750);
   EXPECT_EQ(default_shares({1LL << 40, 0}).meshes, 2LL << 30);
   EXPECT_EQ(default_shares({1LL << 40, 0}).helper, 8LL << 30);
 }

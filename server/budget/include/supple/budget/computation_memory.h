@@ -33,11 +33,14 @@ class ComputationMemory final : public MemoryAccount {
 
  private:
   friend class MemoryBudget;
-  enum class Stopped { no, beyond_its_own, beyond_all };
+  enum class Stopped { no, beyond_its_own, beyond_all, beyond_the_process };
 
   /// All under the budget's mutex.
   void stop(Stopped why, std::int64_t needed) noexcept;
   void stop_largest(std::int64_t wanted) noexcept;
+  /// Where the process has `resident` bytes and may have `most`. One that is stopping already has time to end, unless
+  /// there is none left.
+  static void stop_largest_of(MemoryBudget& budget, std::int64_t resident, std::int64_t most) noexcept;
 
   MemoryBudget& budget_;
   const CancellationToken token_;

@@ -29,6 +29,7 @@ struct MemoryShares {
   std::int64_t requests = 0;  ///< for what requests reserve and computations allocate: 60 %
   std::int64_t meshes = 0;    ///< for meshes that stay loaded: an eighth, 2 GiB at most
   std::int64_t helper = 0;    ///< for one helper process: a quarter, 8 GiB at most
+  std::int64_t process = 0;   ///< for the whole server without its helpers: three quarters
 };
 MemoryShares default_shares(const MemoryLimits& limits);
 
@@ -70,6 +71,10 @@ class MemoryBudget {
   std::int64_t each() const { return each_; }
   /// What requests have reserved and computations have allocated.
   std::int64_t used() const;
+  /// For a thread that looks every few tens of milliseconds: where the process has more than `most` bytes in main
+  /// memory although free memory has been given back, the computation that holds most is stopped. Blocks that are free
+  /// but not returned, and those that no computation pays for, are not counted otherwise.
+  void relieve(std::int64_t resident, std::int64_t most);
   /// Gives memory back to the system, where a large computation has ended since the last call and none is running. For
   /// a thread that has time for it: what is given back at once has to be fetched again by the next computation.
   void return_what_is_free();

@@ -39,7 +39,8 @@ class Watchdog {
     std::uint64_t id_;
   };
 
-  Watchdog();
+  /// `look` is called every `period` while there are computations.
+  explicit Watchdog(std::function<void()> look = {});
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
@@ -49,6 +50,7 @@ class Watchdog {
   void remove(std::uint64_t id);
   void run();
 
+  const std::function<void()> look_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::map<std::uint64_t, Watch> watches_;
