@@ -3,6 +3,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -83,7 +84,7 @@ class Process {
   Process(const ServerOptions& options, sigset_t signals)
       : options_(options),
         signals_(signals),
-        memory_(options.memory, options.request_memory),
+        memory_(options.memory, options.request_memory, budget::default_shares(budget::memory_limits()).process),
         metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;
     services_.version = SUPPLE_VERSION;
@@ -148,7 +149,6 @@ class Process {
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
     auto queue = options_.jobs;
     queue.memory = &memory_;
-    queue.max_resident = budget::default_shares(budget::memory_limits()).process;
     jobs_ = std::make_unique<jobs::JobQueue>(
         *store_, queue, json::write_problem,
         [this](const store::JobRecord& job) {
@@ -183,7 +183,7 @@ int serve(const ServerOptions& options) {
   const auto signals = block_end_signals();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is an error of that write, not the end
-  budget::spare_address_space(budget::memory_limits());
+  budget::share_arenas(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   set_thread_count(options.threads);
   if (!budget::counts_allocations()) spdlog::warn("what computations allocate is not held against --memory");
   if (options.helper.program.empty()) {

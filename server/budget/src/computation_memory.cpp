@@ -93,7 +93,7 @@ void ComputationMemory::throw_if_stopped() const {
   }
   // Outside of the mutex: what is allocated for the texts may have to be counted.
   if (stopped == Stopped::beyond_its_own) refuse_one(budget_.each_, needed, "what it has computed so far");
-  if (stopped == Stopped::beyond_the_process) refuse_process(needed);
+  if (stopped == Stopped::beyond_the_process) refuse_process(needed, "this computation, which held most");
   if (stopped == Stopped::beyond_all) refuse_all(budget_.total_, needed, "what this one has computed so far");
 }
 

@@ -83,11 +83,7 @@ MemoryShares default_shares(const MemoryLimits& limits) {
   return {memory / 5 * 3, std::min(memory / 8, 2 * gibibyte), std::min(memory / 4, 8 * gibibyte), memory / 4 * 3};
 }
 
-void spare_address_space(const MemoryLimits& limits) {
-  constexpr std::int64_t plenty = 64LL << 30;
-  constexpr int few = 2;
-  if (limits.virtual_size > 0 && limits.virtual_size < plenty) ::mallopt(M_ARENA_MAX, few);
-}
+void share_arenas(int cores) { ::mallopt(M_ARENA_MAX, 2 * cores); }
 
 MemoryBudget::Reservation::Reservation(Reservation&& other) noexcept
     : budget_(other.budget_), bytes_(std::exchange(other.bytes_, 0)) {}
@@ -104,6 +100,7 @@ MemoryBudget::Reservation& MemoryBudget::Reservation::operator=(Reservation&& ot
 void MemoryBudget::Reservation::add(std::int64_t bytes, const std::string& what) {
   if (!budget_ || bytes <= 0) return;
   if (bytes_ + bytes > budget_->each_) refuse_one(budget_->each_, bytes_ + bytes, what);
+  if (const auto resident = budget_->too_many_resident(); resident > 0) refuse_process(resident, what);
   std::int64_t all = 0;
   {
     const std::lock_guard lock(budget_->mutex_);
@@ -126,13 +123,18 @@ std::int64_t MemoryBudget::used() const {
   return in_use();
 }
 
-void MemoryBudget::relieve(std::int64_t resident, std::int64_t most) {
-  if (resident <= most) return;
+std::int64_t MemoryBudget::too_many_resident() const {
+  if (process_ <= 0 || memory_use().resident <= process_) return 0;
   return_free_memory();
-  resident = memory_use().resident;
-  if (resident <= most) return;
+  const auto resident = memory_use().resident;
+  return resident > process_ ? resident : 0;
+}
+
+void MemoryBudget::relieve() {
+  const auto resident = too_many_resident();
+  if (resident == 0) return;
   const std::lock_guard lock(mutex_);
-  ComputationMemory::stop_largest_of(*this, resident, most);
+  ComputationMemory::stop_largest_of(*this, resident, process_);
 }
 
 void MemoryBudget::return_what_is_free() {

@@ -24,11 +24,10 @@ void refuse_all(std::int64_t limit, std::int64_t needed, const std::string& what
   throw problem::ProblemError(std::move(problem));
 }
 
-void refuse_process(std::int64_t resident) {
+void refuse_process(std::int64_t resident, const std::string& what) {
   throw problem::ProblemError({"server.out_of_memory",
-                               "The server has " + std::to_string(resident) +
-                                   " bytes in main memory, which is nearly all that it may have; the computation that "
-                                   "held most was stopped.",
+                               "There is no memory left for " + what + ": the server has " + std::to_string(resident) +
+                                   " bytes, which is nearly all that it may have.",
                                {},
                                {},
                                soon});

@@ -10,8 +10,8 @@ namespace supple::budget {
 [[noreturn]] void refuse_one(std::int64_t limit, std::int64_t needed, const std::string& what);
 /// Throws ProblemError "server.out_of_memory" (503): all requests together need `needed` bytes with `what`.
 [[noreturn]] void refuse_all(std::int64_t limit, std::int64_t needed, const std::string& what);
-/// Throws ProblemError "server.out_of_memory" (503): the whole process has so many bytes in main memory, which is too
-/// near to what it may have.
-[[noreturn]] void refuse_process(std::int64_t resident);
+/// Throws ProblemError "server.out_of_memory" (503): the process has so many bytes in main memory already, which is
+/// nearly all that it may have.
+[[noreturn]] void refuse_process(std::int64_t resident, const std::string& what);
 
 }  // namespace supple::budget

@@ -111,7 +111,9 @@ JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render rend
       render_(std::move(render)),
       observe_(std::move(observe)),
       log_(std::move(log)),
-      watchdog_([this] { look_at_memory(); }),
+      watchdog_([this] {
+        if (options_.memory) options_.memory->relieve();
+      }),
       slots_(options.immediate) {
   for (auto job : store_.unfinished_jobs()) {
     const problem::Problem problem{"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
@@ -532,12 +534,6 @@ void JobQueue::clean_up() {
     }
     lock.lock();
     end_.wait_for(lock, look_at_queue, [this] { return ending_; });
-  }
-}
-
-void JobQueue::look_at_memory() const {
-  if (options_.memory && options_.max_resident > 0) {
-    options_.memory->relieve(budget::memory_use().resident, options_.max_resident);
   }
 }
 

@@ -111,21 +111,30 @@ TEST(ComputationMemory, GivesABlockAMarginWhileALargerOneIsStopping) {
 }
 
 TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
-  MemoryBudget budget(1000, 1000);
+  const auto now = memory_use().resident;
+  MemoryBudget enough(1000, 1000, 2 * now);
+  Computation unhurt(enough);
+  enough.relieve();
+  EXPECT_FALSE(unhurt.token.requested());
+
+  MemoryBudget budget(1000, 1000, now - now / 16);
   Computation large(budget);
   Computation small(budget);
   large.memory.add(20);
   small.memory.add(10);
-  const auto now = memory_use().resident;
-  budget.relieve(now, 2 * now);
-  EXPECT_FALSE(large.token.requested());
-  budget.relieve(now, now - now / 16);
+  budget.relieve();
   EXPECT_TRUE(large.token.requested());
   EXPECT_EQ(large.problem().code, "server.out_of_memory");
-  budget.relieve(now, now - now / 16);
+  budget.relieve();
   EXPECT_FALSE(small.token.requested()) << "the other one has time to end";
-  budget.relieve(now, now / 2);
-  EXPECT_TRUE(small.token.requested()) << "unless there is none";
+
+  MemoryBudget urgent(1000, 1000, now / 2);
+  Computation first(urgent);
+  Computation second(urgent);
+  urgent.relieve();
+  urgent.relieve();
+  EXPECT_TRUE(first.token.requested());
+  EXPECT_TRUE(second.token.requested()) << "there is no time";
 }
 
 TEST(ComputationMemory, CountsTheBlocksOfEveryThreadThatHelps) {

@@ -68,6 +68,15 @@ TEST(MemoryBudget, RefusesWhatAllRequestsTogetherHaveNoRoomFor) {
   EXPECT_EQ(refusal(second, 41).code, "");
 }
 
+TEST(MemoryBudget, RefusesWhatTheProcessHasNoRoomFor) {
+  MemoryBudget budget(100, 80, memory_use().resident / 2);
+  Reservation reservation(budget);
+  const auto problem = refusal(reservation, 1);
+  EXPECT_EQ(problem.code, "server.out_of_memory");
+  EXPECT_TRUE(problem.retry_after);
+  EXPECT_EQ(budget.used(), 0);
+}
+
 TEST(MemoryBudget, OfAThreadIsThatOfTheRequestItAnswers) {
   MemoryBudget budget(100, 80);
   reserve(1000, "nothing");  // answers none

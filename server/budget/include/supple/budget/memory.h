@@ -33,9 +33,9 @@ struct MemoryShares {
 };
 MemoryShares default_shares(const MemoryLimits& limits);
 
-/// Keeps the C library from setting aside address space for many threads at once, 64 MiB each, where the process may
-/// not have much. Call before threads start.
-void spare_address_space(const MemoryLimits& limits);
+/// Has the C library divide memory among few arenas: each keeps what was freed in it, and sets aside 64 MiB of address
+/// space. Call before threads start.
+void share_arenas(int cores);
 
 class ComputationMemory;
 
@@ -43,8 +43,10 @@ class ComputationMemory;
 /// itself. Any thread may call.
 class MemoryBudget {
  public:
-  /// `total` for all requests together (setting --memory), `each` for one (setting --max-request-memory).
-  MemoryBudget(std::int64_t total, std::int64_t each) : total_(total), each_(each) {}
+  /// `total` for all requests together (setting --memory), `each` for one (setting --max-request-memory); `process` for
+  /// all that the process has in main memory, whoever counts it; 0: any amount.
+  MemoryBudget(std::int64_t total, std::int64_t each, std::int64_t process = 0)
+      : total_(total), each_(each), process_(process) {}
 
   /// Bytes of one request; they come back when it is destroyed. Moved, not copied; used by one thread at a time.
   class Reservation {
@@ -56,8 +58,8 @@ class MemoryBudget {
     Reservation& operator=(Reservation&& other) noexcept;
 
     /// Reserves so many bytes more for `what` ("the body"). Throws ProblemError "request.too_much_memory" (413) beyond
-    /// the limit of one request, "server.out_of_memory" (503) where all requests together have no room left; nothing is
-    /// reserved then. Does nothing without a budget.
+    /// the limit of one request, "server.out_of_memory" (503) where all requests together, or the process, have no room
+    /// left; nothing is reserved then. Does nothing without a budget.
     void add(std::int64_t bytes, const std::string& what);
     void release() noexcept;
     std::int64_t bytes() const { return bytes_; }
@@ -71,10 +73,10 @@ class MemoryBudget {
   std::int64_t each() const { return each_; }
   /// What requests have reserved and computations have allocated.
   std::int64_t used() const;
-  /// For a thread that looks every few tens of milliseconds: where the process has more than `most` bytes in main
-  /// memory although free memory has been given back, the computation that holds most is stopped. Blocks that are free
-  /// but not returned, and those that no computation pays for, are not counted otherwise.
-  void relieve(std::int64_t resident, std::int64_t most);
+  /// For a thread that looks every few tens of milliseconds: where the process has more in main memory than it may,
+  /// although free memory has been given back, the computation that holds most is stopped. Blocks that are free but not
+  /// returned, and those that no computation pays for, are not counted otherwise.
+  void relieve();
   /// Gives memory back to the system, where a large computation has ended since the last call and none is running. For
   /// a thread that has time for it: what is given back at once has to be fetched again by the next computation.
   void return_what_is_free();
@@ -83,9 +85,12 @@ class MemoryBudget {
   friend class ComputationMemory;
   /// Under the mutex.
   std::int64_t in_use() const noexcept { return reserved_ + allocated_; }
+  /// What the process has in main memory where that is more than it may have and nothing of it is free; otherwise 0.
+  std::int64_t too_many_resident() const;
 
   const std::int64_t total_;
   const std::int64_t each_;
+  const std::int64_t process_;
   mutable std::mutex mutex_;
   std::int64_t reserved_ = 0;
   std::int64_t allocated_ = 0;

@@ -52,7 +52,6 @@ struct QueueOptions {
   double retention = 7 * 86400;                ///< seconds that a finished job is kept; setting --retention
   std::size_t max_jobs = 10'000;               ///< finished jobs that are kept; setting --max-jobs
   budget::MemoryBudget* memory = nullptr;      ///< that computations may fill; null: any amount
-  std::int64_t max_resident = 0;               ///< bytes of the process beyond which the largest is stopped; 0: any
 };
 
 /// Runs computations: at once on the caller's thread, or as jobs on worker threads.
@@ -140,8 +139,6 @@ class JobQueue {
   std::optional<JobStatus> status_in_memory(const std::string& id) const;
   static JobStatus status_of(const Job& job);
   void clean_up();
-  /// Stops the largest computation where the process comes near to the end of its memory.
-  void look_at_memory() const;
 
   store::Store& store_;
   const QueueOptions options_;
