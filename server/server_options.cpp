@@ -53,7 +53,7 @@ void add_limits(CLI::App& app, ServerOptions& options) {
   group
       ->add_option(
           "--memory", options.memory,
-          "Bytes that requests and computations may take together: 60 % of the machine's, control group's or process's")
+          "Bytes that requests and computations may take together; half of the machine's, control group's or process's")
       ->transform(CLI::AsSizeValue(false));
   group->add_option("--max-request-memory", options.request_memory, "Bytes that one request may take")
       ->transform(CLI::AsSizeValue(false));

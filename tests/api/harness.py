@@ -10,7 +10,7 @@ import socket
 import subprocess
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
 
 import requests
 
@@ -42,11 +42,12 @@ def make_model(path: Path, model_id: str = "ih21", seed: int = 1, gain: float = 
 
 
 class ServerProcess:
-    """supple-server on a free port over a data folder that outlives it."""
+    """supple-server on a free port over a data folder that outlives it. `prefix` is a command that becomes the server."""
 
-    def __init__(self, data: Path, *arguments: str) -> None:
+    def __init__(self, data: Path, *arguments: str, prefix: "Sequence[str]" = ()) -> None:
         self.data = data
         self.arguments = arguments
+        self.prefix = prefix
         self.port = free_port()
         self.url = f"http://127.0.0.1:{self.port}"
         self.log = data.parent / f"{data.name}.log"
@@ -64,7 +65,7 @@ class ServerProcess:
         assert not self.running()
         with self.log.open("ab") as log:
             self._process = subprocess.Popen(
-                [str(SERVER), "--host", "127.0.0.1", "--port", str(self.port), "--data", str(self.data), *self.arguments],
+                [*self.prefix, str(SERVER), "--host", "127.0.0.1", "--port", str(self.port), "--data", str(self.data), *self.arguments],
                 stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
         deadline = time.monotonic() + START_SECONDS
         while time.monotonic() < deadline:
@@ -119,8 +120,8 @@ def servers_of_a_test(folder: Path) -> "Iterator[Callable[..., ServerProcess]]":
     """What a fixture yields to start servers of a test's own, which may be killed and restarted; ends them afterwards."""
     started: List[ServerProcess] = []
 
-    def start(*arguments: str, data: str = "data") -> ServerProcess:
-        process = ServerProcess(folder / data, *arguments)
+    def start(*arguments: str, data: str = "data", prefix: Sequence[str] = ()) -> ServerProcess:
+        process = ServerProcess(folder / data, *arguments, prefix=prefix)
         started.append(process)
         return process.start()
 

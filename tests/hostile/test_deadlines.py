@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import re
-import socket
-import subprocess
 import time
-from pathlib import Path
-from typing import Iterator, List
+from typing import Iterator
 
 import pytest
 import requests
 
-from costly import CASES, Costly, Meshes, meshes_of, named
+from costly import CASES, Meshes, meshes_of, named
 from harness import Api, ServerProcess
+from processes import cpu_seconds, cpu_within, first_line, sent_request
 
 DEADLINE = 1.0
 """Seconds that each request asks for."""
@@ -21,36 +19,6 @@ LATE = 1.0
 """Seconds by which an answer, or the end of the computation, may come later; on an idle machine."""
 QUIET = 0.2
 """CPU seconds that an idle server with its helpers may use in a second."""
-TICKS = 100.0
-
-
-def processes(pid: int) -> List[int]:
-    """The process and all that it has started."""
-    found, children = [], [pid]
-    while children:
-        found += children
-        shown = subprocess.run(["ps", "-o", "pid=", "--ppid", ",".join(map(str, children))], stdout=subprocess.PIPE,
-                               check=False, text=True)
-        children = [int(text) for text in shown.stdout.split()]
-    return found
-
-
-def cpu_seconds(pid: int) -> "dict[int, float]":
-    used = {}
-    for process in processes(pid):
-        try:
-            fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
-            used[process] = (int(fields[11]) + int(fields[12])) / TICKS
-        except OSError:
-            pass  # it has just ended
-    return used
-
-
-def cpu_within(pid: int, seconds: float) -> float:
-    """CPU seconds that the processes use from now on."""
-    before = cpu_seconds(pid)
-    time.sleep(seconds)
-    return sum(max(0.0, used - before.get(process, 0)) for process, used in cpu_seconds(pid).items())
 
 
 @pytest.fixture(scope="module")
@@ -70,19 +38,6 @@ def slowness(server: ServerProcess) -> Iterator[float]:
     wall = time.monotonic() - start
     used = sum(max(0.0, seconds - before.get(process, 0)) for process, seconds in cpu_seconds(server.pid).items())
     yield max(1.0, wall / max(used, 0.02))
-
-
-def sent_request(server: ServerProcess, request: Costly) -> socket.socket:
-    connection = socket.create_connection(("127.0.0.1", server.port))
-    connection.settimeout(120)
-    head = (f"{request.method} {request.path} HTTP/1.1\r\nHost: localhost\r\nAccept: {request.accept}\r\nContent-Length: {len(request.body)}\r\n"
-            f"Content-Type: {request.content_type}\r\n\r\n")
-    connection.sendall((head if request.body else re.sub("Content-.*?\r\n", "", head)).encode() + request.body)
-    return connection
-
-
-def first_line(connection: socket.socket) -> str:
-    return connection.recv(4096).split(b"\r\n", 1)[0].decode()
 
 
 TAKES_NO_DEADLINE = {name for name in CASES if name.startswith(("upload_", "repair_", "body_", "picture_of_many_cells"))}

@@ -43,6 +43,12 @@ problem::ProblemError queue_full(const std::string& detail, double limit, double
   throw Error("job.not_found", "There is no job " + id + ".");
 }
 
+/// The answer outlives its computation, which paid for it: from here on the request does.
+Result held_by_request(Result result) {
+  budget::reserve(static_cast<std::int64_t>(result.body.size()), "its answer");
+  return result;
+}
+
 bool is_finished(JobState state) { return state != JobState::accepted && state != JobState::running; }
 
 }  // namespace
@@ -157,7 +163,7 @@ Result JobQueue::run_now(const Computation& computation, std::function<bool()> h
   const ComputeSlots::Slot slot(slots_, token);
   Execution execution;
   execution.cancellation = token;
-  return compute(computation, execution);
+  return held_by_request(compute(computation, execution));
 }
 
 Result JobQueue::compute(const Computation& computation, const Execution& execution) const {
@@ -270,7 +276,9 @@ JobQueue::ResultOrJob JobQueue::run_within(Computation computation, double secon
     return {std::nullopt, status_of(*job)};
   }
   if (job->failure) std::rethrow_exception(job->failure);
-  return {std::move(job->result), {}};
+  auto result = *std::move(job->result);
+  lock.unlock();
+  return {held_by_request(std::move(result)), {}};
 }
 
 JobQueue::JobPointer JobQueue::find(const std::string& id) const {

@@ -109,12 +109,12 @@ TEST(MemoryUse, GrowsWithWhatIsAllocated) {
 
 TEST(MemoryLimits, AreDividedInShares) {
   EXPECT_GT(memory_limits().resident, 0);
-  EXPECT_EQ(default_shares({1000, 0}).requests, 600);
-  EXPECT_EQ(default_shares({1000, 500}).requests, 300);
-  EXPECT_EQ(default_shares({1000, 5000}).requests, 600);
+  EXPECT_EQ(default_shares({1000, 0}).requests, 500);
+  EXPECT_EQ(default_shares({1000, 500}).requests, 250);
+  EXPECT_EQ(default_shares({1000, 5000}).requests, 500);
   EXPECT_EQ(default_shares({1000, 0}).meshes, 125);
   EXPECT_EQ(default_shares({1000, 0}).helper, 250);
-  EXPECT_EQ(default_shares({1000, 0}).process, 750);
+  EXPECT_EQ(default_shares({1000, 0}).process, 682);
   EXPECT_EQ(default_shares({1LL << 40, 0}).meshes, 2LL << 30);
   EXPECT_EQ(default_shares({1LL << 40, 0}).helper, 8LL << 30);
 }

@@ -1,0 +1,117 @@
+"""No request takes more memory than it may, and none ends a server that may not have much: the costliest of each operation,
+alone and sixteen at a time."""
+
+from __future__ import annotations
+
+import os
+import random
+import socket
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Callable, Iterator, List, Tuple
+
+import pytest
+import requests
+
+from costly import CASES, Meshes, meshes_of, named
+from contract import ROOT, Contract
+from harness import Api, ServerProcess
+from processes import first_line, peak_bytes, reset_peak, sent_request
+
+GIBIBYTE = 2**30
+MARGIN = 1.25
+"""Free memory that is not given back at once, and small blocks that are counted together, come on top of what is counted."""
+AT_A_TIME = 16
+CONTROL_GROUPS = Path("/sys/fs/cgroup/memory")
+
+
+def uploaded(server: ServerProcess) -> Meshes:
+    def upload(content: bytes) -> str:
+        response = requests.post(server.url + "/v1/meshes", data=content, headers={"Content-Type": "model/ply"}, timeout=120)
+        assert response.status_code in (200, 201), response.text
+        return str(response.json()["id"])
+    return meshes_of(upload)
+
+
+@pytest.fixture(scope="module")
+def meshes(server: ServerProcess) -> Meshes:
+    return uploaded(server)
+
+
+LARGE = ["diagram_of_few_sites", "layout_of_cusps", "network_on_a_large_shell", "optimization_of_many_sites", "repair_of_a_large_soup",
+         "sheet_of_circles", "sheet_of_many_strands", "simulation_of_a_fine_cell", "upload_of_a_large_ply", "upload_of_a_large_stl"]
+"""Those that would take more than half of what a request may have, if they were let."""
+
+
+@pytest.mark.parametrize("name", LARGE)
+def test_one_request_takes_what_one_request_may(server: ServerProcess, meshes: Meshes, name: str) -> None:
+    request = named(name, meshes, 3)
+    reset_peak(server.pid)
+    before = server.resident_bytes()
+    connection = sent_request(server, request)
+    status = first_line(connection)
+    connection.close()
+    assert status.split()[1] in ("200", "201", "413", "504"), status
+    body = len(request.body)  # read before anything is computed, and reserved by itself
+    assert peak_bytes(server.pid) - before < MARGIN * GIBIBYTE + body, f"{name}: {status}"
+
+
+def test_a_computation_that_needs_too_much_is_told_the_limit_and_its_setting(new_server: Callable[..., ServerProcess],
+                                                                            contract: Contract) -> None:
+    server = new_server("--max-request-memory", "64M")
+    api = Api(server, contract)
+    response = api.post("/v1/weave-simulations", {
+        "weave": {"pattern": "regular", "sheet": {"columns": 60, "rows": 60}, "pitch": 1}, "deformed": "none",
+        "supports": [{"at": {"box": [[-1, -1], [0.7, 61]]}}, {"at": {"box": [[59, -1], [61, 61]]}, "displacement": [1, 0, 0]}]})
+    assert response.status_code == 413, response.text
+    problem = response.json()
+    assert problem["code"] == "request.too_much_memory"
+    assert problem["limit"] == 64 * 2**20 and problem["value"] > problem["limit"] and problem["setting"] == "--max-request-memory"
+    assert server.metrics()["supple_memory_used_bytes"] < 4 * 2**20
+
+
+def group_of(test: str) -> Iterator[List[str]]:
+    """A command that becomes a process of a control group with 2 GiB; the group goes afterwards."""
+    group = CONTROL_GROUPS / f"supple_{test}_{os.getpid()}"
+    try:
+        group.mkdir()
+    except OSError as error:
+        pytest.skip(f"no control group can be made here: {error}")
+    (group / "memory.limit_in_bytes").write_text(str(2 * GIBIBYTE))
+    yield ["sh", "-c", f'echo $$ > {group}/cgroup.procs; exec "$@"', "sh"]
+    group.rmdir()
+
+
+@pytest.fixture(params=["control_group", "address_space"])
+def small_server(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[ServerProcess]:
+    """A server that may have 2 GiB, with all that it starts or each process by itself."""
+    groups = group_of("memory") if request.param == "control_group" else iter([["prlimit", f"--as={2 * GIBIBYTE}"]])
+    process = ServerProcess(tmp_path / "data", "--models", str(ROOT / "models"), "--max-connections", "64", prefix=next(groups))
+    yield process.start()
+    process.stop()
+    next(groups, None)
+
+
+def test_the_costliest_requests_at_once_do_not_end_a_server_of_two_gibibytes(small_server: ServerProcess) -> None:
+    meshes = uploaded(small_server)
+    names = sorted(CASES) + LARGE
+    random.Random(5).shuffle(names)
+
+    def send(name: str) -> Tuple[str, str]:
+        connection = sent_request(small_server, named(name, meshes, 1.5))
+        try:
+            return name, (first_line(connection).split() + ["", "closed"])[1]
+        except socket.timeout:
+            return name, "none"
+        finally:
+            connection.close()
+
+    with ThreadPoolExecutor(AT_A_TIME) as pool:
+        answers = list(pool.map(send, names))
+    assert small_server.running(), f"the server died: {answers}\n{small_server.log_text()[-2000:]}"
+    unexpected = {(name, status) for name, status in answers if status not in ("200", "201", "400", "413", "422", "429", "503", "504")}
+    assert not unexpected
+    assert {status for _, status in answers} & {"200", "201"}, "nothing was answered"
+    # It is as good as new: what was taken is given back.
+    assert requests.get(small_server.url + "/v1/families/IH21/structure?format=svg", timeout=60).status_code == 200
+    assert small_server.metrics()["supple_memory_used_bytes"] < 4 * 2**20
