@@ -40,9 +40,10 @@ std::string host_in_url(const std::string& host) {
   return host.find(':') == std::string::npos ? host : "[" + host + "]";
 }
 
-store::ModelStore::Options model_options(const std::string& folder) {
+store::ModelStore::Options model_options(const ServerOptions& server) {
   store::ModelStore::Options options;
-  options.folder = folder;
+  options.folder = server.models;
+  options.max_file = server.max_model;
   options.describe = json::write_model;
   options.log = [](store::ModelStore::Level level, const std::string& text) {
     level == store::ModelStore::Level::warning ? spdlog::warn(text) : spdlog::info(text);
@@ -88,6 +89,7 @@ class Process {
         metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;
     services_.version = SUPPLE_VERSION;
+    services_.data = options.data;
     services_.web = options.web;
     services_.metrics = &metrics_;
     services_.memory = &memory_;
@@ -144,7 +146,7 @@ class Process {
 
  private:
   void open() {
-    models_ = std::make_unique<store::ModelStore>(model_options(options_.models));  // reads while the store opens
+    models_ = std::make_unique<store::ModelStore>(model_options(options_));  // reads while the store opens
     store_ = std::make_unique<store::Store>(options_.data, recovery());
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
     auto queue = options_.jobs;

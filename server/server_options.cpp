@@ -70,6 +70,11 @@ void add_limits(CLI::App& app, ServerOptions& options) {
   group->add_option("--max-jobs", options.jobs.max_jobs, "Finished jobs that are kept");
   group->add_option("--retention", options.jobs.retention, "Seconds that a finished job is kept")
       ->check(CLI::PositiveNumber);
+  group->add_option("--max-model", options.max_model, "Bytes of a model file")->transform(CLI::AsSizeValue(false));
+  group
+      ->add_option("--min-free", limits.min_free,
+                   "Bytes that the disk of the data folder has left while the server calls itself ready")
+      ->transform(CLI::AsSizeValue(false));
   group->add_option("--mesh-memory", options.mesh_memory, "Bytes of meshes held in memory (an estimate)")
       ->transform(CLI::AsSizeValue(false));
 }

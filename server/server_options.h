@@ -18,6 +18,7 @@ struct ServerOptions {
   routes::RouteLimits limits;
   std::string data = "data";
   std::string models;                       ///< folder; none where empty
+  std::int64_t max_model = 256LL << 20;     ///< bytes of a model file
   std::string web;                          ///< folder of the built web editor; none where empty
   int threads = 0;                          ///< compute threads; 0: one for each core
   std::int64_t mesh_memory = 0;             ///< bytes; like the following three a share of the machine's at first

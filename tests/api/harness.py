@@ -61,13 +61,14 @@ class ServerProcess:
     def running(self) -> bool:
         return self._process is not None and self._process.poll() is None
 
-    def start(self) -> "ServerProcess":
+    def start(self, seconds: float = START_SECONDS) -> "ServerProcess":
+        """Returns once it is ready. Raises where that takes longer; the process may be running then."""
         assert not self.running()
         with self.log.open("ab") as log:
             self._process = subprocess.Popen(
                 [*self.prefix, str(SERVER), "--host", "127.0.0.1", "--port", str(self.port), "--data", str(self.data), *self.arguments],
                 stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
-        deadline = time.monotonic() + START_SECONDS
+        deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             if not self.running():
                 raise RuntimeError(f"the server ended with {self._process.returncode}:\n{self.log_text()[-4000:]}")
@@ -77,7 +78,7 @@ class ServerProcess:
             except requests.RequestException:
                 pass
             time.sleep(0.02)
-        raise RuntimeError(f"the server was not ready within {START_SECONDS} s:\n{self.log_text()[-4000:]}")
+        raise RuntimeError(f"the server was not ready within {seconds} s:\n{self.log_text()[-4000:]}")
 
     def log_text(self) -> str:
         return self.log.read_text(errors="replace") if self.log.exists() else ""

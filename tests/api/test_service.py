@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import re
 import socket
+import sqlite3
 import time
+from contextlib import closing
+from typing import Callable
 
 import pytest
 import requests
 
-from harness import Api, problem_code
+from contract import Contract
+from harness import Api, ServerProcess, problem_code
 
 
 def test_the_probes_say_alive_and_ready(api: Api) -> None:
@@ -17,6 +21,47 @@ def test_the_probes_say_alive_and_ready(api: Api) -> None:
     assert health["status"] == "ok" and health["uptime_seconds"] >= 0
     ready = api.get("/readyz").json()
     assert ready["status"] == "ready"
+
+
+def test_a_server_without_room_on_its_disk_is_alive_and_not_ready(new_server: Callable[..., ServerProcess], contract: Contract) -> None:
+    server = new_server("--min-free", "0")
+    assert Api(server, contract).get("/readyz").json()["disk_free_bytes"] > 0
+    server.stop()
+    server.arguments = ("--min-free", "1000T")
+    with pytest.raises(RuntimeError, match="not ready"):
+        server.start(seconds=2)
+    full = Api(server, contract)
+    assert full.get("/healthz").json()["status"] == "ok"
+    response = full.get("/readyz")
+    assert (response.status_code, problem_code(response)) == (507, "store.full")
+    problem = response.json()
+    assert problem["setting"] == "--min-free" and problem["value"] < problem["limit"] == 1000 * 2**40
+    assert full.get("/v1/families").status_code == 200, "what needs no room is answered"
+
+
+def test_a_server_whose_database_is_gone_is_not_ready(new_server: Callable[..., ServerProcess], contract: Contract) -> None:
+    server = new_server()
+    with closing(sqlite3.connect(server.data / "supple.sqlite")) as database:
+        database.execute("DROP TABLE jobs")
+        database.commit()
+    response = Api(server, contract).get("/readyz")
+    assert (response.status_code, problem_code(response)) == (503, "store.unavailable")
+    assert Api(server, contract).get("/healthz").status_code == 200
+
+
+def test_an_immediate_answer_says_where_its_time_and_memory_went(api: Api, sphere_mesh: str) -> None:
+    before = api.server.metrics()
+    response = api.post("/v1/geodesic-fields", {"mesh": sphere_mesh, "sources": [{"vertex": 0}]})
+    parts = dict(part.strip().split(";", 1) for part in response.headers["Server-Timing"].split(","))
+    milliseconds = {name: float(value.removeprefix("dur=")) for name, value in parts.items() if name != "memory"}
+    assert set(milliseconds) == {"read", "wait", "compute"}
+    assert milliseconds["compute"] > 0 and milliseconds["wait"] < 1000
+    held = int(re.fullmatch(r'desc="(\d+) bytes"', parts["memory"]).group(1))  # type: ignore[union-attr]
+    assert 10_000 < held < 10_000_000, "a field on 1280 faces"
+    after = api.server.metrics()
+    for stage in milliseconds:
+        assert after[f'supple_stage_duration_seconds_count{{stage="{stage}"}}'] > before.get(f'supple_stage_duration_seconds_count{{stage="{stage}"}}', 0)
+    assert after["supple_computation_memory_bytes_count"] > before["supple_computation_memory_bytes_count"]
 
 
 def test_the_metrics_are_prometheus_text_and_count_requests(api: Api) -> None:

@@ -5,30 +5,40 @@
 
 namespace supple::jobs {
 
-void ComputeSlots::acquire(const CancellationToken& token) {
+std::list<std::string>::const_iterator ComputeSlots::next() const {
+  const auto runs = [this](const std::string& client) {
+    const auto found = running_of_.find(client);
+    return found == running_of_.end() ? 0 : found->second;
+  };
+  return std::min_element(waiting_.begin(), waiting_.end(),
+                          [&](const std::string& a, const std::string& b) { return runs(a) < runs(b); });
+}
+
+void ComputeSlots::acquire(const CancellationToken& token, const std::string& client) {
   constexpr std::chrono::milliseconds look_at_token{20};  // a token wakes nobody
   std::unique_lock lock(mutex_);
-  const auto ticket = ++next_ticket_;
-  waiting_.push_back(ticket);
-  while (waiting_.front() != ticket || free_ == 0) {
+  const auto mine = waiting_.insert(waiting_.end(), client);
+  while (free_ == 0 || next() != mine) {
     if (token.requested()) {
-      waiting_.erase(std::find(waiting_.begin(), waiting_.end(), ticket));
+      waiting_.erase(mine);
       wake_.notify_all();
       lock.unlock();
       token.throw_if_requested();
     }
     wake_.wait_for(lock, look_at_token);
   }
-  waiting_.pop_front();
+  waiting_.erase(mine);
   --free_;
   ++running_;
+  ++running_of_[client];
   if (free_ > 0 && !waiting_.empty()) wake_.notify_all();
 }
 
-void ComputeSlots::release() {
+void ComputeSlots::release(const std::string& client) {
   const std::lock_guard lock(mutex_);
   ++free_;
   --running_;
+  if (const auto of = running_of_.find(client); --of->second == 0) running_of_.erase(of);
   if (!waiting_.empty()) wake_.notify_all();
 }
 

@@ -43,6 +43,19 @@ problem::ProblemError queue_full(const std::string& detail, double limit, double
   throw Error("job.not_found", "There is no job " + id + ".");
 }
 
+/// Writes the seconds of its lifetime.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ = std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  const Clock::time_point begin_ = Clock::now();
+};
+
 /// The answer outlives its computation, which paid for it: from here on the request does.
 Result held_by_request(Result result) {
   budget::reserve(static_cast<std::int64_t>(result.body.size()), "its answer");
@@ -136,7 +149,7 @@ JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render rend
 
 JobQueue::~JobQueue() { shut_down(0); }
 
-Result JobQueue::run_now(const Computation& computation, std::function<bool()> hung_up) {
+Result JobQueue::run_now(const Computation& computation, std::function<bool()> hung_up, Profile* profile) {
   const CancellationToken token;
   std::uint64_t ticket = 0;
   std::uint64_t in_session = 0;
@@ -160,15 +173,29 @@ Result JobQueue::run_now(const Computation& computation, std::function<bool()> h
     }
   } const leave{*this, ticket, computation.session, in_session};
   const Watchdog::Guard watch(watchdog_, {token, Clock::now() + duration(computation.deadline), std::move(hung_up)});
-  const ComputeSlots::Slot slot(slots_, token);
+  Profile unseen;
+  Profile& seen = profile ? *profile : unseen;
+  std::optional<ComputeSlots::Slot> slot;
+  {
+    const Stopwatch waited(seen.waited);
+    slot.emplace(slots_, token, computation.client);
+  }
+  const Stopwatch computed(seen.computed);
   Execution execution;
   execution.cancellation = token;
-  return held_by_request(compute(computation, execution));
+  return held_by_request(compute(computation, execution, &seen));
 }
 
-Result JobQueue::compute(const Computation& computation, const Execution& execution) const {
+Result JobQueue::compute(const Computation& computation, const Execution& execution, Profile* profile) const {
   if (!options_.memory) return computation.run(execution);
   budget::ComputationMemory memory(*options_.memory, execution.cancellation);
+  struct NotePeak {
+    const budget::ComputationMemory& memory;
+    Profile* profile;
+    ~NotePeak() {
+      if (profile) profile->peak_memory = memory.peak();
+    }
+  } const note{memory, profile};
   try {
     const MemoryAccount::Use use(&memory);
     return computation.run(execution);

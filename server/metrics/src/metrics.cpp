@@ -18,6 +18,10 @@ namespace {
 const prometheus::Histogram::BucketBoundaries latency_buckets{
     0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 60};
 
+/// Bytes; from what a small answer takes to the largest that one request may have.
+const prometheus::Histogram::BucketBoundaries memory_buckets{1 << 20, 1 << 22, 1 << 24,  1 << 26,
+                                                             1 << 28, 1 << 30, 1LL << 32};
+
 double resident_bytes() {
   std::ifstream file("/proc/self/statm");
   double total = 0;
@@ -47,6 +51,16 @@ struct Metrics::Implementation {
                                                                .Name("supple_job_duration_seconds")
                                                                .Help("Time from a job's start to its end, by kind.")
                                                                .Register(registry);
+  prometheus::Family<prometheus::Histogram>& stages =
+      prometheus::BuildHistogram()
+          .Name("supple_stage_duration_seconds")
+          .Help("Time of immediate answers by stage: read, wait for a slot, compute.")
+          .Register(registry);
+  prometheus::Histogram& memory = prometheus::BuildHistogram()
+                                      .Name("supple_computation_memory_bytes")
+                                      .Help("The most memory that immediate computations held.")
+                                      .Register(registry)
+                                      .Add({}, memory_buckets);
   prometheus::Family<prometheus::Counter>& evaluations = prometheus::BuildCounter()
                                                              .Name("supple_model_evaluations_total")
                                                              .Help("States that neural models have given, by model.")
@@ -65,6 +79,8 @@ struct Metrics::Implementation {
   prometheus::Gauge& meshes = gauge("supple_meshes_loaded", "Meshes held in memory.");
   prometheus::Gauge& mesh_bytes = gauge("supple_meshes_loaded_bytes", "Estimated memory of the meshes held.");
   prometheus::Gauge& models = gauge("supple_models_loaded", "Neural models that are served.");
+  prometheus::Gauge& damaged_models = gauge("supple_models_damaged", "Model files that cannot be read.");
+  prometheus::Gauge& disk_free = gauge("supple_disk_free_bytes", "Space left on the disk of the data folder.");
   prometheus::Gauge& resident = gauge("process_resident_memory_bytes", "Resident memory of the process.");
 
   /// The library looks a series up by a map of strings; these maps save that for the series in use.
@@ -115,6 +131,12 @@ void Metrics::count_finished_job(const std::string& kind, const std::string& sta
   self.job_seconds.Add({{"kind", kind}}, latency_buckets).Observe(seconds);
 }
 
+void Metrics::observe_stage(const std::string& stage, double seconds) {
+  implementation_->stages.Add({{"stage", stage}}, latency_buckets).Observe(seconds);
+}
+
+void Metrics::observe_memory(std::int64_t bytes) { implementation_->memory.Observe(static_cast<double>(bytes)); }
+
 void Metrics::count_evaluations(const std::string& model, std::int64_t states) {
   implementation_->evaluations.Add({{"model", model}}).Increment(static_cast<double>(states));
 }
@@ -131,6 +153,8 @@ std::string Metrics::text(const Snapshot& snapshot) {
   self.computations.Set(static_cast<double>(snapshot.computations));
   self.meshes.Set(static_cast<double>(snapshot.meshes_loaded));
   self.mesh_bytes.Set(static_cast<double>(snapshot.mesh_bytes));
+  self.damaged_models.Set(static_cast<double>(snapshot.models_damaged));
+  self.disk_free.Set(static_cast<double>(snapshot.disk_free_bytes));
   self.models.Set(static_cast<double>(snapshot.models_loaded));
   self.resident.Set(resident_bytes());
   return prometheus::TextSerializer().Serialize(self.registry.Collect());

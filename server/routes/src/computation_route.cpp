@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 
 #include "handlers.h"
 
@@ -38,14 +39,20 @@ struct Reading {
 };
 thread_local Reading reading;
 
-/// The deadline of an immediate answer counts from the request's arrival: parsing a large body takes its share of it.
-/// That of a job is what its status says, from where it was accepted.
-void take_off_reading(const http::Request& request, jobs::Computation& computation) {
-  if (reading.request != &request) return;
-  constexpr double least = 1e-3;  // seconds: it has passed, and is told so
+/// Seconds since the handler on this thread began to read the body; 0 where it has none.
+double seconds_of_reading(const http::Request& request) {
+  if (reading.request != &request) return 0;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - reading.begin;
-  computation.deadline = std::max(least, computation.deadline - taken.count());
-  reading.request = nullptr;
+  return taken.count();
+}
+
+/// Where the time of an answer went, for a browser's tools and whoever else asks (W3C Server Timing).
+std::string server_timing(double reading_seconds, const jobs::Profile& profile) {
+  char text[160];
+  std::snprintf(text, sizeof text, "read;dur=%.3f, wait;dur=%.3f, compute;dur=%.3f, memory;desc=\"%lld bytes\"",
+                1e3 * reading_seconds, 1e3 * profile.waited, 1e3 * profile.computed,
+                static_cast<long long>(profile.peak_memory));
+  return text;
 }
 
 }  // namespace
@@ -55,7 +62,10 @@ http::Response answer_computation(Services& services, const http::Request& reque
   computation.client = request.client;
   computation.bytes = static_cast<std::int64_t>(request.body.size());
   if (!preference.respond_async && !preference.wait) {
-    take_off_reading(request, computation);
+    // The deadline of an immediate answer counts from the request's arrival: reading a large body takes its share of
+    // it. That of a job is what its status says, from where it was accepted.
+    constexpr double least = 1e-3;  // seconds: it has passed, and is told so
+    computation.deadline = std::max(least, computation.deadline - seconds_of_reading(request));
     return answer_immediately(services, request, computation);
   }
   const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
@@ -73,7 +83,17 @@ http::Response answer_computation(Services& services, const http::Request& reque
 
 http::Response answer_immediately(Services& services, const http::Request& request,
                                   const jobs::Computation& computation) {
-  return finished(services.jobs->run_now(computation, [peer = request.peer] { return peer.hung_up(); }));
+  const double reading_seconds = seconds_of_reading(request);
+  reading.request = nullptr;
+  jobs::Profile profile;
+  auto response = finished(services.jobs->run_now(
+      computation, [peer = request.peer] { return peer.hung_up(); }, &profile));
+  services.metrics->observe_stage("read", reading_seconds);
+  services.metrics->observe_stage("wait", profile.waited);
+  services.metrics->observe_stage("compute", profile.computed);
+  services.metrics->observe_memory(profile.peak_memory);
+  response.set_header("Server-Timing", server_timing(reading_seconds, profile));
+  return response;
 }
 
 std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const std::string& id) {

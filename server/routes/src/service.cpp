@@ -1,5 +1,6 @@
 #include "handlers.h"
 #include "supple/json/json_writer.h"
+#include "supple/store/disk_space.h"
 
 namespace supple::routes {
 namespace {
@@ -19,13 +20,34 @@ http::Response health(const Services& services) {
   return json_response(out.take());
 }
 
+/// Throws "store.unavailable" where the database does not answer, "store.full" where nothing more can be stored.
+store::DiskSpace usable_store(const Services& services) {
+  services.store->job({});  // there is none, which only a database that answers knows
+  const auto disk = store::disk_space(services.data);
+  if (disk.free < services.limits.min_free) {
+    constexpr int later = 60;  // seconds: somebody has to make room
+    const auto limit = static_cast<double>(services.limits.min_free);
+    throw problem::ProblemError({"store.full",
+                                 "The disk of the data folder has " + std::to_string(disk.free) +
+                                     " bytes left, fewer than " + std::to_string(services.limits.min_free) +
+                                     " (setting --min-free).",
+                                 {},
+                                 problem::Limit{limit, static_cast<double>(disk.free), "--min-free"},
+                                 later});
+  }
+  return disk;
+}
+
 http::Response readiness(const Services& services) {
   require_ready(services);
+  const auto disk = usable_store(services);
   json::JsonWriter out;
   out.begin_object()
       .field("status", "ready")
+      .field("disk_free_bytes", disk.free)
       .field("meshes_loaded", services.meshes->size().meshes)
       .field("models_loaded", services.models->size())
+      .field("models_damaged", services.models->damaged())
       .field("jobs_running", services.jobs->running())
       .field("jobs_waiting", services.jobs->waiting())
       .end_object();
@@ -53,6 +75,8 @@ http::Response metrics_text(const Services& services) {
     snapshot.meshes_loaded = static_cast<std::int64_t>(size.meshes);
     snapshot.mesh_bytes = size.bytes;
     snapshot.models_loaded = static_cast<std::int64_t>(services.models->size());
+    snapshot.models_damaged = static_cast<std::int64_t>(services.models->damaged());
+    snapshot.disk_free_bytes = store::disk_space(services.data).free;
   }
   http::Response response;
   response.content_type = "text/plain; version=0.0.4; charset=utf-8";

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -69,6 +70,11 @@ std::vector<std::shared_ptr<const LoadedModel>> ModelStore::models() const {
 std::size_t ModelStore::size() const {
   const std::lock_guard lock(mutex_);
   return models_.size();
+}
+
+std::size_t ModelStore::damaged() const {
+  const std::lock_guard lock(mutex_);
+  return damaged_;
 }
 
 void ModelStore::run() {
@@ -150,6 +156,10 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
   std::shared_ptr<const LoadedModel> loaded;
   std::string reason;
   try {
+    if (stamp.size > options_.max_file) {
+      throw Error("file.unreadable", "it has " + std::to_string(stamp.size) + " bytes, the limit is " +
+                                         std::to_string(options_.max_file) + " (setting --max-model)");
+    }
     auto hash = sha256(content(path));
     auto model = neural::read_model(path);
     auto description = options_.describe(model, hash);
@@ -164,6 +174,7 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
   // Half-written files, and a hash of other bytes than the model's, are not meant.
   if (stamp_of(path) != std::optional(stamp)) return false;
   file.stamp = stamp;
+  file.damaged = !loaded;
   if (loaded) {
     options_.log(Level::info, "model " + loaded->model.id + " read from " + name);
     file.model = std::move(loaded);
@@ -191,8 +202,11 @@ void ModelStore::serve() {
     duplicates.insert(std::move(text));
   }
   reported_duplicates_ = std::move(duplicates);
+  const auto damaged =
+      std::count_if(files_.begin(), files_.end(), [](const auto& file) { return file.second.damaged; });
   const std::lock_guard lock(mutex_);
   models_.swap(models);
+  damaged_ = static_cast<std::size_t>(damaged);
 }
 
 }  // namespace supple::store

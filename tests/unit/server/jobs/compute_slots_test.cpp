@@ -3,7 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "supple/base/error.h"
@@ -45,6 +50,28 @@ TEST(ComputeSlots, LetGoOfAWaitingComputationThatIsCancelled) {
   });
   EXPECT_THROW(ComputeSlots::Slot(slots, token), Error);
   canceller.join();
+  EXPECT_EQ(slots.in_use(), 1);
+}
+
+TEST(ComputeSlots, AreTakenNextByTheClientThatHasTheFewest) {
+  ComputeSlots slots(2);
+  std::mutex mutex;
+  std::string order;
+  std::vector<std::thread> threads;
+  const ComputeSlots::Slot kept(slots, {}, "many");
+  std::optional<ComputeSlots::Slot> given_back(std::in_place, slots, CancellationToken(), "many");
+  int in_use = 2;
+  for (const char* const client : {"many", "many", "few"}) {
+    threads.emplace_back([&, client] {
+      const ComputeSlots::Slot slot(slots, {}, client);
+      const std::lock_guard lock(mutex);
+      order += client[0];
+    });
+    for (++in_use; slots.in_use() < in_use;) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  given_back.reset();
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(order, "fmm");
   EXPECT_EQ(slots.in_use(), 1);
 }
 

@@ -36,6 +36,13 @@ struct Computation {
   std::int64_t bytes = 0;  ///< of memory that it holds while it waits, about: those of its request
 };
 
+/// Where an immediate computation's time and memory went.
+struct Profile {
+  double waited = 0;             ///< seconds for a compute slot
+  double computed = 0;           ///< seconds in the slot
+  std::int64_t peak_memory = 0;  ///< the most bytes that it held; 0 where nothing is counted
+};
+
 /// A job as a client sees it: its record, and how far it is.
 struct JobStatus {
   store::JobRecord record;
@@ -76,7 +83,8 @@ class JobQueue {
 
   /// Computes on this thread within a compute slot. Throws what the computation throws; "job.cancelled" once `hung_up`
   /// says so, "job.deadline_exceeded", "server.shutting_down". Leaves no trace in the store.
-  store::Result run_now(const Computation& computation, std::function<bool()> hung_up);
+  /// `profile`, if there is one, is filled however it ends.
+  store::Result run_now(const Computation& computation, std::function<bool()> hung_up, Profile* profile = nullptr);
 
   /// Makes it a job that waits for a worker. Throws "job.queue_full", "server.shutting_down".
   JobStatus submit(Computation computation);
@@ -127,7 +135,7 @@ class JobQueue {
   void work();
   /// Runs it on this thread and holds what it allocates against the budget. Throws what it throws, or why it had to be
   /// stopped: "request.too_much_memory", "server.out_of_memory".
-  store::Result compute(const Computation& computation, const Execution& execution) const;
+  store::Result compute(const Computation& computation, const Execution& execution, Profile* profile = nullptr) const;
   void run_job(const JobPointer& job);
   void finish(const JobPointer& job, store::JobState state, std::optional<store::Result> result,
               std::exception_ptr failure);

@@ -20,6 +20,8 @@ struct Snapshot {
   std::int64_t meshes_loaded = 0;
   std::int64_t mesh_bytes = 0;  ///< estimate of the loaded meshes
   std::int64_t models_loaded = 0;
+  std::int64_t models_damaged = 0;   ///< files that cannot be read
+  std::int64_t disk_free_bytes = 0;  ///< of the data folder
 };
 
 /// The server's counters in the Prometheus text format. Any thread may call.
@@ -33,6 +35,10 @@ class Metrics {
   /// `route` is a pattern, never a path, so that the number of series stays bounded; "" becomes "none".
   void count_request(const std::string& route, const std::string& method, int status, double seconds);
   void count_finished_job(const std::string& kind, const std::string& state, double seconds);
+  /// Where an immediate answer's time went: `stage` is "read" (its JSON, its mesh), "wait" (for a slot) or "compute".
+  void observe_stage(const std::string& stage, double seconds);
+  /// The most bytes that a computation held.
+  void observe_memory(std::int64_t bytes);
   /// States whose stress or energy a model has given. Ids are those of loaded models, never of requests.
   void count_evaluations(const std::string& model, std::int64_t states);
   std::string text(const Snapshot& snapshot);

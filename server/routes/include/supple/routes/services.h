@@ -21,6 +21,7 @@ struct RouteLimits {
   std::uint64_t max_json = 64ULL << 20;   ///< bytes of a JSON body; setting --max-json
   int event_streams = 32;                 ///< followed at the same time; setting --event-streams
   double max_wait = 300;                  ///< seconds of Prefer: wait; fixed
+  std::int64_t min_free = 64LL << 20;     ///< bytes of the data folder's disk while it is ready; setting --min-free
   json::Limits json;
   surface::MeshLimits mesh;
 };
@@ -30,7 +31,8 @@ struct RouteLimits {
 struct Services {
   RouteLimits limits;
   std::string version;
-  std::string web;  ///< folder of the built web editor; none where empty
+  std::string data;  ///< folder of what is stored
+  std::string web;   ///< folder of the built web editor; none where empty
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   metrics::Metrics* metrics = nullptr;
   store::Store* store = nullptr;

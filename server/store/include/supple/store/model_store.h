@@ -42,6 +42,7 @@ class ModelStore {
   struct Options {
     std::filesystem::path folder;  ///< none where empty
     std::chrono::milliseconds period{2000};
+    std::int64_t max_file = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
     /// Makes the description; what it throws makes the file count as damaged. Called from the store's thread.
     std::function<std::string(const neural::Model&, const std::string& sha256)> describe;
     std::function<void(Level, const std::string&)> log;  ///< called from the store's thread
@@ -63,6 +64,8 @@ class ModelStore {
   /// In the order of their ids.
   std::vector<std::shared_ptr<const LoadedModel>> models() const;
   std::size_t size() const;
+  /// Files of which no present version could be read.
+  std::size_t damaged() const;
 
  private:
   /// What a change of a file changes.
@@ -76,6 +79,7 @@ class ModelStore {
   struct File {
     Stamp stamp;                               ///< when it was read last
     std::shared_ptr<const LoadedModel> model;  ///< null where no version of it could be read
+    bool damaged = false;                      ///< its present version
   };
   using Models = std::map<std::string, std::shared_ptr<const LoadedModel>>;
 
@@ -98,6 +102,7 @@ class ModelStore {
   mutable std::mutex mutex_;
   mutable std::condition_variable wake_;
   Models models_;
+  std::size_t damaged_ = 0;
   bool read_once_ = false;
   bool ending_ = false;
   std::thread thread_;
