@@ -1,0 +1,454 @@
+"""Mixed requests and jobs for a long time, while everything around the server fails.
+
+    python3 tests/hostile/soak.py [--requests 200000] [--jobs 2000] [--fault-every 4] [--seed 1] [--output docs/bench]
+
+First faults: every few seconds the server is killed (SIGKILL) or ended (SIGTERM) and started again, its disk is full for a
+second, a stored file is damaged, or it starts with a clock that has jumped by eight days; all the while slow clients
+send halves of requests and others leave before their answers. Every answer is compared with the one that the same
+request got before the faults began, and in the end every job that was accepted must be there, once, with the right result.
+
+Then calm: as many requests again while long jobs keep the workers busy. Memory is flat, and paced requests are
+answered in time.
+
+Exit status 1 where something was lost, doubled or wrong. Mounting a small disk takes root, and clocks jump by `faketime`
+(Debian's package); without them those faults are left out, and the report says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import http.client
+import json
+import os
+import random
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any, Dict, List, NamedTuple, Optional, Set, Tuple
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "api"), str(Path(__file__).resolve().parents[1] / "bench")]
+
+from harness import ROOT, ServerProcess  # noqa: E402
+from server_load import MIX, Workload, percentile  # noqa: E402
+from shapes import bumpy_sphere, flat_grid  # noqa: E402
+
+DISK = "192m"
+GOES_ON = {429, 503, 507}
+"""What a server may answer for a while: it is busy, starts, ends, or has no room."""
+FLAT = 1.05
+P99 = 0.05
+"""Seconds within which 99 of 100 paced requests are answered while long jobs run."""
+PACED_PER_SECOND = 40
+
+
+class Sent(NamedTuple):
+    method: str
+    path: str
+    body: Optional[bytes]
+    headers: Dict[str, str]
+
+
+class Known(NamedTuple):
+    """A request and its right answer."""
+
+    request: Sent
+    status: int
+    answer: bytes
+
+
+def without_bill(content: bytes) -> bytes:
+    """The answer without what differs from time to time: seconds and identifiers."""
+    try:
+        document = json.loads(content)
+    except ValueError:
+        return content
+
+    def strip(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: strip(inner) for key, inner in value.items()
+                    if key not in ("cost", "seconds", "request_id", "instance", "uptime_seconds")}
+        return [strip(inner) for inner in value] if isinstance(value, list) else value
+
+    return json.dumps(strip(document), sort_keys=True).encode()
+
+
+class Client:
+    """One kept connection that is opened again whenever it was cut."""
+
+    def __init__(self, port: int) -> None:
+        self._connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+
+    def once(self, sent: Sent) -> Tuple[int, bytes, Any]:
+        """Status, content, headers. Raises OSError or HTTPException where the connection was cut."""
+        try:
+            self._connection.request(sent.method, sent.path, sent.body, sent.headers)
+            answer = self._connection.getresponse()
+            return answer.status, answer.read(), answer.headers
+        except (OSError, http.client.HTTPException):
+            self._connection.close()
+            raise
+
+    def until_answered(self, sent: Sent, seconds: float = 120) -> Tuple[int, bytes, Any]:
+        """Again while the server is away or says that it cannot for now."""
+        end = time.monotonic() + seconds
+        while True:
+            try:
+                status, content, headers = self.once(sent)
+                if status not in GOES_ON or time.monotonic() > end:
+                    return status, content, headers
+            except (OSError, http.client.HTTPException):
+                if time.monotonic() > end:
+                    raise
+            time.sleep(0.02)
+
+
+class Counts:
+    """What happened, and what should not have."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.events: "Counter[str]" = Counter()
+        self.wrong: List[str] = []
+
+    def add(self, event: str, number: int = 1) -> None:
+        with self.lock:
+            self.events[event] += number
+
+    def fault(self, text: str) -> None:
+        with self.lock:
+            self.wrong.append(text)
+
+
+class Soak:
+    def __init__(self, folder: Path, seed: int) -> None:
+        self.folder = folder
+        self.chance = random.Random(seed)
+        self.counts = Counts()
+        self.data = folder / "data"
+        self.data.mkdir()
+        self.mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={DISK}", "tmpfs", str(self.data)],
+                                      capture_output=True, check=False).returncode == 0
+        self.clock = next(iter(sorted(Path("/usr/lib").glob("*/faketime/libfaketime.so.1"))), None)
+        self.server = ServerProcess(self.data, "--workers", "2", "--max-jobs", "100000").start()
+        self.workload = Workload(self.server)
+        self.known: List[Known] = []
+        self.known_jobs: List[Known] = []
+        self.accepted: Dict[str, Known] = {}
+        self.perhaps = 0
+        self.ending = threading.Event()
+        self.enough_faults = threading.Event()
+
+    def close(self) -> None:
+        self.server.stop()
+        if self.mounted:
+            subprocess.run(["umount", "--lazy", str(self.data)], check=False)
+
+    # --- what is right -----------------------------------------------------------------------------------------------
+
+    def learn(self, requests: int, jobs: int) -> None:
+        """Asks a sound server, so that later answers can be compared."""
+        client = Client(self.server.port)
+        stream = random.Random(self.chance.random())
+        names, shares = [kind.name for kind in MIX if kind.name != "health"], [kind.share for kind in MIX if kind.name != "health"]
+        for _ in range(requests):
+            sent = Sent(*self.workload.request(stream.choices(names, shares)[0], stream))
+            status, content, _ = client.until_answered(sent)
+            self.known.append(Known(sent, status, without_bill(content)))
+        for i in range(jobs):
+            points = [{"vertex": stream.randrange(self.workload.vertex_count)} for _ in range(6)]
+            document: Dict[str, Any] = {"mesh": self.workload.sphere, "sources": points}
+            path = "/v1/geodesic-fields"
+            if i % 3 == 1:
+                document, path = {"mesh": self.workload.sphere, "points": points, "tolerance": 1e-12}, "/v1/karcher-means"
+            if i % 3 == 2:
+                document = {"mesh": self.workload.sphere, "points": points, "springs": [{"between": [k, k + 1]} for k in range(5)],
+                            "fixed_points": [0, 5]}
+                path = "/v1/embedded-systems"
+            sent = Sent("POST", path, json.dumps(document).encode(), {"Content-Type": "application/json", "Accept": "application/json"})
+            status, content, _ = client.until_answered(sent)
+            self.known_jobs.append(Known(sent, status, without_bill(content)))
+
+    # --- clients -----------------------------------------------------------------------------------------------------
+
+    def ask(self, number: int, count: int) -> None:
+        """So many requests, and more while the faults go on."""
+        client, stream = Client(self.server.port), random.Random(number)
+        asked = 0
+        while asked < count or not self.enough_faults.is_set():
+            asked += 1
+            known = stream.choice(self.known)
+            try:
+                status, content, _ = client.until_answered(known.request)
+            except (OSError, http.client.HTTPException) as error:
+                self.counts.fault(f"no answer for two minutes: {error!r}")
+                continue
+            self.counts.add("answers")
+            if status != known.status or without_bill(content) != known.answer:
+                self.counts.fault(f"{known.request.method} {known.request.path}: {status} {content[:200]!r}")
+
+    def submit(self, number: int, count: int) -> None:
+        """Jobs, twenty at a time, so that some wait whenever the server is killed. What became of them is looked at in the end."""
+        client, stream = Client(self.server.port), random.Random(1000 + number)
+        left = count
+        while left > 0:
+            if left % 20 == 0:
+                time.sleep(2 * stream.random())
+            known = stream.choice(self.known_jobs)
+            sent = known.request._replace(headers={**known.request.headers, "Prefer": "respond-async"})
+            try:
+                status, content, _ = client.once(sent)
+            except (OSError, http.client.HTTPException):
+                with self.counts.lock:
+                    self.perhaps += 1  # it may have been accepted without our knowing
+                time.sleep(0.05)
+                continue
+            if status == 202:
+                with self.counts.lock:
+                    self.accepted[json.loads(content)["id"]] = known
+                left -= 1
+            elif status not in GOES_ON:
+                self.counts.fault(f"a job was refused: {status} {content[:200]!r}")
+                left -= 1
+            else:
+                time.sleep(0.05)
+
+    def vanish(self, number: int) -> None:
+        """Half a request, or a whole one whose answer nobody waits for."""
+        stream = random.Random(2000 + number)
+        while not self.ending.wait(0.02):
+            known = stream.choice(self.known)
+            body = known.request.body or b""
+            text = (f"{known.request.method} {known.request.path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+                    f"Content-Length: {len(body)}\r\n\r\n").encode() + body
+            try:
+                with socket.create_connection(("127.0.0.1", self.server.port), timeout=5) as connection:
+                    connection.sendall(text if stream.random() < 0.5 else text[:stream.randrange(1, len(text))])
+                    if stream.random() < 0.3:
+                        time.sleep(stream.random())
+                self.counts.add("clients that left")
+            except OSError:
+                pass
+
+    # --- faults ------------------------------------------------------------------------------------------------------
+
+    def restart(self, prefix: "Tuple[str, ...]" = ()) -> None:
+        self.server.prefix = prefix
+        self.server.start()
+
+    def kinds(self) -> List[str]:
+        """The faults in a random order, kills most often."""
+        kinds = ["kill", "kill", "kill", "end", "damage"] + ["full disk"] * self.mounted + ["clock"] * bool(self.clock)
+        self.chance.shuffle(kinds)
+        return kinds
+
+    def break_something(self, kind: str) -> None:
+        self.counts.add(kind)
+        if kind == "full disk":
+            self.fill_disk()
+        elif kind == "damage":
+            self.damage()
+        elif kind == "end":
+            if self.server.terminate() != 0:
+                self.counts.fault("SIGTERM: another exit status than 0")
+            self.restart()
+        else:
+            self.server.kill()
+            self.restart(("env", f"LD_PRELOAD={self.clock}", "FAKETIME=+8d", "DONT_FAKE_MONOTONIC=1") if kind == "clock" else ())
+
+    def fill_disk(self) -> None:
+        ballast = self.data / "ballast"
+        with ballast.open("wb") as file:
+            space = os.statvfs(self.data)
+            try:
+                os.posix_fallocate(file.fileno(), 0, max(1, space.f_bavail * space.f_frsize))
+            except OSError:
+                pass  # somebody else took the last of it
+        time.sleep(1)
+        ballast.unlink()
+
+    def damage(self) -> None:
+        """Stores a mesh of its own, flips a byte of its file, and expects to hear of it."""
+        client = Client(self.server.port)
+        vertices, faces = flat_grid(3)
+        vertices = vertices + self.chance.random()
+        sent = Sent("POST", "/v1/meshes", json.dumps({"vertices": vertices.tolist(), "faces": faces.tolist()}).encode(),
+                    {"Content-Type": "application/json"})
+        status, content, _ = client.until_answered(sent)
+        if status not in (200, 201):
+            self.counts.fault(f"a mesh was refused: {status} {content[:200]!r}")
+            return
+        mesh = json.loads(content)["id"]
+        file = next(self.data.rglob(f"{mesh}*.ply"))
+        file.chmod(0o600)
+        bytes_of_file = bytearray(file.read_bytes())
+        bytes_of_file[-3] ^= 0x10
+        file.write_bytes(bytes_of_file)
+        status, content, _ = client.until_answered(Sent("GET", f"/v1/meshes/{mesh}/content", None, {}))
+        if status != 500 or b"store.corrupted" not in content:
+            self.counts.fault(f"a damaged mesh was answered with {status} {content[:200]!r}")
+
+    # --- phases ------------------------------------------------------------------------------------------------------
+
+    def faults(self, requests: int, jobs: int, every: float, clients: int = 8) -> None:
+        threads = [threading.Thread(target=self.ask, args=(n, requests // clients)) for n in range(clients)]
+        threads += [threading.Thread(target=self.submit, args=(n, jobs // 2)) for n in range(2)]
+        leavers = [threading.Thread(target=self.vanish, args=(n,)) for n in range(2)]
+        for thread in threads + leavers:
+            thread.start()
+        while any(thread.is_alive() for thread in threads):
+            for kind in self.kinds():
+                time.sleep(every * (0.5 + self.chance.random()))
+                self.break_something(kind)
+            self.enough_faults.set()
+        self.ending.set()
+        for thread in leavers:
+            thread.join()
+        self.check_jobs()
+
+    def check_jobs(self) -> None:
+        client = Client(self.server.port)
+        for job, known in self.accepted.items():
+            end = time.monotonic() + 300
+            while True:
+                status, content, _ = client.until_answered(Sent("GET", f"/v1/jobs/{job}", None, {}))
+                document = json.loads(content) if status == 200 else {}
+                if status != 200 or document["state"] not in ("accepted", "running") or time.monotonic() > end:
+                    break
+                time.sleep(0.05)
+            if status != 200 or document["state"] != "successful":
+                error = document.get("error", {}).get("code")
+                # What met the full disk says so, and is neither lost nor wrong.
+                if error == "store.full":
+                    self.counts.add("jobs that met the full disk")
+                else:
+                    self.counts.fault(f"job {job}: {status} {document.get('state')} {error}")
+                continue
+            status, content, _ = client.until_answered(Sent("GET", f"/v1/jobs/{job}/result", None, {}))
+            self.counts.add("jobs")
+            if status != 200 or without_bill(content) != known.answer:
+                self.counts.fault(f"the result of job {job}: {status} {content[:200]!r}")
+        listed = self.all_jobs(client)
+        lost = set(self.accepted) - listed
+        if lost:
+            self.counts.fault(f"{len(lost)} jobs are in no list")
+        if len(listed) > len(self.accepted) + self.perhaps:
+            self.counts.fault(f"{len(listed)} jobs are listed, {len(self.accepted)} were accepted and {self.perhaps} perhaps")
+
+    @staticmethod
+    def all_jobs(client: Client) -> Set[str]:
+        found: Set[str] = set()
+        after = ""
+        while True:
+            _, content, _ = client.until_answered(Sent("GET", f"/v1/jobs?limit=1000{after}", None, {}))
+            page = [job["id"] for job in json.loads(content)["jobs"]]
+            found.update(page)
+            if len(page) < 1000:
+                return found
+            after = f"&after={page[-1]}"
+
+    def calm(self, requests: int, clients: int = 4) -> Dict[str, float]:
+        """Paced requests are timed while others keep the server busy, and two long jobs its workers."""
+        self.restart_calmly()
+        client = Client(self.server.port)
+        vertices, faces = bumpy_sphere(6)
+        body = json.dumps({"vertices": vertices.tolist(), "faces": faces.tolist()}).encode()
+        mesh = json.loads(client.until_answered(Sent("POST", "/v1/meshes", body, {"Content-Type": "application/json"}))[1])["id"]
+        points = [{"vertex": (i * 7919) % len(vertices)} for i in range(300)]
+        long_job = {"mesh": mesh, "points": points, "tolerance": 1e-15, "starts": 1000, "deadline": 3600}
+        jobs = []
+        for _ in range(2):
+            status, content, _ = client.until_answered(Sent("POST", "/v1/karcher-means", json.dumps(long_job).encode(),
+                                                            {"Content-Type": "application/json", "Prefer": "respond-async"}))
+            jobs.append(json.loads(content)["id"])
+        half, latencies = requests // 2, []
+        memory = []
+        for part in range(2):
+            threads = [threading.Thread(target=self.ask, args=(3000 + 10 * part + n, half // clients)) for n in range(clients)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            memory.append(self.server.resident_bytes())
+        paced = [known for known in self.known if known.status == 200 and "geodesics" in known.request.path]
+        for i in range(min(2000, max(100, requests // 10))):
+            start = time.perf_counter()
+            client.until_answered(paced[i % len(paced)].request)
+            latencies.append(time.perf_counter() - start)
+            time.sleep(max(0.0, 1 / PACED_PER_SECOND - latencies[-1]))
+        running = [json.loads(client.until_answered(Sent("GET", f"/v1/jobs/{job}", None, {}))[1])["state"] for job in jobs]
+        for job in jobs:
+            client.until_answered(Sent("DELETE", f"/v1/jobs/{job}", None, {}))
+        if running != ["running", "running"]:
+            self.counts.fault(f"the long jobs did not run all the while: {running}")
+        measured = {"memory_first": memory[0], "memory_last": memory[1], "median": percentile(latencies, 0.5), "p99": percentile(latencies, 0.99)}
+        if memory[1] > FLAT * memory[0]:
+            self.counts.fault(f"memory grew from {memory[0]} to {memory[1]} bytes")
+        return measured
+
+    def restart_calmly(self) -> None:
+        self.server.terminate()
+        self.restart()
+
+
+def run(requests: int, jobs: int, every: float, seed: int) -> "Tuple[Soak, Dict[str, float]]":
+    with tempfile.TemporaryDirectory(prefix="supple_soak_") as folder:
+        soak = Soak(Path(folder), seed)
+        try:
+            soak.learn(300, 30)
+            soak.faults(requests // 2, jobs, every)
+            measured = soak.calm(requests // 2)
+        finally:
+            soak.close()
+    return soak, measured
+
+
+def report(soak: Soak, measured: Dict[str, float], seconds: float) -> str:
+    events = soak.counts.events
+    mebi = 2**20
+    lines = [
+        "# The server while everything around it fails", "",
+        f"Written by `tests/hostile/soak.py` in {seconds / 60:.1f} minutes on {os.cpu_count()} cores, which the server and its clients share.", "",
+        f"{events['answers']:,} answers and {events['jobs']:,} jobs were compared with those of a sound server; {len(soak.counts.wrong)} were lost, "
+        "doubled or wrong.", "", "| what happened | times |", "|---|---:|"]
+    names = {"kill": "SIGKILL and a new start", "end": "SIGTERM and a new start", "clock": "SIGKILL and a start eight days later by the clock",
+             "full disk": "The disk was full for a second", "damage": "A stored mesh was damaged, and said to be",
+             "clients that left": "A client left before its answer, or in the middle of its request",
+             "jobs that met the full disk": "A job ended while the disk was full, and said so"}
+    lines += [f"| {text} | {events[name]:,} |" for name, text in names.items()]
+    lines += ["", f"Without faults, while two long jobs kept both workers busy: resident memory {measured['memory_first'] / mebi:.1f} MiB after half of the "
+              f"requests and {measured['memory_last'] / mebi:.1f} MiB at the end; a geodesic, {PACED_PER_SECOND} a second, was answered within "
+              f"{1e3 * measured['median']:.1f} ms in the median and {1e3 * measured['p99']:.1f} ms in 99 of 100 cases.", ""]
+    if not soak.mounted:
+        lines.append("No disk could be mounted, so that none was full.")
+    if not soak.clock:
+        lines.append("faketime is not installed, so that no clock jumped.")
+    return "\n".join(lines)
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--requests", type=int, default=200_000)
+    parser.add_argument("--jobs", type=int, default=2_000)
+    parser.add_argument("--fault-every", type=float, default=4)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
+    options = parser.parse_args(arguments)
+    start = time.monotonic()
+    soak, measured = run(options.requests, options.jobs, options.fault_every, options.seed)
+    text = report(soak, measured, time.monotonic() - start)
+    print(text)
+    (options.output / "soak.md").write_text(text, encoding="utf-8")
+    for wrong in soak.counts.wrong[:20]:
+        print(wrong, file=sys.stderr)
+    if measured["p99"] > P99:
+        print(f"99 of 100 paced requests took up to {measured['p99']:.3f} s, more than {P99} s", file=sys.stderr)
+    return 1 if soak.counts.wrong or measured["p99"] > P99 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
