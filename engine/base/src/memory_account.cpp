@@ -1,56 +1,49 @@
 #include "supple/base/memory_account.h"
 
 namespace supple {
-namespace {
+namespace detail {
 
-struct OfThread {
-  MemoryAccount* account = nullptr;
-  std::int64_t gathered = 0;  // bytes that the account has not heard of
-};
-constinit thread_local OfThread of_thread;
+constinit thread_local ThreadMemory thread_memory;
 
-constexpr std::int64_t worth_telling = 256 << 10;
-
-void tell() noexcept {
-  const auto bytes = of_thread.gathered;
-  of_thread.gathered = 0;
-  if (bytes != 0) of_thread.account->add(bytes);
+void tell_account() noexcept {
+  const auto bytes = thread_memory.gathered;
+  thread_memory.gathered = 0;
+  if (thread_memory.account) thread_memory.account->add(bytes);
 }
 
-void gather(std::int64_t bytes) noexcept {
-  of_thread.gathered += bytes;
-  if (of_thread.gathered >= worth_telling || of_thread.gathered <= -worth_telling) tell();
+bool ask_account(std::size_t bytes) noexcept {
+  if (!thread_memory.account) return true;
+  tell_account();
+  return thread_memory.account->allows(static_cast<std::int64_t>(bytes));
+}
+
+}  // namespace detail
+
+namespace {
+
+/// Below this a thread that turns away from an account keeps the sum, in case it comes back: parts of a loop are many
+/// and short, and telling takes a lock.
+constexpr std::int64_t worth_telling_at_the_end = 16 << 10;
+
+void turn_to(MemoryAccount* account) noexcept {
+  auto& memory = detail::thread_memory;
+  if (memory.account && (memory.gathered >= worth_telling_at_the_end || memory.gathered <= -worth_telling_at_the_end)) {
+    detail::tell_account();
+  }
+  memory.account = account;
+  if (!account || account == memory.gathered_for) return;
+  memory.gathered_for = account;
+  memory.gathered = 0;
 }
 
 }  // namespace
 
-MemoryAccount* MemoryAccount::of_this_thread() noexcept { return of_thread.account; }
-
-MemoryAccount::Use::Use(MemoryAccount* account) noexcept
-    : outer_(of_thread.account), changes_(account != of_thread.account) {
-  if (!changes_) return;
-  if (outer_) tell();
-  of_thread.account = account;
+MemoryAccount::Use::Use(MemoryAccount* account) noexcept : outer_(of_this_thread()) {
+  if (account != outer_) turn_to(account);
 }
 
 MemoryAccount::Use::~Use() {
-  if (!changes_) return;
-  if (of_thread.account) tell();
-  of_thread.account = outer_;
-}
-
-bool may_allocate(std::size_t bytes) noexcept {
-  if (bytes < large_block || !of_thread.account) return true;
-  tell();
-  return of_thread.account->allows(static_cast<std::int64_t>(bytes));
-}
-
-void note_allocated(std::size_t bytes) noexcept {
-  if (of_thread.account) gather(static_cast<std::int64_t>(bytes));
-}
-
-void note_freed(std::size_t bytes) noexcept {
-  if (of_thread.account) gather(-static_cast<std::int64_t>(bytes));
+  if (outer_ != of_this_thread()) turn_to(outer_);
 }
 
 }  // namespace supple

@@ -53,16 +53,19 @@ void* out_of_memory() noexcept {
   return nullptr;
 }
 
-/// The C library keeps so many bytes beside a block.
-constexpr std::size_t beside = 8;
+/// What a block takes: what may be used of it, and what the C library keeps beside it.
+std::int64_t bytes_of(void* block) noexcept {
+  constexpr std::int64_t beside = 8;
+  return static_cast<std::int64_t>(::malloc_usable_size(block)) + beside;
+}
 
 void* counted(void* block) noexcept {
-  if (block && MemoryAccount::of_this_thread()) supple::note_allocated(::malloc_usable_size(block) + beside);
+  if (block && MemoryAccount::of_this_thread()) supple::note_block(bytes_of(block));
   return block;
 }
 
 void uncounted(void* block) noexcept {
-  if (block && MemoryAccount::of_this_thread()) supple::note_freed(::malloc_usable_size(block) + beside);
+  if (block && MemoryAccount::of_this_thread()) supple::note_block(-bytes_of(block));
 }
 
 void* aligned(std::size_t alignment, std::size_t bytes) noexcept {
@@ -84,11 +87,13 @@ void* calloc(std::size_t count, std::size_t bytes) {
 }
 
 void* realloc(void* block, std::size_t bytes) {
-  const std::size_t before = block ? ::malloc_usable_size(block) : 0;
-  if (bytes > before && !supple::may_allocate(bytes - before)) return out_of_memory();
+  if (!MemoryAccount::of_this_thread()) return __libc_realloc(block, bytes);
+  const std::int64_t before = block ? bytes_of(block) : 0;
+  const auto wanted = static_cast<std::int64_t>(bytes);
+  if (wanted > before && !supple::may_allocate(static_cast<std::size_t>(wanted - before))) return out_of_memory();
   void* const moved = __libc_realloc(block, bytes);
   if (!moved && bytes > 0) return nullptr;  // the old block stays
-  if (block) supple::note_freed(before + beside);
+  supple::note_block(-before);
   return counted(moved);
 }
 

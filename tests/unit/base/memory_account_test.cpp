@@ -22,38 +22,55 @@ struct Counter final : MemoryAccount {
   std::int64_t most = 1LL << 40;
 };
 
+constexpr std::int64_t kibibyte = 1 << 10;
+
 TEST(MemoryAccount, OfAThreadIsTheInnermostThatItUses) {
   EXPECT_EQ(MemoryAccount::of_this_thread(), nullptr);
   Counter outer;
   Counter inner;
   {
     const MemoryAccount::Use first(&outer);
-    note_allocated(100);
+    note_block(100 * kibibyte);
     {
       const MemoryAccount::Use second(&inner);
       EXPECT_EQ(MemoryAccount::of_this_thread(), &inner);
-      note_allocated(20);
-      note_freed(5);
+      note_block(20 * kibibyte);
       const MemoryAccount::Use nobody(nullptr);
-      note_allocated(7);
+      EXPECT_EQ(MemoryAccount::of_this_thread(), nullptr);
     }
     EXPECT_EQ(MemoryAccount::of_this_thread(), &outer);
-    note_allocated(1);
+    note_block(50 * kibibyte);
   }
-  note_allocated(1000);
-  EXPECT_EQ(outer.sum, 101);
-  EXPECT_EQ(inner.sum, 15);
+  EXPECT_EQ(outer.sum, 150 * kibibyte);
+  EXPECT_EQ(inner.sum, 20 * kibibyte);
   EXPECT_EQ(MemoryAccount::of_this_thread(), nullptr);
+}
+
+TEST(MemoryAccount, KeepsASmallSumUntilItsThreadComesBack) {
+  Counter counter;
+  for (int i = 0; i < 100; ++i) {
+    const MemoryAccount::Use use(&counter);
+    note_block(kibibyte);
+  }
+  EXPECT_GE(counter.sum, 80 * kibibyte);
+  EXPECT_LE(counter.sum, 100 * kibibyte);
+  EXPECT_LE(counter.calls, 10);
+  Counter other;
+  {
+    const MemoryAccount::Use use(&other);
+    note_block(20 * kibibyte);
+  }
+  EXPECT_EQ(other.sum, 20 * kibibyte) << "what was gathered for another account is not this one's";
 }
 
 TEST(MemoryAccount, HearsOfSmallSumsTogetherAndOfLargeOnesAtOnce) {
   Counter counter;
   const MemoryAccount::Use use(&counter);
-  for (int i = 0; i < 1000; ++i) note_allocated(16);
+  for (int i = 0; i < 1000; ++i) note_block(16);
   EXPECT_EQ(counter.calls, 0);
-  note_allocated(1 << 20);
+  note_block(1 << 20);
   EXPECT_EQ(counter.sum, 1000 * 16 + (1 << 20));
-  note_freed(1 << 20);
+  note_block(-(1 << 20));
   EXPECT_EQ(counter.sum, 1000 * 16);
 }
 
@@ -62,7 +79,7 @@ TEST(MemoryAccount, IsAskedForLargeBlocksOnly) {
   counter.most = 1000;
   EXPECT_TRUE(may_allocate(large_block)) << "this thread has no account";
   const MemoryAccount::Use use(&counter);
-  note_allocated(5000);
+  note_block(5000);
   EXPECT_TRUE(may_allocate(large_block - 1));
   EXPECT_EQ(counter.sum, 0);
   EXPECT_FALSE(may_allocate(large_block));
@@ -79,13 +96,13 @@ TEST(MemoryAccount, GoesWithALoopToTheThreadsThatHelp) {
     const MemoryAccount::Use use(&counter);
     parallel_for(200, [&](int) {
       if (MemoryAccount::of_this_thread() != &counter) ++strangers;
-      note_allocated(3);
-      parallel_for(2, [&](int) { note_allocated(1); });
+      note_block(30 * kibibyte);
+      parallel_for(2, [&](int) { note_block(10 * kibibyte); });
       std::this_thread::sleep_for(std::chrono::microseconds(50));
     });
   }
   EXPECT_EQ(strangers, 0);
-  EXPECT_EQ(counter.sum, 200 * 5);
+  EXPECT_EQ(counter.sum, 200 * 50 * kibibyte);
   parallel_for(50, [&](int) {
     if (MemoryAccount::of_this_thread()) ++strangers;
   });

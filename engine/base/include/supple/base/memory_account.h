@@ -8,8 +8,9 @@ namespace supple {
 /// Counts what one computation allocates and frees, on all threads that work for it.
 ///
 /// The engine counts nothing by itself: a program that replaces malloc tells this thread's account of each block
-/// (`note_allocated`, `note_freed`), and `parallel_for` hands the account to the threads that help. A block that is
-/// freed while another account, or none, is this thread's is not seen by the one that paid for it.
+/// (`note_block`), and `parallel_for` hands the account to the threads that help. A block that is
+/// freed while another account, or none, is this thread's is not seen by the one that paid for it. A thread that turns
+/// to another account may leave a few kilobytes uncounted.
 class MemoryAccount {
  public:
   virtual ~MemoryAccount() = default;
@@ -33,7 +34,6 @@ class MemoryAccount {
 
    private:
     MemoryAccount* const outer_;
-    const bool changes_;
   };
 };
 
@@ -41,11 +41,34 @@ class MemoryAccount {
 /// go on without it may be anywhere, while what is this large is the data of a computation, which knows how to fail.
 constexpr std::size_t large_block = std::size_t{1} << 20;
 
-/// Whether an allocator may go on with a block of so many bytes. A few nanoseconds; does not allocate.
-bool may_allocate(std::size_t bytes) noexcept;
-/// An allocator's word on a block that it has given out, or is about to take back. Small sums are gathered on the
-/// thread before they reach the account.
-void note_allocated(std::size_t bytes) noexcept;
-void note_freed(std::size_t bytes) noexcept;
+namespace detail {
+
+struct ThreadMemory {
+  MemoryAccount* account = nullptr;  ///< that this thread works for
+  MemoryAccount* gathered_for = nullptr;
+  std::int64_t gathered = 0;  ///< bytes that the latter has not heard of
+};
+extern constinit thread_local ThreadMemory thread_memory;
+
+/// Sums below this are gathered on the thread before the account hears of them.
+constexpr std::int64_t worth_telling = 256 << 10;
+
+bool ask_account(std::size_t bytes) noexcept;
+void tell_account() noexcept;
+
+}  // namespace detail
+
+inline MemoryAccount* MemoryAccount::of_this_thread() noexcept { return detail::thread_memory.account; }
+
+/// Whether an allocator may go on with a block of so many bytes. A nanosecond for most; does not allocate.
+inline bool may_allocate(std::size_t bytes) noexcept { return bytes < large_block || detail::ask_account(bytes); }
+
+/// An allocator's word on a block that it has given out (`bytes` positive) or is about to take back (negative), while
+/// this thread has an account.
+inline void note_block(std::int64_t bytes) noexcept {
+  auto& memory = detail::thread_memory;
+  memory.gathered += bytes;
+  if (memory.gathered >= detail::worth_telling || memory.gathered <= -detail::worth_telling) detail::tell_account();
+}
 
 }  // namespace supple
