@@ -300,6 +300,12 @@ def profile_of_many_samples(meshes: Meshes, more: Dict[str, Any]) -> Costly:
                                  "x": [0.003 * i for i in range(1000)], "accuracy": {"equilibrium_tolerance": 1e-14}, **more})
 
 
+@costly
+def profile_far_beyond_the_model(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/profiles", {"task": "stress_strain", "family": "IH29", "parameters": [500.0], "x": [0.003 * i for i in range(1000)],
+                                 "accuracy": {"equilibrium_tolerance": 1e-14}, **more})
+
+
 # --- weaves --------------------------------------------------------------------------------------------------------------
 
 def comb(teeth: int, upright: bool) -> List[List[float]]:

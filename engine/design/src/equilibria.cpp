@@ -68,6 +68,7 @@ bool Equilibria<Real>::run(const typename Evaluator::Design& design) {
   std::vector<std::size_t> active;
   Equilibrium trial;
   while (true) {
+    cancellation_.throw_if_requested();
     active.clear();
     for (std::size_t i = 0; i < samples_.size(); ++i)
       if (samples_[i].newton.working()) active.push_back(i);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/neural/evaluator.h"
 #include "supple/neural/uniaxial_newton.h"
 
@@ -33,6 +34,10 @@ class Equilibria {
   using Evaluator = neural::BasicEvaluator<Real>;
 
   Equilibria(const Evaluator& evaluator, const std::vector<Loading>& loads, const neural::UniaxialOptions& options);
+
+  /// From now on every round of network evaluations looks for a stop request: loads far beyond what the model knows may
+  /// take thousands.
+  void stop_on(const CancellationToken& cancellation) { cancellation_ = cancellation; }
 
   /// From rest. True if all converged.
   bool from_rest(const typename Evaluator::Design& design);
@@ -70,6 +75,7 @@ class Equilibria {
   void read(Eigen::Index column, Equilibrium& state) const;
 
   const Evaluator& evaluator_;
+  CancellationToken cancellation_;
   std::vector<Sample> samples_;
   std::vector<Sample> kept_;
   typename Evaluator::Workspace workspace_;

@@ -165,6 +165,7 @@ Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& ev
   execution.checkpoint(0, "equilibria");
   const StageTimer timer(execution.cost, "equilibria");
   Equilibria<double> equilibria(evaluator, loadings_of(points), {.tolerance = equilibrium_tolerance});
+  equilibria.stop_on(execution.cancellation);
   equilibria.from_rest(design);
   Profile profile;
   profile.y.resize(static_cast<Eigen::Index>(points.size()));
