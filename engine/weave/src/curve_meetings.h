@@ -19,7 +19,8 @@ class CurveMeetings {
       : first_(first), second_(second), shift_(shift) {}
 
   /// Looks for meetings of the first curve's piece i with the second one's piece j by Newton's method from five places,
-  /// since a line can cut a piece twice. Returns how many new ones were found. O(log pieces).
+  /// since a line can cut a piece twice, and from the nearest one where one piece is much longer. Returns how many new
+  /// ones were found. O(log pieces).
   std::size_t add_pieces(std::size_t i, std::size_t j);
 
   /// Those found until now, ascending in the first coordinate. Leaves none.
@@ -32,6 +33,7 @@ class CurveMeetings {
     bool near(double s) const { return s >= begin - slack() && s <= end + slack(); }
   };
 
+  static double nearest(const StrandCurve& curve, const Range& range, const Eigen::Vector2d& point);
   std::optional<Intersection> newton(const Range& r1, const Range& r2, double a, double b) const;
   void keep(Intersection found);
   bool same(const Intersection& a, const Intersection& b) const;

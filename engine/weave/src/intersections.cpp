@@ -51,7 +51,29 @@ std::size_t CurveMeetings::add_pieces(std::size_t i, std::size_t j) {
   const Range on_second{second_.knots()[j], second_.knots()[j + 1]};
   for (const auto& start : starts)
     if (auto solution = newton(on_first, on_second, start[0], start[1])) keep(*solution);
+  // From the middle of a long piece a step along a much shorter one leaves it: there the start is what lies nearest.
+  constexpr double uneven = 4;
+  const double lengths[] = {on_first.end - on_first.begin, on_second.end - on_second.begin};
+  if (lengths[0] > uneven * lengths[1]) {
+    const Eigen::Vector2d middle = second_.at(on_second.begin + lengths[1] / 2).position + shift_;
+    if (auto solution = newton(on_first, on_second, nearest(first_, on_first, middle), 0.5)) keep(*solution);
+  } else if (lengths[1] > uneven * lengths[0]) {
+    const Eigen::Vector2d middle = first_.at(on_first.begin + lengths[0] / 2).position - shift_;
+    if (auto solution = newton(on_first, on_second, 0.5, nearest(second_, on_second, middle))) keep(*solution);
+  }
   return found_.size() - before;
+}
+
+/// The share of the piece at which the curve is nearest to a point, about.
+double CurveMeetings::nearest(const StrandCurve& curve, const Range& range, const Eigen::Vector2d& point) {
+  constexpr int rounds = 3;
+  double share = 0.5;
+  for (int round = 0; round < rounds; ++round) {
+    const auto there = curve.at(range.begin + share * (range.end - range.begin));
+    const double along = there.first.dot(point - there.position) / there.first.squaredNorm();
+    share = std::clamp(share + along / (range.end - range.begin), 0.0, 1.0);
+  }
+  return share;
 }
 
 std::vector<Intersection> CurveMeetings::take_sorted() {

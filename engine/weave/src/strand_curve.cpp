@@ -15,6 +15,8 @@ namespace {
 /// few hundred.
 constexpr double longest_turn = 0.06;
 constexpr double most_pieces_between_points = 4096;
+/// How often a piece that still turns by more than twice that is halved.
+constexpr int most_halvings = 12;
 /// Rounds of replacing parameter lengths by arc lengths: each gains three digits or more.
 constexpr int rounds = 4;
 /// Neighbouring points closer than this, relative to the extent, are the same point.
@@ -122,6 +124,11 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] *
   throw Error("weave.invalid_strand", where + " " + message, {{where, message}});
 }
 
+[[noreturn]] void refuse_pieces() {
+  refuse("points",
+         "turn so often that their curve has more than " + std::to_string(StrandCurve::most_pieces) + " pieces");
+}
+
 void check(const Vectors& points, Ends ends, const Eigen::Vector2d& translation) {
   const std::size_t least = ends == Ends::open ? 2 : ends == Ends::closed ? 3 : 1;
   if (points.size() < least)
@@ -205,7 +212,7 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
     if (piece % curve_pieces_between_looks == 0) execution.cancellation.throw_if_requested();
     given.push_back(refined.size());
     const double h = knots_[piece + 1] - knots_[piece];
-    // The curvature is greatest near an end of a piece or in its middle; twice that is a bound in practice.
+    // The curvature of a curve through even points is greatest near an end of a piece or in its middle.
     double curvature = 0;
     for (const double share : {0.0, 0.5, 1.0}) {
       const Point p = in_piece(piece, share * h);
@@ -214,11 +221,12 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
     const double turn = curvature * piece_length(piece, 0, h);
     // Clamped before it is an integer: at a cusp the curvature has no bound.
     const auto count = static_cast<int>(std::clamp(std::ceil(turn / longest_turn), 1.0, most_pieces_between_points));
-    if (refined.size() + static_cast<std::size_t>(count) > most_pieces)
-      refuse("points", "turn so often that their curve has more than " + std::to_string(most_pieces) + " pieces");
+    if (refined.size() + static_cast<std::size_t>(count) > most_pieces) refuse_pieces();
     for (int k = 0; k < count; ++k) {
       refined.emplace_back(in_piece(piece, h * k / count).position);
       if (k == 0) refined.back() = values_[piece];
+      divide(piece, h * k / count, h * (k + 1) / count, most_halvings, refined);
+      if (refined.size() > most_pieces) refuse_pieces();
     }
   }
   given.push_back(refined.size());
@@ -230,6 +238,22 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
     knots_.push_back(knots_.back() + (refined[i] - refined[i - 1]).norm());
   fit(refined);
   return given;
+}
+
+/// Where points lie far from even the curvature may be greatest anywhere: what a piece turns by shows on the way.
+void StrandCurve::divide(std::size_t piece, double begin, double end, int halvings, Vectors& refined) const {
+  if (halvings == 0) return;
+  const double middle = 0.5 * (begin + end);
+  const Point there = in_piece(piece, middle);
+  const auto turned = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return std::abs(std::atan2(cross(a, b), a.dot(b)));
+  };
+  const double turn =
+      turned(in_piece(piece, begin).first, there.first) + turned(there.first, in_piece(piece, end).first);
+  if (turn <= 2 * longest_turn) return;
+  divide(piece, begin, middle, halvings - 1, refined);
+  refined.push_back(there.position);
+  divide(piece, middle, end, halvings - 1, refined);
 }
 
 void StrandCurve::measure(const Execution& execution) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -104,6 +105,32 @@ TEST(StrandCurve, HasTheDerivativesOfItsPositions) {
   }
 }
 
+/// Teeth as high as their number: hairpins at their tips, and open ends that swing out.
+Points comb(int teeth, bool upright) {
+  Points points;
+  points.reserve(static_cast<std::size_t>(teeth));
+  for (int i = 0; i < teeth; ++i) {
+    const double along = i;
+    const double across = i % 2 == 1 ? teeth : 0;
+    points.emplace_back(upright ? across : along, upright ? along : across);
+  }
+  return points;
+}
+
+TEST(StrandCurve, HasPiecesThatTurnByLittleEverywhere) {
+  const StrandCurve curve(comb(60, false), Ends::open);
+  const auto& knots = curve.knots();
+  double most = 0;
+  for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+    const Eigen::Vector2d begin = curve.at(knots[i]).first;
+    for (const double share : {0.5, 1 - 1e-9}) {
+      const Eigen::Vector2d there = curve.at(knots[i] + share * (knots[i + 1] - knots[i])).first;
+      most = std::max(most, std::acos(std::clamp(begin.normalized().dot(there.normalized()), -1.0, 1.0)));
+    }
+  }
+  EXPECT_LT(most, 0.13);
+}
+
 TEST(StrandCurve, GoesStraightOnBeyondItsOpenEnds) {
   const StrandCurve curve({{0, 0}, {2, 1}, {4, -1}, {7, 0}}, Ends::open);
   const double whole = curve.length();
@@ -168,6 +195,17 @@ TEST(Intersections, FindsWhereALineCutsACircleAndTwoCirclesCutEachOther) {
   const auto pair = intersections(circle, circle, {10, 0});
   ASSERT_EQ(pair.size(), 2U);
   for (const auto& cut : pair) EXPECT_NEAR(circle.at(cut.first).position[0], 5, 1e-5);
+}
+
+// Straight teeth would cross once each; curved ones do too, some within a few hundredths of a millimetre in a hairpin.
+TEST(Intersections, OfTwoCombsAreAllFound) {
+  constexpr int teeth = 60;
+  const StrandCurve lying(comb(teeth, false), Ends::open);
+  const StrandCurve upright(comb(teeth, true), Ends::open);
+  const auto found = intersections(lying, upright, Eigen::Vector2d::Zero());
+  EXPECT_EQ(found.size(), static_cast<std::size_t>((teeth - 1) * (teeth - 1)));
+  for (const Intersection& at : found)
+    EXPECT_LT((lying.at(at.first).position - upright.at(at.second).position).norm(), 1e-6);
 }
 
 TEST(Intersections, CountsEndsThatLieOnTheOtherStrandOnce) {

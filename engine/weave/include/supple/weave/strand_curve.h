@@ -61,6 +61,7 @@ class StrandCurve {
  private:
   void fit(std::vector<Eigen::Vector2d> values);
   std::vector<std::size_t> refine(const Execution& execution);
+  void divide(std::size_t piece, double begin, double end, int halvings, std::vector<Eigen::Vector2d>& refined) const;
   void measure(const Execution& execution);
   Point in_piece(std::size_t piece, double t) const;
   double piece_length(std::size_t piece, double from, double to) const;
