@@ -21,10 +21,10 @@ std::string content(const std::filesystem::path& path) {
   return text.str();
 }
 
-constexpr std::array<std::string_view, 24> families{
-    "minimizer",       "http",        "request",  "mesh",   "point",   "geodesic", "field",      "karcher",
-    "exponential_map", "computation", "job",      "server", "store",   "tiling",   "simulation", "dataset",
-    "model",           "file",        "training", "weave",  "network", "host",     "solid",      "voronoi"};
+constexpr std::array<std::string_view, 25> families{
+    "minimizer",   "http",  "request", "mesh",  "point",  "geodesic",   "field",   "karcher", "exponential_map",
+    "computation", "job",   "server",  "store", "tiling", "simulation", "dataset", "model",   "file",
+    "training",    "weave", "network", "host",  "solid",  "voronoi",    "access"};
 
 /// Whether a string literal has the form of a code: a family, a dot, and lower-case letters or underscores.
 bool is_code(std::string_view literal) {
