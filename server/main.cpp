@@ -20,6 +20,7 @@
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
 #include "supple/json/model_answers.h"
+#include "supple/routes/audit.h"
 #include "supple/routes/guard.h"
 #include "supple/routes/routes.h"
 
@@ -51,14 +52,20 @@ store::ModelStore::Options model_options(const ServerOptions& server) {
   return options;
 }
 
-/// Paths come from strangers: what is no plain character becomes a question mark, so that a line stays a line.
 void log_access(const http::Answered& answered) {
-  constexpr std::size_t most = 200;
-  std::string path;
-  for (const char c : answered.path.substr(0, most)) path += c > 0x20 && c < 0x7f ? c : '?';
-  spdlog::info("access {} {} {} {} {} {:.6f} s {} bytes", answered.id.empty() ? "-" : answered.id, answered.client,
-               answered.method.empty() ? "-" : answered.method, path.empty() ? "-" : path, answered.status,
+  using routes::plain_text;
+  spdlog::info("access {} {} {} {} {} {} {:.6f} s {} bytes", plain_text(answered.id), answered.address,
+               plain_text(answered.key), plain_text(answered.method), plain_text(answered.path), answered.status,
                answered.seconds, answered.body_bytes);
+}
+
+access::Rule rule_of_keys(const ServerOptions& options) {
+  if (options.open) return access::Rule::never;
+  return routes::is_loopback(options.http.host) ? access::Rule::where_keys_are : access::Rule::always;
+}
+
+void log_audit(const http::Answered& answered) {
+  if (const auto line = routes::audit_line(answered); !line.empty()) spdlog::info(line);
 }
 
 /// Ends the process once so many seconds have passed, whatever still runs: what the store has acknowledged is on disk.
@@ -86,6 +93,7 @@ class Process {
       : options_(options),
         signals_(signals),
         memory_(options.memory, options.request_memory, budget::default_shares(budget::memory_limits()).process),
+        gate_(options.key_file(), rule_of_keys(options), [](const std::string& text) { spdlog::warn(text); }),
         metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;
     services_.version = SUPPLE_VERSION;
@@ -93,6 +101,7 @@ class Process {
     services_.web = options.web;
     services_.metrics = &metrics_;
     services_.memory = &memory_;
+    services_.gate = &gate_;
     json::set_answer_limit(static_cast<std::size_t>(options.max_answer));
     http::ServerOptions http = options.http;
     http.memory = &memory_;
@@ -101,10 +110,11 @@ class Process {
         http, routes::make_router(services_), routes::problem_response,
         [this](const http::Answered& answered) {
           metrics_.count_request(answered.pattern, answered.method, answered.status, answered.seconds);
+          log_audit(answered);
           if (options_.access_log) log_access(answered);
         },
         [](const std::string& text) { spdlog::error("unexpected exception in {}", text); },
-        routes::make_guard({options.http.host, options.allowed_hosts, options.allowed_origins}));
+        routes::make_guard({options.http.host, options.allowed_hosts, options.allowed_origins, &gate_}));
     services_.load = [this] { return server_->load(); };
   }
 
@@ -169,6 +179,7 @@ class Process {
   const ServerOptions& options_;
   const sigset_t signals_;
   budget::MemoryBudget memory_;
+  access::Gate gate_;
   metrics::Metrics metrics_;
   routes::Services services_;
   std::unique_ptr<store::Store> store_;
@@ -200,9 +211,9 @@ int serve(const ServerOptions& options) {
 }  // namespace supple
 
 int main(int argc, char** argv) {
-  supple::ServerOptions options;
-  if (const auto status = supple::read_options(argc, argv, options)) return *status;
   try {
+    supple::ServerOptions options;
+    if (const auto status = supple::read_options(argc, argv, options)) return *status;
     return supple::serve(options);
   } catch (const std::exception& error) {
     std::cerr << "supple-server: " << error.what() << '\n';

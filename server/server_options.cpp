@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "keys_command.h"
 #include "supple/budget/memory.h"
 
 namespace supple {
@@ -123,6 +124,12 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
                  "A name that clients may call the server by, besides those of loopback and --host; * for every name");
   app.add_option("--allowed-origin", options.allowed_origins,
                  "Origin of pages, besides the server's own, that may send requests: https://supple.example");
+  app.add_option(
+      "--keys", options.keys,
+      "File of the keys that requests need; without it the file keys in the data folder. Keys are needed where "
+      "the file exists, and always where --host is not of loopback");
+  app.add_flag("--open", options.open,
+               "Answer everybody who reaches the server, without a key: they read, compute and delete what they like");
   app.add_flag("--access-log", options.access_log, "Log a line for each answered request");
   app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
       ->check(CLI::NonNegativeNumber);
@@ -134,11 +141,13 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   app.add_option("--log-level", options.log_level, "What is logged")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
   add_limits(app, options);
+  add_keys_commands(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
   }
+  if (!app.get_subcommands().empty()) return 0;
   return std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/access/key_file.h"
 #include "supple/base/helper_processes.h"
 #include "supple/http/server.h"
 #include "supple/jobs/job_queue.h"
@@ -28,12 +29,17 @@ struct ServerOptions {
   std::int64_t max_answer = 256LL << 20;    ///< bytes of an answer in JSON
   std::vector<std::string> allowed_hosts;
   std::vector<std::string> allowed_origins;
+  std::string keys;                ///< file of keys; the file "keys" in the data folder where empty
+  bool open = false;               ///< nobody needs a key
   bool access_log = false;         ///< a line for each answered request
   HelperOptions helper{{}, 0, 0};  ///< everything in this process where its program is empty
   std::string log_level = "info";
+
+  access::KeyFile key_file() const { return access::KeyFile(keys.empty() ? data + "/keys" : keys); }
 };
 
-/// Reads the command line. Returns the exit status where the process is to end at once (help, version, a mistake).
+/// Reads the command line, and runs its command where there is one. Returns the exit status where the process is to end
+/// at once (help, version, a mistake, a command that has run). Commands throw std::runtime_error.
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options);
 
 }  // namespace supple

@@ -48,6 +48,7 @@ struct Exchange {
   Connection* connection = nullptr;
   ConnectionStream* stream = nullptr;
   int status = 0;
+  std::string location;
   bool close_after_answer = false;
 };
 thread_local Exchange* current = nullptr;
@@ -271,7 +272,7 @@ class Server::Implementation final : public httplib::Server {
     } catch (const Error&) {
       no_route = std::current_exception();
     }
-    if (guard_) guard_(request);
+    if (guard_) guard_(request, connection.route);
     if (no_route) std::rethrow_exception(no_route);
     if (head.has_body()) check_body(request);
   }
@@ -399,18 +400,18 @@ class Server::Implementation final : public httplib::Server {
       sent = send_refusal(connection);
     }
     current = nullptr;
-    observe(connection, exchange.status, std::chrono::duration<double>(Clock::now() - begin).count());
+    observe(connection, exchange, std::chrono::duration<double>(Clock::now() - begin).count());
     if (!sent) return After::close;
     if (exchange.close_after_answer) return After::linger;
     return last || closed_by_client ? After::close : After::next;
   }
 
-  void observe(const Connection& connection, int status, double taken) const {
+  void observe(const Connection& connection, const Exchange& exchange, double taken) const {
     if (!observe_) return;
     const auto& request = connection.request;
-    observe_({request.id, request.client.empty() ? connection.client() : request.client,
-              connection.route ? connection.route->pattern : std::string(), request.method, request.path, status, taken,
-              request.body.size()});
+    observe_({request.id, connection.client(), request.key,
+              connection.route ? connection.route->pattern : std::string(), request.method, request.path,
+              exchange.location, exchange.status, taken, request.body.size()});
   }
 
   std::exception_ptr too_many_connections() const {
@@ -458,6 +459,8 @@ class Server::Implementation final : public httplib::Server {
     if (current->close_after_answer) response.set_header("Connection", "close");
     add_headers(response, connection.request.id);
     current->status = response.status;
+    for (const auto& [name, value] : response.headers)
+      if (name == "Location") current->location = value;
     fill(target, std::move(response));
   }
 

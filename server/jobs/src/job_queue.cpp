@@ -233,7 +233,7 @@ JobQueue::JobPointer JobQueue::enqueue(Computation computation, bool visible) {
       watchdog_, Watchdog::Watch{job->token, Clock::now() + duration(job->computation.deadline), {}});
   const std::lock_guard lock(mutex_);
   if (refusing_) throw_shutting_down();
-  require_place(job->computation.bytes);
+  require_place(job->computation);
   if (visible) publish(*job);
   job->in_session = enter_session(job->computation.session, job->token);
   jobs_.emplace(job->record.id, job);
@@ -243,11 +243,22 @@ JobQueue::JobPointer JobQueue::enqueue(Computation computation, bool visible) {
   return job;
 }
 
-void JobQueue::require_place(std::int64_t bytes) const {
+void JobQueue::require_place(const Computation& computation) const {
+  const auto bytes = computation.bytes;
   // A place is free once one of the workers has taken the next job.
   constexpr double longest = 3600;
   const double seconds = std::clamp(mean_seconds_ / options_.workers, 1.0, longest);
   const int retry_after = static_cast<int>(std::ceil(seconds));
+  const auto is_of_client = [&](const JobPointer& job) { return job->computation.client == computation.client; };
+  if (const auto most = computation.max_waiting;
+      most > 0 && std::count_if(queue_.begin(), queue_.end(), is_of_client) >= most) {
+    throw problem::ProblemError({"job.client_queue_full",
+                                 std::to_string(most) + " jobs of this key wait for a worker, its limit (setting "
+                                                        "--max-waiting-jobs of its key).",
+                                 {},
+                                 problem::Limit{1.0 * most, 1.0 * most + 1, "--max-waiting-jobs"},
+                                 retry_after});
+  }
   if (queue_.size() >= options_.max_queue) {
     const auto limit = static_cast<double>(options_.max_queue);
     throw queue_full("The queue holds " + std::to_string(options_.max_queue) + " jobs, its limit", limit, limit + 1,
@@ -331,8 +342,8 @@ JobStatus JobQueue::status(const std::string& id) const {
   return {*record, record->state == JobState::successful ? 1.0 : 0.0, {}};
 }
 
-std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit,
-                                      const std::string& after) const {
+std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit, const std::string& after,
+                                      const std::string& owner) const {
   // The store knows a running job as accepted; both are looked for together and told apart in memory. It knows those
   // whose end it did not take as accepted too: while there are any, only memory tells the states.
   std::vector<JobStatus> list;
@@ -344,7 +355,7 @@ std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t
   }
   std::string last = after;
   while (list.size() < limit) {
-    const auto page = store_.jobs(in_store, limit, last);
+    const auto page = store_.jobs(in_store, limit, last, owner);
     for (const auto& record : page) {
       JobStatus status{record, record.state == JobState::successful ? 1.0 : 0.0, {}};
       {

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "handlers.h"
+#include "ownership.h"
 
 namespace supple::routes {
 namespace {
@@ -17,7 +18,8 @@ std::string plain_seconds(double seconds) {
   return text;
 }
 
-http::Response accepted(const jobs::JobStatus& status) {
+http::Response accepted(Services& services, const http::Request& request, const jobs::JobStatus& status) {
+  own_job(services, request, status.record.id);
   auto response = json_response(write_job(status), 202);
   response.set_header("Location", "/v1/jobs/" + status.record.id);
   response.set_header("Retry-After", "1");
@@ -60,6 +62,10 @@ std::string server_timing(double reading_seconds, const jobs::Profile& profile) 
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation) {
   const auto preference = http::parse_preference(request.header("Prefer"), services.limits.max_wait);
   computation.client = request.client;
+  computation.max_waiting = request.max_waiting_jobs;
+  // Sessions of two keys that have the same name are two.
+  if (!computation.session.empty() && !request.key.empty())
+    computation.session = request.key + " " + computation.session;
   computation.bytes = static_cast<std::int64_t>(request.body.size());
   if (!preference.respond_async && !preference.wait) {
     // The deadline of an immediate answer counts from the request's arrival: reading a large body takes its share of
@@ -72,10 +78,10 @@ http::Response answer_computation(Services& services, const http::Request& reque
   http::Response response;
   if (preference.wait && *preference.wait > 0) {
     auto outcome = services.jobs->run_within(std::move(computation), *preference.wait, hung_up);
-    response = outcome.result ? finished(std::move(*outcome.result)) : accepted(outcome.job);
+    response = outcome.result ? finished(std::move(*outcome.result)) : accepted(services, request, outcome.job);
     response.set_header("Preference-Applied", "wait=" + plain_seconds(*preference.wait));
   } else {
-    response = accepted(services.jobs->submit(std::move(computation)));
+    response = accepted(services, request, services.jobs->submit(std::move(computation)));
     response.set_header("Preference-Applied", preference.respond_async ? "respond-async" : "wait=0");
   }
   return response;
@@ -96,7 +102,9 @@ http::Response answer_immediately(Services& services, const http::Request& reque
   return response;
 }
 
-std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const std::string& id) {
+std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const http::Request& request,
+                                                   const std::string& id) {
+  require_mesh(services, request, id, "/mesh");
   try {
     return services.meshes->get(id);
   } catch (const Error& error) {

@@ -22,8 +22,10 @@ inline bool becomes_job(const http::Request& request) { return !request.header("
 http::Response answer_immediately(Services& services, const http::Request& request,
                                   const jobs::Computation& computation);
 
-/// The mesh of a computation. Throws "mesh.not_found" with a pointer to the field.
-std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const std::string& id);
+/// The mesh of a computation. Throws "mesh.not_found" with a pointer to the field, also where the request may not see
+/// it.
+std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const http::Request& request,
+                                                   const std::string& id);
 
 /// The body as text that must be JSON. Throws "http.unsupported_media_type" for another Content-Type.
 const std::string& json_body(const http::Request& request);

@@ -25,11 +25,6 @@ bool is_address(const std::string& name) {
          ::inet_pton(AF_INET6, name.c_str(), bytes.data()) == 1;
 }
 
-bool is_loopback(const std::string& name) {
-  return name == "localhost" || name.ends_with(".localhost") || name == "::1" ||
-         (name.starts_with("127.") && is_address(name));
-}
-
 bool contains(const std::vector<std::string>& list, const std::string& text) {
   return std::find(list.begin(), list.end(), text) != list.end();
 }
@@ -44,36 +39,102 @@ std::string_view host_of_origin(std::string_view origin) {
 
 bool only_reads(const std::string& method) { return method == "GET" || method == "HEAD" || method == "OPTIONS"; }
 
+/// The options as the checks of each request need them.
+struct Prepared {
+  explicit Prepared(GuardOptions given) : options(std::move(given)) {
+    for (auto& host : options.allowed_hosts) host = name_of(host);
+    for (auto& origin : options.allowed_origins) origin = http::lower_case(origin);
+    options.listens_on = http::lower_case(options.listens_on);
+    beyond_loopback = !is_loopback(options.listens_on);
+  }
+  GuardOptions options;
+  bool beyond_loopback = false;
+};
+
+void check_host(const Prepared& prepared, const http::Request& request) {
+  const auto& options = prepared.options;
+  const auto name = name_of(request.host);
+  const bool known = name.empty() || is_loopback(name) || name == options.listens_on ||
+                     (prepared.beyond_loopback && is_address(name)) || contains(options.allowed_hosts, name) ||
+                     contains(options.allowed_hosts, "*");
+  if (!known) {
+    throw Error("http.misdirected_request", "The server does not answer to the name " + name.substr(0, 80) +
+                                                " in the header Host (setting --allowed-host).");
+  }
+}
+
+void check_origin(const Prepared& prepared, const http::Request& request) {
+  const auto origin = http::lower_case(request.header("Origin"));
+  if (origin.empty()) {
+    if (!only_reads(request.method) && request.header("Sec-Fetch-Site") == "cross-site") {
+      throw Error("http.cross_origin", "A browser says that a page of another site sends this request.");
+    }
+    return;
+  }
+  const auto host = host_of_origin(origin);
+  const bool same = !host.empty() && (host == http::lower_case(request.host) || is_loopback(name_of(host)));
+  if (!same && !contains(prepared.options.allowed_origins, origin)) {
+    throw Error("http.cross_origin", "A page of " + origin.substr(0, 80) +
+                                         " sends this request, not one of this server (setting --allowed-origin).");
+  }
+}
+
+/// A browser sends the cookie along with requests of other pages of the same host too, such as those of another port.
+/// Then it does not count: only a page of this server, or one that is allowed, acts for whoever has signed in.
+bool cookie_counts(const Prepared& prepared, const http::Request& request) {
+  const auto origin = http::lower_case(request.header("Origin"));
+  const auto site = request.header("Sec-Fetch-Site");
+  if (origin.empty()) return only_reads(request.method) ? site != "cross-site" : site == "same-origin";
+  return host_of_origin(origin) == http::lower_case(request.host) || contains(prepared.options.allowed_origins, origin);
+}
+
+/// Whether a request was sent on this machine to this server, and not passed on by a proxy.
+bool is_local(const http::Request& request) {
+  return is_loopback(request.client) && is_loopback(name_of(request.host)) && request.header("Forwarded").empty() &&
+         request.header("X-Forwarded-For").empty() && request.header("Via").empty();
+}
+
+void check_key(const Prepared& prepared, http::Request& request, const http::Route* route) {
+  if (!prepared.options.gate || !route || route->open || !prepared.options.gate->required()) return;
+  if (route->pattern == "/metrics" && is_local(request)) return;
+  const auto authorization = request.header("Authorization");
+  const auto session = cookie_counts(prepared, request) ? session_of(request) : std::string();
+  const auto key = prepared.options.gate->identify({authorization, session});
+  if (!key) return;
+  request.key = key->id;
+  request.client = "key " + key->id;
+  request.sees_all = key->scopes.allow(access::Scope::admin);
+  request.max_waiting_jobs = key->max_waiting_jobs;
+  prepared.options.gate->allow(*key, only_reads(request.method) ? access::Scope::read : access::Scope::compute);
+}
+
 }  // namespace
 
+bool is_loopback(const std::string& name) {
+  return name == "localhost" || name.ends_with(".localhost") || name == "::1" ||
+         (name.starts_with("127.") && is_address(name));
+}
+
 http::Server::Guard make_guard(GuardOptions options) {
-  for (auto& host : options.allowed_hosts) host = name_of(host);
-  for (auto& origin : options.allowed_origins) origin = http::lower_case(origin);
-  options.listens_on = http::lower_case(options.listens_on);
-  const bool beyond_loopback = !is_loopback(options.listens_on);
-  return [options = std::move(options), beyond_loopback](const http::Request& request) {
-    const auto name = name_of(request.host);
-    const bool known = name.empty() || is_loopback(name) || name == options.listens_on ||
-                       (beyond_loopback && is_address(name)) || contains(options.allowed_hosts, name) ||
-                       contains(options.allowed_hosts, "*");
-    if (!known) {
-      throw Error("http.misdirected_request", "The server does not answer to the name " + name.substr(0, 80) +
-                                                  " in the header Host (setting --allowed-host).");
-    }
-    const auto origin = http::lower_case(request.header("Origin"));
-    if (origin.empty()) {
-      if (!only_reads(request.method) && request.header("Sec-Fetch-Site") == "cross-site") {
-        throw Error("http.cross_origin", "A browser says that a page of another site sends this request.");
-      }
-      return;
-    }
-    const auto host = host_of_origin(origin);
-    const bool same = !host.empty() && (host == http::lower_case(request.host) || is_loopback(name_of(host)));
-    if (!same && !contains(options.allowed_origins, origin)) {
-      throw Error("http.cross_origin", "A page of " + origin.substr(0, 80) +
-                                           " sends this request, not one of this server (setting --allowed-origin).");
-    }
+  return [prepared = Prepared(std::move(options))](http::Request& request, const http::Route* route) {
+    check_host(prepared, request);
+    check_origin(prepared, request);
+    check_key(prepared, request, route);
   };
+}
+
+std::string session_of(const http::Request& request) {
+  const auto header = request.header("Cookie");
+  std::string_view rest = header;
+  while (!rest.empty()) {
+    const auto end = rest.find_first_of(";,");  // repeated headers are joined by commas
+    auto pair = rest.substr(0, end);
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    pair.remove_prefix(std::min(pair.find_first_not_of(' '), pair.size()));
+    if (pair.starts_with(session_cookie) && pair.substr(session_cookie.size()).starts_with('='))
+      return std::string(pair.substr(session_cookie.size() + 1));
+  }
+  return {};
 }
 
 std::vector<std::pair<std::string, std::string>> security_headers() {

@@ -21,6 +21,8 @@ void add_model_routes(http::Router& router, Services& services);
 void add_weave_routes(http::Router& router, Services& services);
 void add_weave_toolpath_routes(http::Router& router, Services& services);
 void add_job_routes(http::Router& router, Services& services);
+/// Sessions of browsers: signing in with a key, and out.
+void add_session_routes(http::Router& router, Services& services);
 void add_service_routes(http::Router& router, Services& services);
 /// The files of a folder as they are now, each at its path, and index.html also at "/". What is not there is not found,
 /// whatever a path looks like: the folder is not looked at again. Throws std::runtime_error where it cannot be read or

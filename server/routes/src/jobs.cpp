@@ -1,4 +1,5 @@
 #include "handlers.h"
+#include "ownership.h"
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
 
@@ -10,7 +11,12 @@ using store::JobState;
 constexpr double keep_alive_seconds = 10;
 constexpr double look_at_client_seconds = 1;
 
-const std::string& job_parameter(const http::Request& request) { return request.path_parameters.at("job"); }
+/// The job that the path names, once it is sure that the request may see it.
+const std::string& job_parameter(const Services& services, const http::Request& request) {
+  const auto& id = request.path_parameters.at("job");
+  require_job(services, request, id);
+  return id;
+}
 
 bool is_finished(const jobs::JobStatus& status) {
   return status.record.state != JobState::accepted && status.record.state != JobState::running;
@@ -27,7 +33,7 @@ http::Response list(Services& services, const http::Request& request) {
                   "The query parameter state takes accepted, running, successful, failed or dismissed.");
     }
   }
-  auto statuses = services.jobs->list(state, page.limit + 1, page.after);
+  auto statuses = services.jobs->list(state, page.limit + 1, page.after, owner_filter(request));
   const bool more = statuses.size() > page.limit;
   if (more) statuses.pop_back();
   json::JsonWriter out;
@@ -41,7 +47,7 @@ http::Response list(Services& services, const http::Request& request) {
 
 http::Response show_job(Services& services, const http::Request& request) {
   require_ready(services);
-  const auto status = services.jobs->status(job_parameter(request));
+  const auto status = services.jobs->status(job_parameter(services, request));
   auto response = json_response(write_job(status));
   if (!is_finished(status)) response.set_header("Retry-After", "1");
   return response;
@@ -49,7 +55,7 @@ http::Response show_job(Services& services, const http::Request& request) {
 
 http::Response result(Services& services, const http::Request& request) {
   require_ready(services);
-  const auto& id = job_parameter(request);
+  const auto& id = job_parameter(services, request);
   http::Response response;
   if (const auto status = services.jobs->status(id); status.record.state == JobState::failed) {
     response.status = status.record.error_status;
@@ -66,7 +72,8 @@ http::Response result(Services& services, const http::Request& request) {
 
 http::Response remove_job(Services& services, const http::Request& request) {
   require_ready(services);
-  if (const auto dismissed = services.jobs->remove(job_parameter(request))) return json_response(write_job(*dismissed));
+  if (const auto dismissed = services.jobs->remove(job_parameter(services, request)))
+    return json_response(write_job(*dismissed));
   http::Response response;
   response.status = 204;
   return response;
@@ -128,7 +135,7 @@ void follow(Services& services, const std::string& id, http::StreamWriter& out) 
 
 http::Response events(Services& services, const http::Request& request) {
   require_ready(services);
-  const auto& id = job_parameter(request);
+  const auto& id = job_parameter(services, request);
   services.jobs->status(id);
   auto place = std::make_shared<StreamPlace>(services);
   http::Response response;

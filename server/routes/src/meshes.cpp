@@ -2,6 +2,7 @@
 
 #include "entity_tag.h"
 #include "handlers.h"
+#include "ownership.h"
 #include "repair_query.h"
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
@@ -57,7 +58,7 @@ http::Response store_mesh(Services& services, const http::Request& request, cons
   report.warnings.insert(report.warnings.begin(), soup.warnings.begin(), soup.warnings.end());
   const auto [record, is_new] = services.store->add_mesh(
       surface::write_ply(*mesh, execution),
-      [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); });
+      [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); }, request.key);
   services.meshes->put(record.id, std::make_shared<const store::LoadedMesh>(mesh));
   // Where the mesh was stored already, the stored warnings are those of another upload.
   auto response = json_response(json::write_mesh(record.id, record.created, report, repair ? &*repair : nullptr),
@@ -83,7 +84,7 @@ http::Response create(Services& services, const http::Request& request) {
 http::Response list(const Services& services, const http::Request& request) {
   require_ready(services);
   const auto page = read_page(request);
-  auto records = services.store->meshes(page.limit + 1, page.after);
+  auto records = services.store->meshes(page.limit + 1, page.after, owner_filter(request));
   const bool more = records.size() > page.limit;
   if (more) records.pop_back();
   json::JsonWriter out;
@@ -97,6 +98,7 @@ http::Response list(const Services& services, const http::Request& request) {
 
 http::Response show_mesh(const Services& services, const http::Request& request) {
   require_ready(services);
+  require_mesh(services, request, mesh_parameter(request));
   const auto record = services.store->mesh(mesh_parameter(request));
   if (!record) throw_not_found(mesh_parameter(request));
   if (matches(request.header("If-None-Match"), record->id)) return not_modified(record->id);
@@ -110,6 +112,7 @@ http::Response content(const Services& services, const http::Request& request) {
   const auto& id = mesh_parameter(request);
   const auto type = http::negotiate(request.header("Accept"), {"model/ply", "model/obj"});
   if (!type) throw Error("http.not_acceptable", "A mesh's content is sent as model/ply or model/obj.");
+  require_mesh(services, request, id);
   if (!services.store->mesh(id)) throw_not_found(id);
   const bool as_obj = *type == "model/obj";
   // One tag for each representation: the bytes differ.
@@ -135,9 +138,12 @@ http::Response content(const Services& services, const http::Request& request) {
 http::Response remove_mesh(Services& services, const http::Request& request) {
   require_ready(services);
   const auto& id = mesh_parameter(request);
-  if (services.jobs->mesh_in_use(id)) throw Error("mesh.in_use", "Unfinished jobs use the mesh " + id + ".");
-  if (!services.store->remove_mesh(id)) throw_not_found(id);
-  services.meshes->forget(id);
+  const auto& owner = owner_filter(request);
+  require_mesh(services, request, id);
+  const bool goes = owner.empty() || services.store->is_last_owner_of_mesh(id, owner);
+  if (goes && services.jobs->mesh_in_use(id)) throw Error("mesh.in_use", "Unfinished jobs use the mesh " + id + ".");
+  if (!services.store->remove_mesh(id, owner)) throw_not_found(id);
+  if (goes) services.meshes->forget(id);
   http::Response response;
   response.status = 204;
   return response;

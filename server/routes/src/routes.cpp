@@ -24,6 +24,7 @@ http::Router make_router(Services& services) {
   add_weave_routes(router, services);
   add_weave_toolpath_routes(router, services);
   add_job_routes(router, services);
+  add_session_routes(router, services);
   add_service_routes(router, services);
   if (!services.web.empty()) add_web_routes(router, services.web);
   return router;
@@ -34,6 +35,7 @@ http::Response problem_response(const problem::Problem& problem) {
   response.status = problem::status_of(problem);
   response.content_type = "application/problem+json";
   response.body = json::write_problem(problem);
+  if (response.status == 401) response.set_header("WWW-Authenticate", "Bearer realm=\"supple\"");
   if (problem.retry_after) response.set_header("Retry-After", std::to_string(*problem.retry_after));
   return response;
 }

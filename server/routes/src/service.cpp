@@ -94,10 +94,10 @@ http::Response contract_text() {
 }  // namespace
 
 void add_service_routes(http::Router& router, Services& services) {
-  router.add({"GET", "/healthz", [&services](const http::Request&) { return health(services); }, {}, true});
-  router.add({"GET", "/readyz", [&services](const http::Request&) { return readiness(services); }, {}, true});
+  router.add({"GET", "/healthz", [&services](const http::Request&) { return health(services); }, {}, true, true});
+  router.add({"GET", "/readyz", [&services](const http::Request&) { return readiness(services); }, {}, true, true});
   router.add({"GET", "/metrics", [&services](const http::Request&) { return metrics_text(services); }, {}, true});
-  router.add({"GET", "/openapi.yaml", [](const http::Request&) { return contract_text(); }, {}});
+  router.add({"GET", "/openapi.yaml", [](const http::Request&) { return contract_text(); }, {}, false, true});
 }
 
 }  // namespace supple::routes

@@ -111,9 +111,9 @@ void add_web_routes(http::Router& router, const std::string& folder) {
   for (auto& content : read_folder(folder)) {
     const auto file = std::make_shared<const WebFile>(std::move(content));
     const auto handler = [file](const http::Request& request) { return send(*file, request); };
-    router.add({"GET", file->path, handler, {}});
+    router.add({"GET", file->path, handler, {}, false, true});
     if (file->path.substr(1) != index_name) continue;
-    router.add({"GET", "/", handler, {}});
+    router.add({"GET", "/", handler, {}, false, true});
     has_index = true;
   }
   if (!has_index) throw std::runtime_error("the folder " + folder + " of --web has no " + index_name);

@@ -12,6 +12,7 @@
 
 #include "atomic_file.h"
 #include "database.h"
+#include "owner_table.h"
 #include "supple/base/error.h"
 
 namespace supple::store {
@@ -122,7 +123,8 @@ struct Store::Implementation {
         prepared(prepare_folder()),
         lock(take_lock(data)),
         connection(open_database()),
-        database(*connection) {
+        database(*connection),
+        owners(database) {
     recover_meshes();
     recover_results();
   }
@@ -170,6 +172,7 @@ struct Store::Implementation {
     const Statement meshes(*opened, "SELECT id, created, description FROM meshes");
     const Statement jobs(*opened, "SELECT " + std::string(job_columns) +
                                       ", result_type, result_headers, result_hash, sequence FROM jobs");
+    const OwnerTable owners(*opened);
     return opened;
   }
 
@@ -317,6 +320,7 @@ struct Store::Implementation {
   mutable std::mutex mutex;
   const std::unique_ptr<Database> connection;
   Database& database;
+  OwnerTable owners;
 };
 
 Store::Store(const fs::path& folder, const Recovery& recovery) {
@@ -329,8 +333,20 @@ Store::Store(const fs::path& folder, const Recovery& recovery) {
 }
 Store::~Store() = default;
 
-std::pair<MeshRecord, bool> Store::add_mesh(
-    const std::string& ply, const std::function<std::string(const std::string&, std::int64_t)>& describe) {
+std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const DescribeMesh& describe,
+                                            const std::string& owner) {
+  while (true) {
+    auto added = add_content(ply, describe);
+    if (owner.empty()) return added;
+    auto& self = *implementation_;
+    const std::lock_guard lock(self.mutex);
+    if (!self.find_mesh(added.first.id)) continue;  // its last other owner has removed it meanwhile
+    added.second = self.owners.add(OwnerTable::Kind::mesh, added.first.id, owner);
+    return added;
+  }
+}
+
+std::pair<MeshRecord, bool> Store::add_content(const std::string& ply, const DescribeMesh& describe) {
   auto& self = *implementation_;
   MeshRecord record;
   record.id = sha256(ply);
@@ -358,13 +374,14 @@ std::optional<MeshRecord> Store::mesh(const std::string& id) const {
   return implementation_->find_mesh(id);
 }
 
-std::vector<MeshRecord> Store::meshes(std::size_t limit, const std::string& after) const {
+std::vector<MeshRecord> Store::meshes(std::size_t limit, const std::string& after, const std::string& owner) const {
   const std::lock_guard lock(implementation_->mutex);
   std::vector<MeshRecord> records;
   Statement rows(implementation_->database,
-                 "SELECT id, created, description FROM meshes WHERE ?1 = '' OR sequence < "
-                 "(SELECT sequence FROM meshes WHERE id = ?1) ORDER BY sequence DESC LIMIT ?2");
-  rows.bind(after).bind(static_cast<std::int64_t>(limit));
+                 "SELECT id, created, description FROM meshes WHERE (?1 = '' OR sequence < "
+                 "(SELECT sequence FROM meshes WHERE id = ?1)) AND " +
+                     OwnerTable::condition(OwnerTable::Kind::mesh, "?3") + " ORDER BY sequence DESC LIMIT ?2");
+  rows.bind(after).bind(static_cast<std::int64_t>(limit)).bind(owner);
   while (rows.step()) records.push_back({rows.text(0), rows.integer(1), rows.text(2)});
   return records;
 }
@@ -377,8 +394,24 @@ std::string Store::mesh_content(const std::string& id) const {
   return bytes;
 }
 
-bool Store::remove_mesh(const std::string& id) {
+bool Store::owns_mesh(const std::string& id, const std::string& owner) const {
   const std::lock_guard lock(implementation_->mutex);
+  return implementation_->owners.has(OwnerTable::Kind::mesh, id, owner);
+}
+
+bool Store::is_last_owner_of_mesh(const std::string& id, const std::string& owner) const {
+  const std::lock_guard lock(implementation_->mutex);
+  const auto& owners = implementation_->owners;
+  return owners.has(OwnerTable::Kind::mesh, id, owner) && owners.count(OwnerTable::Kind::mesh, id) == 1;
+}
+
+bool Store::remove_mesh(const std::string& id, const std::string& owner) {
+  const std::lock_guard lock(implementation_->mutex);
+  if (!owner.empty()) {
+    auto& owners = implementation_->owners;
+    if (!owners.has(OwnerTable::Kind::mesh, id, owner)) return false;
+    if (owners.count(OwnerTable::Kind::mesh, id) > 1) return owners.remove(OwnerTable::Kind::mesh, id, owner);
+  }
   if (Statement(implementation_->database, "DELETE FROM meshes WHERE id = ?").bind(id).run() == 0) return false;
   std::error_code ignored;  // a file without a row is a mesh again at the next start
   fs::remove(implementation_->mesh_path(id), ignored);
@@ -444,16 +477,28 @@ std::optional<JobRecord> Store::job(const std::string& id) const {
   return read_job(row);
 }
 
-std::vector<JobRecord> Store::jobs(std::optional<JobState> state, std::size_t limit, const std::string& after) const {
+std::vector<JobRecord> Store::jobs(std::optional<JobState> state, std::size_t limit, const std::string& after,
+                                   const std::string& owner) const {
   const std::lock_guard lock(implementation_->mutex);
   Statement rows(implementation_->database,
                  "SELECT " + std::string(job_columns) +
                      " FROM jobs WHERE (?1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = ?1)) "
-                     "AND (?2 = '' OR state = ?2) ORDER BY sequence DESC LIMIT ?3");
-  rows.bind(after).bind(state ? state_name(*state) : "").bind(static_cast<std::int64_t>(limit));
+                     "AND (?2 = '' OR state = ?2) AND " +
+                     OwnerTable::condition(OwnerTable::Kind::job, "?4") + " ORDER BY sequence DESC LIMIT ?3");
+  rows.bind(after).bind(state ? state_name(*state) : "").bind(static_cast<std::int64_t>(limit)).bind(owner);
   std::vector<JobRecord> records;
   while (rows.step()) records.push_back(read_job(rows));
   return records;
+}
+
+void Store::own_job(const std::string& id, const std::string& owner) {
+  const std::lock_guard lock(implementation_->mutex);
+  implementation_->owners.add(OwnerTable::Kind::job, id, owner);
+}
+
+bool Store::owns_job(const std::string& id, const std::string& owner) const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->owners.has(OwnerTable::Kind::job, id, owner);
 }
 
 Result Store::job_result(const std::string& id) const {

@@ -84,6 +84,17 @@ class HttpServerTest : public testing::Test {
                   return text("done!");
                 },
                 {}});
+    router.add({"POST",
+                "/made",
+                [](const Request&) {
+                  auto response = text("made!");
+                  response.status = 201;
+                  response.set_header("Location", "/things/1");
+                  return response;
+                },
+                {10, "--max"},
+                false,
+                true});
     router.add({"GET", "/probe", [](const Request&) { return text("alive!"); }, {}, true});
     router.add({"GET",
                 "/stream",
@@ -103,13 +114,19 @@ class HttpServerTest : public testing::Test {
           response.status = problem::status_of(problem);
           return response;
         },
-        [this](const Answered&) { ++observed_; },
+        [this](const Answered& answered) {
+          const std::lock_guard lock(report_mutex_);
+          if (answered.key == "mine") last_ = answered;
+          ++observed_;
+        },
         [this](const std::string& text) {
           const std::lock_guard lock(report_mutex_);
           reported_ = text;
         },
-        [](Request& request) {
+        [this](Request& request, const Route* route) {
           if (request.host == "evil") throw Error("http.misdirected_request", "Not this server.");
+          request.key = request.header("X-Key");
+          if (request.key == "none" && route && !route->open) throw Error("access.key_required", "No key.");
           if (const auto client = request.header("X-Client"); !client.empty()) request.client = client;
         });
     port_ = server_->bind();
@@ -154,6 +171,7 @@ class HttpServerTest : public testing::Test {
   std::atomic<bool> release_{false};
   std::mutex report_mutex_;  ///< the server reports from a thread of its own
   std::string reported_;
+  Answered last_;  ///< of the key "mine"
 };
 
 TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
@@ -349,6 +367,20 @@ TEST_F(HttpServerTest, AsksItsGuardBeforeItReadsABody) {
   start();
   EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: evil\r\nContent-Length: 900\r\n\r\n")
                   .ends_with("problem http.misdirected_request!"));
+}
+
+TEST_F(HttpServerTest, TellsItsGuardOfTheRouteAndItsObserverOfTheKey) {
+  start();
+  EXPECT_TRUE(
+      answer("GET /probe HTTP/1.1\r\nHost: x\r\nX-Key: none\r\n\r\n").ends_with("problem access.key_required!"));
+  EXPECT_TRUE(answer("GET /nowhere HTTP/1.1\r\nHost: x\r\nX-Key: none\r\n\r\n").ends_with("problem http.not_found!"));
+  EXPECT_TRUE(answer("POST /made HTTP/1.1\r\nHost: x\r\nX-Key: mine\r\nContent-Length: 1\r\n\r\nx").ends_with("made!"));
+  for (int i = 0; i < 5000 && observed_ < 3; ++i) std::this_thread::sleep_for(1ms);
+  const std::lock_guard lock(report_mutex_);
+  EXPECT_EQ(last_.key, "mine");
+  EXPECT_EQ(last_.address, "127.0.0.1");
+  EXPECT_EQ(last_.location, "/things/1");
+  EXPECT_EQ(last_.status, 201);
 }
 
 TEST_F(HttpServerTest, ReservesABodyBeforeItIsRead) {

@@ -326,6 +326,31 @@ TEST_F(JobQueueTest, RefusesMoreJobsThanTheQueueHoldsAndNamesTheLimit) {
   }
 }
 
+TEST_F(JobQueueTest, RefusesMoreWaitingJobsThanAClientMayHaveAndNotThoseOfOthers) {
+  const auto of = [](const std::string& client) {
+    auto computation = answering("x");
+    computation.client = client;
+    computation.max_waiting = 2;
+    return computation;
+  };
+  const auto running = queue().submit(endless()).record.id;
+  wait_until_started();
+  queue().submit(of("a"));
+  const auto last = queue().submit(of("a")).record.id;
+  try {
+    queue().submit(of("a"));
+    FAIL() << "nothing was thrown";
+  } catch (const problem::ProblemError& error) {
+    EXPECT_EQ(error.code(), "job.client_queue_full");
+    EXPECT_EQ(error.problem().limit->limit, 2);
+    EXPECT_GE(error.problem().retry_after.value_or(0), 1);
+  }
+  queue().submit(of("b"));
+  queue().remove(running);
+  wait_until_finished(last);
+  EXPECT_EQ(code_of([&] { queue().submit(of("a")); }), "nothing was thrown");
+}
+
 TEST_F(JobQueueTest, RefusesJobsThatHoldMoreMemoryThanTheQueueMay) {
   options_.max_queue_bytes = 100;
   const auto of_bytes = [](std::int64_t bytes) {

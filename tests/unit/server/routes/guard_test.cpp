@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <utility>
+
 #include "supple/base/error.h"
 
 namespace supple::routes {
@@ -21,7 +24,7 @@ std::string verdict(const GuardOptions& options, const Asked& asked) {
   if (!asked.origin.empty()) request.headers.emplace_back("Origin", asked.origin);
   if (!asked.fetch_site.empty()) request.headers.emplace_back("Sec-Fetch-Site", asked.fetch_site);
   try {
-    make_guard(options)(request);
+    make_guard(options)(request, nullptr);
   } catch (const Error& error) {
     return error.code();
   }
@@ -92,6 +95,136 @@ TEST(Guard, BelievesABrowserThatTellsOfAnotherSite) {
   EXPECT_EQ(verdict({}, {"localhost", "", "DELETE", "cross-site"}), "http.cross_origin");
   EXPECT_EQ(verdict({}, {"localhost", "", "GET", "cross-site"}), "answered");  // a link
   EXPECT_EQ(verdict({}, {"localhost", "", "POST", "same-origin"}), "answered");
+}
+
+/// A server that has keys.
+class GuardOfKeys : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder_);
+    gate_ = std::make_unique<access::Gate>(file_, access::Rule::where_keys_are);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  access::Token add(const std::string& scopes, int rate = 0) {
+    access::NewKey key;
+    key.name = access::random_hex(4);
+    key.scopes = access::parse_scopes(scopes);
+    key.requests_per_minute = rate;
+    access::Token token;
+    file_.change([&](auto& keys) { token = access::add_key(keys, key, access::Gate::system_time().date); });
+    gate_ = std::make_unique<access::Gate>(file_, access::Rule::where_keys_are);
+    return token;
+  }
+
+  using Headers = std::vector<std::pair<std::string, std::string>>;
+  static Headers bearer(const access::Token& token) {
+    return {{"Authorization", "Bearer " + access::token_text(token)}};
+  }
+  static std::string cookie(const std::string& session) {
+    return "theme=dark; " + std::string(session_cookie) + "=" + session + "; other=1";
+  }
+
+  std::string answer(const std::string& method, Headers headers, const std::string& pattern = "/v1/meshes",
+                     bool open = false) {
+    request_ = {};
+    request_.method = method;
+    request_.host = host_;
+    request_.client = address_;
+    request_.headers = std::move(headers);
+    http::Route route;
+    route.pattern = pattern;
+    route.open = open;
+    try {
+      make_guard({"127.0.0.1", {"supple.example"}, {}, gate_.get()})(request_, &route);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return "answered";
+  }
+
+  const std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / ("guard-" + access::random_hex(8));
+  const access::KeyFile file_{folder_ / "keys"};
+  std::unique_ptr<access::Gate> gate_;
+  http::Request request_;
+  std::string host_ = "localhost:8080";
+  std::string address_ = "127.0.0.1";
+};
+
+TEST_F(GuardOfKeys, AnswersEverybodyWhereThereAreNone) {
+  EXPECT_EQ(answer("DELETE", {}), "answered");
+  EXPECT_TRUE(request_.sees_all);
+  EXPECT_EQ(request_.client, "127.0.0.1");
+  EXPECT_EQ(request_.key, "");
+}
+
+TEST_F(GuardOfKeys, NamesTheClientByItsKey) {
+  const auto token = add("read,compute");
+  EXPECT_EQ(answer("POST", bearer(token)), "answered");
+  EXPECT_EQ(request_.key, token.id);
+  EXPECT_EQ(request_.client, "key " + token.id);
+  EXPECT_FALSE(request_.sees_all);
+  EXPECT_EQ(answer("POST", bearer(add("admin"))), "answered");
+  EXPECT_TRUE(request_.sees_all);
+}
+
+TEST_F(GuardOfKeys, AsksForReadWhereNothingChangesAndForComputeElsewhere) {
+  const auto reader = add("read");
+  const auto computer = add("compute");
+  for (const char* method : {"GET", "HEAD"}) {
+    EXPECT_EQ(answer(method, bearer(reader)), "answered");
+    EXPECT_EQ(answer(method, bearer(computer)), "access.scope");
+  }
+  for (const char* method : {"POST", "DELETE", "PUT"}) {
+    EXPECT_EQ(answer(method, bearer(computer)), "answered");
+    EXPECT_EQ(answer(method, bearer(reader)), "access.scope");
+    EXPECT_EQ(request_.key, reader.id) << "the log knows who was refused";
+  }
+}
+
+TEST_F(GuardOfKeys, OpenRoutesAloneNeedNone) {
+  add("read");
+  EXPECT_EQ(answer("GET", {}), "access.key_required");
+  EXPECT_EQ(answer("GET", {{"Authorization", "Bearer nonsense"}}), "access.key_invalid");
+  EXPECT_EQ(answer("GET", {}, "/healthz", true), "answered");
+  EXPECT_EQ(answer("GET", {{"Authorization", "Bearer nonsense"}}, "/healthz", true), "answered");
+}
+
+TEST_F(GuardOfKeys, MetricsNeedNoneOnTheMachineItselfButThroughAProxy) {
+  const auto token = add("read");
+  EXPECT_EQ(answer("GET", {}, "/metrics"), "answered");
+  EXPECT_EQ(answer("GET", {{"X-Forwarded-For", "10.0.0.1"}}, "/metrics"), "access.key_required");
+  EXPECT_EQ(answer("GET", {{"Via", "1.1 proxy"}}, "/metrics"), "access.key_required");
+  host_ = "supple.example";
+  EXPECT_EQ(answer("GET", {}, "/metrics"), "access.key_required");
+  EXPECT_EQ(answer("GET", bearer(token), "/metrics"), "answered");
+  host_ = "localhost";
+  address_ = "10.0.0.1";
+  EXPECT_EQ(answer("GET", {}, "/metrics"), "access.key_required");
+}
+
+TEST_F(GuardOfKeys, ACookieCountsForPagesOfThisServerAlone) {
+  const auto token = add("read,compute");
+  const auto session = cookie(gate_->sign_in(access::token_text(token)).token);
+  const std::string own = "http://localhost:8080";
+  EXPECT_EQ(answer("GET", {{"Cookie", session}}), "answered");
+  EXPECT_EQ(request_.key, token.id);
+  EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Origin", own}}), "answered");
+  EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Sec-Fetch-Site", "same-origin"}}), "answered");
+  // Of another port, which is another's, and of nobody knows what.
+  EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Origin", "http://localhost:3000"}}), "access.key_required");
+  EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Sec-Fetch-Site", "same-site"}}), "access.key_required");
+  EXPECT_EQ(answer("POST", {{"Cookie", session}}), "access.key_required");
+  EXPECT_EQ(answer("GET", {{"Cookie", session}, {"Sec-Fetch-Site", "cross-site"}}), "access.key_required");
+  EXPECT_EQ(answer("GET", {{"Cookie", cookie("0")}}), "access.key_invalid");
+  EXPECT_EQ(answer("GET", {{"Cookie", "xsupple_session=1"}}), "access.key_required");
+}
+
+TEST_F(GuardOfKeys, CountsTheRequestsOfAKey) {
+  const auto token = add("read", 2);
+  EXPECT_EQ(answer("GET", bearer(token)), "answered");
+  EXPECT_EQ(answer("POST", bearer(token)), "access.scope");
+  EXPECT_EQ(answer("GET", bearer(token)), "access.rate");
 }
 
 }  // namespace

@@ -35,7 +35,11 @@ struct Request {
   std::string body;
   Peer peer{-1};
   std::string id;      ///< 16 hexadecimal digits, the answer's header Supple-Request-Id
-  std::string client;  ///< who asks: the address, or the name of the key that came along
+  std::string client;  ///< who asks, as shares count it: the address, or "key ID" where a key came along
+  std::string key;     ///< the id of the key that came along; empty where none is needed
+  /// Whether it may see and delete what any key owns. Without keys everybody may.
+  bool sees_all = true;
+  int max_waiting_jobs = 0;  ///< of its key; 0: that of the queue alone
 
   /// The value of a header (names in any case); empty where it is absent. Repeated headers are joined by ", ".
   std::string header(std::string_view name) const;

@@ -24,6 +24,7 @@ struct Route {
   Handler handler;
   BodyLimit body;      ///< 0 bytes: the route takes no body
   bool probe = false;  ///< cheap, and needed when all else is busy: answered by threads of its own
+  bool open = false;   ///< answered without a key, also where keys are required
 };
 
 /// Finds the handler of a request by comparing path segments. Filled before the server runs, read only afterwards.

@@ -29,10 +29,12 @@ struct ServerOptions {
 /// What became of a request.
 struct Answered {
   std::string id;       ///< of the request, 16 hexadecimal digits; the answer's header Supple-Request-Id
-  std::string client;   ///< the address of its sender, or the name of its key
+  std::string address;  ///< of its sender
+  std::string key;      ///< the id of its key; empty where none was needed or accepted
   std::string pattern;  ///< of its route; empty where none fits
   std::string method;   ///< empty where the head could not be read
   std::string path;
+  std::string location;  ///< of what it made: the answer's header Location; empty where there is none
   int status = 0;
   double seconds = 0;            ///< from its last byte to the answer's last byte
   std::uint64_t body_bytes = 0;  ///< of the request
@@ -58,9 +60,9 @@ class Server {
   using Observe = std::function<void(const Answered&)>;
   /// Hears the text of exceptions whose cause a client is not told.
   using Report = std::function<void(const std::string& text)>;
-  /// Decides whether a request may be answered at all, before its body is read, and may name its client. Throws what
-  /// refuses it.
-  using Guard = std::function<void(Request& head)>;
+  /// Decides whether a request may be answered at all, before its body is read, and may name its client. The route is
+  /// null where none fits. Throws what refuses the request.
+  using Guard = std::function<void(Request& head, const Route* route)>;
 
   Server(const ServerOptions& options, Router router, Render render, Observe observe, Report report, Guard guard = {});
   ~Server();

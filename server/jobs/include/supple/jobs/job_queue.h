@@ -34,6 +34,7 @@ struct Computation {
   /// Who asked: while others wait, nobody's jobs take more workers than theirs.
   std::string client{};
   std::int64_t bytes = 0;  ///< of memory that it holds while it waits, about: those of its request
+  int max_waiting = 0;     ///< jobs of its client that may wait for a worker; 0: no limit but that of the queue
 };
 
 /// Where an immediate computation's time and memory went.
@@ -86,7 +87,7 @@ class JobQueue {
   /// `profile`, if there is one, is filled however it ends.
   store::Result run_now(const Computation& computation, std::function<bool()> hung_up, Profile* profile = nullptr);
 
-  /// Makes it a job that waits for a worker. Throws "job.queue_full", "server.shutting_down".
+  /// Makes it a job that waits for a worker. Throws "job.queue_full", "job.client_queue_full", "server.shutting_down".
   JobStatus submit(Computation computation);
 
   /// Computes on a worker and waits: for the result, or for `seconds`, after which it has become a job that can be
@@ -99,7 +100,9 @@ class JobQueue {
 
   /// Throws "job.not_found".
   JobStatus status(const std::string& id) const;
-  std::vector<JobStatus> list(std::optional<store::JobState> state, std::size_t limit, const std::string& after) const;
+  /// The newest first, of an owner alone where one is named.
+  std::vector<JobStatus> list(std::optional<store::JobState> state, std::size_t limit, const std::string& after,
+                              const std::string& owner = {}) const;
   /// Throws "job.not_found", "job.not_finished" and "job.dismissed"; for a failed job there is none.
   store::Result result(const std::string& id) const;
   /// Requests the stop of an unfinished job, which is dismissed at once, or removes a finished one. Returns the
@@ -127,8 +130,9 @@ class JobQueue {
   std::uint64_t enter_session(const std::string& session, const CancellationToken& token);
   void leave_session(const std::string& session, std::uint64_t number);
   JobPointer enqueue(Computation computation, bool visible);
-  /// Under the mutex: throws "job.queue_full" where there is no place for a job that holds so many bytes.
-  void require_place(std::int64_t bytes) const;
+  /// Under the mutex: throws "job.queue_full" where there is no place for the job, "job.client_queue_full" where its
+  /// client has its share of them.
+  void require_place(const Computation& computation) const;
   /// Under the mutex: takes the job that a worker runs next, the first one of the client with the fewest that run.
   JobPointer take_next();
   void publish(Job& job);

@@ -79,6 +79,9 @@ struct ExponentialMapRequest {
 };
 ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits);
 
+/// The key of {"key": "supple_..."}, whatever it is. No message repeats it.
+std::string parse_sign_in(std::string_view body, const Limits& limits);
+
 struct MeshUpload {
   surface::TriangleSoup soup;
   std::optional<surface::RepairOptions> repair;  ///< where repairs are asked for

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "supple/access/gate.h"
 #include "supple/http/server.h"
 #include "supple/jobs/job_queue.h"
 #include "supple/json/limits.h"
@@ -44,6 +45,7 @@ struct Services {
   std::atomic<int> event_streams{0};
   std::function<http::Load()> load;
   budget::MemoryBudget* memory = nullptr;
+  access::Gate* gate = nullptr;  ///< that knows the keys; null: nobody needs one
 };
 
 }  // namespace supple::routes

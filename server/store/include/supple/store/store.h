@@ -46,23 +46,33 @@ class Store {
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
-  /// The id is the hash of `ply`. Makes the description with `describe(id, created)` and returns the record, and
-  /// whether it is new; a mesh that is stored already stays as it is.
-  std::pair<MeshRecord, bool> add_mesh(const std::string& ply,
-                                       const std::function<std::string(const std::string&, std::int64_t)>& describe);
+  using DescribeMesh = std::function<std::string(const std::string& id, std::int64_t created)>;
+  /// The id is the hash of `ply`. Makes the description with `describe` and returns the record, and whether it is new;
+  /// a mesh that is stored already stays as it is. `owner`, where it is named, becomes one of the mesh's owners, and
+  /// new is what it did not own before.
+  std::pair<MeshRecord, bool> add_mesh(const std::string& ply, const DescribeMesh& describe,
+                                       const std::string& owner = {});
   std::optional<MeshRecord> mesh(const std::string& id) const;
-  /// The newest first; `after` is the last id of the page before.
-  std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after) const;
+  /// The newest first, of an owner alone where one is named; `after` is the last id of the page before.
+  std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after, const std::string& owner = {}) const;
   /// Canonical PLY. Throws "mesh.not_found", "store.corrupted".
   std::string mesh_content(const std::string& id) const;
-  /// False where there was none.
-  bool remove_mesh(const std::string& id);
+  /// False where there was none. Of an owner that is named the mesh is one no longer, and it goes with its last one.
+  bool remove_mesh(const std::string& id, const std::string& owner = {});
+  bool owns_mesh(const std::string& id, const std::string& owner) const;
+  /// Whether removing it for the owner would remove the mesh itself.
+  bool is_last_owner_of_mesh(const std::string& id, const std::string& owner) const;
 
   void add_job(const JobRecord& job);
   /// Commits a job's end, with its result if it has one. Durable once this returns.
   void finish_job(const JobRecord& job, const Result* result);
   std::optional<JobRecord> job(const std::string& id) const;
-  std::vector<JobRecord> jobs(std::optional<JobState> state, std::size_t limit, const std::string& after) const;
+  /// The newest first, of an owner alone where one is named.
+  std::vector<JobRecord> jobs(std::optional<JobState> state, std::size_t limit, const std::string& after,
+                              const std::string& owner = {}) const;
+  /// Makes `owner` the owner of a job that exists.
+  void own_job(const std::string& id, const std::string& owner);
+  bool owns_job(const std::string& id, const std::string& owner) const;
   /// Throws "job.not_found", "store.corrupted".
   Result job_result(const std::string& id) const;
   bool remove_job(const std::string& id);
@@ -73,6 +83,8 @@ class Store {
   std::size_t remove_expired_jobs(std::int64_t now, std::size_t most);
 
  private:
+  std::pair<MeshRecord, bool> add_content(const std::string& ply, const DescribeMesh& describe);
+
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

@@ -1,0 +1,127 @@
+#include "keys_command.h"
+
+#include <ctime>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+
+#include "supple/access/duration.h"
+#include "supple/access/key_file.h"
+
+namespace supple {
+namespace {
+
+std::int64_t now() { return std::time(nullptr); }
+
+/// The key alone goes to standard output, for scripts; what it is goes to standard error.
+void tell(const access::Token& token, const std::string& about) {
+  std::cerr << about << " It is shown this once; a running server knows it within a second.\n";
+  std::cout << access::token_text(token) << std::endl;
+}
+
+void add_add(CLI::App& keys, const ServerOptions& options) {
+  struct Given {
+    access::NewKey key;
+    std::string scopes;
+    std::string expires;
+  };
+  const auto given = std::make_shared<Given>();
+  auto* const command = keys.add_subcommand("add", "Makes a key and prints it");
+  command->fallthrough();
+  command->add_option("--name", given->key.name, "What or whom it is for")->required();
+  command
+      ->add_option("--scopes", given->scopes,
+                   "What it may do, separated by commas: read what it owns, compute (and store, and delete what it "
+                   "owns), admin (all of this with what any key owns)")
+      ->required();
+  command->add_option("--expires", given->expires,
+                      "How long it is accepted: 90d, 24h, 30m or 45s; without it for ever");
+  command
+      ->add_option("--rate", given->key.requests_per_minute,
+                   "Requests a minute, all of which may come at once after a pause; without it there is no limit")
+      ->check(CLI::Range(1, 1'000'000));
+  command
+      ->add_option("--max-waiting-jobs", given->key.max_waiting_jobs,
+                   "Jobs that may wait for a worker; without it as many as --max-queue says")
+      ->check(CLI::Range(1, 1'000'000));
+  command->callback([given, &options] {
+    given->key.scopes = access::parse_scopes(given->scopes);
+    if (!given->expires.empty()) given->key.expires_in = access::parse_duration(given->expires);
+    access::Token token;
+    options.key_file().change([&](auto& all) { token = access::add_key(all, given->key, now()); });
+    tell(token, "Key " + token.id + " (" + given->key.name + ") with " + access::scopes_text(given->key.scopes) + ".");
+  });
+}
+
+void list_keys(const ServerOptions& options) {
+  const auto or_never = [](std::int64_t time) { return time ? access::time_text(time) : std::string("never"); };
+  const auto or_none = [](int limit) { return limit ? std::to_string(limit) : std::string("-"); };
+  const auto row = [](const auto& id, const auto& scopes, const auto& created, const auto& expires, const auto& rate,
+                      const auto& jobs, const auto& name) {
+    constexpr int id_width = 14;
+    constexpr int scopes_width = 20;
+    constexpr int time_width = 22;
+    constexpr int count_width = 10;
+    std::cout << std::left << std::setw(id_width) << id << std::setw(scopes_width) << scopes << std::setw(time_width)
+              << created << std::setw(time_width) << expires << std::setw(count_width) << rate << std::setw(count_width)
+              << jobs << name << '\n';
+  };
+  row("ID", "SCOPES", "CREATED", "EXPIRES", "RATE", "WAITING", "NAME");
+  for (const auto& key : options.key_file().read()) {
+    auto name = key.name;
+    if (key.previous && now() < key.previous_until)
+      name += " (old secret until " + access::time_text(key.previous_until) + ")";
+    row(key.id, access::scopes_text(key.scopes), access::time_text(key.created), or_never(key.expires),
+        or_none(key.requests_per_minute), or_none(key.max_waiting_jobs), name);
+  }
+}
+
+void add_rotate(CLI::App& keys, const ServerOptions& options) {
+  struct Given {
+    std::string id;
+    std::string overlap = "24h";
+  };
+  const auto given = std::make_shared<Given>();
+  auto* const command =
+      keys.add_subcommand("rotate", "Gives a key a new secret, which it prints; what it owns stays its");
+  command->fallthrough();
+  command->add_option("ID", given->id, "The key's id, which keys list shows")->required();
+  command->add_option("--overlap", given->overlap, "How long the old secret is accepted; 0 ends it at once")
+      ->capture_default_str();
+  command->callback([given, &options] {
+    const auto overlap = given->overlap == "0" ? 0 : access::parse_duration(given->overlap);
+    access::Token token;
+    options.key_file().change([&](auto& all) { token = access::rotate_key(all, given->id, overlap, now()); });
+    tell(token, "Key " + token.id + " has a new secret; the old one ends " +
+                    (overlap ? access::time_text(now() + overlap) : std::string("now")) + ".");
+  });
+}
+
+void add_revoke(CLI::App& keys, const ServerOptions& options) {
+  const auto id = std::make_shared<std::string>();
+  auto* const command = keys.add_subcommand(
+      "revoke", "Ends a key for good; what it owns stays, for keys with the scope admin to see and delete");
+  command->fallthrough();
+  command->add_option("ID", *id, "The key's id, which keys list shows")->required();
+  command->callback([id, &options] {
+    options.key_file().change([&](auto& all) { access::revoke_key(all, *id); });
+    std::cerr << "Key " << *id << " is revoked; a running server refuses it within a second.\n";
+  });
+}
+
+}  // namespace
+
+void add_keys_commands(CLI::App& app, const ServerOptions& options) {
+  auto* const keys =
+      app.add_subcommand("keys", "Makes, lists and ends the keys of the file that --keys or --data name");
+  keys->fallthrough();
+  keys->require_subcommand(1);
+  add_add(*keys, options);
+  keys->add_subcommand("list", "Shows all keys, without their secrets, which nobody has")
+      ->fallthrough()
+      ->callback([&options] { list_keys(options); });
+  add_rotate(*keys, options);
+  add_revoke(*keys, options);
+}
+
+}  // namespace supple
