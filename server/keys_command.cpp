@@ -39,10 +39,12 @@ void add_add(CLI::App& keys, const ServerOptions& options) {
   command
       ->add_option("--rate", given->key.requests_per_minute,
                    "Requests a minute, all of which may come at once after a pause; without it there is no limit")
+      ->default_str("")
       ->check(CLI::Range(1, 1'000'000));
   command
       ->add_option("--max-waiting-jobs", given->key.max_waiting_jobs,
                    "Jobs that may wait for a worker; without it as many as --max-queue says")
+      ->default_str("")
       ->check(CLI::Range(1, 1'000'000));
   command->callback([given, &options] {
     given->key.scopes = access::parse_scopes(given->scopes);

@@ -131,13 +131,22 @@ def servers_of_a_test(folder: Path) -> "Iterator[Callable[..., ServerProcess]]":
         process.stop()
 
 
-class Api:
-    """Speaks to a server and checks each request and each response against the contract."""
+def keys_command(data: Path, *arguments: str) -> str:
+    """What `supple-server keys ...` prints for a data folder: for add and rotate the key."""
+    done = subprocess.run([str(SERVER), "--data", str(data), "keys", *arguments], capture_output=True, text=True, timeout=20)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
 
-    def __init__(self, server: ServerProcess, contract: Contract) -> None:
+
+class Api:
+    """Speaks to a server, with a key where one is given, and checks each request and each response against the contract."""
+
+    def __init__(self, server: ServerProcess, contract: Contract, key: str = "") -> None:
         self.server = server
         self.contract = contract
         self.session = requests.Session()
+        if key:
+            self.session.headers["Authorization"] = f"Bearer {key}"
 
     def call(self, method: str, path: str, *, document: Any = None, body: Optional[bytes] = None,
              headers: Optional[Dict[str, str]] = None, faulty: bool = False, timeout: float = 60) -> requests.Response:

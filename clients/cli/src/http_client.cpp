@@ -58,7 +58,7 @@ struct HttpClient::Connection {
   httplib::Client client;
 };
 
-HttpClient::HttpClient(const std::string& url) : url_(url) {
+HttpClient::HttpClient(const std::string& url, const std::string& key) : url_(url) {
   while (url_.ends_with('/')) url_.pop_back();
   if (!url_.starts_with("http://") && !url_.starts_with("https://")) {
     throw Failure(ExitCode::usage, fmt::format("'{}' is not a server address such as http://127.0.0.1:8080", url));
@@ -67,6 +67,7 @@ HttpClient::HttpClient(const std::string& url) : url_(url) {
   if (!connection_->client.is_valid()) {
     throw Failure(ExitCode::usage, fmt::format("'{}' is not a server address such as http://127.0.0.1:8080", url));
   }
+  if (!key.empty()) connection_->client.set_bearer_token_auth(key);
 }
 
 HttpClient::~HttpClient() = default;

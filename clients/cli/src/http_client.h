@@ -24,8 +24,9 @@ struct Answer {
 /// Failure(server_error) for a 5xx one, with the problem's sentence, code and the fields it names.
 class HttpClient {
  public:
-  /// `url` is scheme, host and port, e.g. http://127.0.0.1:8080. Throws Failure(usage) where it is not.
-  explicit HttpClient(const std::string& url);
+  /// `url` is scheme, host and port, e.g. http://127.0.0.1:8080. Throws Failure(usage) where it is not. The key, if
+  /// there is one, goes along with each request as a header.
+  explicit HttpClient(const std::string& url, const std::string& key = "");
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;

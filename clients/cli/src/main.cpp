@@ -57,6 +57,13 @@ int run(int argument_count, char** arguments) {
   program.add_option("--server", options.server, "Where supple-server answers")
       ->envname("SUPPLE_SERVER")
       ->capture_default_str();
+  program.add_option("--key-file", options.key_file, "File that holds the key to send (mode 0600)")
+      ->envname("SUPPLE_KEY_FILE");
+  program
+      .add_option(
+          "--key", options.key,
+          "The key itself; other users of the machine see command lines: better set the environment or --key-file")
+      ->envname("SUPPLE_KEY");
   program.add_flag("--json", options.json, "Print the server's answer as JSON");
   program.add_flag("--no-progress", options.no_progress, "Draw no progress bar on the terminal");
   supple::cli::add_mesh_commands(program, options);

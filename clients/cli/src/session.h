@@ -6,12 +6,15 @@
 #include <utility>
 
 #include "http_client.h"
+#include "key.h"
 
 namespace supple::cli {
 
 /// What the options before the command say.
 struct GlobalOptions {
   std::string server = "http://127.0.0.1:8080";
+  std::string key;           ///< that is sent along; none where empty
+  std::string key_file;      ///< holds the key where `key` is empty
   bool json = false;         ///< print the server's answers unchanged
   bool no_progress = false;  ///< never draw a progress bar
 };
@@ -19,7 +22,8 @@ struct GlobalOptions {
 /// One run of the program: the options and the connection that its commands share.
 class Session {
  public:
-  explicit Session(const GlobalOptions& options) : options_(options), http_(options.server) {}
+  explicit Session(const GlobalOptions& options)
+      : options_(options), http_(options.server, find_key(options.key, options.key_file)) {}
 
   HttpClient& http() { return http_; }
   bool json() const { return options_.json; }

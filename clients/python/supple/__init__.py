@@ -60,6 +60,7 @@ from .design_answers import (
 )
 from .designs import DesignOptions, Region, Target
 from .errors import (
+    AccessDenied,
     ConnectionFailed,
     DeadlineExceeded,
     Fault,
@@ -83,6 +84,7 @@ from .errors import (
 )
 from .hosts import Host, Moving, Shell, Solid, SolidRegion
 from .jobs import Job, JobStatus
+from .keys import KeyReadableByOthers
 from .loads import Biaxial, GreenStrain, Load, Uniaxial
 from .mesh import Mesh
 from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, UniaxialCurve
@@ -123,6 +125,7 @@ from .weaves import Force, Place, Strand, Support, Weave, WeaveOptions
 __version__ = "0.1.0"
 
 __all__ = [
+    "AccessDenied",
     "AdjacentFaces",
     "Biaxial",
     "CellMesh",
@@ -174,6 +177,7 @@ __all__ = [
     "KarcherMean",
     "KarcherStep",
     "LaidStrand",
+    "KeyReadableByOthers",
     "Load",
     "Membrane",
     "Mesh",

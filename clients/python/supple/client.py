@@ -17,6 +17,7 @@ from .design_answers import DesignResult, ProfileCurve, RegionDesigns
 from .designs import DesignOptions, Region, Target
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
 from .jobs import Job, JobStatus, Progress, run, status_from_wire, submit
+from .keys import find_key
 from .loads import Load
 from .mesh import Mesh
 from .models import Model, model_info_from_wire
@@ -39,16 +40,27 @@ class Client(WeaveCalls):
 
     Args:
         url: the server's address; None takes the environment's SUPPLE_SERVER, or http://127.0.0.1:8080.
+        key: the key that the server asks for, "supple_ID_SECRET"; None takes that of `key_file`, or the environment's SUPPLE_KEY.
+            It travels as a header, so use https:// beyond this machine.
+        key_file: a file that holds the key; None takes the environment's SUPPLE_KEY_FILE. Others should not be able to read it
+            (`KeyReadableByOthers` warns).
         timeout: seconds that a single request may take to be answered (`RequestTimeout`). Computations that take longer
             than a second are followed as jobs, so it need not be long for them.
 
     A client may be shared by threads as far as `requests.Session` may; one client for each thread is safe in any case.
     """
 
-    def __init__(self, url: Optional[str] = None, *, timeout: float = 60.0) -> None:
+    def __init__(
+        self,
+        url: Optional[str] = None,
+        *,
+        key: Optional[str] = None,
+        key_file: Optional[Union[str, Path]] = None,
+        timeout: float = 60.0,
+    ) -> None:
         if url is None:
             url = os.environ.get("SUPPLE_SERVER", DEFAULT_URL)
-        self._transport = Transport(url, timeout)
+        self._transport = Transport(url, timeout, key=find_key(key, key_file))
 
     def __enter__(self) -> "Client":
         return self

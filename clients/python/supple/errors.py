@@ -15,6 +15,7 @@
           InvalidStructure     a tiling's parameters give no structure
           InvalidDesign        no design problem, or one that no design has equilibria for
           InvalidWeave         strands, crossings or loads that do not fit together
+        AccessDenied           the server asks for a key, or for another one (401, 403)
         NotFound               no such mesh, job, family or model                      (also a LookupError)
         JobCancelled           the job was cancelled before it finished
           Superseded           a newer request of the same session took its place
@@ -109,6 +110,10 @@ class InvalidWeave(InvalidRequest):
     """Strands, crossings or loads of a weave do not fit together; `faults` names them."""
 
 
+class AccessDenied(ProblemError):
+    """The server asks for a key, does not accept the one that was sent, or that one may not do this."""
+
+
 class NotFound(ProblemError, LookupError):
     """No such mesh, job, family of tilings or model."""
 
@@ -144,6 +149,8 @@ _BY_CODE: Mapping[str, Type[ProblemError]] = {
 def _class_for(status: int, code: str) -> Type[ProblemError]:
     if code in _BY_CODE:
         return _BY_CODE[code]
+    if status in (401, 403):
+        return AccessDenied
     if status == 404:
         return NotFound
     if status in (429, 503):

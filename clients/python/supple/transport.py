@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, Mapping, Optional
 import requests
 
 from .errors import ConnectionFailed, RequestTimeout, problem_from
+from .keys import KeyHeader
 
 IDEMPOTENT = frozenset({"GET", "HEAD", "PUT", "DELETE"})
 RETRIES = 3
@@ -40,11 +41,12 @@ class Transport:
     content, and for a computation that is answered immediately.
     """
 
-    def __init__(self, url: str, timeout: float, *, sleep: Callable[[float], None] = time.sleep) -> None:
+    def __init__(self, url: str, timeout: float, *, key: str = "", sleep: Callable[[float], None] = time.sleep) -> None:
         self.url = url.rstrip("/")
         self._timeout = timeout
         self._sleep = sleep
         self._session = requests.Session()
+        self._session.auth = KeyHeader(key) if key else None
 
     def close(self) -> None:
         self._session.close()

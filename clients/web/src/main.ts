@@ -1,5 +1,6 @@
 // Starts the editor: the frame around the pages, and which of them is in sight.
 import "./styles/index.css";
+import { Account } from "./account";
 import { liveRegion } from "./base/announce";
 import { startTheme } from "./base/theme";
 import { Client } from "./contract/client";
@@ -17,9 +18,11 @@ const connection = new Connection(async () => {
     return false;
   }
 });
-const client = new Client("", (answered) => connection.report(answered));
-const { element, main, select } = frame(connection);
-document.body.append(element, liveRegion);
+const account = new Account();
+const client = new Client("", (answered) => connection.report(answered), () => account.ask());
+const { element, main, select } = frame(connection, account.element);
+document.body.append(element, liveRegion, account.dialog);
+void account.look();
 
 const made = new Map<string, Page>();
 let current: Page | null = null;

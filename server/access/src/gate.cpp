@@ -154,9 +154,13 @@ Gate::SignedIn Gate::sign_in(std::string_view key) {
   return {sessions_.open(found->id, *hash, now.steady), *found};
 }
 
-void Gate::sign_out(std::string_view session) {
+std::string Gate::sign_out(std::string_view session) {
   const std::lock_guard lock(mutex_);
-  sessions_.close(std::string(session));
+  const std::string token(session);
+  const auto* const open = sessions_.find(token, time_().steady);
+  auto key = open ? open->key : std::string();
+  sessions_.close(token);
+  return key;
 }
 
 }  // namespace supple::access

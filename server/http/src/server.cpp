@@ -49,6 +49,7 @@ struct Exchange {
   ConnectionStream* stream = nullptr;
   int status = 0;
   std::string location;
+  std::string key;  ///< that the handler names
   bool close_after_answer = false;
 };
 thread_local Exchange* current = nullptr;
@@ -409,7 +410,7 @@ class Server::Implementation final : public httplib::Server {
   void observe(const Connection& connection, const Exchange& exchange, double taken) const {
     if (!observe_) return;
     const auto& request = connection.request;
-    observe_({request.id, connection.client(), request.key,
+    observe_({request.id, connection.client(), exchange.key.empty() ? request.key : exchange.key,
               connection.route ? connection.route->pattern : std::string(), request.method, request.path,
               exchange.location, exchange.status, taken, request.body.size()});
   }
@@ -459,6 +460,7 @@ class Server::Implementation final : public httplib::Server {
     if (current->close_after_answer) response.set_header("Connection", "close");
     add_headers(response, connection.request.id);
     current->status = response.status;
+    current->key = response.key;
     for (const auto& [name, value] : response.headers)
       if (name == "Location") current->location = value;
     fill(target, std::move(response));

@@ -29,6 +29,12 @@ const std::string& mesh_parameter(const http::Request& request) { return request
 json::MeshUpload read_upload(const http::Request& request, const RouteLimits& limits, const Execution& execution) {
   auto asked = read_repair_query(request);
   const auto type = http::media_type(request.header("Content-Type"));
+  if (type.empty()) {
+    // A page of another site may send such a request without asking.
+    throw Error("http.unsupported_media_type",
+                "A mesh takes a Content-Type: application/json, model/obj, model/off, model/ply, model/stl, or "
+                "application/octet-stream for a file whose format is to be found out.");
+  }
   if (type == "application/json") {
     if (request.body.size() > limits.max_json) {
       problem::throw_limit("request.body_too_large", "The length of the JSON body in bytes",

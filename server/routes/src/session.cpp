@@ -52,13 +52,14 @@ http::Response sign_in(const Services& services, const http::Request& request) {
   if (!services.gate || !services.gate->required()) return session_response(false, nullptr);
   const auto session = services.gate->sign_in(key);
   auto response = session_response(true, &session.key);
+  response.key = session.key.id;
   response.set_header("Set-Cookie", cookie(request, session.token, access::Sessions::length));
   return response;
 }
 
 http::Response sign_out(const Services& services, const http::Request& request) {
-  if (services.gate) services.gate->sign_out(session_of(request));
   http::Response response;
+  if (services.gate) response.key = services.gate->sign_out(session_of(request));
   response.status = 204;
   response.set_header("Set-Cookie", cookie(request, "", std::chrono::seconds(0)));
   return response;

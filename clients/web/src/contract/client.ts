@@ -25,6 +25,11 @@ export function isAbort(error: unknown): boolean {
   return error instanceof DOMException && error.name === "AbortError";
 }
 
+/** Whether the server asks for a key, or for another one. */
+export function isUnauthorized(error: unknown): boolean {
+  return error instanceof Problem && error.document.status === 401;
+}
+
 /** Hears whether each request got an answer. */
 export type ConnectionListener = (answered: boolean) => void;
 
@@ -43,10 +48,22 @@ export class Client {
   constructor(
     private readonly base = "",
     private readonly listener: ConnectionListener = () => {},
+    /** Resolves once somebody has signed in; a request that the server asked a key for is then sent again. */
+    private readonly signIn?: () => Promise<void>,
   ) {}
 
   /** The response to a request, once it is one that the server meant as a success. */
   async send(method: string, path: string, body?: BodyInit, options: CallOptions = {}): Promise<Response> {
+    try {
+      return await this.sendOnce(method, path, body, options);
+    } catch (error) {
+      if (!this.signIn || !isUnauthorized(error)) throw error;
+      await this.signIn();
+      return this.sendOnce(method, path, body, options);
+    }
+  }
+
+  private async sendOnce(method: string, path: string, body: BodyInit | undefined, options: CallOptions): Promise<Response> {
     let response: Response;
     try {
       response = await fetch(this.base + path, { method, body, signal: options.signal, headers: options.headers });

@@ -20,6 +20,7 @@ export type Model = Schemas["Model"];
 export type SimulationRequest = Schemas["SimulationRequest"];
 export type Simulation = Schemas["SimulationResponse"];
 export type PatchMesh = Schemas["PatchMesh"];
+export type KeySession = Schemas["KeySession"];
 export type Job = Schemas["Job"];
 export type ProblemDocument = Schemas["Problem"];
 export type Mesh = Schemas["Mesh"];

@@ -233,7 +233,8 @@ TEST_F(GateTest, ASessionEndsWhenItIsClosedOrItsKeyRevoked) {
   const auto guarded = gate(Rule::always);
   const auto first = guarded->sign_in(token_text(token)).token;
   const auto second = guarded->sign_in(token_text(token)).token;
-  guarded->sign_out(first);
+  EXPECT_EQ(guarded->sign_out(first), token.id);
+  EXPECT_EQ(guarded->sign_out(first), "");
   EXPECT_EQ(answer(*guarded, "", first), "access.key_invalid");
   EXPECT_EQ(answer(*guarded, "", second), token.id);
   file_.change([&](auto& keys) { revoke_key(keys, token.id); });

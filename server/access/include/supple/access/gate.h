@@ -64,7 +64,8 @@ class Gate {
     Key key;
   };
   SignedIn sign_in(std::string_view key);
-  void sign_out(std::string_view session);
+  /// Returns the id of its key; empty where there was no such session.
+  std::string sign_out(std::string_view session);
 
  private:
   void look_at_file(const Time& now);

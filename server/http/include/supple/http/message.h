@@ -61,6 +61,7 @@ struct Response {
   std::string content_type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
+  std::string key;  ///< for the log: the id of the key that the handler found to be the request's; mostly empty
   /// Instead of `body`: writes the answer piece by piece and returns at its end. Runs on the connection's thread.
   std::function<void(StreamWriter&)> stream;
 

@@ -1,0 +1,53 @@
+"""Where a client's key comes from. Nothing here ever repeats a key: not in an exception, not in a warning."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+import warnings
+from pathlib import Path
+from typing import Optional, Union
+
+from requests import PreparedRequest
+
+FORM = re.compile(r"\w+", re.ASCII)
+
+
+class KeyReadableByOthers(UserWarning):
+    """The file of a key may be read by other users of the machine."""
+
+
+class KeyHeader:
+    """Sends the key with each request, whatever `~/.netrc` says of the server."""
+
+    def __init__(self, key: str) -> None:
+        self._key = key
+
+    def __call__(self, request: PreparedRequest) -> PreparedRequest:
+        request.headers["Authorization"] = f"Bearer {self._key}"
+        return request
+
+
+def find_key(key: Optional[str], key_file: Optional[Union[str, Path]]) -> str:
+    """The key given, that in a file, or that of the environment's SUPPLE_KEY or SUPPLE_KEY_FILE; "" where there is none.
+
+    Raises `ValueError` for text that is no key, `OSError` for a file that cannot be read.
+    """
+    if key is None and key_file is None:
+        key, key_file = os.environ.get("SUPPLE_KEY") or None, os.environ.get("SUPPLE_KEY_FILE") or None
+    where = "the key"
+    if key is None:
+        if key_file is None:
+            return ""
+        where = f"the file {key_file}"
+        key = _read(Path(key_file))
+    if not FORM.fullmatch(key):
+        raise ValueError(f"{where} has not the form supple_ID_SECRET")
+    return key
+
+
+def _read(path: Path) -> str:
+    if path.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+        warnings.warn(f"others may read the key in {path}; chmod 600 changes that", KeyReadableByOthers, stacklevel=4)
+    return path.read_text(encoding="utf-8", errors="replace").strip()
