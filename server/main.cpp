@@ -64,10 +64,6 @@ access::Rule rule_of_keys(const ServerOptions& options) {
   return routes::is_loopback(options.http.host) ? access::Rule::where_keys_are : access::Rule::always;
 }
 
-void log_audit(const http::Answered& answered) {
-  if (const auto line = routes::audit_line(answered); !line.empty()) spdlog::info(line);
-}
-
 /// Ends the process once so many seconds have passed, whatever still runs: what the store has acknowledged is on disk.
 void end_at_the_latest_after(double seconds) {
   std::thread([seconds] {
@@ -110,7 +106,7 @@ class Process {
         http, routes::make_router(services_), routes::problem_response,
         [this](const http::Answered& answered) {
           metrics_.count_request(answered.pattern, answered.method, answered.status, answered.seconds);
-          log_audit(answered);
+          audit_.note(answered);
           if (options_.access_log) log_access(answered);
         },
         [](const std::string& text) { spdlog::error("unexpected exception in {}", text); },
@@ -180,6 +176,7 @@ class Process {
   const sigset_t signals_;
   budget::MemoryBudget memory_;
   access::Gate gate_;
+  routes::AuditLog audit_{[](const std::string& line) { spdlog::info(line); }};
   metrics::Metrics metrics_;
   routes::Services services_;
   std::unique_ptr<store::Store> store_;

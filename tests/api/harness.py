@@ -64,9 +64,10 @@ class ServerProcess:
     def start(self, seconds: float = START_SECONDS) -> "ServerProcess":
         """Returns once it is ready. Raises where that takes longer; the process may be running then."""
         assert not self.running()
+        host = [] if "--host" in self.arguments else ["--host", "127.0.0.1"]
         with self.log.open("ab") as log:
             self._process = subprocess.Popen(
-                [*self.prefix, str(SERVER), "--host", "127.0.0.1", "--port", str(self.port), "--data", str(self.data), *self.arguments],
+                [*self.prefix, str(SERVER), *host, "--port", str(self.port), "--data", str(self.data), *self.arguments],
                 stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:

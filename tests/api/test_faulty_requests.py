@@ -154,6 +154,12 @@ def test_another_media_type_is_refused(api: Api, grid_mesh: str) -> None:
     assert (response.status_code, problem_code(response)) == (415, "http.unsupported_media_type")
 
 
+def test_a_mesh_without_a_media_type_is_refused(api: Api) -> None:
+    response = api.post("/v1/meshes", body=b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", faulty=True)
+    assert (response.status_code, problem_code(response)) == (415, "http.unsupported_media_type")
+    assert "model/obj" in response.json()["detail"]
+
+
 def test_a_compressed_body_is_refused_rather_than_unpacked(api: Api, grid_mesh: str) -> None:
     import gzip
 

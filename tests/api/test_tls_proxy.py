@@ -118,6 +118,7 @@ def test_a_browser_signs_in_through_it_and_its_cookie_stays_with_tls(proxied: An
     own = {"Origin": proxy.url}
     browser = requests.Session()
     browser.verify = str(proxy.certificate)
+    browser.trust_env = False  # which would name other certificates
     signed_in = browser.post(proxy.url + "/v1/session", json={"key": key}, headers=own, timeout=30)
     assert signed_in.status_code == 200 and signed_in.headers["Set-Cookie"].endswith("; Secure")
     assert signed_in.headers["Strict-Transport-Security"]

@@ -1,6 +1,6 @@
 // A real server with the built editor, and a real browser. Everything that a page should never say is a failure.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { mkdir, mkdtemp, rm, copyFile } from "node:fs/promises";
 import { existsSync } from "node:fs";
 import { createServer } from "node:net";
@@ -31,12 +31,15 @@ async function freePort() {
 
 /** supple-server on a port that it keeps over restarts. */
 class Server {
-  static async start() {
+  /** `keys`: it answers holders of a key alone, which is `key`. */
+  static async start({ keys = false } = {}) {
     for (const file of [SERVER, path.join(EDITOR, "index.html")]) assert.ok(existsSync(file), `${file} is missing: build it first`);
     const server = new Server();
     server.folder = await mkdtemp(path.join(tmpdir(), "supple-browser-"));
     await mkdir(path.join(server.folder, "models"));
     for (const model of MODELS) await copyFile(path.join(ROOT, "models", model), path.join(server.folder, "models", model));
+    const data = path.join(server.folder, "data");
+    if (keys) server.key = execFileSync(SERVER, ["keys", "add", "--data", data, "--name", "a person", "--scopes", "read,compute"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }).trim();
     server.port = await freePort();
     server.url = `http://127.0.0.1:${server.port}`;
     await server.run();
@@ -90,7 +93,7 @@ export let server;
 export let browser;
 export function setUp(options) {
   before(async () => {
-    server = await Server.start();
+    server = await Server.start(options);
     browser = await launch(options);
   });
   after(async () => {

@@ -3,6 +3,7 @@
 namespace supple::routes {
 namespace {
 
+constexpr int bad_request = 400;
 constexpr int unauthorized = 401;
 constexpr int forbidden = 403;
 
@@ -35,6 +36,19 @@ std::string audit_line(const http::Answered& answered) {
   return "audit " + plain_text(answered.id) + " key=" + plain_text(answered.key) +
          " address=" + plain_text(answered.address) + " action=" + action + " method=" + plain_text(answered.method) +
          " object=" + plain_text(object) + " status=" + std::to_string(answered.status);
+}
+
+void AuditLog::note(const http::Answered& answered, Clock::time_point now) {
+  const auto line = audit_line(answered);
+  if (line.empty()) return;
+  const std::lock_guard lock(mutex_);
+  if (now - second_ >= std::chrono::seconds(1)) {
+    if (refusals_ > most_refusals)
+      write_("audit " + std::to_string(refusals_ - most_refusals) + " refusals more than the lines above say");
+    second_ = now;
+    refusals_ = 0;
+  }
+  if (answered.status < bad_request || ++refusals_ <= most_refusals) write_(line);
 }
 
 }  // namespace supple::routes

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace supple::routes {
 namespace {
 
@@ -44,6 +46,19 @@ TEST(Audit, IsSilentAboutWhatOnlyReadsOrComputes) {
   EXPECT_EQ(audit_line(answered("POST", "/v1/geodesics", 200)), "");
   EXPECT_EQ(audit_line(answered("DELETE", "/v1/jobs/1", 404)), "");
   EXPECT_EQ(audit_line(answered("GET", "/v1/meshes/x", 500)), "");
+}
+
+TEST(Audit, CountsRefusalsWhereThereAreTooManyForALineEach) {
+  std::vector<std::string> lines;
+  AuditLog log([&](const std::string& line) { lines.push_back(line); });
+  const AuditLog::Clock::time_point start = AuditLog::Clock::now();
+  for (int i = 0; i < 1000; ++i) log.note(answered("GET", "/v1/meshes", 401), start);
+  EXPECT_EQ(lines.size(), 20U);
+  log.note(answered("DELETE", "/v1/jobs/1", 204), start);
+  ASSERT_EQ(lines.size(), 21U) << "what was done always has its line";
+  log.note(answered("GET", "/v1/meshes", 401), start + std::chrono::seconds(1));
+  ASSERT_EQ(lines.size(), 23U);
+  EXPECT_EQ(lines[21], "audit 980 refusals more than the lines above say");
 }
 
 TEST(Audit, StaysOneLineWhateverTheRequest) {
