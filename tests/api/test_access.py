@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import stat
 import subprocess
 import time
@@ -13,9 +14,11 @@ from typing import Any, Callable, Dict, Tuple
 import pytest
 import requests
 
-from contract import Contract
+from contract import Contract, ROOT
 from harness import CLI, MESHES, SERVER, Api, ServerProcess, free_port, keys_command, problem_code
 from shapes import bumpy_sphere, flat_grid
+from test_designs import long_request as long_design, quick_request as quick_design
+from test_jobs import start_job as start_named_job
 
 NewServer = Callable[..., ServerProcess]
 SHORT = {"pairs": [{"from": {"vertex": 0}, "to": {"vertex": 1}}]}
@@ -282,6 +285,24 @@ def test_an_answer_that_becomes_a_job_is_its_owners_too(alice: Api, bob: Api) ->
     assert alice.delete(f"/v1/jobs/{job}").status_code == 200
 
 
+def test_one_keys_session_of_designs_replaces_nothing_of_anothers(new_server: NewServer, tmp_path: Path,
+                                                                  contract: Contract) -> None:
+    keys = [add_key(tmp_path / "data", name, "read,compute") for name in ("alice", "bob")]
+    models = tmp_path / "models"
+    models.mkdir()
+    for name in ("ih29.h5", "ih67.h5"):
+        shutil.copy(ROOT / "models" / name, models)
+    server = new_server("--models", str(models), "--workers", "2")
+    first, second = (Api(server, contract, key) for key in keys)
+    job = start_named_job(first, "/v1/designs", long_design(session="drag"))
+    first.wait_for_job(job, states=("running",))
+    second.ok("/v1/designs", quick_design(session="drag"))
+    time.sleep(1)  # in which a computation that is to stop does
+    assert first.get(f"/v1/jobs/{job}").json()["state"] == "running"
+    first.ok("/v1/designs", quick_design(session="drag"))
+    assert first.wait_for_job(job)["error"]["code"] == "design.superseded"
+
+
 def test_lists_have_pages_of_ones_own(alice: Api, bob: Api) -> None:
     for api in (alice, bob):
         for mesh in meshes_of(api):
@@ -337,11 +358,16 @@ def test_keys_are_added_rotated_and_revoked_without_a_restart(new_server: NewSer
 
 
 def test_a_key_expires(new_server: NewServer, tmp_path: Path, contract: Contract) -> None:
-    key = add_key(tmp_path / "data", "short", "read", "--expires", "2s")
-    api = Api(new_server(), contract, key)
+    add_key(tmp_path / "data", "long", "read")
+    server = new_server()
+    begin = time.time()
+    api = Api(server, contract, add_key(tmp_path / "data", "short", "read", "--expires", "6s"))
+    wait_for_look_at_keys()
     assert api.get("/v1/meshes").status_code == 200
-    time.sleep(2.1)
-    response = api.get("/v1/meshes")
+    while (response := api.get("/v1/meshes")).status_code == 200:
+        assert time.time() < begin + 20
+        time.sleep(0.1)
+    assert time.time() >= begin + 5  # it counts whole seconds
     assert problem_code(response) == "access.key_invalid" and "has expired on" in response.json()["detail"]
 
 

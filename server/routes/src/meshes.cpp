@@ -79,6 +79,7 @@ http::Response create(Services& services, const http::Request& request) {
   require_ready(services);
   http::Response response;
   jobs::Computation reading{"meshes", {}, services.limits.json.default_deadline, {}};
+  reading.client = request.client;
   reading.run = [&](const Execution& execution) {
     response = store_mesh(services, request, execution);
     return store::Result{};
@@ -128,6 +129,7 @@ http::Response content(const Services& services, const http::Request& request) {
   response.content_type = *type;
   if (as_obj) {
     jobs::Computation writing{"meshes", id, services.limits.json.default_deadline, {}};
+    writing.client = request.client;
     writing.run = [&](const Execution& execution) {
       response.body = surface::write_obj(services.meshes->get(id)->mesh(), execution);
       return store::Result{};

@@ -83,6 +83,7 @@ http::Response link(Services& services, const http::Request& http_request) {
   tiling::family(family);  // in the path: whatever the query says, an unknown one is not found
   const auto query = read_structure_query(http_request, services.limits.json);
   jobs::Computation computation{"structures", {}, services.limits.json.default_deadline, {}};
+  computation.client = http_request.client;
   computation.run = [query, structure = linked_structure(family, query.parameters)](const Execution& execution) {
     return write_file(query.files, structure, query.format, execution);
   };

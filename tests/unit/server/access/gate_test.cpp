@@ -193,7 +193,7 @@ TEST_F(GateTest, AKeyDoesWhatItsScopesSay) {
 
 TEST_F(GateTest, AKeysRateIsItsOwnAndSaysWhenToAskAgain) {
   const auto slow = add("read", 0, 6);
-  const auto quick = add("read");
+  const auto quick = add("read", 0, 6);
   const auto guarded = gate(Rule::always);
   const auto key = *guarded->identify({bearer(slow), ""});
   const auto other = *guarded->identify({bearer(quick), ""});
