@@ -22,7 +22,7 @@ struct RouteLimits {
   std::uint64_t max_json = 64ULL << 20;   ///< bytes of a JSON body; setting --max-json
   int event_streams = 32;                 ///< followed at the same time; setting --event-streams
   double max_wait = 300;                  ///< seconds of Prefer: wait; fixed
-  std::int64_t min_free = 64LL << 20;     ///< bytes of the data folder's disk while it is ready; setting --min-free
+  std::int64_t min_free = 16LL << 20;     ///< bytes of the data folder's disk while it is ready; setting --min-free
   json::Limits json;
   surface::MeshLimits mesh;
 };
