@@ -15,7 +15,7 @@ import requests
 from contract import Contract
 from costly import named
 from harness import Api, ServerProcess, problem_code
-from test_deadlines import cpu_within, processes, sent_request
+from processes import cpu_within, processes, sent_request
 
 SOLID = "/v1/families/IH21/structure?cells=100,100&format=stl"
 """A minute's work of the mesh generator."""
