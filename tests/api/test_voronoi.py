@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from contract import Contract
 from harness import Api, ServerProcess, pointers, problem_code
 from shapes import bumpy_sphere, flat_grid, sphere, two_triangles_apart
 from test_jobs import events, start_job
@@ -298,6 +299,14 @@ def test_fixed_sites_stay_and_every_objective_has_its_term(api: Api, sphere_mesh
     assert answer["stopped"] in ("iteration_limit", "converged", "step_too_small") and answer["iterations"] <= 4
     assert "points" in answer and "pieces" in answer
     assert {effect["name"] for effect in answer["effects"]} >= weights.keys()
+
+
+def test_as_many_iterations_may_be_asked_for_as_the_contract_says(api: Api, sphere_mesh: str) -> None:
+    field = Contract().spec["components"]["schemas"]["VoronoiOptimizationRequest"]["properties"]["max_iterations"]
+    assert api.ok(OPTIMIZATIONS, optimization(sphere_mesh, max_iterations=field["maximum"]))["iterations"] > 0
+    response = api.post(OPTIMIZATIONS, optimization(sphere_mesh, max_iterations=field["maximum"] + 1), faulty=True)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid")
+    assert pointers(response) == ["/max_iterations"]
 
 
 def test_lbfgs_lowers_the_energy_too(api: Api, sphere_mesh: str) -> None:

@@ -29,8 +29,9 @@ void check(const OptimizationOptions& options, std::size_t sites) {
     any = any || weight > 0;
   }
   if (!(options.tolerance > 0)) faults.push_back({"tolerance", "must be above 0"});
-  if (options.max_iterations < 0 || options.max_iterations > 10'000)
-    faults.push_back({"max_iterations", "must be from 0 to 10000"});
+  if (options.max_iterations < 0 || options.max_iterations > most_optimization_iterations)
+    faults.push_back({"max_iterations", "is " + std::to_string(options.max_iterations) + ", but must be from 0 to " +
+                                            std::to_string(most_optimization_iterations)});
   if (!(options.edge_length >= 0 && std::isfinite(options.edge_length)))
     faults.push_back({"edge_length", "must be finite and not negative"});
   if (!faults.empty())

@@ -7,7 +7,6 @@
 namespace supple::json {
 namespace {
 
-constexpr int most_optimization_iterations = 100'000;
 constexpr double largest_panel_scale = 1e6;
 constexpr double largest_diagram_error = 1;
 
@@ -84,7 +83,7 @@ VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, con
   read_indices(fields, "fixed_sites", limits, options.fixed_sites);
   fields.choice("method", options.method, {"automatic", "gauss_newton", "lbfgs"});
   nested(fields, "accuracy", [&](Fields& accuracy) { accuracy.number("tolerance", options.tolerance, 0, 1, true); });
-  fields.integer("max_iterations", options.max_iterations, 1, most_optimization_iterations);
+  fields.integer("max_iterations", options.max_iterations, 1, voronoi::most_optimization_iterations);
   read_include(fields, request.include, request.panel_scale);
   request.deadline = read_deadline(fields, limits);
   fields.finish();

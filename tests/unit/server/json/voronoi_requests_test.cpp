@@ -97,6 +97,16 @@ TEST(VoronoiRequests, CollectEveryFault) {
       (Where{"/objectives/planarity", "/objectives/area", "/target_length", "/accuracy/tolerance", "/statistics"}));
 }
 
+TEST(VoronoiRequests, AskForNoMoreIterationsThanTheEngineDoes) {
+  const std::string most = std::to_string(voronoi::most_optimization_iterations);
+  const std::string more = std::to_string(voronoi::most_optimization_iterations + 1);
+  const auto asking = [](const std::string& number) {
+    return two_sites_and(R"("objectives":{"planarity":1},"max_iterations":)" + number);
+  };
+  EXPECT_EQ(parse_voronoi_optimization(asking(most), {}).options.max_iterations, voronoi::most_optimization_iterations);
+  EXPECT_EQ(faults_of_optimization(asking(more)), (Where{"/max_iterations"}));
+}
+
 TEST(VoronoiRequests, NeedAnObjectiveByItsName) {
   EXPECT_EQ(faults_of_optimization(two_sites_and(R"("objectives":{})")), (Where{"/objectives"}));
   // Whether its weight is above 0 is asked by the engine.

@@ -31,6 +31,9 @@ struct OptimizationStep {
   double step_length = 0;  ///< root of the sum of the sites' squared ways; 0 for the start
 };
 
+/// Iterations beyond this are refused. Optimizations take dozens to hundreds.
+inline constexpr int most_optimization_iterations = 10'000;
+
 struct OptimizationOptions {
   ObjectiveWeights weights;
   OptimizationMethod method = OptimizationMethod::automatic;
@@ -38,7 +41,7 @@ struct OptimizationOptions {
   double edge_length = 0;
   /// Converged once |grad E| <= tolerance * sqrt(sites) / (mean cell size).
   double tolerance = 1e-6;
-  int max_iterations = 100;
+  int max_iterations = 100;  ///< at most most_optimization_iterations
   /// Sites that stay where they are.
   std::vector<std::int32_t> fixed_sites;
   /// Called with the start and the state after every iteration, on the thread of the caller.
