@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <span>
 #include <utility>
 
+#include "cut_loci.h"
 #include "supple/base/parallel_tasks.h"
 #include "supple/numerics/minimizer.h"
 
@@ -32,6 +34,17 @@ constexpr double on_border = 1e-12;
 constexpr std::size_t paths_of_a_task = 4;
 /// What was found for so many states is kept for others to come.
 constexpr std::size_t most_kept_paths = 8;
+/// How much stiffer than along it points are across a cut locus: a Newton step then leaves it by no more than rounding
+/// and its curvature, and factorizations keep the digits that they need.
+constexpr double stiffness_across = 1e4;
+/// Paths at cut loci that a step crossed and that are tried.
+constexpr std::size_t most_crossed = 4;
+/// Paths are the same where their gradients differ by less than this.
+constexpr double same_path = 1e-4;
+/// Of a step, until it is known where it crossed one.
+constexpr int halvings = 50;
+/// A path is shorter than the one that it was by more than this share, and not by rounding.
+constexpr double shorter = 1e-10;
 /// A slope above this share of the pulls that make it counts as none.
 constexpr double slope_rounding = 1e-12;
 
@@ -83,6 +96,11 @@ void GeodesicElements::prepare(NetworkState& state, int order, const Execution& 
 }
 
 void GeodesicElements::find_paths(NetworkState& state, const Execution& execution) {
+  std::vector<EqualPaths> equal;
+  if (!state.cut_loci().empty()) {
+    const StageTimer timer(execution.cost, "search");
+    equal = keep_at_cut_loci({solver_of(state), held_}, state);
+  }
   const auto& points = state.points();
   pairs_.resize(paths_.size());
   for (std::size_t i = 0; i < paths_.size(); ++i) {
@@ -110,6 +128,33 @@ void GeodesicElements::find_paths(NetworkState& state, const Execution& executio
   }
   last_ = found;
   state.set_found(found);
+  found->equal.clear();
+  if (!equal.empty()) {
+    let_go_of_longer(state, equal, found->geodesics);
+    if (!equal.empty()) share_out(state, *found, std::move(equal));
+  }
+}
+
+std::vector<double> GeodesicElements::pulls_at(const FoundPaths& found) const {
+  std::vector<double> pulls(paths_.size(), 0);
+  for (std::size_t i = 0; i < springs_.size(); ++i)
+    pulls[i] = 2 * springs_[i].weight * (length_of(found, i, false).length - springs_[i].rest_length);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const TriangleEnergy::Value energy = triangles_[t].energy.at(lengths_of(found, t));
+    for (int k = 0; k < 3; ++k) pulls[triangles_[t].sides[static_cast<std::size_t>(k)].path] += energy.first[k];
+  }
+  return pulls;
+}
+
+void GeodesicElements::share_out(NetworkState& state, FoundPaths& found, std::vector<EqualPaths> equal) const {
+  // With all of the force in the first path of each.
+  for (EqualPaths& own : equal) found.geodesics[own.path] = own.geodesics.front();
+  numerics::EnergySum sum;
+  sum.clear(state.dimension(), 1);
+  add_on_rigid_host(state, 1, {}, sum);
+  if (!std::isfinite(sum.value)) return;
+  share_forces(state, equal, sum.gradient, pulls_at(found), held_);
+  found.equal = std::move(equal);
 }
 
 void GeodesicElements::find_host_lengths(NetworkState& state, int order, const Execution& execution) const {
@@ -154,6 +199,7 @@ void GeodesicElements::find_mollified(FoundPaths& found, const Execution& execut
 
 LengthDerivatives GeodesicElements::length_of(const FoundPaths& found, std::size_t path, bool second) const {
   if (!found.mollified.empty()) return found.mollified[path];
+  if (const EqualPaths* equal = found.equal_to(path)) return equal->length;
   const surface::TangentGeodesic& geodesic = found.geodesics[path];
   LengthDerivatives result;
   result.length = geodesic.distance;
@@ -241,6 +287,7 @@ void GeodesicElements::add(const NetworkState& state, int order, numerics::Energ
   if (order < 1 || !std::isfinite(sum.value)) return;
   for (const std::size_t point : free_)
     if (state.on_tip(point)) add_on_tip(state, point, order, sum);
+  if (order >= 2) hold_at_cut_loci(state, sum);
   for (const Wall& wall : walls) {
     if (order < 2) break;
     // Nothing moves there: any stiffness will do.
@@ -248,6 +295,17 @@ void GeodesicElements::add(const NetworkState& state, int order, numerics::Energ
     for (int k = 0; k < 2; ++k)
       for (int l = 0; l <= k; ++l)
         sum.hessian.add(2 * wall.point + k, 2 * wall.point + l, stiffness * wall.out[k] * wall.out[l]);
+  }
+}
+
+void GeodesicElements::hold_at_cut_loci(const NetworkState& state, numerics::EnergySum& sum) const {
+  for (const EqualPaths& equal : state.found()->equal) {
+    const auto from = static_cast<std::size_t>(paths_[equal.path].from);
+    const auto to = static_cast<std::size_t>(paths_[equal.path].to);
+    const double stiffness = stiffness_across * (stiffness_at(from) + stiffness_at(to));
+    SpringElement element({paths_[equal.path].from, paths_[equal.path].to});
+    for (const Eigen::Vector4d& across : equal.across) element.hessian += stiffness * across * across.transpose();
+    element.add_to(sum, 2);
   }
 }
 
@@ -490,10 +548,13 @@ void GeodesicElements::settle(NetworkState& state, const std::vector<std::size_t
     std::vector<bool> held(own.points.size(), true);
     held.front() = false;
     std::vector<bool> held_coordinates(2 * held.size(), true);
+    GeodesicElementsOptions own_options = options_;
+    own_options.cut_loci = options_.cut_loci && !state.surface();
     held_coordinates[0] = held_coordinates[1] = false;
-    numerics::System<NetworkState> system(NetworkState(state.mesh(), own.points),
-                                          {std::make_shared<GeodesicElements>(solver_of(state), own, held, options_)},
-                                          numerics::Unknowns(held_coordinates));
+    numerics::System<NetworkState> system(
+        NetworkState(state.mesh(), own.points),
+        {std::make_shared<GeodesicElements>(solver_of(state), own, held, own_options)},
+        numerics::Unknowns(held_coordinates));
     // A triangle may be of no area with the others where they are: then there is nothing to settle from.
     if (!std::isfinite(system.evaluate(0).value)) continue;
     numerics::MinimizerOptions few;
@@ -535,18 +596,126 @@ std::vector<GeodesicElements::Kink> GeodesicElements::kinks_of(std::size_t point
   return kinks;
 }
 
+namespace {
+
+/// All that are known between the ends of a path.
+std::vector<surface::TangentGeodesic> shortest_paths(const FoundPaths& found, std::size_t path) {
+  if (const EqualPaths* equal = found.equal_to(path)) return equal->geodesics;
+  return {found.geodesics[path]};
+}
+
+}  // namespace
+
+std::optional<GeodesicElements::Crossed> GeodesicElements::cut_locus_crossed(std::size_t path, double pull,
+                                                                             const NetworkState& current,
+                                                                             const NetworkState& there) const {
+  if (current.found()->geodesics[path].coincident() || there.found()->geodesics[path].coincident()) return std::nullopt;
+  const auto [from, to] = paths_[path];
+  Eigen::Vector4d step;
+  step << there.last_step().segment<2>(2 * from), there.last_step().segment<2>(2 * to);
+  const std::vector<surface::TangentGeodesic> before = shortest_paths(*current.found(), path);
+  std::optional<Crossed> nearest;
+  for (const surface::TangentGeodesic& after : shortest_paths(*there.found(), path)) {
+    const surface::TangentGeodesic other =
+        after.before_turns(there.turn(static_cast<std::size_t>(from)), there.turn(static_cast<std::size_t>(to)));
+    const Eigen::Vector4d slope = other.continued(-step).gradient();
+    if (std::ranges::any_of(before, [&](const auto& one) { return (one.gradient() - slope).norm() < same_path; }))
+      continue;
+    const auto excess = [&](double share) {
+      // Those before are equally long: where one of them is left for another, that one becomes longer than both.
+      double longest = 0;
+      for (const surface::TangentGeodesic& one : before)
+        longest = std::max(longest, one.continued(share * step).distance);
+      return longest - other.continued((share - 1) * step).distance;
+    };
+    if (!(excess(1) > shorter * other.distance)) continue;
+    const bool in_place = std::abs(excess(0)) <= shorter * other.distance;
+    if (!in_place && !(excess(0) < 0)) continue;
+    double low = 0, high = in_place ? 0 : 1;
+    for (int k = 0; k < halvings && !in_place; ++k) {
+      const double middle = 0.5 * (low + high);
+      (excess(middle) < 0 ? low : high) = middle;
+    }
+    if (nearest && nearest->share <= high) continue;
+    std::vector<surface::TangentGeodesic> equal;
+    for (const surface::TangentGeodesic& one : before) equal.push_back(one.continued(high * step));
+    equal.push_back(other.continued((high - 1) * step));
+    CutLocus locus{path, from, to};
+    locus.for_next_step = in_place;
+    locus.sides = sides_of(equal, locus, held_);
+    if (!locus.sides.empty()) nearest = Crossed{-pull * excess(1), high, std::move(locus)};
+  }
+  return nearest;
+}
+
+std::vector<GeodesicElements::CrossedOnWay> GeodesicElements::cut_loci_on_ways(
+    const NetworkState& current, const std::vector<NetworkState>& tried) const {
+  std::vector<CrossedOnWay> crossed;
+  const std::vector<double> pulls = pulls_at(*current.found());
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    const auto a = static_cast<std::size_t>(paths_[i].from);
+    const auto b = static_cast<std::size_t>(paths_[i].to);
+    if (!(pulls[i] < 0) || (held_[a] && held_[b]) || current.on_tip(a) || current.on_tip(b)) continue;
+    // The nearest.
+    for (auto there = tried.rbegin(); there != tried.rend(); ++there) {
+      if (!there->found() || there->on_tip(a) || there->on_tip(b)) continue;
+      auto one = cut_locus_crossed(i, pulls[i], current, *there);
+      if (!one) continue;
+      crossed.push_back({std::move(*one), there->last_step()});
+      break;
+    }
+  }
+  std::ranges::stable_sort(crossed, std::ranges::greater(),
+                           [](const CrossedOnWay& one) { return one.crossed.surprise; });
+  return crossed;
+}
+
+std::vector<GeodesicElements::Kink> GeodesicElements::cut_loci_crossed(const NetworkState& current,
+                                                                       const std::vector<NetworkState>& tried) const {
+  if (!options_.cut_loci || current.surface() || !current.found() || !current.found()->mollified.empty()) return {};
+  std::vector<Kink> kinks;
+  // All that the points are at already are one kink.
+  std::optional<Kink> in_place;
+  const auto add_to = [](NetworkState& state, const CutLocus& locus) {
+    std::vector<CutLocus> loci = state.cut_loci();
+    std::erase_if(loci, [&](const CutLocus& other) { return other.path == locus.path; });
+    loci.insert(std::ranges::upper_bound(loci, locus.path, {}, &CutLocus::path), locus);
+    state.set_cut_loci(std::move(loci));
+  };
+  for (const auto& [crossed, step] : cut_loci_on_ways(current, tried)) {
+    if (crossed.locus.for_next_step) {
+      if (!in_place) {
+        in_place = Kink{current, -1 - static_cast<std::int64_t>(paths_.size()), 0, true};
+        in_place->state.move(Eigen::VectorXd::Zero(current.dimension()));
+      }
+      add_to(in_place->state, crossed.locus);
+    } else if (kinks.size() < most_crossed) {
+      const Eigen::VectorXd way = crossed.share * step;
+      Kink& kink =
+          kinks.emplace_back(Kink{current, -1 - static_cast<std::int64_t>(crossed.locus.path), way.norm(), false});
+      add_to(kink.state, crossed.locus);
+      kink.state.move(way);
+    }
+  }
+  if (in_place) kinks.push_back(std::move(*in_place));
+  return kinks;
+}
+
 std::vector<GeodesicElements::Kink> GeodesicElements::kinks(const NetworkState& current,
                                                             const std::vector<NetworkState>& tried,
                                                             double /*reach*/) const {
   if (tried.empty()) return {};
-  if (free_.size() == 1) return kinks_of(free_.front(), current, tried);
+  std::vector<Kink> kinks = cut_loci_crossed(current, tried);
+  if (free_.size() == 1) {
+    std::ranges::move(kinks_of(free_.front(), current, tried), std::back_inserter(kinks));
+    return kinks;
+  }
   // After so many trials the way down is no longer blocked by a few points.
-  if (tried.size() > most_trials) return {};
+  if (tried.size() > most_trials) return kinks;
   const NetworkState& whole = tried.front();
   const std::vector<std::size_t> points = surprised(current, whole);
-  if (points.empty()) return {};
+  if (points.empty()) return kinks;
   const auto trials = static_cast<std::int64_t>(tried.size());
-  std::vector<Kink> kinks;
   kinks.push_back({whole, 2 * trials, whole.last_step().norm(), false});
   settle(kinks.back().state, points, tried.back());
   // Where these points and the others do not suit each other yet, the last trial with these points settled is better

@@ -3,6 +3,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct GeodesicElementsOptions {
   bool kept_strips = true;
   /// Of thesis eq. 3.12, as a fraction of an edge; 0 leaves the mollifier out.
   double mollifier_length = 0;
+  /// Whether points that cross a cut locus are put there, on hosts that do not give way.
+  bool cut_loci = true;
 };
 
 /// The energy of all elements that follow shortest paths: springs, weight (g - rest_length)^2 of the length g of one
@@ -35,6 +38,13 @@ struct GeodesicElementsOptions {
 /// least slope of all directions, zero at a minimum. A point that is pushed across an edge of the boundary rests
 /// against it: the gradient is then what is left along the edge. Next to one whose excess of angle is small, E bends as
 /// sharply within a narrow wedge behind the vertex, in which paths are held.
+///
+/// Where a path pushes, E has a valley at its cut locus, with a kink at the bottom: there it is the greatest of several
+/// pieces, one for each of the shortest paths. A state may have paths that are kept there (CutLocus). Their ends move
+/// along the valley only, by the derivatives of the lengths' convex combination that leaves the least gradient (a
+/// stationary point in the sense of Clarke 1983 is where nothing is left), so that Newton's method converges as
+/// elsewhere; a path that holds its ends by itself is let go. A line search hits no valley by chance: `kinks` names
+/// those that a step crossed. Rigid and moving hosts only.
 ///
 /// A line search cannot bring a point to a vertex by chance, and one point that steps over such a place shortens the
 /// way of all. So where a step was shortened, the points whose elements surprised it are moved by themselves, one after
@@ -66,7 +76,7 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   const TriangleEnergy& energy_of(std::size_t triangle) const { return triangles_[triangle].energy; }
   /// Whether a side of a triangle is the only shortest path between its ends.
   bool side_is_unique(const FoundPaths& found, std::size_t triangle, int side) const {
-    return found.geodesics[triangles_[triangle].sides[static_cast<std::size_t>(side)].path].unique;
+    return found.is_unique(triangles_[triangle].sides[static_cast<std::size_t>(side)].path);
   }
 
  private:
@@ -102,6 +112,28 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   void find_host_lengths(NetworkState& state, int order, const Execution& execution) const;
   std::shared_ptr<FoundPaths> unused_paths();
   void find_mollified(FoundPaths& found, const Execution& execution) const;
+  /// Makes the ends all but rigid across cut loci.
+  void hold_at_cut_loci(const NetworkState& state, numerics::EnergySum& sum) const;
+  /// Shares the force of such paths out, now that all lengths are known.
+  void share_out(NetworkState& state, FoundPaths& found, std::vector<EqualPaths> equal) const;
+  /// The energy's derivatives by the lengths of all paths.
+  std::vector<double> pulls_at(const FoundPaths& found) const;
+  struct Crossed {
+    double surprise;  ///< energy by which the step did
+    double share;     ///< of the step, to the cut locus
+    CutLocus locus;   ///< as it is there, in the coordinates before the step
+  };
+  /// Of a path that pushes, whether another one has become shorter on the way between two states.
+  std::optional<Crossed> cut_locus_crossed(std::size_t path, double pull, const NetworkState& current,
+                                           const NetworkState& there) const;
+  struct CrossedOnWay {
+    Crossed crossed;
+    Eigen::VectorXd step;  ///< that did
+  };
+  /// Of each path the nearest, the most surprising first.
+  std::vector<CrossedOnWay> cut_loci_on_ways(const NetworkState& current, const std::vector<NetworkState>& tried) const;
+  /// States near by that have one more path at a cut locus, which a step crossed.
+  std::vector<Kink> cut_loci_crossed(const NetworkState& current, const std::vector<NetworkState>& tried) const;
   LengthDerivatives length_of(const FoundPaths& found, std::size_t path, bool second) const;
   /// An element's share of the energy at a state whose paths are found.
   SpringElement spring_at(const FoundPaths& found, std::size_t spring, int order) const;

@@ -69,12 +69,15 @@ std::shared_ptr<const surface::GeodesicSolver> MovingNetwork::surface_at(double 
       std::make_shared<const surface::TriangleMesh>(first_.mesh().with_positions(std::move(positions))));
 }
 
-void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>& points) {
+void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>& points,
+                          std::vector<CutLocus> cut_loci) {
   auto solver = load == load_ && solver_ ? solver_ : surface_at(load);
   auto elements = std::make_shared<GeodesicElements>(*solver, network_, held_points_, options_);
   if (elements_) elements->take_strips(*elements_);
+  NetworkState state(solver->mesh(), points);
+  state.set_cut_loci(std::move(cut_loci));
   system_ = std::make_unique<numerics::System<NetworkState>>(
-      NetworkState(solver->mesh(), points), numerics::System<NetworkState>::Terms{elements}, unknowns_,
+      std::move(state), numerics::System<NetworkState>::Terms{elements}, unknowns_,
       numerics::SystemOptions{.execution = execution_, .sums = sums_});
   elements_ = std::move(elements);
   solver_ = std::move(solver);
@@ -96,6 +99,7 @@ void MovingNetwork::begin_step() {
     return;
   }
   NetworkState carried(ahead->mesh(), start_.points);
+  carried.set_cut_loci(network_state().cut_loci());
   GeodesicElements elements(*ahead, network_, held_points_, options_);
   elements.take_strips(*elements_);
   elements.prepare(carried, 1, {execution_.cancellation, nullptr, nullptr});
@@ -114,7 +118,9 @@ void MovingNetwork::begin_step() {
   }
   numerics::ShiftedCholesky cholesky;
   if (!cholesky.factorize(here.hessian, 0)) return;
-  const Eigen::VectorXd answer = -cholesky.solve(unknowns_.restrict(unbalanced)) / small_share;
+  Eigen::VectorXd answer = -cholesky.solve(unknowns_.restrict(unbalanced)) / small_share;
+  // Paths that are kept at cut loci have followed these.
+  if (carried.last_step().size() > 0) answer += unknowns_.restrict(carried.last_step()) / small_share;
   if (answer.allFinite()) tangent_ = unknowns_.expand(answer);
 }
 
@@ -123,16 +129,17 @@ bool MovingNetwork::predict(double share) {
   // The surface where the step began, which the last trial may have left.
   place(start_.load, start_.points);
   ahead = NetworkState(solver_->mesh(), start_.points);
+  ahead.set_cut_loci(start_.cut_loci);
   ahead.move(share * tangent_);
   const double load = start_.load + share * (announced_ - start_.load);
   try {
-    place(load, ahead.points());
+    place(load, ahead.points(), ahead.cut_loci());
   } catch (const Error&) {
     return false;  // a face loses its area on the way between two positions
   }
   if (std::isfinite(system_->evaluate(0).value)) return true;
   // A triangle of a membrane is inside out where the tangent leads: it is not where the points stay in their places.
-  place(load, start_.points);
+  place(load, start_.points, start_.cut_loci);
   return std::isfinite(system_->evaluate(0).value);
 }
 

@@ -20,6 +20,7 @@ class MovingNetwork {
   struct State {
     std::vector<surface::SurfacePoint> points;
     double load = 0;
+    std::vector<CutLocus> cut_loci{};
   };
 
   /// `solver` is that of the mesh; all outlive this. Throws "host.positions".
@@ -28,7 +29,7 @@ class MovingNetwork {
                 double gradient_tolerance, Execution execution);
 
   /// Moves the surface to a load, the points with it.
-  void place(double load, const std::vector<surface::SurfacePoint>& points);
+  void place(double load, const std::vector<surface::SurfacePoint>& points, std::vector<CutLocus> cut_loci = {});
   /// The load that steps go to from now on.
   void announce(double load) { announced_ = load; }
   double load() const { return load_; }
@@ -40,8 +41,11 @@ class MovingNetwork {
   // What numerics::PathScene asks for.
   numerics::Objective& objective() { return *system_; }
   numerics::ShiftedCholesky& cholesky() { return cholesky_; }
-  State state() const { return {std::as_const(*system_).state().points(), load_}; }
-  void set_state(const State& state) { place(state.load, state.points); }
+  State state() const {
+    const NetworkState& now = std::as_const(*system_).state();
+    return {now.points(), load_, now.cut_loci()};
+  }
+  void set_state(const State& state) { place(state.load, state.points, state.cut_loci); }
   double gradient_tolerance() const { return gradient_tolerance_; }
   bool unsettled(const numerics::MinimizerResult&) { return false; }
   bool finish(const numerics::MinimizerResult&) { return true; }

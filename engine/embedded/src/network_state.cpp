@@ -1,5 +1,6 @@
 #include "network_state.h"
 
+#include <Eigen/Geometry>
 #include <utility>
 
 #include "supple/base/error.h"
@@ -24,13 +25,35 @@ void NetworkState::place(std::size_t point, const surface::SurfacePoint& at) {
 Eigen::VectorXd NetworkState::move(const Eigen::VectorXd& step) {
   forget_paths();
   last_step_ = step;
+  turns_.assign(points().size(), 0);
   Eigen::VectorXd travelled(dimension());
-  travelled.head(points_.dimension()) = points_.move(mesh(), step);
+  walk(step, travelled);
   if (nodes_.size() > 0) {
     travelled.tail(nodes_.size()) = step.tail(nodes_.size());
     move_nodes(step.tail(nodes_.size()));
   }
   return travelled;
+}
+
+void NetworkState::walk(const Eigen::VectorXd& step, Eigen::VectorXd& travelled) {
+  travelled.head(points_.dimension()) = points_.move(mesh(), step);
+  for (std::size_t i = 0; i < turns_.size(); ++i) turns_[i] += points_.turn(i);
+  for (CutLocus& locus : cut_loci_)
+    for (Eigen::Vector4d& side : locus.sides) {
+      side.head<2>() = (Eigen::Rotation2Dd(points_.turn(static_cast<std::size_t>(locus.from))) * side.head<2>()).eval();
+      side.tail<2>() = (Eigen::Rotation2Dd(points_.turn(static_cast<std::size_t>(locus.to))) * side.tail<2>()).eval();
+    }
+}
+
+void NetworkState::adjust(const Eigen::VectorXd& step) {
+  forget_paths();
+  if (last_step_.size() == 0) last_step_ = Eigen::VectorXd::Zero(dimension());
+  turns_.resize(points().size(), 0);
+  for (std::size_t i = 0; i < turns_.size(); ++i)
+    last_step_.segment<2>(2 * static_cast<Eigen::Index>(i)) +=
+        Eigen::Rotation2Dd(-turns_[i]) * step.segment<2>(2 * static_cast<Eigen::Index>(i));
+  Eigen::VectorXd travelled(dimension());
+  walk(step, travelled);
 }
 
 void NetworkState::forget_paths() {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -20,11 +22,46 @@ struct LengthDerivatives {
   Eigen::Matrix4d hessian = Eigen::Matrix4d::Zero();
 };
 
+/// A path that pushes its ends apart and is kept where other paths between them are as short, as its energy has a
+/// valley there (thesis sec. 3.4.2 leaves such places out).
+struct CutLocus {
+  std::size_t path = 0;
+  std::int32_t from = 0;  ///< points
+  std::int32_t to = 0;
+  /// For each of the shortest paths a unit change of both ends' tangent coordinates after which it is the only one.
+  std::vector<Eigen::Vector4d> sides{};
+  /// Whether the next step keeps to it even where one of the paths could hold the ends by itself, since a step by that
+  /// path's derivatives alone would cross it at once.
+  bool for_next_step = false;
+};
+
+/// The shortest paths of a cut locus where the ends are now.
+struct EqualPaths {
+  std::size_t path = 0;
+  std::vector<surface::TangentGeodesic> geodesics{};
+  Eigen::VectorXd shares{};  ///< of the path's force, one for each; their sum is 1
+  /// Of the length, with these shares. Where one share is 1, that path holds the ends by itself, and the others are let
+  /// go.
+  LengthDerivatives length{};
+  std::vector<Eigen::Vector4d> across{};  ///< unit changes of the ends that lead away from the cut locus
+};
+
 /// What is known of the paths between points where these are now: found once for a state, shared by its copies.
 struct FoundPaths {
   std::vector<surface::TangentGeodesic> geodesics;
+  std::vector<EqualPaths> equal;                       ///< by ascending paths; on a rigid or moving host
   std::vector<LengthDerivatives> mollified;            ///< empty without the mollifier
   std::vector<std::vector<surface::PathPoint>> paths;  ///< the paths themselves, on a host that gives way; else empty
+
+  /// Null where a path is at no cut locus.
+  const EqualPaths* equal_to(std::size_t path) const {
+    const auto at = std::ranges::lower_bound(equal, path, {}, &EqualPaths::path);
+    return at != equal.end() && at->path == path ? &*at : nullptr;
+  }
+  bool is_unique(std::size_t path) const {
+    const EqualPaths* own = equal_to(path);
+    return geodesics[path].unique && !(own && own->geodesics.size() > 1);
+  }
 };
 
 /// The lengths' derivatives by points and nodes at one state.
@@ -67,8 +104,16 @@ class NetworkState {
   /// The same with one point elsewhere.
   void place(std::size_t point, const surface::SurfacePoint& at);
 
-  /// The last move as it was asked for; empty before.
+  /// The last move as it was asked for, with what brought paths back to their cut loci; empty before.
   const Eigen::VectorXd& last_step() const { return last_step_; }
+  /// Radians by which that turned a point's coordinates.
+  double turn(std::size_t point) const { return turns_[point]; }
+
+  /// Paths that are kept at cut loci, ascending. They stay there when points move, once their paths are found.
+  const std::vector<CutLocus>& cut_loci() const { return cut_loci_; }
+  void set_cut_loci(std::vector<CutLocus> loci) { cut_loci_ = std::move(loci); }
+  /// The points walk a little farther, as a part of the last move.
+  void adjust(const Eigen::VectorXd& step);
 
   /// Null before they are found.
   const FoundPaths* found() const { return found_.get(); }
@@ -90,6 +135,7 @@ class NetworkState {
   }
 
  private:
+  void walk(const Eigen::VectorXd& step, Eigen::VectorXd& travelled);
   void move_nodes(const Eigen::VectorXd& step);
   void forget_paths();
 
@@ -99,6 +145,8 @@ class NetworkState {
   bool collapsed_ = false;
   surface::MovingPoints points_;
   Eigen::VectorXd last_step_;
+  std::vector<double> turns_;  ///< of the last move
+  std::vector<CutLocus> cut_loci_;
   std::shared_ptr<const FoundPaths> found_;
   std::shared_ptr<const HostLengths> host_lengths_;
 };

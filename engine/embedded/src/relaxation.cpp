@@ -251,7 +251,7 @@ class RelaxationRun {
       while (progress == Progress::underway) progress = path.step(target - scene.load());
       if (progress == Progress::failed) {
         // The best there is at the next position.
-        scene.place(target, scene.state().points);
+        scene.place(target, scene.state().points, scene.state().cut_loci);
         path.settle();
       }
       stop = path.result().stop;
@@ -464,7 +464,7 @@ class RelaxationRun {
         const bool ask = options_.paths || !state_.found();
         if (ask) path = solver().geodesic(from, to, {.path = options_.paths}, own);
         told.length = ask ? path.distance : state_.found()->geodesics[i].distance;
-        told.at_cut_locus = !(ask ? path.unique : state_.found()->geodesics[i].unique);
+        told.at_cut_locus = !((!ask || path.unique) && (!state_.found() || state_.found()->is_unique(i)));
         told.path = std::move(path.path);
       } else {
         const Eigen::Vector3d start = surface::position(state_.mesh(), from);

@@ -109,7 +109,7 @@ Strip without_faces_before(const TriangleMesh& mesh, const Strip& strip, std::in
 
 Eigen::Matrix4d TangentGeodesic::hessian() const {
   Eigen::Vector4d n;
-  n << turned(from_direction), turned(to_direction);
+  n << surface::turned(from_direction), surface::turned(to_direction);
   Eigen::Matrix4d result = Eigen::Matrix4d::Zero();
   result.topLeftCorner<2, 2>() = n.head<2>() * n.head<2>().transpose() / first_length;
   result.bottomRightCorner<2, 2>() = n.tail<2>() * n.tail<2>().transpose() / last_length;
@@ -117,6 +117,39 @@ Eigen::Matrix4d TangentGeodesic::hessian() const {
     result.topRightCorner<2, 2>() = -n.head<2>() * n.tail<2>().transpose() / first_length;
     result.bottomLeftCorner<2, 2>() = result.topRightCorner<2, 2>().transpose();
   }
+  return result;
+}
+
+Eigen::Vector4d TangentGeodesic::gradient() const {
+  Eigen::Vector4d result;
+  result << -from_direction, to_direction;
+  return result;
+}
+
+// In the plane of a piece, its direction is the first axis.
+TangentGeodesic TangentGeodesic::continued(const Eigen::Vector4d& step) const {
+  const Vector2d from_way(from_direction.dot(step.head<2>()), surface::turned(from_direction).dot(step.head<2>()));
+  const Vector2d to_way(to_direction.dot(step.tail<2>()), surface::turned(to_direction).dot(step.tail<2>()));
+  const auto turned_to = [](const Vector2d& direction, const Vector2d& way) -> Vector2d {
+    return (way.x() * direction + way.y() * surface::turned(direction)) / way.norm();
+  };
+  TangentGeodesic result = *this;
+  const Vector2d first =
+      pinned ? Vector2d(Vector2d(first_length, 0) - from_way) : Vector2d(Vector2d(distance, 0) + to_way - from_way);
+  const Vector2d last = pinned ? Vector2d(Vector2d(last_length, 0) + to_way) : first;
+  result.first_length = first.norm();
+  result.last_length = last.norm();
+  result.distance = pinned ? distance + (result.first_length - first_length) + (result.last_length - last_length)
+                           : result.first_length;
+  result.from_direction = turned_to(from_direction, first);
+  result.to_direction = turned_to(to_direction, last);
+  return result;
+}
+
+TangentGeodesic TangentGeodesic::before_turns(double from_turn, double to_turn) const {
+  TangentGeodesic result = *this;
+  result.from_direction = Eigen::Rotation2Dd(-from_turn) * from_direction;
+  result.to_direction = Eigen::Rotation2Dd(-to_turn) * to_direction;
   return result;
 }
 

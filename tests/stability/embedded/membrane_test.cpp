@@ -12,12 +12,9 @@ TEST(HardMembranes, StretchedAllOverClosedSurfaces) {
     hard.options.max_iterations = 1000;
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
     for (const TriangleState& triangle : relaxed.triangles) EXPECT_GT(triangle.stretches[1], 0);
-    // Where it is stretched one way, sides across push. One that does so at its cut locus ends the search, and says so.
-    if (relaxed.stopped == "converged") {
-      hard.check(relaxed);
-    } else {
-      EXPECT_EQ(relaxed.stopped, "cut_locus");
-      EXPECT_TRUE(std::ranges::any_of(relaxed.triangles, &TriangleState::at_cut_locus));
+    // Where it is stretched one way, sides across push. One that does so at its cut locus rests there, and says so.
+    hard.check(relaxed);
+    if (std::ranges::any_of(relaxed.triangles, &TriangleState::at_cut_locus)) {
       EXPECT_NE(relaxed.warnings.back().find("side that pushes"), std::string::npos);
     }
   }
@@ -36,16 +33,17 @@ TEST(HardMembranes, ATriangleThatHasAlmostNoAreaAtTheStart) {
   }
 }
 
-// Hard: the membrane wants to be larger than its place on a closed surface: shortest paths are pushed to cut loci. It
-// must end, lower, with every triangle intact.
+// Hard: the membrane wants to be larger than its place on a closed surface: shortest paths are pushed to a dozen cut
+// loci at once. It must come to rest there, with every triangle intact.
 TEST(HardMembranes, CompressedWhereThereIsNoRoom) {
   for (const auto& mesh : {testing::icosphere(2), testing::torus(16, 8)}) {
     NetworkCase hard(mesh);
     hard.cover(0.2 * mesh.diagonal(), 1.3);
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
     EXPECT_LE(relaxed.energy, relaxed.history.front().energy);
-    EXPECT_NE(relaxed.stopped, "iteration_limit");
-    EXPECT_TRUE(std::isfinite(relaxed.energy));
+    EXPECT_EQ(relaxed.stopped, "converged");
+    hard.check(relaxed);
+    EXPECT_GT(std::ranges::count_if(relaxed.triangles, &TriangleState::at_cut_locus), 5);
     for (const TriangleState& triangle : relaxed.triangles) EXPECT_GT(triangle.stretches[1], 0);
   }
 }

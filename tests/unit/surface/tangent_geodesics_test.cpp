@@ -65,6 +65,45 @@ void expect_same_as_searches(const GeodesicSolver& solver, const std::vector<Poi
   }
 }
 
+TEST(TangentGeodesics, GoOnStraightWhereTheirEndsMoveALittle) {
+  int compared = 0, pinned = 0;
+  for (const auto& [name, mesh] : meshes()) {
+    const GeodesicSolver solver(testing::share(mesh));
+    const double edge = mesh.mean_edge_length();
+    RandomStream random("moved ends", 1);
+    for (const PointPair& pair : near_pairs(mesh, 200, 9, 1)) {
+      TangentGeodesic before, after;
+      solver.tangent_geodesics({&pair, 1}, {&before, 1}, false);
+      if (before.distance < 0.1 * edge || std::min(before.first_length, before.last_length) < 0.1 * edge) continue;
+      Eigen::Vector4d step;
+      for (double& own : step) own = 1e-4 * edge * random.uniform(-1, 1);
+      const Retraction from = retract(mesh, pair.from, step.head<2>());
+      const Retraction to = retract(mesh, pair.to, step.tail<2>());
+      if (!from.isometric || !to.isometric) continue;
+      const PointPair moved{from.end, to.end};
+      solver.tangent_geodesics({&moved, 1}, {&after, 1}, false);
+      // Other pieces, behind a vertex or across a cut locus, are not the same ones continued.
+      if (!before.unique || before.pinned != after.pinned || before.strip.count != after.strip.count ||
+          before.strip.halfedges != after.strip.halfedges ||
+          std::abs(before.first_length - after.first_length) > 1e-3 * edge ||
+          std::abs(before.last_length - after.last_length) > 1e-3 * edge)
+        continue;
+      SCOPED_TRACE(name);
+      const TangentGeodesic continued = before.continued(step);
+      const TangentGeodesic turned = after.before_turns(from.turn, to.turn);
+      // Two pins may be others, a path along an edge may have no strip: those differ in second order.
+      const double rounding = before.strip.known() || before.pinned ? 1e-10 : 1e-4;
+      EXPECT_NEAR(continued.distance, after.distance, rounding * edge);
+      EXPECT_LT((continued.gradient() - turned.gradient()).norm(), 1e-8 + (before.strip.known() ? 0 : 1e-3));
+      EXPECT_NEAR(continued.first_length, after.first_length, 1e-3 * edge);
+      ++compared;
+      pinned += before.pinned;
+    }
+  }
+  EXPECT_GT(compared, 200);
+  EXPECT_GT(pinned, 5);
+}
+
 TEST(TangentGeodesics, AreThoseOfASearchOnEveryShape) {
   for (const auto& [name, mesh] : meshes()) {
     const GeodesicSolver solver(testing::share(mesh));

@@ -23,8 +23,10 @@ enum class SpringLength { geodesic, euclidean };
 
 /// One state on the way: the start or the one after an iteration.
 struct RelaxationStep {
-  double energy = 0;          ///< unit of the weights times squared mesh units
-  double gradient_norm = 0;   ///< |grad E| by tangent coordinates of the free points
+  double energy = 0;  ///< unit of the weights times squared mesh units
+  /// |grad E| by tangent coordinates of the free points; the least of all convex combinations where a path is kept at
+  /// its cut locus
+  double gradient_norm = 0;
   double step_length = 0;     ///< root of the sum of the points' squared ways to reach this state; 0 for the start
   double regularization = 0;  ///< added to the Hessian's diagonal for that step
 };
@@ -61,7 +63,7 @@ struct SpringState {
   double energy = 0;
   bool compressed = false;  ///< shorter than its rest length: its energy pushes towards longer paths
   /// Another path is as short (within 1e-9, relative): the length has a kink there, a ridge for a spring under tension
-  /// and a valley for one under compression, which no equilibrium of a single path describes.
+  /// and a valley for one under compression, in which its ends can rest.
   bool at_cut_locus = false;
   std::vector<surface::PathPoint> path{};  ///< from `from` to `to`; empty unless asked for
 };
@@ -112,8 +114,9 @@ struct Relaxation {
   double gradient_tolerance = 0;  ///< what the norm is compared with
   int iterations = 0;
   std::vector<RelaxationStep> history;  ///< the start and every iteration
-  /// "converged"; "cut_locus" (no step lowers the energy and a spring or a triangle's side that pushes is at its cut
-  /// locus, where its length is not differentiable); "step_too_small"; or "iteration_limit".
+  /// "converged", also where springs or sides that push rest at their cut loci, each of the shortest paths with its
+  /// share of the force; "cut_locus" (no step lowers the energy although a gradient is left, and what pushes is at its
+  /// cut locus, where its length is not differentiable); "step_too_small"; or "iteration_limit".
   std::string stopped;
   bool mollified = false;  ///< whether the energy at the end is the mollified one
   /// Points that came to rest exactly at a vertex where the energy has a kink and no direction descends, ascending.

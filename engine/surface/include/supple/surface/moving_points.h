@@ -20,6 +20,9 @@ class MovingPoints {
   /// The vertex that a point on a tip is at.
   std::int32_t vertex_of(const TriangleMesh& mesh, std::size_t point) const;
 
+  /// Radians by which the last way turned a point's coordinates; 0 where it was no isometry.
+  double turn(std::size_t point) const { return turns_[point]; }
+
   Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
   /// Each point walks its own straightest path, and is stopped by a boundary by itself; in parallel. `step` has
   /// dimension() entries or more, of which the first are the points'. Returns what was travelled.

@@ -42,8 +42,16 @@ struct TangentGeodesic {
   Strip strip{};
 
   bool coincident() const { return distance == 0; }
+  /// By the tangent coordinates of both ends. Not for coincident ends.
+  Eigen::Vector4d gradient() const;
   /// Second derivatives (thesis eq. 3.9 to 3.11): a straight piece resists only turning. Not for coincident ends.
   Eigen::Matrix4d hessian() const;
+
+  /// The same straight pieces between ends that have moved by `step` (tangent coordinates of both) in the plane of the
+  /// unfolded faces, whether or not that is still the shortest path. In the frames of the ends before. O(1).
+  TangentGeodesic continued(const Eigen::Vector4d& step) const;
+  /// The same by the coordinates that ends had before a way that turned these by so many radians.
+  TangentGeodesic before_turns(double from_turn, double to_turn) const;
 };
 
 /// How the paths of many pairs were found.

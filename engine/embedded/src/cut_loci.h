@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "network_state.h"
+#include "supple/surface/geodesic_solver.h"
+
+namespace supple::embedded {
+
+/// What is needed of a surface and a network to look for cut loci.
+struct CutLocusContext {
+  const surface::GeodesicSolver& solver;
+  const std::vector<bool>& held;  ///< points that do not move
+};
+
+/// The sides of shortest paths between two points: where each of them is the only one, by the coordinates of the ends
+/// that are free to move. Empty where two of them cannot be told apart so.
+std::vector<Eigen::Vector4d> sides_of(const std::vector<surface::TangentGeodesic>& paths, const CutLocus& locus,
+                                      const std::vector<bool>& held);
+
+/// Moves the ends of paths that are kept at cut loci by as little as possible so that each is at its own, all at once
+/// (Gauss and Newton), and returns the shortest paths of each. The state forgets those for which there is none near by.
+/// A few searches for each of the paths.
+std::vector<EqualPaths> keep_at_cut_loci(const CutLocusContext& context, NetworkState& state);
+
+/// Lets go of paths at cut loci that are longer than the shortest, which `shortest` has for every path: seen from too
+/// far away, other paths can seem to be equally long.
+void let_go_of_longer(NetworkState& state, std::vector<EqualPaths>& equal,
+                      const std::vector<surface::TangentGeodesic>& shortest);
+
+/// Which share of its force each of the shortest paths has: of all with a sum of 1 those that leave the least gradient,
+/// and none below 0. `gradient` is that of an energy by all tangent coordinates in which the first path of each has all
+/// of it, `pulls` the energy's derivatives by the lengths. Paths without a share are let go, in the state too.
+void share_forces(NetworkState& state, std::vector<EqualPaths>& equal, const Eigen::VectorXd& gradient,
+                  const std::vector<double>& pulls, const std::vector<bool>& held);
+
+}  // namespace supple::embedded
