@@ -12,7 +12,9 @@
 #include <memory>
 #include <thread>
 
+#include "commands.h"
 #include "server_options.h"
+#include "store_recovery.h"
 #include "supple/base/helper_processes.h"
 #include "supple/base/threads.h"
 #include "supple/budget/counting_malloc.h"
@@ -22,6 +24,7 @@
 #include "supple/json/model_answers.h"
 #include "supple/routes/audit.h"
 #include "supple/routes/guard.h"
+#include "supple/routes/resume.h"
 #include "supple/routes/routes.h"
 
 namespace supple {
@@ -73,15 +76,6 @@ void end_at_the_latest_after(double seconds) {
   }).detach();
 }
 
-store::Store::Recovery recovery() {
-  store::Store::Recovery recovery;
-  recovery.describe = [](const std::string& ply, const std::string& id, std::int64_t created) {
-    return json::write_mesh(id, created, surface::report(store::load_stored_mesh(ply)));
-  };
-  recovery.warn = [](const std::string& text) { spdlog::warn(text); };
-  return recovery;
-}
-
 /// The parts of the process, in the order in which they may use each other.
 class Process {
  public:
@@ -102,8 +96,9 @@ class Process {
     http::ServerOptions http = options.http;
     http.memory = &memory_;
     http.headers = routes::security_headers();
+    router_ = routes::make_router(services_);
     server_ = std::make_unique<http::Server>(
-        http, routes::make_router(services_), routes::problem_response,
+        http, router_, routes::problem_response,
         [this](const http::Answered& answered) {
           metrics_.count_request(answered.pattern, answered.method, answered.status, answered.seconds);
           audit_.note(answered);
@@ -153,23 +148,41 @@ class Process {
  private:
   void open() {
     models_ = std::make_unique<store::ModelStore>(model_options(options_));  // reads while the store opens
-    store_ = std::make_unique<store::Store>(options_.data, recovery());
+    store_ = std::make_unique<store::Store>(
+        options_.data, recovery_of_store([](const std::string& text) { spdlog::warn(text); }), quota());
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
+    models_->wait_until_read();
+    services_.store = store_.get();
+    services_.meshes = meshes_.get();
+    services_.models = models_.get();
     auto queue = options_.jobs;
     queue.memory = &memory_;
+    queue.clean_up_too = [this] { remove_unused_meshes(); };
     jobs_ = std::make_unique<jobs::JobQueue>(
         *store_, queue, json::write_problem,
         [this](const store::JobRecord& job) {
           const double seconds = job.started ? static_cast<double>(job.finished - job.started) / 1000 : 0;
           metrics_.count_finished_job(job.kind, std::string(store::state_name(job.state)), seconds);
         },
-        [](const std::string& text) { spdlog::error(text); });
-    services_.store = store_.get();
-    services_.meshes = meshes_.get();
-    services_.models = models_.get();
+        [](const std::string& text) { spdlog::error(text); },
+        [this](const store::JobRecord& job, store::StoredRequest request) {
+          services_.ready.wait(false);
+          return routes::computation_of(router_, job, std::move(request));
+        });
     services_.jobs = jobs_.get();
-    models_->wait_until_read();
     services_.ready = true;
+    services_.ready.notify_all();
+  }
+
+  store::Quota quota() const {
+    const auto bytes = options_.max_store > 0 ? options_.max_store : store::default_quota(options_.data);
+    return {bytes, options_.max_mesh_bytes};
+  }
+
+  void remove_unused_meshes() {
+    if (options_.mesh_retention <= 0) return;
+    const auto removed = meshes_->remove_unused(*store_, options_.mesh_retention);
+    if (removed > 0) spdlog::info("{} meshes that nobody used are removed (--mesh-retention)", removed);
   }
 
   const ServerOptions& options_;
@@ -179,6 +192,7 @@ class Process {
   routes::AuditLog audit_{[](const std::string& line) { spdlog::info(line); }};
   metrics::Metrics metrics_;
   routes::Services services_;
+  http::Router router_;
   std::unique_ptr<store::Store> store_;
   std::unique_ptr<store::MeshCache> meshes_;
   std::unique_ptr<store::ModelStore> models_;
@@ -208,6 +222,7 @@ int serve(const ServerOptions& options) {
 }  // namespace supple
 
 int main(int argc, char** argv) {
+  if (const auto status = supple::run_command(argc, argv)) return *status;
   try {
     supple::ServerOptions options;
     if (const auto status = supple::read_options(argc, argv, options)) return *status;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "commands.h"
 #include "keys_command.h"
 #include "supple/budget/memory.h"
 
@@ -69,6 +70,10 @@ void add_limits(CLI::App& app, ServerOptions& options) {
       ->add_option("--max-queue-bytes", options.jobs.max_queue_bytes, "Bytes that the requests of jobs hold which wait")
       ->transform(CLI::AsSizeValue(false));
   group->add_option("--max-jobs", options.jobs.max_jobs, "Finished jobs that are kept");
+  group
+      ->add_option("--max-attempts", options.jobs.max_attempts,
+                   "Attempts to run a job that the server ends in without being told to")
+      ->check(CLI::Range(1, 1000));
   group->add_option("--retention", options.jobs.retention, "Seconds that a finished job is kept")
       ->check(CLI::PositiveNumber);
   group->add_option("--max-model", options.max_model, "Bytes of a model file")->transform(CLI::AsSizeValue(false));
@@ -76,6 +81,14 @@ void add_limits(CLI::App& app, ServerOptions& options) {
       ->add_option("--min-free", limits.min_free,
                    "Bytes that the disk of the data folder has left while the server calls itself ready")
       ->transform(CLI::AsSizeValue(false));
+  group->add_option("--max-store", options.max_store, "Bytes of the data folder; 0: nine tenths of its disk")
+      ->transform(CLI::AsSizeValue(false));
+  group->add_option("--max-mesh-bytes", options.max_mesh_bytes, "Bytes of stored meshes; 0: no limit of their own")
+      ->transform(CLI::AsSizeValue(false));
+  group
+      ->add_option("--mesh-retention", options.mesh_retention,
+                   "Seconds that a mesh is kept which nobody uses; 0: until it is deleted")
+      ->check(CLI::NonNegativeNumber);
   group->add_option("--mesh-memory", options.mesh_memory, "Bytes of meshes held in memory (an estimate)")
       ->transform(CLI::AsSizeValue(false));
 }
@@ -100,6 +113,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
       "models know of them.",
       "supple-server");
   app.option_defaults()->always_capture_default();
+  app.footer(command_list());
   app.set_version_flag("--version", "supple-server " SUPPLE_VERSION);
   app.add_option("--host", options.http.host, "Address to listen on");
   app.add_option("--port", options.http.port, "Port to listen on; 0 takes any free one, which is printed")

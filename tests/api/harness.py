@@ -203,6 +203,13 @@ class Api:
             time.sleep(0.02)
 
 
+def slow_relaxation(mesh: str, iterations: int, **more: Any) -> Dict[str, Any]:
+    """A small request of /v1/embedded-systems that takes a millisecond or more for each iteration on a mesh of 1280 faces."""
+    return {"mesh": mesh, "points": {"kind": "per_face", "barycentric": [0.3, 0.3, 0.4]},
+            "springs": {"kind": "adjacent_faces", "rest_length": 0.01}, "fixed_points": [0, 400, 900],
+            "method": "gradient_descent", "max_iterations": iterations, "accuracy": {"tolerance": 1e-14}, **more}
+
+
 def problem_code(response: requests.Response) -> str:
     return str(response.json()["code"])
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import resource
 import subprocess
+import time
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import Callable, Dict, Iterator
 
 import pytest
+import requests
 
 from contract import Contract
 from harness import Api, ServerProcess, problem_code
@@ -41,7 +43,7 @@ def fill(folder: Path) -> Path:
 
 def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, new_server: NewServer,
                                                               contract: Contract) -> None:
-    server = new_server(data=small_disk.name)
+    server = new_server("--min-free", "1mb", data=small_disk.name)
     api = Api(server, contract)
     mesh = api.upload(*bumpy_sphere(7))
     job = api.post(FIELDS, {"mesh": mesh, "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
@@ -63,16 +65,104 @@ def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, 
     server.stop()
 
 
+def test_a_full_disk_lets_jobs_and_meshes_be_deleted(small_disk: Path, new_server: NewServer, contract: Contract) -> None:
+    api = Api(new_server("--min-free", "1mb", data=small_disk.name), contract)
+    meshes = [api.upload(*flat_grid(8)), api.upload(*sphere(2))]
+    job = api.post(FIELDS, {"mesh": meshes[0], "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
+    api.wait_for_job(job)
+    # More than once: what the database's log has room for anyway is used up, and so is one reserve.
+    for path in (f"/v1/jobs/{job}", *(f"/v1/meshes/{mesh}" for mesh in meshes)):
+        wait_for_reserve(small_disk)
+        ballast = fill(small_disk)
+        assert api.delete(path).status_code == 204
+        ballast.unlink()
+    assert new_upload(api, 7).status_code == 201
+
+
+def wait_for_reserve(data: Path) -> None:
+    """Until the server holds the space again that it gives back where a removal needs it."""
+    deadline = time.monotonic() + 10
+    while not (data / "reserve").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def new_upload(api: Api, cells: int) -> requests.Response:
+    vertices, faces = flat_grid(cells)
+    return api.post("/v1/meshes", {"vertices": [list(map(float, v)) for v in vertices],
+                                   "faces": [list(map(int, f)) for f in faces]})
+
+
+def stored_bytes(server: ServerProcess) -> Dict[str, float]:
+    """What the data folder holds, by part, as the metrics tell."""
+    return {name.split('"')[1]: value for name, value in server.metrics().items() if name.startswith("supple_store_bytes")}
+
+
+def test_the_oldest_results_go_where_there_is_no_room_and_then_the_answer_names_number_limit_and_setting(
+        new_server: NewServer, contract: Contract) -> None:
+    limit = 7_000_000  # of which the database's log takes up to four
+    server = new_server("--max-store", str(limit))
+    api = Api(server, contract)
+    mesh = api.upload(*bumpy_sphere(5))
+    jobs = []
+    for vertex in range(30):
+        jobs.append(api.post(FIELDS, {"mesh": mesh, "sources": [{"vertex": vertex}]}, headers=ASYNC).json()["id"])
+        assert api.wait_for_job(jobs[-1])["state"] == "successful"
+        assert sum(stored_bytes(server).values()) <= limit
+    assert server.metrics()["supple_store_limit_bytes"] == limit
+    kept = [job["id"] for job in api.get("/v1/jobs").json()["jobs"]]
+    assert kept == jobs[::-1][:len(kept)], "the newest are kept"
+    assert 0 < len(kept) < 30
+    assert api.get(f"/v1/jobs/{jobs[0]}").status_code == 404
+    assert api.get(f"/v1/jobs/{kept[-1]}/result").status_code == 200
+    refused = new_upload(api, 400)
+    assert (refused.status_code, problem_code(refused)) == (507, "store.quota")
+    problem = refused.json()
+    assert (problem["limit"], problem["setting"]) == (limit, "--max-store")
+    assert problem["value"] > limit
+    assert [job["id"] for job in api.get("/v1/jobs").json()["jobs"]] == kept, "nothing goes in vain"
+    before = stored_bytes(server)
+    server.kill()
+    server.start()
+    after = stored_bytes(server)
+    assert {**after, "database": 0} == {**before, "database": 0}, "counted exactly"
+    for part in ("meshes", "results", "requests"):
+        assert after[part] == sum(path.stat().st_size for path in (server.data / part).iterdir())
+
+
+def test_meshes_are_limited_in_bytes_and_go_when_nobody_uses_them(new_server: NewServer, contract: Contract) -> None:
+    server = new_server("--max-mesh-bytes", "20kb")
+    api = Api(server, contract)
+    mesh = new_upload(api, 10).json()["id"]
+    refused = new_upload(api, 20)
+    assert (refused.status_code, problem_code(refused), refused.json()["setting"]) == (507, "store.quota", "--max-mesh-bytes")
+    assert new_upload(api, 10).status_code == 200, "it is stored already"
+    assert server.terminate() == 0
+    server.arguments = ("--mesh-retention", "3600")
+    server.start()
+    assert Api(server, contract).get(f"/v1/meshes/{mesh}").status_code == 200
+    assert server.terminate() == 0
+    server.arguments = ("--mesh-retention", "0.5")
+    time.sleep(1)
+    server.start()
+    deadline = time.monotonic() + 10
+    while Api(server, contract).get(f"/v1/meshes/{mesh}").status_code == 200:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert "--mesh-retention" in server.log_text()
+
+
 @pytest.mark.parametrize("damage", ["overwritten", "lost"])
-def test_a_start_without_a_sound_database_keeps_the_meshes_and_deletes_nothing(damage: str, new_server: NewServer,
+def test_a_start_without_a_sound_database_keeps_meshes_and_results_and_deletes_nothing(damage: str, new_server: NewServer,
                                                                               contract: Contract) -> None:
     server = new_server()
     api = Api(server, contract)
     mesh = api.upload(*flat_grid(8))
     before = api.get(f"/v1/meshes/{mesh}").json()
     job = api.post(FIELDS, {"mesh": mesh, "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
-    api.wait_for_job(job)
-    result = api.get(f"/v1/jobs/{job}/result").content
+    document = api.wait_for_job(job)
+    result = api.get(f"/v1/jobs/{job}/result")
+    (server.data / "results" / "unknown.result").write_bytes(b"not a result")
     assert server.terminate() == 0
     database = server.data / "supple.sqlite"
     if damage == "lost":
@@ -84,11 +174,15 @@ def test_a_start_without_a_sound_database_keeps_the_meshes_and_deletes_nothing(d
     after = api.get(f"/v1/meshes/{mesh}").json()
     assert {**after, "created": ""} == {**before, "created": ""}
     api.ok(FIELDS, {"mesh": mesh, "sources": [{"vertex": 0}]})
-    assert api.get(f"/v1/jobs/{job}").status_code == 404
+    assert api.get(f"/v1/jobs/{job}").json() == document
+    again = api.get(f"/v1/jobs/{job}/result")
+    assert (again.content, again.headers["Content-Type"]) == (result.content, result.headers["Content-Type"])
+    assert api.get("/v1/jobs").json()["jobs"] == [document]
     kept = [path.read_bytes() for path in (server.data / "quarantine").iterdir()]
-    assert result in kept
+    assert b"not a result" in kept
     assert len(kept) == (1 if damage == "lost" else 2)
-    assert f"{job}.result is moved to quarantine" in server.log_text()
+    assert "unknown.result is moved to quarantine" in server.log_text()
+    assert f"the result of job {job} had no row and is indexed again" in server.log_text()
     assert f"the mesh {mesh} had no row and is indexed again" in server.log_text()
 
 
@@ -111,7 +205,7 @@ def test_a_file_beyond_the_limit_of_its_size_is_refused_and_ends_nothing(new_ser
     resource.prlimit(server.pid, resource.RLIMIT_FSIZE, (300_000, 300_000))
     response = api.post("/v1/meshes", {"vertices": [list(map(float, v)) for v in vertices],
                                        "faces": [list(map(int, f)) for f in faces]})
-    assert (response.status_code, problem_code(response)) == (503, "store.unavailable")
+    assert (response.status_code, problem_code(response)) == (507, "store.full")
     assert "File too large" in response.json()["detail"]
     api.upload(*flat_grid(2))
     assert list((server.data / "meshes").glob("*.part")) == []

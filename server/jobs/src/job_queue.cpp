@@ -37,7 +37,9 @@ problem::ProblemError queue_full(const std::string& detail, double limit, double
                                 retry_after});
 }
 
-[[noreturn]] void throw_shutting_down() { throw Error("server.shutting_down", "The server is shutting down."); }
+constexpr const char* stopped_by_shutdown = "server.shutting_down";
+
+[[noreturn]] void throw_shutting_down() { throw Error(stopped_by_shutdown, "The server is shutting down."); }
 
 [[noreturn]] void throw_not_found(const std::string& id) {
   throw Error("job.not_found", "There is no job " + id + ".");
@@ -63,6 +65,19 @@ Result held_by_request(Result result) {
 }
 
 bool is_finished(JobState state) { return state != JobState::accepted && state != JobState::running; }
+
+problem::Problem interrupted() {
+  return {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
+}
+
+problem::Problem given_up(int attempts, int limit) {
+  return {"job.given_up",
+          "The server ended " + std::to_string(attempts) + " times while this job ran; it is not run again (setting " +
+              "--max-attempts).",
+          {},
+          problem::Limit{static_cast<double>(limit), static_cast<double>(attempts), "--max-attempts"},
+          {}};
+}
 
 }  // namespace
 
@@ -117,6 +132,7 @@ struct JobQueue::Job final : ProgressSink {
   std::uint64_t in_session = 0;
   std::uint64_t version = 1;
   bool visible = false;          // in the store, and clients may ask for it
+  bool kept = false;             // so is its request: a later process can make it again
   bool dismissed = false;        // by a client: however its computation ends, that is its state
   bool finishing = false;        // one thread writes how it ended
   bool finished = false;         // also once it was dismissed
@@ -124,27 +140,60 @@ struct JobQueue::Job final : ProgressSink {
   std::exception_ptr failure;
 };
 
-JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log)
+JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log,
+                   Remake remake)
     : store_(store),
       options_(options),
       render_(std::move(render)),
       observe_(std::move(observe)),
       log_(std::move(log)),
+      remake_(std::move(remake)),
       watchdog_([this] {
         if (options_.memory) options_.memory->relieve();
       }),
       slots_(options.immediate) {
-  for (auto job : store_.unfinished_jobs()) {
-    const problem::Problem problem{"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
-    job.state = JobState::failed;
-    job.finished = store::now_milliseconds();
-    job.expires = job.finished + static_cast<std::int64_t>(1000 * options_.retention);
-    job.error = render_(problem);
-    job.error_status = problem::status_of(problem);
-    if (!write_end(job, nullptr)) unwritten_.emplace(job.id, job);
-  }
+  resume();
   for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
   cleaner_ = std::thread([this] { clean_up(); });
+}
+
+void JobQueue::resume() {
+  const std::lock_guard lock(mutex_);
+  for (auto record : store_.unfinished_jobs()) {
+    if (!remake_ || !store_.has_request(record.id)) {
+      fail_at_start(std::move(record), interrupted());
+    } else if (record.state == JobState::running && record.attempts >= options_.max_attempts) {
+      fail_at_start(std::move(record), given_up(record.attempts, options_.max_attempts));
+    } else {
+      record.state = JobState::accepted;
+      record.started = 0;
+      const auto job = make_job(computation_again(record));
+      job->record = std::move(record);
+      job->visible = true;
+      job->kept = true;
+      add(job);
+    }
+  }
+}
+
+void JobQueue::fail_at_start(store::JobRecord record, const problem::Problem& problem) {
+  record.state = JobState::failed;
+  record.finished = store::now_milliseconds();
+  record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
+  record.error = render_(problem);
+  record.error_status = problem::status_of(problem);
+  if (!write_end(record, nullptr)) unwritten_.emplace(record.id, record);
+}
+
+/// The request is read once a worker has the job: until then it takes no memory, and what it does wrong counts as an
+/// attempt.
+Computation JobQueue::computation_again(const store::JobRecord& record) {
+  Computation computation{record.kind, record.mesh, record.deadline, {}, record.session, record.client};
+  computation.run = [this, record](const Execution& execution) {
+    auto request = store_.job_request(record.id);
+    return remake_(record, std::move(request)).run(execution);
+  };
+  return computation;
 }
 
 JobQueue::~JobQueue() { shut_down(0); }
@@ -222,25 +271,66 @@ void JobQueue::leave_session(const std::string& session, std::uint64_t number) {
   if (entry != sessions_.end() && entry->second.first == number) sessions_.erase(entry);
 }
 
-JobQueue::JobPointer JobQueue::enqueue(Computation computation, bool visible) {
+JobQueue::JobPointer JobQueue::make_job(Computation computation) {
   auto job = std::make_shared<Job>(*this, std::move(computation));
-  job->record.id = random_id();
-  job->record.kind = job->computation.kind;
-  job->record.mesh = job->computation.mesh;
-  job->record.created = store::now_milliseconds();
-  job->record.deadline = job->computation.deadline;
+  auto& record = job->record;
+  record.id = random_id();
+  record.kind = job->computation.kind;
+  record.mesh = job->computation.mesh;
+  record.created = store::now_milliseconds();
+  record.deadline = job->computation.deadline;
+  record.client = job->computation.client;
+  record.session = job->computation.session;
   job->watch = std::make_unique<Watchdog::Guard>(
       watchdog_, Watchdog::Watch{job->token, Clock::now() + duration(job->computation.deadline), {}});
-  const std::lock_guard lock(mutex_);
-  if (refusing_) throw_shutting_down();
-  require_place(job->computation);
-  if (visible) publish(*job);
+  return job;
+}
+
+void JobQueue::add(const JobPointer& job) {
   job->in_session = enter_session(job->computation.session, job->token);
   jobs_.emplace(job->record.id, job);
   queue_.push_back(job);
   queue_bytes_ += job->computation.bytes;
   work_.notify_one();
+}
+
+JobQueue::JobPointer JobQueue::enqueue(Computation computation, const std::optional<RequestOfJob>& request,
+                                       bool visible) {
+  auto job = make_job(std::move(computation));
+  const auto require = [&] {
+    if (refusing_) throw_shutting_down();
+    require_place(job->computation);
+  };
+  if (!visible) {
+    const std::lock_guard lock(mutex_);
+    require();
+    add(job);
+    return job;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    require();  // what is refused does not go to the disk
+  }
+  with_request(job->record, request, [&](const std::string& kept) {
+    const std::lock_guard lock(mutex_);
+    require();
+    publish(*job, request.has_value(), kept);
+    add(job);
+    return true;
+  });
   return job;
+}
+
+void JobQueue::with_request(const store::JobRecord& record, const std::optional<RequestOfJob>& request,
+                            const std::function<bool(const std::string& kept)>& publish) {
+  const auto kept = request ? store_.keep_request(record, request->request, request->body) : std::string();
+  try {
+    if (publish(kept)) return;
+  } catch (...) {
+    if (request) store_.drop_request(record.id);
+    throw;
+  }
+  if (request) store_.drop_request(record.id);
 }
 
 void JobQueue::require_place(const Computation& computation) const {
@@ -272,13 +362,25 @@ void JobQueue::require_place(const Computation& computation) const {
   }
 }
 
-JobQueue::JobPointer JobQueue::take_next() {
+bool JobQueue::is_last_attempt(const Job& job) const {
+  return job.record.attempts > 0 && job.record.attempts + 1 >= options_.max_attempts;
+}
+
+std::deque<JobQueue::JobPointer>::iterator JobQueue::next_place() {
   const auto runs = [this](const JobPointer& job) {
     const auto found = running_of_.find(job->computation.client);
     return found == running_of_.end() ? 0 : found->second;
   };
-  const auto next = std::min_element(queue_.begin(), queue_.end(),
-                                     [&](const JobPointer& a, const JobPointer& b) { return runs(a) < runs(b); });
+  auto best = queue_.end();
+  for (auto place = queue_.begin(); place != queue_.end(); ++place) {
+    if (last_attempt_runs_ && is_last_attempt(**place)) continue;
+    if (best == queue_.end() || runs(*place) < runs(*best)) best = place;
+  }
+  return best;
+}
+
+JobQueue::JobPointer JobQueue::take_next() {
+  const auto next = next_place();
   auto job = *next;
   queue_bytes_ -= job->computation.bytes;
   queue_.erase(next);
@@ -286,21 +388,23 @@ JobQueue::JobPointer JobQueue::take_next() {
 }
 
 /// Under the mutex, so that the job cannot finish between its check and its row.
-void JobQueue::publish(Job& job) {
-  store_.add_job(job.record);
+void JobQueue::publish(Job& job, bool kept, const std::string& request) {
+  store_.add_job(job.record, request);
   job.visible = true;
+  job.kept = kept;
 }
 
-JobStatus JobQueue::submit(Computation computation) {
-  const auto job = enqueue(std::move(computation), true);
+JobStatus JobQueue::submit(Computation computation, const std::optional<RequestOfJob>& request) {
+  const auto job = enqueue(std::move(computation), request, true);
   const std::lock_guard lock(mutex_);
   return status_of(*job);
 }
 
 JobQueue::ResultOrJob JobQueue::run_within(Computation computation, double seconds,
-                                           const std::function<bool()>& hung_up) {
+                                           const std::function<bool()>& hung_up,
+                                           const std::optional<RequestOfJob>& request) {
   const auto end = Clock::now() + duration(seconds);
-  const auto job = enqueue(std::move(computation), false);
+  const auto job = enqueue(std::move(computation), request, false);
   std::unique_lock lock(mutex_);
   while (!job->finished && Clock::now() < end) {
     changed_.wait_until(lock, std::min(end, Clock::now() + look_at_client));
@@ -310,13 +414,30 @@ JobQueue::ResultOrJob JobQueue::run_within(Computation computation, double secon
     lock.lock();
   }
   if (!job->finished) {
-    publish(*job);
-    return {std::nullopt, status_of(*job)};
+    const auto record = job->record;
+    lock.unlock();
+    make_visible(job, record, request);
+    lock.lock();
+    if (job->visible) return {std::nullopt, status_of(*job)};
   }
   if (job->failure) std::rethrow_exception(job->failure);
   auto result = *std::move(job->result);
   lock.unlock();
   return {held_by_request(std::move(result)), {}};
+}
+
+void JobQueue::make_visible(const JobPointer& job, const store::JobRecord& record,
+                            const std::optional<RequestOfJob>& request) {
+  try {
+    with_request(record, request, [&](const std::string& kept) {
+      const std::lock_guard lock(mutex_);
+      if (!job->finished) publish(*job, request.has_value(), kept);
+      return job->visible;
+    });
+  } catch (...) {
+    job->token.request(StopReason::cancelled);  // nobody could ask for it
+    throw;
+  }
 }
 
 JobQueue::JobPointer JobQueue::find(const std::string& id) const {
@@ -344,14 +465,14 @@ JobStatus JobQueue::status(const std::string& id) const {
 
 std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit, const std::string& after,
                                       const std::string& owner) const {
-  // The store knows a running job as accepted; both are looked for together and told apart in memory. It knows those
-  // whose end it did not take as accepted too: while there are any, only memory tells the states.
+  // The store may know a running job as accepted; both are looked for together and told apart in memory. Those whose
+  // end it did not take it knows as unfinished: while there are any, only memory tells the states.
   std::vector<JobStatus> list;
-  auto in_store = state;
-  if (state == JobState::running) in_store = JobState::accepted;
+  std::vector<JobState> in_store;
+  if (state) in_store = is_finished(*state) ? std::vector{*state} : std::vector{JobState::accepted, JobState::running};
   {
     const std::lock_guard lock(mutex_);
-    if (!unwritten_.empty()) in_store.reset();
+    if (!unwritten_.empty()) in_store.clear();
   }
   std::string last = after;
   while (list.size() < limit) {
@@ -431,25 +552,42 @@ std::size_t JobQueue::waiting() const {
 void JobQueue::work() {
   std::unique_lock lock(mutex_);
   while (true) {
-    work_.wait(lock, [this] { return ending_ || !queue_.empty(); });
+    work_.wait(lock, [this] { return ending_ || next_place() != queue_.end(); });
     if (ending_) return;
     const auto job = take_next();
     if (job->finished) continue;
+    const bool last_attempt = is_last_attempt(*job);
+    if (last_attempt) last_attempt_runs_ = true;
     ++running_;
     ++running_of_[job->computation.client];
     const auto begin = Clock::now();
     job->record.state = JobState::running;
     job->record.started = store::now_milliseconds();
+    ++job->record.attempts;
     ++job->version;
     changed_.notify_all();
+    const auto record = job->visible ? std::optional(job->record) : std::nullopt;
     lock.unlock();
+    if (record) note_progress(*record);
     run_job(job);
     lock.lock();
     --running_;
+    if (last_attempt) {
+      last_attempt_runs_ = false;
+      work_.notify_all();
+    }
     if (const auto of = running_of_.find(job->computation.client); --of->second == 0) running_of_.erase(of);
     constexpr double weight = 0.1;  // of the latest job in the moving average
     mean_seconds_ += weight * (std::chrono::duration<double>(Clock::now() - begin).count() - mean_seconds_);
     changed_.notify_all();
+  }
+}
+
+void JobQueue::note_progress(const store::JobRecord& record) {
+  try {
+    store_.note_progress(record);
+  } catch (const Error&) {
+    // The store is full or unavailable: should the process end now, this attempt is one that nobody knows of.
   }
 }
 
@@ -481,15 +619,17 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
     failure = nullptr;
     result.reset();
   }
+  if (failure && job->kept && problem::problem_of(failure).code == stopped_by_shutdown) {
+    put_back(job);
+    return;
+  }
   auto record = job->record;
   record.state = state;
   record.finished = store::now_milliseconds();
   record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
   if (failure) {
     auto problem = problem::problem_of(failure);
-    if (problem.code == "server.shutting_down") {
-      problem = {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
-    }
+    if (problem.code == stopped_by_shutdown) problem = interrupted();
     record.error = render_(problem);
     record.error_status = problem::status_of(problem);
   }
@@ -512,6 +652,21 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
   lock.unlock();
   watch.reset();
   observe_(record);
+}
+
+void JobQueue::put_back(const JobPointer& job) {
+  auto& record = job->record;
+  if (record.state == JobState::running) {
+    record.state = JobState::accepted;
+    record.started = 0;
+    --record.attempts;
+    note_progress(record);
+  }
+  job->finished = true;
+  jobs_.erase(record.id);
+  leave_session(job->computation.session, job->in_session);
+  changed_.notify_all();
+  job->watch.reset();
 }
 
 bool JobQueue::write_end(store::JobRecord& record, const Result* result) {
@@ -568,11 +723,13 @@ void JobQueue::clean_up() {
     if (options_.memory) options_.memory->return_what_is_free();
     if (Clock::now() >= next_write) {
       write_what_was_refused();
+      store_.take_reserve();
       next_write = Clock::now() + write_again;
     }
     if (Clock::now() >= next_look_at_store) {
       try {
         store_.remove_expired_jobs(store::now_milliseconds(), options_.max_jobs);
+        if (options_.clean_up_too) options_.clean_up_too();
       } catch (const Error&) {
         // The store is unavailable, as every request that needs it says; the next look tries again.
       }

@@ -81,6 +81,9 @@ struct Metrics::Implementation {
   prometheus::Gauge& models = gauge("supple_models_loaded", "Neural models that are served.");
   prometheus::Gauge& damaged_models = gauge("supple_models_damaged", "Model files that cannot be read.");
   prometheus::Gauge& disk_free = gauge("supple_disk_free_bytes", "Space left on the disk of the data folder.");
+  prometheus::Family<prometheus::Gauge>& store =
+      prometheus::BuildGauge().Name("supple_store_bytes").Help("Bytes of the data folder by part.").Register(registry);
+  prometheus::Gauge& store_limit = gauge("supple_store_limit_bytes", "Bytes that the data folder may hold.");
   prometheus::Gauge& resident = gauge("process_resident_memory_bytes", "Resident memory of the process.");
 
   /// The library looks a series up by a map of strings; these maps save that for the series in use.
@@ -144,6 +147,9 @@ void Metrics::count_evaluations(const std::string& model, std::int64_t states) {
 std::string Metrics::text(const Snapshot& snapshot) {
   auto& self = *implementation_;
   for (const auto& [state, count] : snapshot.jobs) self.jobs.Add({{"state", state}}).Set(static_cast<double>(count));
+  for (const auto& [part, bytes] : snapshot.store_bytes)
+    self.store.Add({{"part", part}}).Set(static_cast<double>(bytes));
+  self.store_limit.Set(static_cast<double>(snapshot.store_limit));
   self.connections.Set(static_cast<double>(snapshot.connections));
   self.event_streams.Set(static_cast<double>(snapshot.event_streams));
   self.answering.Set(static_cast<double>(snapshot.answering));

@@ -7,6 +7,7 @@
 
 #include "handlers.h"
 #include "ownership.h"
+#include "supple/routes/resume.h"
 
 namespace supple::routes {
 namespace {
@@ -41,6 +42,15 @@ struct Reading {
 };
 thread_local Reading reading;
 
+/// Where the computation of this thread's request goes instead of being answered; null where it is to be answered.
+thread_local std::optional<jobs::Computation>* wanted = nullptr;
+
+/// What a job of this request can be made again from.
+jobs::RequestOfJob request_of_job(const http::Request& request) {
+  return {{request.method, request.path, request.query, request.header("Content-Type"), request.header("Accept")},
+          request.body};
+}
+
 /// Seconds since the handler on this thread began to read the body; 0 where it has none.
 double seconds_of_reading(const http::Request& request) {
   if (reading.request != &request) return 0;
@@ -67,6 +77,10 @@ http::Response answer_computation(Services& services, const http::Request& reque
   if (!computation.session.empty() && !request.key.empty())
     computation.session = request.key + " " + computation.session;
   computation.bytes = static_cast<std::int64_t>(request.body.size());
+  if (wanted) {
+    *wanted = std::move(computation);
+    return {};
+  }
   if (!preference.respond_async && !preference.wait) {
     // The deadline of an immediate answer counts from the request's arrival: reading a large body takes its share of
     // it. That of a job is what its status says, from where it was accepted.
@@ -77,11 +91,12 @@ http::Response answer_computation(Services& services, const http::Request& reque
   const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
   http::Response response;
   if (preference.wait && *preference.wait > 0) {
-    auto outcome = services.jobs->run_within(std::move(computation), *preference.wait, hung_up);
+    auto outcome =
+        services.jobs->run_within(std::move(computation), *preference.wait, hung_up, request_of_job(request));
     response = outcome.result ? finished(std::move(*outcome.result)) : accepted(services, request, outcome.job);
     response.set_header("Preference-Applied", "wait=" + plain_seconds(*preference.wait));
   } else {
-    response = accepted(services, request, services.jobs->submit(std::move(computation)));
+    response = accepted(services, request, services.jobs->submit(std::move(computation), request_of_job(request)));
     response.set_header("Preference-Applied", preference.respond_async ? "respond-async" : "wait=0");
   }
   return response;
@@ -100,6 +115,31 @@ http::Response answer_immediately(Services& services, const http::Request& reque
   services.metrics->observe_memory(profile.peak_memory);
   response.set_header("Server-Timing", server_timing(reading_seconds, profile));
   return response;
+}
+
+jobs::Computation computation_of(const http::Router& router, const store::JobRecord& job, store::StoredRequest stored) {
+  http::Request request;
+  request.method = std::move(stored.request.method);
+  request.path = std::move(stored.request.path);
+  request.query = std::move(stored.request.query);
+  request.client = job.client;
+  request.body = std::move(stored.body);
+  request.headers = {{"Content-Type", std::move(stored.request.content_type)},
+                     {"Accept", std::move(stored.request.accept)},
+                     {"Prefer", "respond-async"}};
+  auto match = router.find(request.method, request.path);
+  request.path_parameters = std::move(match.path_parameters);
+  std::optional<jobs::Computation> computation;
+  wanted = &computation;
+  struct Forget {
+    ~Forget() {
+      wanted = nullptr;
+      reading.request = nullptr;
+    }
+  } const forget;
+  match.route->handler(request);
+  if (!computation) throw Error("job.interrupted", "The server stopped before the job had finished.");
+  return *std::move(computation);
 }
 
 std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const http::Request& request,

@@ -77,6 +77,13 @@ http::Response metrics_text(const Services& services) {
     snapshot.models_loaded = static_cast<std::int64_t>(services.models->size());
     snapshot.models_damaged = static_cast<std::int64_t>(services.models->damaged());
     snapshot.disk_free_bytes = store::disk_space(services.data).free;
+    const auto usage = services.store->usage();
+    snapshot.store_bytes = {{"meshes", usage.meshes},
+                            {"results", usage.results},
+                            {"requests", usage.requests},
+                            {"database", usage.database},
+                            {"quarantine", usage.quarantine}};
+    snapshot.store_limit = usage.limit;
   }
   http::Response response;
   response.content_type = "text/plain; version=0.0.4; charset=utf-8";

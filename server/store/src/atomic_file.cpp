@@ -36,21 +36,23 @@ void synchronize_folder(const std::filesystem::path& folder) {
   if (descriptor.get() < 0 || ::fsync(descriptor.get()) != 0) fail("synchronize", folder);
 }
 
-void write_durably(const std::filesystem::path& path, std::string_view bytes) {
+void write_durably(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
   const Descriptor descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   if (descriptor.get() < 0) fail("create", path);
-  while (!bytes.empty()) {
-    const auto count = ::write(descriptor.get(), bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("write", path);
-    bytes.remove_prefix(static_cast<std::size_t>(count));
+  for (auto bytes : pieces) {
+    while (!bytes.empty()) {
+      const auto count = ::write(descriptor.get(), bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail("write", path);
+      bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
   }
   if (::fsync(descriptor.get()) != 0) fail("synchronize", path);
 }
 
 }  // namespace
 
-bool means_full(int error) { return error == ENOSPC || error == EDQUOT; }
+bool means_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 
 void throw_file_error(const std::string& action, const std::filesystem::path& path, int error) {
   throw Error(means_full(error) ? "store.full" : "store.unavailable", "The store cannot " + action + " " +
@@ -58,12 +60,12 @@ void throw_file_error(const std::string& action, const std::filesystem::path& pa
                                                                           std::generic_category().message(error) + ".");
 }
 
-void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
+void write_atomically(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
   static std::atomic<unsigned> counter{0};
   std::filesystem::path part = path;
   part += "." + std::to_string(counter++) + std::string(unfinished_suffix);
   try {
-    write_durably(part, bytes);
+    write_durably(part, pieces);
     if (::rename(part.c_str(), path.c_str()) != 0) fail("rename", part);
   } catch (...) {
     ::unlink(part.c_str());
@@ -91,6 +93,11 @@ std::string read_file(const std::filesystem::path& path) {
   }
   bytes.resize(done);
   return bytes;
+}
+
+std::int64_t bytes_of(const std::filesystem::path& path) noexcept {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 ? static_cast<std::int64_t>(status.st_size) : 0;
 }
 
 }  // namespace supple::store

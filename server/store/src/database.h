@@ -47,13 +47,14 @@ class Statement {
   Statement& bind(std::string_view text);
   Statement& bind(std::int64_t value);
   Statement& bind(double value);
+  Statement& bind_bytes(std::string_view bytes);
 
   /// Moves to the next row; false after the last.
   bool step();
   /// Runs a statement that has no rows and returns how many rows it changed.
   int run();
 
-  std::string text(int column) const;
+  std::string text(int column) const;  ///< or bytes
   std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
   double real(int column) const { return sqlite3_column_double(statement_, column); }
 
@@ -61,6 +62,19 @@ class Statement {
   const Database& database_;
   sqlite3_stmt* statement_ = nullptr;
   int bound_ = 0;
+};
+
+/// Commits within its scope do not wait for the disk: they outlive the process, but not necessarily the machine. Not
+/// within a transaction.
+class QuickCommits {
+ public:
+  explicit QuickCommits(Database& database) : database_(database) { database_.execute("PRAGMA synchronous = NORMAL"); }
+  ~QuickCommits();
+  QuickCommits(const QuickCommits&) = delete;
+  QuickCommits& operator=(const QuickCommits&) = delete;
+
+ private:
+  Database& database_;
 };
 
 /// Rolls back at the end of its scope unless it was committed.

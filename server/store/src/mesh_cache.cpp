@@ -25,6 +25,7 @@ std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id) {
     if (!slot) slot = std::make_shared<Entry>();
     entry = slot;
     if (entry->mesh) {
+      store_.use_mesh(id);
       recent_.splice(recent_.begin(), recent_, entry->place);
       return entry->mesh;
     }
@@ -44,6 +45,7 @@ std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id) {
     if (slot != entries_.end() && slot->second == entry && !entry->mesh) entries_.erase(slot);
     throw;
   }
+  store_.use_mesh(id);
   const std::lock_guard lock(mutex_);
   // Whoever forgot the mesh meanwhile has deleted it: it serves those who asked before and is not held.
   const auto slot = entries_.find(id);
@@ -81,6 +83,12 @@ void MeshCache::forget(const std::string& id) {
     recent_.erase(slot->second->place);
   }
   entries_.erase(slot);
+}
+
+std::size_t MeshCache::remove_unused(Store& store, double seconds) {
+  const auto ids = store.remove_unused_meshes(now_milliseconds() - static_cast<std::int64_t>(1000 * seconds));
+  for (const auto& id : ids) forget(id);
+  return ids.size();
 }
 
 MeshCache::Size MeshCache::size() const {

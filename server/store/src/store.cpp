@@ -1,18 +1,19 @@
 #include "supple/store/store.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <ctime>
-#include <set>
+#include <cstdlib>
+#include <map>
 #include <system_error>
 
 #include "atomic_file.h"
+#include "data_folder.h"
 #include "database.h"
 #include "owner_table.h"
+#include "record_file.h"
+#include "recovery.h"
+#include "schema.h"
+#include "space.h"
 #include "supple/base/error.h"
 
 namespace supple::store {
@@ -22,89 +23,13 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> state_names{"accepted", "running", "successful", "failed", "dismissed"};
 
-constexpr const char* schema = R"(
-PRAGMA journal_mode = WAL;
-PRAGMA synchronous = FULL;
-CREATE TABLE IF NOT EXISTS meshes (
-  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
-  id TEXT NOT NULL UNIQUE,
-  created INTEGER NOT NULL,
-  description TEXT NOT NULL
-);
-CREATE TABLE IF NOT EXISTS jobs (
-  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
-  id TEXT NOT NULL UNIQUE,
-  kind TEXT NOT NULL,
-  mesh TEXT NOT NULL,
-  state TEXT NOT NULL,
-  created INTEGER NOT NULL,
-  started INTEGER NOT NULL,
-  finished INTEGER NOT NULL,
-  expires INTEGER NOT NULL,
-  deadline REAL NOT NULL,
-  error TEXT NOT NULL,
-  error_status INTEGER NOT NULL,
-  result_type TEXT NOT NULL DEFAULT '',
-  result_headers TEXT NOT NULL DEFAULT '',
-  result_hash TEXT NOT NULL DEFAULT ''
-);
-CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state, sequence);
-PRAGMA user_version = 1;
-)";
+/// Of results, which end at once where one makes room for another.
+constexpr const char* oldest_results =
+    "SELECT id FROM jobs WHERE finished > 0 AND result_hash <> '' ORDER BY finished, sequence";
 
-constexpr const char* job_columns =
-    "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status";
-
-JobRecord read_job(const Statement& row) {
-  JobRecord job;
-  job.id = row.text(0);
-  job.kind = row.text(1);
-  job.mesh = row.text(2);
-  job.state = state_of(row.text(3)).value_or(JobState::failed);
-  job.created = row.integer(4);
-  job.started = row.integer(5);
-  job.finished = row.integer(6);
-  job.expires = row.integer(7);
-  job.deadline = row.real(8);
-  job.error = row.text(9);
-  job.error_status = static_cast<int>(row.integer(10));
-  return job;
-}
-
-/// Headers as "name: value" lines.
-std::string join_headers(const Result& result) {
-  std::string text;
-  for (const auto& [name, value] : result.headers) text.append(name).append(": ").append(value).append("\n");
-  return text;
-}
-
-void split_headers(const std::string& text, Result& result) {
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const auto end = text.find('\n', begin);
-    const auto colon = text.find(": ", begin);
-    result.headers.emplace_back(text.substr(begin, colon - begin), text.substr(colon + 2, end - colon - 2));
-    begin = end + 1;
-  }
-}
-
-/// Whether write_atomically left it: the process ended before the file was complete.
-bool is_unfinished(const fs::path& path) { return path.extension() == unfinished_suffix; }
-
-/// Milliseconds since 1970.
-std::int64_t modified(const fs::path& path) {
-  const auto age = fs::file_time_type::clock::now() - fs::last_write_time(path);
-  return now_milliseconds() - std::chrono::duration_cast<std::chrono::milliseconds>(age).count();
-}
-
-/// "20260131T235959Z", in UTC.
-std::string compact_time() {
-  const auto seconds = static_cast<std::time_t>(now_milliseconds() / 1000);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  std::array<char, 20> text{};
-  return {text.data(), std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts)};
-}
+/// Bytes of a body. One commit is several times as fast as a file of its own, whose content, name and row are
+/// synchronized each; what is larger would be written twice, to the log and from it.
+constexpr std::size_t largest_request_in_database = 256 << 10;
 
 }  // namespace
 
@@ -117,187 +42,49 @@ std::optional<JobState> state_of(std::string_view name) {
 }
 
 struct Store::Implementation {
-  Implementation(const fs::path& data, const Recovery& means)
-      : recovery(means),
-        folder(data),
-        prepared(prepare_folder()),
-        lock(take_lock(data)),
-        connection(open_database()),
+  Implementation(const fs::path& data, const Recovery& recovery, const Quota& quota)
+      : folder(data, recovery.warn),
+        places(folder.places()),
+        connection(open_database(folder, database_is_new)),
         database(*connection),
-        owners(database) {
-    recover_meshes();
-    recover_results();
+        owners(database),
+        space(places, quota),
+        reserve(places.reserve()) {
+    follow_clock();
+    recover_files(folder, database, recovery, database_is_new);
+    space.count();
+    reserve.take();
   }
-  ~Implementation() { ::close(lock); }
 
-  /// For the server's user alone, also where an earlier version or an administrator made the folder.
-  bool prepare_folder() const {
-    const bool existed = fs::exists(folder);
-    fs::create_directories(folder);
-    const auto before = fs::status(folder).permissions();
-    if (before != fs::perms::owner_all) {
-      std::error_code error;
-      fs::permissions(folder, fs::perms::owner_all, error);
-      if (error) {
-        warn("the data folder may be entered by others and belongs to another user, so this cannot be changed: " +
-             error.message());
-      } else if (existed) {
-        warn("the data folder could be entered by others, and is for the server's user alone now (mode 0700)");
-      }
+  /// Ages are the time that has passed, not what clocks say: where the machine's clock was set since an earlier
+  /// process, what expires does so later, or earlier, by as much. After a start of the machine only its clock can tell.
+  void follow_clock() {
+    constexpr std::int64_t noise = 60'000;  // milliseconds by which nobody sets a clock who means it
+    const auto id = machine_start_id();
+    const auto start = machine_start();
+    std::int64_t jump = 0;
+    {
+      Statement row(database, "SELECT machine_start_id, machine_start FROM clock");
+      const bool same_machine_start = row.step() && !id.empty() && row.text(0) == id;
+      if (same_machine_start) jump = start - row.integer(1);
+      if (same_machine_start && std::abs(jump) <= noise) return;
     }
-    fs::create_directories(folder / "meshes");
-    fs::create_directories(folder / "results");
-    return true;
-  }
-
-  /// One process at a time: a second one would call this one's running jobs interrupted.
-  static int take_lock(const fs::path& data) {
-    const int descriptor = ::open((data / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (descriptor < 0) {
-      throw Error("store.unavailable", "The data folder " + data.string() +
-                                           " is not writable: " + std::generic_category().message(errno) + ".");
-    }
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-      ::close(descriptor);
-      throw Error("store.unavailable", "The data folder " + data.string() + " is in use by another server.");
-    }
-    return descriptor;
-  }
-
-  static std::unique_ptr<Database> try_database(const fs::path& path) {
-    auto opened = std::make_unique<Database>(path);
-    opened->check();
-    opened->execute(schema);
-    // A column that is missing is found now, not by the first request that needs it.
-    const Statement meshes(*opened, "SELECT id, created, description FROM meshes");
-    const Statement jobs(*opened, "SELECT " + std::string(job_columns) +
-                                      ", result_type, result_headers, result_hash, sequence FROM jobs");
-    const OwnerTable owners(*opened);
-    return opened;
-  }
-
-  std::unique_ptr<Database> open_database() const {
-    const auto path = folder / "supple.sqlite";
-    const auto set_aside = [&] {
-      // Its log and its index belong to it: beside a new database they would be taken for that one's.
-      for (const char* suffix : {"", "-wal", "-shm"}) {
-        auto file = path;
-        file += suffix;
-        if (fs::exists(file)) quarantine(file);
-      }
-    };
-    if (!fs::exists(path)) set_aside();
     try {
-      return try_database(path);
-    } catch (const DamagedDatabase& error) {
-      warn(std::string(error.what()) + " It is set aside and a new one is made.");
-    }
-    set_aside();
-    return try_database(path);
-  }
-
-  void warn(const std::string& text) const {
-    if (recovery.warn) recovery.warn(text);
-  }
-
-  /// Moves a file into the folder of what is not understood, under a name that says when. Throws fs::filesystem_error.
-  void quarantine(const fs::path& file) const {
-    const auto target_folder = folder / "quarantine";
-    fs::create_directories(target_folder);
-    const auto name = compact_time() + "-" + file.filename().string();
-    auto target = target_folder / name;
-    for (int i = 1; fs::exists(target); ++i) target = target_folder / (name + "." + std::to_string(i));
-    fs::rename(file, target);
-    warn("the file " + file.filename().string() + " is moved to quarantine/" + target.filename().string());
-  }
-
-  /// For a file that the server can do without: where it cannot be moved, as on a full disk, it stays.
-  void try_to_quarantine(const fs::path& file) const {
-    try {
-      quarantine(file);
-    } catch (const fs::filesystem_error& error) {
-      warn("the file " + file.filename().string() + " is unknown and cannot be moved: " + error.code().message());
-    }
-  }
-
-  /// The regular files of a folder that no row knows, without the half-written ones, which are removed.
-  std::vector<fs::path> unknown_files(const char* subfolder, const std::string& suffix, const char* known_ids) const {
-    std::set<std::string> known;
-    for (Statement rows(database, known_ids); rows.step();) known.insert(rows.text(0) + suffix);
-    std::vector<fs::path> unknown;
-    for (const auto& entry : fs::directory_iterator(folder / subfolder)) {
-      if (!entry.is_regular_file() || known.contains(entry.path().filename().string())) continue;
-      unknown.push_back(entry.path());
-    }
-    std::error_code ignored;
-    const auto unfinished = std::stable_partition(unknown.begin(), unknown.end(),
-                                                  [](const fs::path& path) { return !is_unfinished(path); });
-    for (auto path = unfinished; path != unknown.end(); ++path) fs::remove(*path, ignored);
-    unknown.erase(unfinished, unknown.end());
-    return unknown;
-  }
-
-  /// The row of a mesh from its file; nothing where the file is not what its name says.
-  std::optional<MeshRecord> describe_file(const fs::path& file, std::int64_t created) const {
-    if (file.extension() != ".ply" || !recovery.describe) return std::nullopt;
-    MeshRecord record{file.stem().string(), created, {}};
-    try {
-      const auto ply = read_file(file);
-      if (sha256(ply) != record.id) return std::nullopt;
-      record.description = recovery.describe(ply, record.id, created);
-    } catch (const std::exception& error) {
-      warn("the file " + file.filename().string() + " cannot be indexed: " + error.what());
-      return std::nullopt;
-    }
-    return record;
-  }
-
-  void recover_meshes() {
-    std::vector<std::pair<std::int64_t, fs::path>> files;
-    for (auto& file : unknown_files("meshes", ".ply", "SELECT id FROM meshes")) {
-      const auto created = modified(file);
-      files.emplace_back(created, std::move(file));
-    }
-    std::sort(files.begin(), files.end());
-    for (const auto& [created, file] : files) {
-      const auto record = describe_file(file, created);
-      if (!record) {
-        try_to_quarantine(file);
-        continue;
+      Transaction transaction(database);
+      if (jump != 0) {
+        Statement(database, "UPDATE jobs SET expires = expires + ? WHERE finished > 0").bind(jump).run();
+        Statement(database, "UPDATE meshes SET used = max(used, created) + ?").bind(jump).run();
       }
-      try {
-        insert_mesh(*record);
-        warn("the mesh " + record->id + " had no row and is indexed again");
-      } catch (const Error& error) {
-        warn("the mesh " + record->id + " cannot be indexed before the next start: " + error.what());
-      }
+      database.execute("DELETE FROM clock");
+      Statement(database, "INSERT INTO clock VALUES (?, ?)").bind(id).bind(start).run();
+      transaction.commit();
+    } catch (const Error& error) {
+      folder.warn(std::string("the clock cannot be compared with that of an earlier start: ") + error.what());
+      return;
     }
+    if (jump != 0)
+      folder.warn("the clock was set by " + std::to_string(jump / 1000) + " s; what expires does so by as much later");
   }
-
-  void recover_results() {
-    std::set<std::string> unacknowledged;
-    for (Statement rows(database, "SELECT id FROM jobs WHERE result_hash = ''"); rows.step();)
-      unacknowledged.insert(rows.text(0) + ".result");
-    for (const auto& file : unknown_files("results", ".result", "SELECT id FROM jobs WHERE result_hash <> ''")) {
-      std::error_code ignored;
-      if (unacknowledged.contains(file.filename().string())) {
-        fs::remove(file, ignored);
-      } else {
-        try_to_quarantine(file);
-      }
-    }
-  }
-
-  void insert_mesh(const MeshRecord& record) {
-    Statement(database, "INSERT INTO meshes (id, created, description) VALUES (?, ?, ?)")
-        .bind(record.id)
-        .bind(record.created)
-        .bind(record.description)
-        .run();
-  }
-
-  fs::path mesh_path(const std::string& id) const { return folder / "meshes" / (id + ".ply"); }
-  fs::path result_path(const std::string& id) const { return folder / "results" / (id + ".result"); }
 
   std::optional<MeshRecord> find_mesh(const std::string& id) const {
     Statement row(database, "SELECT created, description FROM meshes WHERE id = ?");
@@ -305,33 +92,129 @@ struct Store::Implementation {
     return MeshRecord{id, row.integer(0), row.text(1)};
   }
 
-  bool delete_row(const std::string& id) {
-    return Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() > 0;
-  }
-  void delete_result(const std::string& id) const {
-    std::error_code ignored;  // a file without a row goes into quarantine at the next start
-    fs::remove(result_path(id), ignored);
+  std::optional<std::string> request_in_database(const std::string& id) const {
+    Statement row(database, "SELECT content FROM requests WHERE job = ?");
+    if (!row.bind(id).step()) return std::nullopt;
+    return row.text(0);
   }
 
-  const Recovery recovery;
-  const fs::path folder;
-  const bool prepared;  ///< the folder is there before the lock in it is taken
-  const int lock;
+  /// Takes the space of a file that is about to be written; old results go where it is needed. Throws "store.quota".
+  /// Not under the mutex.
+  void take(Part part, std::int64_t bytes) {
+    while (const auto too_many = space.try_add(part, bytes)) {
+      const std::lock_guard lock(mutex);
+      if (expire_oldest_results(too_many) == 0) space.refuse(part, bytes);
+    }
+  }
+
+  /// Under the mutex: removes the oldest finished jobs until their results have freed so many bytes. Returns how many
+  /// there were.
+  std::size_t expire_oldest_results(std::int64_t bytes) {
+    std::vector<std::string> oldest;
+    {
+      std::int64_t freed = 0;
+      for (Statement rows(database, oldest_results); freed < bytes && rows.step();) {
+        oldest.push_back(rows.text(0));
+        freed += bytes_of(places.result(oldest.back()));
+      }
+    }
+    remove_jobs(oldest);
+    if (!oldest.empty()) {
+      folder.warn(std::to_string(oldest.size()) + " finished jobs have expired to make room for others (--max-store)");
+    }
+    return oldest.size();
+  }
+
+  /// Under the mutex: a removal needs space before it makes some.
+  template <class Removal>
+  auto with_reserve(Removal removal) {
+    try {
+      return removal();
+    } catch (const Error& error) {
+      if (error.code() != "store.full" || !reserve.give_back()) throw;
+    }
+    return removal();
+  }
+
+  /// Under the mutex. The files go last, for a row that stays because the commit failed must still have its result.
+  void remove_jobs(const std::vector<std::string>& ids) {
+    constexpr std::size_t batch = 200;  // whose commit fits into the reserve
+    for (std::size_t begin = 0; begin < ids.size(); begin += batch) {
+      const auto end = std::min(ids.size(), begin + batch);
+      with_reserve([&] {
+        Transaction transaction(database);
+        for (auto i = begin; i < end; ++i) delete_row(ids[i]);
+        transaction.commit();
+      });
+      for (auto i = begin; i < end; ++i) delete_files(ids[i]);
+      reserve.take();
+    }
+  }
+
+  bool delete_row(const std::string& id) const {
+    return Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() > 0;
+  }
+  /// What stays because it cannot be removed is met again at the next start.
+  void delete_files(const std::string& id) {
+    delete_file(Part::results, places.result(id));
+    delete_file(Part::requests, places.request(id));
+  }
+  void delete_file(Part part, const fs::path& file) {
+    const auto bytes = bytes_of(file);
+    std::error_code ignored;
+    if (fs::remove(file, ignored)) space.add(part, -bytes);
+  }
+
+  /// Writes a file whose space is taken first.
+  void write(Part part, const fs::path& file, std::initializer_list<std::string_view> pieces) {
+    std::int64_t bytes = 0;
+    for (const auto piece : pieces) bytes += static_cast<std::int64_t>(piece.size());
+    take(part, bytes);
+    TakenSpace taken(space, part, bytes);
+    write_atomically(file, pieces);
+    taken.keep();
+  }
+
+  /// Under the mutex: tells the database when meshes were used last.
+  void write_uses() {
+    if (uses.empty()) return;
+    const QuickCommits quick(database);
+    Transaction transaction(database);
+    for (const auto& [id, when] : uses)
+      Statement(database, "UPDATE meshes SET used = ? WHERE id = ?").bind(when).bind(id).run();
+    transaction.commit();
+    uses.clear();
+  }
+
+  const DataFolder folder;
+  const Places& places;
+  bool database_is_new = false;
   mutable std::mutex mutex;
   const std::unique_ptr<Database> connection;
   Database& database;
   OwnerTable owners;
+  Space space;
+  Reserve reserve;
+  mutable std::mutex uses_mutex;
+  std::map<std::string, std::int64_t> uses;  ///< of meshes, since the database was told last
 };
 
-Store::Store(const fs::path& folder, const Recovery& recovery) {
+Store::Store(const fs::path& folder, const Recovery& recovery, const Quota& quota) {
   try {
-    implementation_ = std::make_unique<Implementation>(folder, recovery);
+    implementation_ = std::make_unique<Implementation>(folder, recovery, quota);
   } catch (const fs::filesystem_error& error) {
     throw Error("store.unavailable",
                 "The data folder " + folder.string() + " cannot be used: " + error.code().message() + ".");
   }
 }
-Store::~Store() = default;
+Store::~Store() {
+  if (!implementation_) return;
+  try {
+    implementation_->write_uses();
+  } catch (const Error&) {
+    // Those meshes count as unused for as long as they did.
+  }
+}
 
 std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const DescribeMesh& describe,
                                             const std::string& owner) {
@@ -351,21 +234,33 @@ std::pair<MeshRecord, bool> Store::add_content(const std::string& ply, const Des
   MeshRecord record;
   record.id = sha256(ply);
   if (auto known = mesh(record.id)) {
+    use_mesh(record.id);
     // Uploading again repairs a file that has been damaged.
     try {
       mesh_content(record.id);
     } catch (const Error&) {
-      write_atomically(self.mesh_path(record.id), ply);
+      write_atomically(self.places.mesh(record.id), {ply});
+      self.space.count();  // nobody knows how large it was when it was counted
     }
     return {std::move(*known), false};
   }
   record.created = now_milliseconds();
   record.description = describe(record.id, record.created);
+  const auto bytes = static_cast<std::int64_t>(ply.size());
+  self.take(Part::meshes, bytes);
+  TakenSpace taken(self.space, Part::meshes, bytes);
   // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
   const std::lock_guard lock(self.mutex);
   if (auto known = self.find_mesh(record.id)) return {std::move(*known), false};
-  write_atomically(self.mesh_path(record.id), ply);
-  self.insert_mesh(record);
+  write_atomically(self.places.mesh(record.id), {ply});
+  try {
+    insert_mesh(self.database, record);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(self.places.mesh(record.id), ignored);
+    throw;
+  }
+  taken.keep();
   return {std::move(record), true};
 }
 
@@ -388,7 +283,7 @@ std::vector<MeshRecord> Store::meshes(std::size_t limit, const std::string& afte
 
 std::string Store::mesh_content(const std::string& id) const {
   if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
-  auto bytes = read_file(implementation_->mesh_path(id));
+  auto bytes = read_file(implementation_->places.mesh(id));
   if (sha256(bytes) != id)
     throw Error("store.corrupted", "The stored file " + id + ".ply has changed since it was written.");
   return bytes;
@@ -406,68 +301,120 @@ bool Store::is_last_owner_of_mesh(const std::string& id, const std::string& owne
 }
 
 bool Store::remove_mesh(const std::string& id, const std::string& owner) {
-  const std::lock_guard lock(implementation_->mutex);
+  auto& self = *implementation_;
+  const std::lock_guard lock(self.mutex);
   if (!owner.empty()) {
-    auto& owners = implementation_->owners;
-    if (!owners.has(OwnerTable::Kind::mesh, id, owner)) return false;
-    if (owners.count(OwnerTable::Kind::mesh, id) > 1) return owners.remove(OwnerTable::Kind::mesh, id, owner);
+    if (!self.owners.has(OwnerTable::Kind::mesh, id, owner)) return false;
+    if (self.owners.count(OwnerTable::Kind::mesh, id) > 1) return self.owners.remove(OwnerTable::Kind::mesh, id, owner);
   }
-  if (Statement(implementation_->database, "DELETE FROM meshes WHERE id = ?").bind(id).run() == 0) return false;
-  std::error_code ignored;  // a file without a row is a mesh again at the next start
-  fs::remove(implementation_->mesh_path(id), ignored);
+  const int rows =
+      self.with_reserve([&] { return Statement(self.database, "DELETE FROM meshes WHERE id = ?").bind(id).run(); });
+  if (rows == 0) return false;
+  self.delete_file(Part::meshes, self.places.mesh(id));  // a file without a row is a mesh again at the next start
+  self.reserve.take();
   return true;
 }
 
-void Store::add_job(const JobRecord& job) {
+void Store::use_mesh(const std::string& id) const {
+  const std::lock_guard lock(implementation_->uses_mutex);
+  implementation_->uses[id] = now_milliseconds();
+}
+
+std::vector<std::string> Store::remove_unused_meshes(std::int64_t before) {
+  auto& self = *implementation_;
+  std::vector<std::string> ids;
+  const std::scoped_lock lock(self.mutex, self.uses_mutex);
+  self.write_uses();
+  {
+    Statement rows(self.database,
+                   "SELECT id FROM meshes WHERE max(created, used) < ? AND id NOT IN "
+                   "(SELECT mesh FROM jobs WHERE finished = 0)");
+    for (rows.bind(before); rows.step();) ids.push_back(rows.text(0));
+  }
+  for (const auto& id : ids) {
+    self.with_reserve([&] { Statement(self.database, "DELETE FROM meshes WHERE id = ?").bind(id).run(); });
+    self.delete_file(Part::meshes, self.places.mesh(id));
+  }
+  self.reserve.take();
+  return ids;
+}
+
+std::string Store::keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) {
+  auto& self = *implementation_;
+  auto content = request_file(job, request).header(sha256(body));
+  if (body.size() > largest_request_in_database) {
+    self.write(Part::requests, self.places.request(job.id), {content, body});
+    return {};
+  }
+  content += body;
+  const auto bytes = static_cast<std::int64_t>(content.size());
+  self.take(Part::requests, bytes);  // there is room for it; where it goes it counts as the database
+  self.space.add(Part::requests, -bytes);
+  return content;
+}
+
+void Store::drop_request(const std::string& id) {
+  implementation_->delete_file(Part::requests, implementation_->places.request(id));
+}
+
+bool Store::has_request(const std::string& id) const {
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    if (implementation_->request_in_database(id)) return true;
+  }
+  std::error_code ignored;
+  return fs::exists(implementation_->places.request(id), ignored);
+}
+
+StoredRequest Store::job_request(const std::string& id) const {
+  std::unique_lock lock(implementation_->mutex);
+  auto in_database = implementation_->request_in_database(id);
+  lock.unlock();
+  auto bytes = in_database ? *std::move(in_database) : read_file(implementation_->places.request(id));
+  const auto file = RecordFile::parse(request_kind, bytes, id + ".request");
+  bytes.erase(0, file.header_size());
+  if (sha256(bytes) != file.body_hash()) throw_changed(id + ".request");
+  return {request_of(file), std::move(bytes)};
+}
+
+void Store::add_job(const JobRecord& job, const std::string& request) {
+  auto& database = implementation_->database;
   const std::lock_guard lock(implementation_->mutex);
-  Statement(
-      implementation_->database,
-      "INSERT INTO jobs (id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(job.id)
-      .bind(job.kind)
-      .bind(job.mesh)
+  Transaction transaction(database);
+  insert_job(database, job);
+  if (!request.empty())
+    Statement(database, "INSERT INTO requests (job, content) VALUES (?, ?)").bind(job.id).bind_bytes(request).run();
+  transaction.commit();
+}
+
+void Store::note_progress(const JobRecord& job) {
+  const std::lock_guard lock(implementation_->mutex);
+  auto& database = implementation_->database;
+  const QuickCommits quick(database);
+  Statement(database, "UPDATE jobs SET state = ?, started = ?, attempts = ? WHERE id = ? AND finished = 0")
       .bind(state_name(job.state))
-      .bind(job.created)
       .bind(job.started)
-      .bind(job.finished)
-      .bind(job.expires)
-      .bind(job.deadline)
-      .bind(job.error)
-      .bind(static_cast<std::int64_t>(job.error_status))
+      .bind(static_cast<std::int64_t>(job.attempts))
+      .bind(job.id)
       .run();
 }
 
 void Store::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
-  int changed = 0;
+  const auto file = self.places.result(job.id);
+  bool known = false;
   try {
-    if (result) write_atomically(self.result_path(job.id), result->body);
+    const auto hash = result ? sha256(result->body) : std::string();
+    if (result) self.write(Part::results, file, {result_file(job, *result).header(hash), result->body});
     const std::lock_guard lock(self.mutex);
-    changed = Statement(self.database,
-                        "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, "
-                        "error_status = ?, result_type = ?, result_headers = ?, result_hash = ? WHERE id = ?")
-                  .bind(state_name(job.state))
-                  .bind(job.started)
-                  .bind(job.finished)
-                  .bind(job.expires)
-                  .bind(job.error)
-                  .bind(static_cast<std::int64_t>(job.error_status))
-                  .bind(result ? result->content_type : "")
-                  .bind(result ? join_headers(*result) : "")
-                  .bind(result ? sha256(result->body) : "")
-                  .bind(job.id)
-                  .run();
+    known = update_ended_job(self.database, job, result, hash);
   } catch (...) {
     // A result without its row takes the space that the reason of the failure needs.
-    std::error_code ignored;
-    if (result) fs::remove(self.result_path(job.id), ignored);
+    if (result) self.delete_file(Part::results, file);
     throw;
   }
-  if (changed == 0) {
-    std::error_code ignored;
-    fs::remove(self.result_path(job.id), ignored);
-  }
+  if (!known) self.delete_file(Part::results, file);
+  drop_request(job.id);
 }
 
 std::optional<JobRecord> Store::job(const std::string& id) const {
@@ -477,15 +424,17 @@ std::optional<JobRecord> Store::job(const std::string& id) const {
   return read_job(row);
 }
 
-std::vector<JobRecord> Store::jobs(std::optional<JobState> state, std::size_t limit, const std::string& after,
+std::vector<JobRecord> Store::jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
                                    const std::string& owner) const {
+  std::string names;  // of ours, so that they can be part of the statement
+  for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
   const std::lock_guard lock(implementation_->mutex);
   Statement rows(implementation_->database,
                  "SELECT " + std::string(job_columns) +
-                     " FROM jobs WHERE (?1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = ?1)) "
-                     "AND (?2 = '' OR state = ?2) AND " +
-                     OwnerTable::condition(OwnerTable::Kind::job, "?4") + " ORDER BY sequence DESC LIMIT ?3");
-  rows.bind(after).bind(state ? state_name(*state) : "").bind(static_cast<std::int64_t>(limit)).bind(owner);
+                     " FROM jobs WHERE (?1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = ?1))" +
+                     (states.empty() ? "" : " AND state IN (" + names + ")") + " AND " +
+                     OwnerTable::condition(OwnerTable::Kind::job, "?3") + " ORDER BY sequence DESC LIMIT ?2");
+  rows.bind(after).bind(static_cast<std::int64_t>(limit)).bind(owner);
   std::vector<JobRecord> records;
   while (rows.step()) records.push_back(read_job(rows));
   return records;
@@ -512,32 +461,35 @@ Result Store::job_result(const std::string& id) const {
     split_headers(row.text(1), result);
     hash = row.text(2);
   }
-  result.body = read_file(implementation_->result_path(id));
-  if (sha256(result.body) != hash) {
-    throw Error("store.corrupted", "The stored file " + id + ".result has changed since it was written.");
-  }
+  const auto file = id + ".result";
+  result.body = read_file(implementation_->places.result(id));
+  result.body.erase(0, body_offset(result_kind, result.body, file));
+  if (sha256(result.body) != hash) throw_changed(file);
   return result;
 }
 
 bool Store::remove_job(const std::string& id) {
-  const std::lock_guard lock(implementation_->mutex);
-  if (!implementation_->delete_row(id)) return false;
-  implementation_->delete_result(id);
+  auto& self = *implementation_;
+  const std::lock_guard lock(self.mutex);
+  if (!self.with_reserve([&] { return self.delete_row(id); })) return false;
+  self.delete_files(id);
+  self.reserve.take();
   return true;
 }
 
 std::vector<JobRecord> Store::unfinished_jobs() const {
   const std::lock_guard lock(implementation_->mutex);
-  Statement rows(implementation_->database,
-                 "SELECT " + std::string(job_columns) + " FROM jobs WHERE state IN ('accepted', 'running')");
+  Statement rows(implementation_->database, "SELECT " + std::string(job_columns) +
+                                                " FROM jobs WHERE state IN ('accepted', 'running') ORDER BY sequence");
   std::vector<JobRecord> records;
   while (rows.step()) records.push_back(read_job(rows));
   return records;
 }
 
 std::size_t Store::remove_expired_jobs(std::int64_t now, std::size_t most) {
-  const std::lock_guard lock(implementation_->mutex);
   auto& self = *implementation_;
+  self.space.count_quarantine();
+  const std::lock_guard lock(self.mutex);
   std::vector<std::string> ids;
   {
     Statement rows(self.database,
@@ -546,12 +498,16 @@ std::size_t Store::remove_expired_jobs(std::int64_t now, std::size_t most) {
     rows.bind(now).bind(static_cast<std::int64_t>(most));
     while (rows.step()) ids.push_back(rows.text(0));
   }
-  Transaction transaction(self.database);
-  for (const auto& id : ids) self.delete_row(id);
-  transaction.commit();
-  // Only now, for a row that stays because the commit failed must still have its result.
-  for (const auto& id : ids) self.delete_result(id);
+  self.remove_jobs(ids);
+  self.reserve.take();
   return ids.size();
 }
+
+void Store::take_reserve() {
+  const std::lock_guard lock(implementation_->mutex);
+  implementation_->reserve.take();
+}
+
+Usage Store::usage() const { return implementation_->space.usage(); }
 
 }  // namespace supple::store

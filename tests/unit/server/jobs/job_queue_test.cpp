@@ -38,7 +38,8 @@ class JobQueueTest : public testing::Test {
 
   JobQueue& queue() {
     if (!queue_)
-      queue_ = std::make_unique<JobQueue>(*store_, options_, json::write_problem, [](const store::JobRecord&) {});
+      queue_ = std::make_unique<JobQueue>(
+          *store_, options_, json::write_problem, [](const store::JobRecord&) {}, JobQueue::Log{}, remake_);
     return *queue_;
   }
 
@@ -83,9 +84,35 @@ class JobQueueTest : public testing::Test {
     return "nothing was thrown";
   }
 
+  /// The next process over the same folder, after one that was told to end.
+  JobQueue& restart() {
+    queue_.reset();
+    store_.reset();
+    store_ = std::make_unique<store::Store>(folder_);
+    started_ = 0;
+    return queue();
+  }
+  /// What a process leaves in the store that was killed while the job ran for the `attempts`-th time.
+  void leave_running(const std::string& id, int attempts, const std::string& body) {
+    store::JobRecord job;
+    job.id = id;
+    job.kind = "geodesics";
+    job.deadline = 60;
+    job.state = JobState::running;
+    job.started = 1;
+    job.attempts = attempts;
+    store_->add_job(job, store_->keep_request(job, {"POST", "/v1/" + body, {}, {}, {}}, body));
+  }
+  static RequestOfJob request(std::string_view body) { return {{"POST", "/v1/x", {}, "text/plain", {}}, body}; }
+  /// Answers with the body of the request.
+  static Computation echo(const store::JobRecord&, const store::StoredRequest& stored) {
+    return computation([body = stored.body](const Execution&) { return store::Result{"text/plain", {}, body}; });
+  }
+
   fs::path folder_;
   std::unique_ptr<store::Store> store_;
   QueueOptions options_;
+  JobQueue::Remake remake_;
   std::unique_ptr<JobQueue> queue_;
   std::atomic<int> started_{0};
 };
@@ -177,7 +204,7 @@ TEST_F(FullDiskTest, HoldsTheEndOfAJobUntilThereIsSpaceAgain) {
   const auto status = wait_until_finished(id);
   EXPECT_EQ(status.record.state, JobState::failed);
   EXPECT_NE(status.record.error.find("store.full"), std::string::npos) << status.record.error;
-  EXPECT_EQ(store_->job(id)->state, JobState::accepted) << "the disk is full";
+  EXPECT_EQ(store_->job(id)->state, JobState::running) << "the disk is full";
   EXPECT_GE(logged_, 1);
   EXPECT_TRUE(in_list(JobState::failed, id));
   EXPECT_TRUE(in_list(std::nullopt, id));
@@ -185,7 +212,7 @@ TEST_F(FullDiskTest, HoldsTheEndOfAJobUntilThereIsSpaceAgain) {
   EXPECT_FALSE(in_list(JobState::running, id));
   EXPECT_FALSE(queue().mesh_in_use("mesh"));
   make_space();
-  for (int i = 0; i < 500 && store_->job(id)->state == JobState::accepted; ++i)
+  for (int i = 0; i < 500 && store_->job(id)->state == JobState::running; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(store_->job(id)->state, JobState::failed) << "written once there is space";
   EXPECT_EQ(queue().status(id).record.error, status.record.error);
@@ -442,6 +469,10 @@ TEST_F(JobQueueTest, ListsByState) {
   EXPECT_EQ(ids(JobState::running), Ids{running});
   EXPECT_EQ(ids(JobState::successful), Ids{done});
   EXPECT_TRUE(queue().mesh_in_use("mesh"));
+  queue().remove(running);
+  wait_until_finished(waiting);
+  const auto waited_for = queue().run_within(endless(), 0.1, {}).job.record.id;
+  EXPECT_EQ(ids(JobState::running), Ids{waited_for}) << "also one that a client has waited for";
 }
 
 TEST_F(JobQueueTest, ComputesImmediatelyWithoutATraceInTheStore) {
@@ -488,6 +519,121 @@ TEST_F(JobQueueTest, CallsJobsOfAnEarlierProcessInterrupted) {
   const auto status = queue().status("lost");
   EXPECT_EQ(status.record.state, JobState::failed);
   EXPECT_NE(status.record.error.find("job.interrupted"), std::string::npos);
+}
+
+TEST_F(JobQueueTest, GoesOnWithTheJobsOfAProcessThatWasToldToEnd) {
+  remake_ = echo;
+  const auto running = queue().submit(endless(), request("running")).record;
+  wait_until_started();
+  std::vector<std::string> ids{running.id};
+  for (const char* body : {"a", "b", "c"}) {
+    auto waiting = answering("of the first process");
+    waiting.client = body;
+    waiting.session = body;
+    ids.push_back(queue().submit(std::move(waiting), request(body)).record.id);
+  }
+  const auto begun = queue().status(running.id).record;
+  EXPECT_EQ(begun.state, JobState::running);
+  EXPECT_EQ(begun.attempts, 1);
+  queue().shut_down(0.02);
+  const auto left = store_->unfinished_jobs();
+  ASSERT_EQ(left.size(), 4U);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_EQ(left[i].id, ids[i]);
+    EXPECT_EQ(left[i].state, JobState::accepted);
+    EXPECT_EQ(left[i].attempts, 0) << "an end in good order is no failed attempt";
+  }
+  restart();
+  std::int64_t last = 0;
+  for (const auto& [id, body] : std::vector<std::pair<std::string, std::string>>{
+           {ids[0], "running"}, {ids[1], "a"}, {ids[2], "b"}, {ids[3], "c"}}) {
+    const auto record = wait_until_finished(id).record;
+    EXPECT_EQ(record.state, JobState::successful) << record.error;
+    EXPECT_EQ(queue().result(id).body, body);
+    EXPECT_GE(record.started, last) << "in the old order";
+    EXPECT_EQ(record.client, store_->job(id)->client);
+    last = record.started;
+  }
+  EXPECT_EQ(store_->job(ids[1])->client, "a");
+  EXPECT_EQ(store_->job(ids[1])->session, "a");
+  EXPECT_TRUE(fs::is_empty(folder_ / "requests"));
+}
+
+TEST_F(JobQueueTest, TellsOfAJobInTheQueueWhatItsRequestDoesWrongNow) {
+  remake_ = [](const store::JobRecord&, const store::StoredRequest&) -> Computation {
+    throw Error("model.not_found", "It has gone.");
+  };
+  leave_running("j", 1, "x");
+  const auto record = wait_until_finished("j").record;
+  EXPECT_EQ(record.error_status, 404);
+  EXPECT_NE(record.error.find("model.not_found"), std::string::npos);
+}
+
+TEST_F(JobQueueTest, GivesAJobUpThatTheProcessEndedInTooOften) {
+  remake_ = echo;
+  leave_running("twice", 2, "twice");
+  leave_running("thrice", 3, "thrice");
+  EXPECT_EQ(wait_until_finished("twice").record.state, JobState::successful);
+  EXPECT_EQ(store_->job("twice")->attempts, 3);
+  const auto record = queue().status("thrice").record;
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_NE(record.error.find("job.given_up"), std::string::npos);
+  EXPECT_NE(record.error.find("ended 3 times"), std::string::npos);
+  EXPECT_FALSE(store_->has_request("thrice"));
+}
+
+TEST_F(JobQueueTest, NotesInTheStoreThatAJobBegins) {
+  const auto waited = queue().run_within(endless(), 0.1, {});
+  ASSERT_FALSE(waited.result);
+  EXPECT_EQ(store_->job(waited.job.record.id)->state, JobState::running);
+  queue().remove(waited.job.record.id);
+  const auto id = queue().submit(endless()).record.id;
+  wait_until_started(2);
+  const auto record = *store_->job(id);
+  EXPECT_EQ(record.state, JobState::running);
+  EXPECT_EQ(record.attempts, 1);
+  EXPECT_GT(record.started, 0);
+}
+
+TEST_F(JobQueueTest, RunsLastAttemptsOneAtATimeBesideOthers) {
+  options_.workers = 3;
+  std::atomic<int> suspects{0};
+  std::atomic<int> most{0};
+  std::atomic<int> others{0};
+  remake_ = [&](const store::JobRecord& record, const store::StoredRequest&) {
+    auto& running = record.attempts == 2 ? suspects : others;
+    return computation([&](const Execution&) {
+      const int now = ++running;
+      if (&running == &suspects && now > most) most = now;
+      std::this_thread::sleep_for(std::chrono::milliseconds(30));
+      --running;
+      return store::Result{"text/plain", {}, "x"};
+    });
+  };
+  for (const char* id : {"a", "b", "c"}) leave_running(id, 2, "x");
+  leave_running("d", 1, "x");
+  for (const char* id : {"a", "b", "c", "d"})
+    EXPECT_EQ(wait_until_finished(id).record.state, JobState::successful) << id;
+  EXPECT_EQ(most, 1);
+}
+
+TEST_F(JobQueueTest, KeepsNoRequestOfWhatNeverBecameAJob) {
+  options_.max_queue = 0;
+  EXPECT_EQ(code_of([&] { queue().submit(answering("x"), request("x")); }), "job.queue_full");
+  options_.max_queue = 10;
+  queue_.reset();
+  EXPECT_TRUE(queue().run_within(answering("x"), 30, {}, request("x")).result);
+  EXPECT_TRUE(fs::is_empty(folder_ / "requests"));
+  EXPECT_TRUE(store_->jobs({}, 10, "").empty());
+}
+
+TEST_F(JobQueueTest, KeepsTheDismissalOfAJobThatEndsWithTheProcess) {
+  remake_ = echo;
+  const auto id = queue().submit(endless(), request("x")).record.id;
+  wait_until_started();
+  queue().remove(id);
+  restart();
+  EXPECT_EQ(queue().status(id).record.state, JobState::dismissed);
 }
 
 TEST_F(JobQueueTest, LetsRunningJobsFinishWithinTheGrace) {

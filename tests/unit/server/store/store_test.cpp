@@ -8,8 +8,12 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <sstream>
+#include <thread>
 
+#include "database.h"
 #include "supple/base/error.h"
+#include "supple/problem/problem.h"
 
 namespace supple::store {
 namespace {
@@ -231,13 +235,173 @@ TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {
     Store store(folder_, recovery());
     EXPECT_EQ(store.mesh_content(mesh), "abc") << name;
     EXPECT_EQ(store.meshes(10, "").size(), 1U) << name;
-    EXPECT_FALSE(store.job("j")) << name;
-    const auto kept = quarantined();
-    EXPECT_EQ(kept.count("42"), 1U) << name;
-    EXPECT_EQ(kept.size(), 2U) << name << ": the database and the result";
+    EXPECT_EQ(store.job_result("j").body, "42") << name;
+    EXPECT_EQ(quarantined().size(), 1U) << name << ": the database";
     EXPECT_NE(warnings_.at(0).find("damaged"), std::string::npos) << warnings_.at(0);
     EXPECT_EQ(store.add_mesh("more", describe).second, true) << name << ": it is a store again";
   }
+}
+
+TEST_F(StoreTest, AnswersResultsOfALostDatabaseAgainInTheirOrder) {
+  std::vector<JobRecord> before;
+  const Result result{"application/octet-stream", {{"A", "1"}, {"B", "x: y"}}, std::string("\0\n\xFF", 3)};
+  {
+    Store store(folder_);
+    for (int i = 0; i < 5; ++i) {
+      auto job = new_job("j" + std::to_string(9 - i));
+      job.created = 1000 + i;
+      job.client = "127.0.0.1";
+      job.session = "line\nend: \\";
+      job.attempts = 1;
+      store.add_job(job);
+      job.state = JobState::successful;
+      job.started = 2000;
+      job.finished = 3000;
+      job.expires = 4'000'000'000'000;
+      store.finish_job(job, &result);
+      before.push_back(job);
+    }
+  }
+  fs::remove(folder_ / "supple.sqlite");
+  const Store store(folder_, recovery());
+  const auto after = store.jobs({}, 10, "");
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const auto& expected = before[before.size() - 1 - i];
+    EXPECT_EQ(after[i].id, expected.id);
+    EXPECT_EQ(after[i].state, JobState::successful);
+    EXPECT_EQ(after[i].session, expected.session);
+    EXPECT_EQ(after[i].expires, expected.expires);
+    const auto again = store.job_result(expected.id);
+    EXPECT_EQ(again.body, result.body);
+    EXPECT_EQ(again.content_type, result.content_type);
+    EXPECT_EQ(again.headers, result.headers);
+  }
+}
+
+TEST_F(StoreTest, PutsChangedResultsOfALostDatabaseIntoQuarantine) {
+  {
+    Store store(folder_);
+    for (const char* id : {"head", "body", "name"}) {
+      auto job = new_job(id);
+      store.add_job(job);
+      job.state = JobState::successful;
+      const Result result{"text/plain", {}, "forty-two"};
+      store.finish_job(job, &result);
+    }
+  }
+  const auto change = [&](const char* id, std::string_view from, std::string_view to) {
+    const auto path = folder_ / "results" / (std::string(id) + ".result");
+    std::stringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    auto content = text.str();
+    content.replace(content.find(from), from.size(), to);
+    std::ofstream(path, std::ios::binary) << content;
+  };
+  change("head", "kind: geodesics", "kind: geodesicX");
+  change("body", "forty-two", "forty-six");
+  fs::rename(folder_ / "results" / "name.result", folder_ / "results" / "other.result");
+  fs::remove(folder_ / "supple.sqlite");
+  const Store store(folder_, recovery());
+  EXPECT_TRUE(store.jobs({}, 10, "").empty());
+  EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+  EXPECT_EQ(quarantined().size(), 3U);
+}
+
+TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
+  {
+    Store store(folder_);
+    auto job = new_job("old");
+    store.add_job(job);
+    job.state = JobState::successful;
+    const Result result{"text/plain", {{"A", "1"}}, "42"};
+    store.finish_job(job, &result);
+  }
+  const auto change = [&](const char* statement) { Database(folder_ / "supple.sqlite").execute(statement); };
+  for (const char* statement :
+       {"ALTER TABLE jobs DROP COLUMN client", "ALTER TABLE jobs DROP COLUMN session",
+        "ALTER TABLE jobs DROP COLUMN attempts", "ALTER TABLE meshes DROP COLUMN used", "PRAGMA user_version = 1"})
+    change(statement);
+  std::ofstream(folder_ / "results" / "old.result") << "42";  // the body alone
+  {
+    Store store(folder_, recovery());
+    EXPECT_EQ(store.job_result("old").body, "42");
+    store.add_job(new_job("new"));
+    EXPECT_EQ(store.unfinished_jobs().size(), 1U);
+    EXPECT_TRUE(warnings_.empty());
+  }
+  change("PRAGMA user_version = 3");
+  EXPECT_EQ(code_of([&] { Store store(folder_, recovery()); }), "store.unavailable") << "of a later version";
+}
+
+/// Of requests that are kept in the database, and of ones that are too large for it.
+class RequestTest : public StoreTest, public testing::WithParamInterface<std::size_t> {
+ protected:
+  const std::string body_ = "{\"body\": 1}" + std::string(1, '\0') + std::string(GetParam(), '\xFF');
+};
+INSTANTIATE_TEST_SUITE_P(Sizes, RequestTest, testing::Values(1000, 300'000));
+
+TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
+  const JobRequest request{"POST", "/v1/geodesics", {{"a", "1"}, {"b:\n", "x"}}, "application/json", "text/csv"};
+  {
+    Store store(folder_);
+    for (const char* id : {"first", "second", "ended", "removed"}) {
+      const auto job = new_job(id);
+      store.add_job(job, store.keep_request(job, request, body_));
+    }
+    store.keep_request(new_job("never added"), request, body_);
+    auto job = *store.job("second");
+    job.state = JobState::running;
+    job.started = 5;
+    job.attempts = 2;
+    store.note_progress(job);
+    job = *store.job("ended");
+    job.state = JobState::failed;
+    job.finished = 1000;
+    store.finish_job(job, nullptr);
+    store.note_progress(new_job("ended"));
+    EXPECT_EQ(store.job("ended")->state, JobState::failed) << "it has finished";
+    store.remove_job("removed");
+    EXPECT_FALSE(store.has_request("ended"));
+    EXPECT_FALSE(store.has_request("removed"));
+  }
+  const Store store(folder_, recovery());
+  EXPECT_FALSE(store.has_request("never added"));
+  const auto unfinished = store.unfinished_jobs();
+  ASSERT_EQ(unfinished.size(), 2U);
+  EXPECT_EQ(unfinished[0].id, "first");
+  EXPECT_EQ(unfinished[1].id, "second");
+  EXPECT_EQ(unfinished[1].state, JobState::running);
+  EXPECT_EQ(unfinished[1].attempts, 2);
+  const auto kept = store.job_request("first");
+  EXPECT_EQ(kept.body, body_);
+  EXPECT_EQ(kept.request.method, "POST");
+  EXPECT_EQ(kept.request.path, "/v1/geodesics");
+  EXPECT_EQ(kept.request.query, request.query);
+  EXPECT_EQ(kept.request.content_type, "application/json");
+  EXPECT_EQ(kept.request.accept, "text/csv");
+  const auto file = folder_ / "requests" / "first.request";
+  if (!fs::exists(file)) return;
+  std::ofstream(file, std::ios::app) << " ";
+  EXPECT_EQ(code_of([&] { store.job_request("first"); }), "store.corrupted");
+}
+
+TEST_F(StoreTest, KeepsJobsWithLargeRequestsWhenTheDatabaseIsLost) {
+  const std::string body(300'000, 'x');
+  {
+    Store store(folder_);
+    for (const char* id : {"b", "a"}) {
+      auto job = new_job(id);
+      job.created = id[0] == 'b' ? 1000 : 2000;
+      store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, body));
+    }
+  }
+  fs::remove(folder_ / "supple.sqlite");
+  const Store store(folder_, recovery());
+  const auto unfinished = store.unfinished_jobs();
+  ASSERT_EQ(unfinished.size(), 2U);
+  EXPECT_EQ(unfinished[0].id, "b") << "the oldest first";
+  EXPECT_EQ(store.job_request("a").body, body);
 }
 
 TEST_F(StoreTest, RefusesAFolderThatIsInUse) {
@@ -320,28 +484,233 @@ TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {
   EXPECT_TRUE(store.job("j4")) << "an unfinished job is never removed";
 }
 
-TEST_F(StoreTest, KeepsTheResultsOfExpiredJobsWhereTheRowsCannotBeRemoved) {
+TEST_F(StoreTest, RemovesOnAFullDiskInThePlaceOfItsReserve) {
   if (::mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=1m") != 0) GTEST_SKIP() << "mounting takes root";
-  {
-    Store store(folder_);
-    auto job = new_job("j");
+  const auto add_expired = [](Store& store, const std::string& id) {
+    auto job = new_job(id);
     store.add_job(job);
     job.state = JobState::successful;
     job.finished = 1000;
     job.expires = 1500;
     const Result result{"text/plain", {}, "42"};
     store.finish_job(job, &result);
-    std::ofstream ballast(folder_ / "ballast", std::ios::binary);
+  };
+  const auto fill = [&] {
+    std::ofstream ballast(folder_ / "ballast", std::ios::binary | std::ios::app);
     while (ballast.put('x').flush()) {
     }
-    ballast.close();
-    EXPECT_EQ(code_of([&] { store.remove_expired_jobs(2000, 10); }), "store.full");
+  };
+  {
+    Store store(folder_);
+    const auto mesh = store.add_mesh("abc", describe).first.id;
+    add_expired(store, "j");
+    ASSERT_EQ(fs::file_size(folder_ / "reserve"), 256U << 10);
+    fs::remove(folder_ / "reserve");
+    fill();
+    EXPECT_EQ(code_of([&] { store.remove_expired_jobs(2000, 10); }), "store.full") << "without a reserve";
     EXPECT_EQ(store.job_result("j").body, "42") << "the row is still there, and so is its file";
     fs::remove(folder_ / "ballast");
     EXPECT_EQ(store.remove_expired_jobs(2000, 10), 1U);
     EXPECT_TRUE(fs::is_empty(folder_ / "results"));
+    const std::vector<std::pair<const char*, std::function<bool()>>> removals{
+        {"expired jobs", [&] { return store.remove_expired_jobs(2000, 10) == 1; }},
+        {"a job", [&] { return store.remove_job("k"); }},
+        {"a mesh", [&] { return store.remove_mesh(mesh); }},
+    };
+    for (const auto& [name, removal] : removals) {
+      store.remove_job("k");
+      add_expired(store, "k");
+      store.remove_expired_jobs(1000, 10);
+      ASSERT_EQ(fs::file_size(folder_ / "reserve"), 256U << 10) << name << ": taken again";
+      fill();
+      EXPECT_TRUE(removal()) << name;
+      fs::remove(folder_ / "ballast");
+    }
+    EXPECT_FALSE(store.mesh(mesh));
   }
   EXPECT_EQ(::umount(folder_.c_str()), 0);
+}
+
+/// Stores whose bytes are limited.
+class QuotaTest : public StoreTest {
+ protected:
+  /// A job that has ended with so many bytes.
+  static void add_ended(Store& store, const std::string& id, std::size_t bytes) {
+    auto job = new_job(id);
+    store.add_job(job);
+    job.state = JobState::successful;
+    job.finished = now_milliseconds();
+    job.expires = job.finished + 1'000'000;
+    const Result result{"text/plain", {}, std::string(bytes, 'x')};
+    store.finish_job(job, &result);
+  }
+  /// Bytes of all files in the folder, as the disk tells.
+  std::int64_t on_disk() const {
+    std::int64_t sum = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_))
+      if (entry.is_regular_file()) sum += static_cast<std::int64_t>(entry.file_size());
+    return sum;
+  }
+  static problem::Problem problem_of(const std::function<void()>& call) {
+    try {
+      call();
+    } catch (...) {
+      return problem::problem_of(std::current_exception());
+    }
+    return {};
+  }
+};
+
+TEST_F(QuotaTest, CountsTheBytesOfTheFolderExactly) {
+  const auto expect_exact = [&](const Store& store, const char* when) {
+    const auto usage = store.usage();
+    EXPECT_EQ(usage.total(), on_disk()) << when;
+    EXPECT_EQ(usage.limit, 0);
+  };
+  {
+    Store store(folder_, recovery());
+    expect_exact(store, "new");
+    const auto mesh = store.add_mesh(std::string(1000, 'm'), describe).first.id;
+    store.add_mesh(std::string(1000, 'm'), describe);
+    EXPECT_EQ(store.usage().meshes, 1000);
+    std::ofstream(folder_ / "meshes" / (mesh + ".ply")) << "damaged";
+    store.add_mesh(std::string(1000, 'm'), describe);
+    add_ended(store, "kept", 5000);
+    add_ended(store, "removed", 5000);
+    store.remove_job("removed");
+    for (const std::size_t bytes : {300, 300'000}) {
+      const auto job = new_job("waits" + std::to_string(bytes));
+      store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, std::string(bytes, 'r')));
+      store.keep_request(new_job("dropped"), {"POST", "/x", {}, {}, {}}, std::string(bytes, 'r'));
+      store.drop_request("dropped");
+    }
+    store.add_mesh("gone", describe);
+    store.remove_mesh(sha256("gone"));
+    EXPECT_THROW(store.add_mesh("cannot be described",
+                                [](const auto&, auto) -> std::string { throw Error("mesh.malformed", "x"); }),
+                 Error);
+    EXPECT_GT(store.usage().results, 5000);
+    EXPECT_GT(store.usage().requests, 300'000);
+    EXPECT_LT(store.usage().requests, 301'000);
+    expect_exact(store, "used");
+  }
+  std::ofstream(folder_ / "meshes" / "unknown") << "into quarantine";
+  Store store(folder_, recovery());
+  EXPECT_EQ(store.usage().quarantine, 15);
+  expect_exact(store, "opened again");
+  fs::remove_all(folder_ / "quarantine");
+  store.remove_expired_jobs(0, 100);
+  expect_exact(store, "after the quarantine was emptied");
+}
+
+TEST_F(QuotaTest, ExpiresTheOldestResultsForWhatIsNew) {
+  constexpr std::int64_t result = 1 << 20;
+  constexpr std::int64_t limit = 5 * result;  // three results, and the database with its log
+  Store store(folder_, recovery(), {limit, 0});
+  for (int i = 0; i < 6; ++i) {
+    add_ended(store, "j" + std::to_string(i), result);
+    EXPECT_LE(store.usage().total(), limit);
+  }
+  EXPECT_FALSE(store.job("j0"));
+  EXPECT_FALSE(store.job("j1"));
+  EXPECT_TRUE(store.job("j4"));
+  EXPECT_EQ(store.job_result("j5").body.size(), static_cast<std::size_t>(result));
+  store.add_job(new_job("unfinished"));
+  store.add_mesh(std::string(4 * result, 'm'), describe);
+  EXPECT_FALSE(store.job("j5")) << "a mesh is worth more than results";
+  EXPECT_TRUE(store.job("unfinished"));
+  EXPECT_LE(store.usage().total(), limit);
+}
+
+TEST_F(QuotaTest, RefusesWhatHasNoRoomAndNamesNumberLimitAndSetting) {
+  constexpr std::int64_t limit = 4 << 20;
+  Store store(folder_, recovery(), {limit, 0});
+  add_ended(store, "j", 1 << 20);
+  const auto refused = problem_of([&] { store.add_mesh(std::string(limit, 'm'), describe); });
+  EXPECT_EQ(refused.code, "store.quota");
+  ASSERT_TRUE(refused.limit);
+  EXPECT_EQ(refused.limit->limit, limit);
+  EXPECT_GT(refused.limit->value, limit);
+  EXPECT_EQ(refused.limit->setting, "--max-store");
+  EXPECT_NE(refused.detail.find("mesh of " + std::to_string(limit) + " bytes"), std::string::npos) << refused.detail;
+  EXPECT_TRUE(store.job("j")) << "nothing goes in vain";
+  auto job = new_job("large");
+  store.add_job(job);
+  job.state = JobState::successful;
+  const Result large{"text/plain", {}, std::string(limit, 'x')};
+  EXPECT_EQ(problem_of([&] { store.finish_job(job, &large); }).code, "store.quota");
+  EXPECT_EQ(problem_of([&] {
+              store.keep_request(job, {"POST", "/x", {}, {}, {}}, std::string(limit, 'r'));
+            }).code,
+            "store.quota");
+  EXPECT_LT(store.usage().total(), limit) << "what was refused takes nothing";
+}
+
+TEST_F(QuotaTest, LimitsTheBytesOfMeshes) {
+  Store store(folder_, recovery(), {0, 1500});
+  store.add_mesh(std::string(1000, 'a'), describe);
+  const auto refused = problem_of([&] { store.add_mesh(std::string(501, 'b'), describe); });
+  EXPECT_EQ(refused.code, "store.quota");
+  EXPECT_EQ(refused.limit->setting, "--max-mesh-bytes");
+  EXPECT_EQ(refused.limit->value, 1501);
+  store.add_mesh(std::string(500, 'b'), describe);
+  store.remove_mesh(sha256(std::string(1000, 'a')));
+  store.add_mesh(std::string(1000, 'c'), describe);
+  EXPECT_EQ(store.usage().meshes, 1500);
+}
+
+TEST_F(QuotaTest, RemovesMeshesThatNobodyUses) {
+  {
+    Store store(folder_);
+    for (const char* ply : {"unused", "used", "worked on"}) store.add_mesh(ply, describe);
+    auto job = new_job("j");
+    job.mesh = sha256("worked on");
+    store.add_job(job);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  const auto later = now_milliseconds();
+  {
+    Store store(folder_);
+    store.use_mesh(sha256("used"));
+  }
+  Store store(folder_);
+  EXPECT_TRUE(store.remove_unused_meshes(0).empty());
+  EXPECT_EQ(store.remove_unused_meshes(later), std::vector{sha256("unused")});
+  EXPECT_EQ(store.meshes(10, "").size(), 2U);
+  EXPECT_EQ(store.usage().meshes, 13);
+  store.remove_job("j");
+  EXPECT_EQ(store.remove_unused_meshes(later), std::vector{sha256("worked on")});
+}
+
+TEST_F(StoreTest, LetsNothingExpireBecauseTheClockWasSetBetweenTwoProcesses) {
+  constexpr std::int64_t eight_days = 8LL * 86'400'000;
+  const auto set_clock_back_then = [&](std::int64_t milliseconds) {
+    Database(folder_ / "supple.sqlite")
+        .execute(("UPDATE clock SET machine_start = machine_start + " + std::to_string(milliseconds)).c_str());
+  };
+  std::int64_t expires = 0;
+  {
+    Store store(folder_, recovery());
+    store.add_mesh("abc", describe);
+    auto job = new_job("j");
+    store.add_job(job);
+    store.add_job(new_job("unfinished"));
+    job.state = JobState::failed;
+    job.finished = now_milliseconds();
+    job.expires = expires = job.finished + 1'000'000;
+    store.finish_job(job, nullptr);
+  }
+  set_clock_back_then(-eight_days);
+  {
+    Store store(folder_, recovery());
+    EXPECT_EQ(store.job("j")->expires, expires + eight_days) << "it has got no older";
+    EXPECT_EQ(store.job("unfinished")->expires, 0);
+    EXPECT_TRUE(store.remove_unused_meshes(now_milliseconds() + eight_days - 1'000'000).empty());
+    ASSERT_EQ(warnings_.size(), 1U);
+    EXPECT_NE(warnings_[0].find("691200 s"), std::string::npos) << warnings_[0];
+  }
+  set_clock_back_then(30'000);
+  EXPECT_EQ(Store(folder_, recovery()).job("j")->expires, expires + eight_days) << "seconds are no setting";
 }
 
 TEST_F(StoreTest, KeepsNoResultOfAJobThatWasRemovedMeanwhile) {
@@ -414,7 +783,7 @@ TEST_F(StoreTest, ListsWhatOneOwnerHasPageByPage) {
   const auto jobs = store.jobs({}, 3, "a3", "a");
   ASSERT_EQ(jobs.size(), 3U);
   EXPECT_EQ(jobs[0].id, "a2");
-  EXPECT_TRUE(store.jobs(JobState::failed, 100, "", "a").empty());
+  EXPECT_TRUE(store.jobs({JobState::failed}, 100, "", "a").empty());
   EXPECT_EQ(store.jobs({}, 100, "").size(), 10U);
 }
 

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -60,9 +61,23 @@ struct QueueOptions {
   double retention = 7 * 86400;                ///< seconds that a finished job is kept; setting --retention
   std::size_t max_jobs = 10'000;               ///< finished jobs that are kept; setting --max-jobs
   budget::MemoryBudget* memory = nullptr;      ///< that computations may fill; null: any amount
+  int max_attempts = 3;                        ///< to run a job that the process ends in; setting --max-attempts
+  std::function<void()> clean_up_too;          ///< called every minute by the cleaner, after what it does itself
+};
+
+/// What a job can be made again from after a restart. The body is the caller's.
+struct RequestOfJob {
+  store::JobRequest request;
+  std::string_view body;
 };
 
 /// Runs computations: at once on the caller's thread, or as jobs on worker threads.
+///
+/// Jobs that come with their request outlive the process: they go on waiting, in their order, in the next one, with
+/// their id, client and session, and their deadline counts anew from its start. So do those that ran, whether the
+/// process was killed or told to end. One that the process ended in without being told to, in all of its
+/// `max_attempts`, fails with "job.given_up"; its last attempt runs beside no other job's last attempt, so that of jobs
+/// that ran together the one that ends the process is the only one that fails.
 ///
 /// Problems of failed jobs are kept as the text that `render` makes of them. A job whose result cannot be stored fails
 /// with the reason ("store.full", "store.unavailable"); where the store does not take that end either, it is held in
@@ -75,8 +90,13 @@ class JobQueue {
   /// Hears what the store refused to keep, as text for the log. Called from any thread.
   using Log = std::function<void(const std::string&)>;
 
-  /// Jobs that an earlier process left unfinished become failed with "job.interrupted".
-  JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log = {});
+  /// Makes a computation again from its request, which throws what a client would have been told. Called on a worker.
+  using Remake = std::function<Computation(const store::JobRecord&, store::StoredRequest)>;
+
+  /// Jobs that an earlier process left unfinished wait again; without their request, or without `remake`, they become
+  /// failed with "job.interrupted".
+  JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log = {},
+           Remake remake = {});
   /// Shuts down without grace.
   ~JobQueue();
   JobQueue(const JobQueue&) = delete;
@@ -87,16 +107,20 @@ class JobQueue {
   /// `profile`, if there is one, is filled however it ends.
   store::Result run_now(const Computation& computation, std::function<bool()> hung_up, Profile* profile = nullptr);
 
-  /// Makes it a job that waits for a worker. Throws "job.queue_full", "job.client_queue_full", "server.shutting_down".
-  JobStatus submit(Computation computation);
+  /// Makes it a job that waits for a worker; it outlives the process if it comes with its request. Throws
+  /// "job.queue_full", "job.client_queue_full", "server.shutting_down", "store.full", "store.quota",
+  /// "store.unavailable".
+  JobStatus submit(Computation computation, const std::optional<RequestOfJob>& request = {});
 
   /// Computes on a worker and waits: for the result, or for `seconds`, after which it has become a job that can be
-  /// asked for. Throws like run_now; a client that hangs up while this waits cancels the computation.
+  /// asked for, as after `submit`. Throws like run_now and submit; a client that hangs up while this waits cancels the
+  /// computation.
   struct ResultOrJob {
     std::optional<store::Result> result;
     JobStatus job;
   };
-  ResultOrJob run_within(Computation computation, double seconds, const std::function<bool()>& hung_up);
+  ResultOrJob run_within(Computation computation, double seconds, const std::function<bool()>& hung_up,
+                         const std::optional<RequestOfJob>& request = {});
 
   /// Throws "job.not_found".
   JobStatus status(const std::string& id) const;
@@ -119,7 +143,8 @@ class JobQueue {
   int immediate() const { return slots_.in_use(); }
 
   /// Refuses new computations, gives those that run `grace_seconds` to finish, then stops them. Jobs that did not run
-  /// to their end fail with "job.interrupted". Returns once no worker runs.
+  /// to their end wait for the next process, or fail with "job.interrupted" where it could not make them again. Returns
+  /// once no worker runs.
   void shut_down(double grace_seconds);
 
  private:
@@ -129,18 +154,41 @@ class JobQueue {
   /// Under the mutex: stops what else runs in the session and takes its place. Returns the number to leave it with.
   std::uint64_t enter_session(const std::string& session, const CancellationToken& token);
   void leave_session(const std::string& session, std::uint64_t number);
-  JobPointer enqueue(Computation computation, bool visible);
+  /// Puts the jobs of an earlier process back into the queue.
+  void resume();
+  /// What runs a job again that an earlier process has accepted.
+  Computation computation_again(const store::JobRecord& record);
+  void fail_at_start(store::JobRecord record, const problem::Problem& problem);
+  JobPointer make_job(Computation computation);
+  /// A job with a request is visible to clients at once.
+  JobPointer enqueue(Computation computation, const std::optional<RequestOfJob>& request, bool visible);
+  /// Makes a job visible that was not until now, unless it finishes meanwhile.
+  void make_visible(const JobPointer& job, const store::JobRecord& record, const std::optional<RequestOfJob>& request);
+  /// Under the mutex: into the queue.
+  void add(const JobPointer& job);
   /// Under the mutex: throws "job.queue_full" where there is no place for the job, "job.client_queue_full" where its
   /// client has its share of them.
   void require_place(const Computation& computation) const;
-  /// Under the mutex: takes the job that a worker runs next, the first one of the client with the fewest that run.
+  /// Under the mutex: the job that a worker runs next, the first one of the client with the fewest that run; the end
+  /// where none may run now.
+  std::deque<JobPointer>::iterator next_place();
   JobPointer take_next();
-  void publish(Job& job);
+  bool is_last_attempt(const Job& job) const;
+  /// Keeps a job's request and calls `publish` with what the store's row takes of it; not under the mutex, for writing
+  /// a request takes long. Drops it again where `publish` returns false: the job does not become visible.
+  void with_request(const store::JobRecord& record, const std::optional<RequestOfJob>& request,
+                    const std::function<bool(const std::string& kept)>& publish);
+  /// Under the mutex. `kept`: so is its request, of which the row takes `request`.
+  void publish(Job& job, bool kept, const std::string& request = {});
   void work();
   /// Runs it on this thread and holds what it allocates against the budget. Throws what it throws, or why it had to be
   /// stopped: "request.too_much_memory", "server.out_of_memory".
   store::Result compute(const Computation& computation, const Execution& execution, Profile* profile = nullptr) const;
   void run_job(const JobPointer& job);
+  /// Tells the store how often a job was begun; where that is refused the attempt does not count.
+  void note_progress(const store::JobRecord& record);
+  /// Under the mutex: leaves a job to the next process.
+  void put_back(const JobPointer& job);
   void finish(const JobPointer& job, store::JobState state, std::optional<store::Result> result,
               std::exception_ptr failure);
   /// Stores how a job ended; what the store refuses becomes part of the record. Returns whether the store has it.
@@ -157,6 +205,7 @@ class JobQueue {
   const Render render_;
   const Observe observe_;
   const Log log_;
+  const Remake remake_;
   Watchdog watchdog_;
   ComputeSlots slots_;
 
@@ -167,6 +216,7 @@ class JobQueue {
   std::deque<JobPointer> queue_;
   std::int64_t queue_bytes_ = 0;                       // that the jobs in the queue hold
   std::map<std::string, int> running_of_;              // jobs of each client that run
+  bool last_attempt_runs_ = false;                     // of one of the jobs
   double mean_seconds_ = 0;                            // that a job runs, a moving average
   std::map<std::string, JobPointer> jobs_;             // unfinished ones, those not yet visible to clients included
   std::map<std::string, store::JobRecord> unwritten_;  // finished ones whose end the store did not take

@@ -20,8 +20,10 @@ struct Snapshot {
   std::int64_t meshes_loaded = 0;
   std::int64_t mesh_bytes = 0;  ///< estimate of the loaded meshes
   std::int64_t models_loaded = 0;
-  std::int64_t models_damaged = 0;   ///< files that cannot be read
-  std::int64_t disk_free_bytes = 0;  ///< of the data folder
+  std::int64_t models_damaged = 0;                  ///< files that cannot be read
+  std::int64_t disk_free_bytes = 0;                 ///< of the data folder
+  std::map<std::string, std::int64_t> store_bytes;  ///< that the data folder holds, by part
+  std::int64_t store_limit = 0;                     ///< of them together, in bytes
 };
 
 /// The server's counters in the Prometheus text format. Any thread may call.

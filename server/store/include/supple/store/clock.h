@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 namespace supple::store {
 
@@ -19,6 +20,8 @@ class ProcessClock {
 
   /// Milliseconds since 1970. Any thread may call.
   std::int64_t now() const { return origin_ + elapsed_(); }
+  /// Milliseconds since 1970 at which `elapsed` was zero.
+  std::int64_t origin() const { return origin_; }
 
  private:
   Source elapsed_;
@@ -27,5 +30,11 @@ class ProcessClock {
 
 /// Milliseconds since 1970 by a ProcessClock that starts with the first call.
 std::int64_t now_milliseconds();
+
+/// When the machine was started, in milliseconds since 1970 by that clock: another process sees the same until the
+/// machine's clock is set.
+std::int64_t machine_start();
+/// Which start of the machine this is; empty where the system does not tell.
+std::string machine_start_id();
 
 }  // namespace supple::store

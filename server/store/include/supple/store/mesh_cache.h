@@ -38,6 +38,8 @@ class MeshCache {
   /// Holds a mesh that is in memory already.
   void put(const std::string& id, std::shared_ptr<const LoadedMesh> mesh);
   void forget(const std::string& id);
+  /// Removes from `store`, and forgets, what nobody has used for so many seconds. Returns their number.
+  std::size_t remove_unused(Store& store, double seconds);
 
   struct Size {
     std::size_t meshes = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,6 +34,23 @@ struct JobRecord {
   double deadline = 0;   ///< seconds
   std::string error;     ///< problem JSON of a failed job
   int error_status = 0;  ///< its HTTP status
+  std::string client;    ///< whose turn in the queue it takes; empty where clients are not told apart
+  std::string session;   ///< of its computation; empty: of none
+  int attempts = 0;      ///< how often it was begun, without those times that ended in good order
+};
+
+/// What a job is made again from in a later process. Its body is kept beside it.
+struct JobRequest {
+  std::string method;
+  std::string path;
+  std::map<std::string, std::string> query;
+  std::string content_type;
+  std::string accept;
+};
+
+struct StoredRequest {
+  JobRequest request;
+  std::string body;
 };
 
 /// The answer of a computation, as bytes.

@@ -16,20 +16,49 @@ namespace supple::store {
 /// SHA-256 in hexadecimal.
 std::string sha256(std::string_view bytes);
 
-/// Meshes, jobs and results in one folder: an SQLite database (write-ahead log) for what is searched, one file for each
-/// mesh and each result.
+/// Limits of what a store holds, in bytes; 0: none.
+struct Quota {
+  std::int64_t bytes = 0;       ///< of the whole data folder; setting --max-store
+  std::int64_t mesh_bytes = 0;  ///< of meshes; setting --max-mesh-bytes
+};
+
+/// Nine tenths of the disk that a data folder is on, or would be on: of its size, not of what is free just now, so that
+/// nothing expires because others fill it. 0 where that cannot be told.
+std::int64_t default_quota(const std::filesystem::path& folder);
+
+/// Bytes that a data folder holds.
+struct Usage {
+  std::int64_t meshes = 0;
+  std::int64_t results = 0;
+  std::int64_t requests = 0;    ///< large ones of jobs that have not ended; small ones are in the database
+  std::int64_t database = 0;    ///< with its log, its index and the reserve for a full disk
+  std::int64_t quarantine = 0;  ///< counted at the start and with each removal of what has expired
+  std::int64_t limit = 0;       ///< of all of them together; 0: none
+  std::int64_t mesh_limit = 0;  ///< of the meshes; 0: none
+  std::int64_t total() const { return meshes + results + requests + database + quarantine; }
+};
+
+/// Meshes, jobs, their requests and their results in one folder: an SQLite database (write-ahead log) for what is
+/// searched and for small requests, one file for each mesh, each result, and each large request of a job that has not
+/// ended.
 ///
 /// A file is written beside its place, synchronized, and renamed; its row is committed afterwards. So a row's file is
-/// always complete, whenever the process or the machine stops.
+/// always complete, whenever the process or the machine stops. Files of results and requests begin with what their rows
+/// say of them.
 ///
 /// At the start the database is looked through. A damaged one is moved into the folder "quarantine" and a new one is
-/// made. Mesh files without a row whose name is their hash get a row again; every other file that no row knows is moved
-/// into quarantine. Removed is only what was never acknowledged: half-written files, and the result of an unfinished
-/// job.
+/// made. Files without a row get a row again: meshes whose name is their hash, results whose own hashes are right, and,
+/// where the database is new, large requests. Every other file that no row knows is moved into quarantine. Removed is
+/// only what was never acknowledged, or is no longer needed: half-written files, the result of an unfinished job, the
+/// request of a finished one.
+///
+/// Bytes are counted as files come and go. What would go beyond the quota expires the oldest results first, and throws
+/// ProblemError "store.quota" where that does not make enough room.
 ///
 /// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
-/// throws Error "store.full" where the disk is, "store.unavailable" where it or the database refuses otherwise. Any
-/// thread may call; calls take turns.
+/// throws Error "store.full" where the disk is, "store.unavailable" where it or the database refuses otherwise;
+/// removing works on a full disk too, in the place of a reserve that is held for that. Any thread may call; calls take
+/// turns.
 class Store {
  public:
   /// What the store needs in order to recover at the start.
@@ -41,7 +70,7 @@ class Store {
   };
 
   /// Opens or makes the folder. Throws also where another process has it open.
-  explicit Store(const std::filesystem::path& folder, const Recovery& recovery = {});
+  explicit Store(const std::filesystem::path& folder, const Recovery& recovery = {}, const Quota& quota = {});
   ~Store();
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
@@ -62,13 +91,33 @@ class Store {
   bool owns_mesh(const std::string& id, const std::string& owner) const;
   /// Whether removing it for the owner would remove the mesh itself.
   bool is_last_owner_of_mesh(const std::string& id, const std::string& owner) const;
+  /// Says that a mesh is used now. It costs a microsecond; the database hears of it with the next removal of unused
+  /// meshes.
+  void use_mesh(const std::string& id) const;
+  /// Removes the meshes that nobody has used since `before`, in milliseconds since 1970, and that no unfinished job
+  /// works on. Returns their ids.
+  std::vector<std::string> remove_unused_meshes(std::int64_t before);
 
-  void add_job(const JobRecord& job);
-  /// Commits a job's end, with its result if it has one. Durable once this returns.
+  /// Keeps what a job is made again from in a later process: in a file, durably once this returns, where it is large;
+  /// otherwise the database takes it together with the job, for which it is returned. One whose job is not added is
+  /// dropped.
+  std::string keep_request(const JobRecord& job, const JobRequest& request, std::string_view body);
+  void drop_request(const std::string& id);
+  bool has_request(const std::string& id) const;
+  /// Throws "store.corrupted".
+  StoredRequest job_request(const std::string& id) const;
+
+  /// Durable once this returns. `request` is what keep_request has returned.
+  void add_job(const JobRecord& job, const std::string& request = {});
+  /// Notes an unfinished job's state, its start and its attempts. Outlives the process, but not necessarily the
+  /// machine: nothing waits for the disk. Does nothing for a job that has finished.
+  void note_progress(const JobRecord& job);
+  /// Commits a job's end, with its result if it has one. Durable once this returns; its request is gone then.
   void finish_job(const JobRecord& job, const Result* result);
   std::optional<JobRecord> job(const std::string& id) const;
-  /// The newest first, of an owner alone where one is named.
-  std::vector<JobRecord> jobs(std::optional<JobState> state, std::size_t limit, const std::string& after,
+  /// Those in one of the states, or all where there is none, of an owner alone where one is named, the newest first;
+  /// `after` is the last id of the page before.
+  std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
                               const std::string& owner = {}) const;
   /// Makes `owner` the owner of a job that exists.
   void own_job(const std::string& id, const std::string& owner);
@@ -76,11 +125,17 @@ class Store {
   /// Throws "job.not_found", "store.corrupted".
   Result job_result(const std::string& id) const;
   bool remove_job(const std::string& id);
-  /// Jobs that an earlier process left unfinished.
+  /// Jobs that an earlier process left unfinished, the oldest first.
   std::vector<JobRecord> unfinished_jobs() const;
   /// Removes finished jobs that have expired by `now`, and the oldest finished ones beyond `most`. Returns their
   /// number.
   std::size_t remove_expired_jobs(std::int64_t now, std::size_t most);
+
+  /// Takes the reserve again that was given back on a full disk, once there is space; a microsecond where it is there.
+  void take_reserve();
+
+  /// Takes a few microseconds.
+  Usage usage() const;
 
  private:
   std::pair<MeshRecord, bool> add_content(const std::string& ply, const DescribeMesh& describe);

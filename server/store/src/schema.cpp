@@ -1,0 +1,167 @@
+#include "schema.h"
+
+#include <set>
+
+#include "record_file.h"
+
+namespace supple::store {
+namespace {
+
+/// Version 1 had neither clients, sessions and attempts of jobs nor times of use of meshes.
+constexpr std::int64_t table_version = 2;
+
+constexpr const char* tables = R"(
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = FULL;
+CREATE TABLE IF NOT EXISTS meshes (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+  id TEXT NOT NULL UNIQUE,
+  created INTEGER NOT NULL,
+  description TEXT NOT NULL
+);
+CREATE TABLE IF NOT EXISTS jobs (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+  id TEXT NOT NULL UNIQUE,
+  kind TEXT NOT NULL,
+  mesh TEXT NOT NULL,
+  state TEXT NOT NULL,
+  created INTEGER NOT NULL,
+  started INTEGER NOT NULL,
+  finished INTEGER NOT NULL,
+  expires INTEGER NOT NULL,
+  deadline REAL NOT NULL,
+  error TEXT NOT NULL,
+  error_status INTEGER NOT NULL,
+  result_type TEXT NOT NULL DEFAULT '',
+  result_headers TEXT NOT NULL DEFAULT '',
+  result_hash TEXT NOT NULL DEFAULT ''
+);
+CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state, sequence);
+CREATE TABLE IF NOT EXISTS clock (
+  machine_start_id TEXT NOT NULL,
+  machine_start INTEGER NOT NULL
+);
+CREATE TABLE IF NOT EXISTS requests (
+  job TEXT PRIMARY KEY,
+  content BLOB NOT NULL
+);
+CREATE TRIGGER IF NOT EXISTS requests_of_ended_jobs AFTER UPDATE OF finished ON jobs WHEN new.finished > 0
+BEGIN DELETE FROM requests WHERE job = new.id; END;
+CREATE TRIGGER IF NOT EXISTS requests_of_removed_jobs AFTER DELETE ON jobs
+BEGIN DELETE FROM requests WHERE job = old.id; END;
+)";
+
+/// What version 2 added.
+struct Column {
+  const char* table;
+  const char* name;
+  const char* declaration;
+};
+constexpr Column later_columns[] = {
+    {"meshes", "used", "INTEGER NOT NULL DEFAULT 0"},
+    {"jobs", "client", "TEXT NOT NULL DEFAULT ''"},
+    {"jobs", "session", "TEXT NOT NULL DEFAULT ''"},
+    {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
+};
+
+bool has_column(const Database& database, const Column& column) {
+  Statement rows(database, "SELECT 1 FROM pragma_table_info(?) WHERE name = ?");
+  return rows.bind(column.table).bind(column.name).step();
+}
+
+}  // namespace
+
+const char* const job_columns =
+    "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, session, "
+    "attempts";
+
+void prepare_tables(Database& database) {
+  {
+    Statement row(database, "PRAGMA user_version");
+    if (row.step() && row.integer(0) > table_version) {
+      throw Error("store.unavailable",
+                  "The data folder was written by a later version of the server (tables of version " +
+                      std::to_string(row.integer(0)) + "; this one knows " + std::to_string(table_version) + ").");
+    }
+  }
+  database.execute(tables);
+  // Not by the version: a server of version 1 may have used the folder in between.
+  for (const auto& column : later_columns) {
+    if (has_column(database, column)) continue;
+    database.execute(
+        ("ALTER TABLE " + std::string(column.table) + " ADD COLUMN " + column.name + " " + column.declaration).c_str());
+  }
+  database.execute(("PRAGMA user_version = " + std::to_string(table_version)).c_str());
+  // A column that is missing is found now, not by the first request that needs it.
+  const Statement clock(database, "SELECT machine_start_id, machine_start FROM clock");
+  const Statement meshes(database, "SELECT id, created, description, used, sequence FROM meshes");
+  const Statement jobs(database, "SELECT " + std::string(job_columns) +
+                                     ", result_type, result_headers, result_hash, sequence FROM jobs");
+}
+
+JobRecord read_job(const Statement& row) {
+  JobRecord job;
+  job.id = row.text(0);
+  job.kind = row.text(1);
+  job.mesh = row.text(2);
+  job.state = state_of(row.text(3)).value_or(JobState::failed);
+  job.created = row.integer(4);
+  job.started = row.integer(5);
+  job.finished = row.integer(6);
+  job.expires = row.integer(7);
+  job.deadline = row.real(8);
+  job.error = row.text(9);
+  job.error_status = static_cast<int>(row.integer(10));
+  job.client = row.text(11);
+  job.session = row.text(12);
+  job.attempts = static_cast<int>(row.integer(13));
+  return job;
+}
+
+void insert_job(const Database& database, const JobRecord& job) {
+  Statement(database,
+            "INSERT INTO jobs (" + std::string(job_columns) + ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(job.id)
+      .bind(job.kind)
+      .bind(job.mesh)
+      .bind(state_name(job.state))
+      .bind(job.created)
+      .bind(job.started)
+      .bind(job.finished)
+      .bind(job.expires)
+      .bind(job.deadline)
+      .bind(job.error)
+      .bind(static_cast<std::int64_t>(job.error_status))
+      .bind(job.client)
+      .bind(job.session)
+      .bind(static_cast<std::int64_t>(job.attempts))
+      .run();
+}
+
+bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const std::string& hash) {
+  return Statement(database,
+                   "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, error_status = ?, "
+                   "attempts = ?, result_type = ?, result_headers = ?, result_hash = ? WHERE id = ?")
+             .bind(state_name(job.state))
+             .bind(job.started)
+             .bind(job.finished)
+             .bind(job.expires)
+             .bind(job.error)
+             .bind(static_cast<std::int64_t>(job.error_status))
+             .bind(static_cast<std::int64_t>(job.attempts))
+             .bind(result ? result->content_type : "")
+             .bind(result ? join_headers(*result) : "")
+             .bind(hash)
+             .bind(job.id)
+             .run() > 0;
+}
+
+void insert_mesh(const Database& database, const MeshRecord& mesh) {
+  Statement(database, "INSERT INTO meshes (id, created, description) VALUES (?, ?, ?)")
+      .bind(mesh.id)
+      .bind(mesh.created)
+      .bind(mesh.description)
+      .run();
+}
+
+}  // namespace supple::store

@@ -1,0 +1,131 @@
+#include "space.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <string>
+#include <system_error>
+
+#include "atomic_file.h"
+#include "supple/problem/problem.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 3> names{"mesh", "result", "request"};
+
+/// Bytes of the files in a folder and below it; those that vanish meanwhile do not count.
+std::int64_t bytes_of_files(const fs::path& folder) {
+  std::int64_t sum = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code gone;
+    if (entry->is_regular_file(gone)) sum += bytes_of(entry->path());
+  }
+  return sum;
+}
+
+[[noreturn]] void throw_quota(const std::string& detail, std::int64_t limit, std::int64_t value,
+                              const std::string& setting) {
+  throw problem::ProblemError({"store.quota",
+                               detail + " (setting " + setting + ").",
+                               {},
+                               problem::Limit{static_cast<double>(limit), static_cast<double>(value), setting},
+                               {}});
+}
+
+}  // namespace
+
+std::int64_t default_quota(const fs::path& folder) {
+  std::error_code error;
+  auto existing = fs::absolute(folder, error);
+  while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
+  const auto space = fs::space(existing, error);
+  return error ? 0 : static_cast<std::int64_t>(space.capacity / 10 * 9);
+}
+
+void Space::count() {
+  Usage counted;
+  counted.meshes = bytes_of_files(places_.meshes());
+  counted.results = bytes_of_files(places_.results());
+  counted.requests = bytes_of_files(places_.requests());
+  counted.quarantine = bytes_of_files(places_.quarantine());
+  const std::lock_guard lock(mutex_);
+  counted_ = counted;
+}
+
+void Space::count_quarantine() {
+  const auto bytes = bytes_of_files(places_.quarantine());
+  const std::lock_guard lock(mutex_);
+  counted_.quarantine = bytes;
+}
+
+std::int64_t& Space::counter(Part part) {
+  return part == Part::meshes ? counted_.meshes : part == Part::results ? counted_.results : counted_.requests;
+}
+
+void Space::add(Part part, std::int64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  counter(part) += bytes;
+}
+
+Usage Space::measured() const {
+  auto usage = counted_;
+  usage.limit = quota_.bytes;
+  usage.mesh_limit = quota_.mesh_bytes;
+  const auto database = places_.database().string();
+  for (const char* suffix : {"", "-wal", "-shm"}) usage.database += bytes_of(database + suffix);
+  usage.database += bytes_of(places_.reserve());
+  return usage;
+}
+
+Usage Space::usage() const {
+  const std::lock_guard lock(mutex_);
+  return measured();
+}
+
+std::int64_t Space::try_add(Part part, std::int64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (part == Part::meshes && quota_.mesh_bytes > 0 && counted_.meshes + bytes > quota_.mesh_bytes) {
+    const auto value = counted_.meshes + bytes;
+    throw_quota("With this mesh of " + std::to_string(bytes) + " bytes all meshes would take " + std::to_string(value) +
+                    " bytes, their limit is " + std::to_string(quota_.mesh_bytes),
+                quota_.mesh_bytes, value, "--max-mesh-bytes");
+  }
+  if (quota_.bytes > 0) {
+    const auto usage = measured();
+    const auto too_many = usage.total() + bytes - quota_.bytes;
+    // Results are not thrown away for what would not fit without them either.
+    if (too_many > usage.results) refuse_with(usage, part, bytes);
+    if (too_many > 0) return too_many;
+  }
+  counter(part) += bytes;
+  return 0;
+}
+
+void Space::refuse_with(const Usage& usage, Part part, std::int64_t bytes) const {
+  const auto value = usage.total() + bytes;
+  throw_quota("With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
+                  " bytes the data folder would hold " + std::to_string(value) + " bytes, its limit is " +
+                  std::to_string(quota_.bytes) + "; meshes take " + std::to_string(usage.meshes) + ", results " +
+                  std::to_string(usage.results) + ", requests of jobs " + std::to_string(usage.requests) +
+                  ", the database " + std::to_string(usage.database) + " and what is in quarantine " +
+                  std::to_string(usage.quarantine),
+              quota_.bytes, value, "--max-store");
+}
+
+void Reserve::take() noexcept {
+  if (bytes_of(file_) == bytes) return;
+  const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  if (descriptor < 0) return;
+  const bool taken = ::posix_fallocate(descriptor, 0, bytes) == 0;
+  ::close(descriptor);
+  if (!taken) ::unlink(file_.c_str());
+}
+
+bool Reserve::give_back() noexcept { return ::unlink(file_.c_str()) == 0; }
+
+}  // namespace supple::store

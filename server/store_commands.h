@@ -1,0 +1,16 @@
+#pragma once
+
+namespace supple {
+
+/// "supple-server check --data D [--repair]": prints what is wrong with a data folder. Status 0 where nothing is,
+/// otherwise 1.
+int check_command(int argc, char** argv);
+
+/// "supple-server backup --data D --to F": copies a data folder, also while a server uses it. Status 1 where something
+/// in it is damaged or missing.
+int backup_command(int argc, char** argv);
+
+/// "supple-server restore --from F --data D [--replace]": makes a data folder of a backup. Status as of backup.
+int restore_command(int argc, char** argv);
+
+}  // namespace supple
