@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import random
-import socket
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Callable, Iterator, List, Tuple
@@ -101,15 +100,15 @@ def test_the_costliest_requests_at_once_do_not_end_a_server_of_two_gibibytes(sma
         connection = sent_request(small_server, named(name, meshes, 1.5))
         try:
             return name, (first_line(connection).split() + ["", "closed"])[1]
-        except socket.timeout:
-            return name, "none"
+        except ConnectionResetError:
+            return name, "closed"  # a body that was refused while it arrived may cost its sender the answer
         finally:
             connection.close()
 
     with ThreadPoolExecutor(AT_A_TIME) as pool:
         answers = list(pool.map(send, names))
     assert small_server.running(), f"the server died: {answers}\n{small_server.log_text()[-2000:]}"
-    unexpected = {(name, status) for name, status in answers if status not in ("200", "201", "400", "413", "422", "429", "503", "504")}
+    unexpected = {(name, status) for name, status in answers if status not in ("200", "201", "400", "413", "422", "429", "503", "504", "closed")}
     assert not unexpected
     assert {status for _, status in answers} & {"200", "201"}, "nothing was answered"
     # It is as good as new: what was taken is given back.
