@@ -111,6 +111,8 @@ TEST(ComputationMemory, GivesABlockAMarginWhileALargerOneIsStopping) {
 }
 
 TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
+  // So much that what the test itself takes is little.
+  const std::vector<char> ballast(64 * mebibyte, 'x');
   const auto now = memory_use().resident;
   MemoryBudget enough(1000, 1000, 2 * now);
   Computation unhurt(enough);
@@ -135,6 +137,7 @@ TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
   urgent.relieve();
   EXPECT_TRUE(first.token.requested());
   EXPECT_TRUE(second.token.requested()) << "there is no time";
+  EXPECT_EQ(ballast.back(), 'x');
 }
 
 TEST(ComputationMemory, CountsTheBlocksOfEveryThreadThatHelps) {
@@ -167,7 +170,7 @@ TEST(ComputationMemory, CountsEveryWayToAllocate) {
   std::int64_t expected = 0;
   const auto expect_more = [&](const char* what) {
     expected += bytes;
-    EXPECT_NEAR(static_cast<double>(budget.used()), static_cast<double>(expected), 0.01 * bytes) << what;
+    EXPECT_NEAR(static_cast<double>(budget.used()), static_cast<double>(expected), 0.05 * bytes) << what;
   };
   void* const plain = std::malloc(bytes);
   expect_more("malloc");
