@@ -123,7 +123,7 @@ class HttpServerTest : public testing::Test {
           const std::lock_guard lock(report_mutex_);
           reported_ = text;
         },
-        [this](Request& request, const Route* route) {
+        [](Request& request, const Route* route) {
           if (request.host == "evil") throw Error("http.misdirected_request", "Not this server.");
           request.key = request.header("X-Key");
           if (request.key == "none" && route && !route->open) throw Error("access.key_required", "No key.");
