@@ -98,6 +98,7 @@ void add_limits(CLI::App& app, ServerOptions& options) {
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   const auto shares = budget::default_shares(budget::memory_limits());
   options.memory = shares.requests;
+  options.request_memory = shares.request;
   options.mesh_memory = shares.meshes;
   options.helper.memory = static_cast<std::uint64_t>(shares.helper);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));

@@ -18,18 +18,18 @@ struct ServerOptions {
   jobs::QueueOptions jobs;
   routes::RouteLimits limits;
   std::string data = "data";
-  std::string models;                       ///< folder; none where empty
-  std::int64_t max_model = 256LL << 20;     ///< bytes of a model file
-  std::string web;                          ///< folder of the built web editor; none where empty
-  int threads = 0;                          ///< compute threads; 0: one for each core
-  std::int64_t max_store = 0;               ///< bytes of the data folder; 0: a share of the disk's
-  std::int64_t max_mesh_bytes = 0;          ///< of stored meshes; 0: no limit but that of the data folder
-  double mesh_retention = 0;                ///< seconds that a mesh is kept which nobody uses; 0: for good
-  std::int64_t mesh_memory = 0;             ///< bytes; like the following three a share of the machine's at first
-  double grace = 5;                         ///< seconds that running computations get at the end
-  std::int64_t memory = 0;                  ///< bytes that requests and computations may take together
-  std::int64_t request_memory = 1LL << 30;  ///< bytes that one request may take
-  std::int64_t max_answer = 256LL << 20;    ///< bytes of an answer in JSON
+  std::string models;                     ///< folder; none where empty
+  std::int64_t max_model = 256LL << 20;   ///< bytes of a model file
+  std::string web;                        ///< folder of the built web editor; none where empty
+  int threads = 0;                        ///< compute threads; 0: one for each core
+  std::int64_t max_store = 0;             ///< bytes of the data folder; 0: a share of the disk's
+  std::int64_t max_mesh_bytes = 0;        ///< of stored meshes; 0: no limit but that of the data folder
+  double mesh_retention = 0;              ///< seconds that a mesh is kept which nobody uses; 0: for good
+  std::int64_t mesh_memory = 0;           ///< bytes; like the following ones a share of the machine's at first
+  double grace = 5;                       ///< seconds that running computations get at the end
+  std::int64_t memory = 0;                ///< bytes that requests and computations may take together
+  std::int64_t request_memory = 0;        ///< bytes that one request may take
+  std::int64_t max_answer = 256LL << 20;  ///< bytes of an answer in JSON
   std::vector<std::string> allowed_hosts;
   std::vector<std::string> allowed_origins;
   std::string keys;                ///< file of keys; the file "keys" in the data folder where empty

@@ -108,7 +108,8 @@ def changed(body: Any, chance: random.Random) -> Any:
 class Search:
     def __init__(self, seed: int) -> None:
         self.chance = random.Random(seed)
-        self.server = ServerProcess(Path(tempfile.mkdtemp(prefix="supple_search_")) / "data", "--models", str(ROOT / "models"))
+        self.server = ServerProcess(Path(tempfile.mkdtemp(prefix="supple_search_")) / "data", "--models", str(ROOT / "models"),
+                                    "--max-request-memory", "1G")
         self.meshes: Meshes = {}
         self.tries = 0
         self.faults: List[str] = []

@@ -33,8 +33,16 @@ def uploaded(server: ServerProcess) -> Meshes:
 
 
 @pytest.fixture(scope="module")
-def meshes(server: ServerProcess) -> Meshes:
-    return uploaded(server)
+def bounded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+    """A server whose requests may take a gibibyte each."""
+    process = ServerProcess(tmp_path_factory.mktemp("bounded") / "data", "--models", str(ROOT / "models"), "--max-request-memory", "1G")
+    yield process.start()
+    process.stop()
+
+
+@pytest.fixture(scope="module")
+def meshes(bounded: ServerProcess) -> Meshes:
+    return uploaded(bounded)
 
 
 LARGE = ["layout_of_cusps", "network_on_a_large_shell", "optimization_of_many_sites", "sheet_of_circles", "sheet_of_many_strands",
@@ -43,7 +51,8 @@ LARGE = ["layout_of_cusps", "network_on_a_large_shell", "optimization_of_many_si
 
 
 @pytest.mark.parametrize("name", LARGE)
-def test_one_request_takes_what_one_request_may(server: ServerProcess, meshes: Meshes, name: str) -> None:
+def test_one_request_takes_what_one_request_may(bounded: ServerProcess, meshes: Meshes, name: str) -> None:
+    server = bounded
     request = named(name, meshes, 2.5)
     reset_peak(server.pid)
     before = server.resident_bytes()

@@ -80,7 +80,8 @@ MemoryShares default_shares(const MemoryLimits& limits) {
   auto memory = limits.resident;
   if (limits.virtual_size > 0) memory = std::min(memory, limits.virtual_size);
   constexpr std::int64_t gibibyte = 1LL << 30;
-  return {memory / 2, std::min(memory / 8, 2 * gibibyte), std::min(memory / 4, 8 * gibibyte), memory / 16 * 11};
+  return {memory / 2, std::max(memory / 4, gibibyte), std::min(memory / 8, 2 * gibibyte),
+          std::min(memory / 4, 8 * gibibyte), memory / 16 * 11};
 }
 
 void share_arenas(int cores) { ::mallopt(M_ARENA_MAX, 2 * cores); }

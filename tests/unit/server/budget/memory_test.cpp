@@ -112,6 +112,8 @@ TEST(MemoryLimits, AreDividedInShares) {
   EXPECT_EQ(default_shares({1000, 0}).requests, 500);
   EXPECT_EQ(default_shares({1000, 500}).requests, 250);
   EXPECT_EQ(default_shares({1000, 5000}).requests, 500);
+  EXPECT_EQ(default_shares({1000, 0}).request, 1LL << 30);
+  EXPECT_EQ(default_shares({1LL << 40, 0}).request, 1LL << 38);
   EXPECT_EQ(default_shares({1000, 0}).meshes, 125);
   EXPECT_EQ(default_shares({1000, 0}).helper, 250);
   EXPECT_EQ(default_shares({1000, 0}).process, 682);

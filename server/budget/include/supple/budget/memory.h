@@ -27,6 +27,7 @@ MemoryLimits memory_limits();
 /// How a server divides the memory that it may have where nobody says otherwise, in bytes.
 struct MemoryShares {
   std::int64_t requests = 0;  ///< for what requests reserve and computations allocate: half
+  std::int64_t request = 0;   ///< for one of them: a quarter, but 1 GiB at least
   std::int64_t meshes = 0;    ///< for meshes that stay loaded: an eighth, 2 GiB at most
   std::int64_t helper = 0;    ///< for one helper process: a quarter, 8 GiB at most
   std::int64_t process = 0;   ///< for the whole server without its helpers: 11 parts of 16
