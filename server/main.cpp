@@ -82,7 +82,7 @@ class Process {
   Process(const ServerOptions& options, sigset_t signals)
       : options_(options),
         signals_(signals),
-        memory_(options.memory, options.request_memory, budget::default_shares(budget::memory_limits()).process),
+        memory_(options.memory, options.request_memory, options.process_memory),
         gate_(options.key_file(), rule_of_keys(options), [](const std::string& text) { spdlog::warn(text); }),
         metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;

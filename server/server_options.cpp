@@ -163,6 +163,8 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
     return app.exit(error);
   }
   if (!app.get_subcommands().empty()) return 0;
+  // Who allows more has it.
+  options.process_memory = std::max(shares.process, options.memory + options.mesh_memory);
   return std::nullopt;
 }
 

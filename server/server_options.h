@@ -28,6 +28,7 @@ struct ServerOptions {
   std::int64_t mesh_memory = 0;           ///< bytes; like the following ones a share of the machine's at first
   double grace = 5;                       ///< seconds that running computations get at the end
   std::int64_t memory = 0;                ///< bytes that requests and computations may take together
+  std::int64_t process_memory = 0;        ///< bytes of the whole process, at which computations are stopped
   std::int64_t request_memory = 0;        ///< bytes that one request may take
   std::int64_t max_answer = 256LL << 20;  ///< bytes of an answer in JSON
   std::vector<std::string> allowed_hosts;

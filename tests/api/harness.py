@@ -118,6 +118,15 @@ class ServerProcess:
         return samples
 
 
+def spoil_database(data: Path, damage: str) -> None:
+    """Takes the database from a data folder whose server has ended ("lost"), or makes it something else ("overwritten")."""
+    database = data / "supple.sqlite"
+    if damage == "lost":
+        database.unlink()
+    else:
+        database.write_bytes(b"not a database" * 1000)
+
+
 def servers_of_a_test(folder: Path) -> "Iterator[Callable[..., ServerProcess]]":
     """What a fixture yields to start servers of a test's own, which may be killed and restarted; ends them afterwards."""
     started: List[ServerProcess] = []

@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict
 import pytest
 
 from contract import Contract
-from harness import SERVER, Api, ServerProcess, slow_relaxation
+from harness import SERVER, Api, ServerProcess, slow_relaxation, spoil_database
 from shapes import bumpy_sphere, flat_grid, sphere
 
 ASYNC = {"Prefer": "respond-async"}
@@ -105,11 +105,7 @@ def test_repair_makes_a_folder_without_a_sound_database_sound(damage: str, new_s
     api.wait_for_job(job)
     before = snapshot(api)
     assert server.terminate() == 0
-    database = server.data / "supple.sqlite"
-    if damage == "lost":
-        database.unlink()
-    else:
-        database.write_bytes(b"not a database" * 1000)
+    spoil_database(server.data, damage)
     found = command("check", "--data", server.data)
     assert found.returncode == 1
     assert ("no database" in found.stderr) if damage == "lost" else ("database is damaged" in found.stdout)

@@ -13,7 +13,7 @@ import pytest
 import requests
 
 from contract import Contract
-from harness import Api, ServerProcess, problem_code
+from harness import Api, ServerProcess, problem_code, spoil_database
 from shapes import bumpy_sphere, flat_grid, sphere
 
 ASYNC = {"Prefer": "respond-async"}
@@ -164,11 +164,7 @@ def test_a_start_without_a_sound_database_keeps_meshes_and_results_and_deletes_n
     result = api.get(f"/v1/jobs/{job}/result")
     (server.data / "results" / "unknown.result").write_bytes(b"not a result")
     assert server.terminate() == 0
-    database = server.data / "supple.sqlite"
-    if damage == "lost":
-        database.unlink()
-    else:
-        database.write_bytes(b"not a database" * 1000)
+    spoil_database(server.data, damage)
     server.start()
     api = Api(server, contract)
     after = api.get(f"/v1/meshes/{mesh}").json()

@@ -15,11 +15,10 @@ ComputationMemory::ComputationMemory(MemoryBudget& budget, const CancellationTok
 }
 
 ComputationMemory::~ComputationMemory() {
-  constexpr std::int64_t worth_returning = 64 << 20;
   const std::lock_guard lock(budget_.mutex_);
   std::erase(budget_.computations_, this);
   budget_.allocated_ -= held_;
-  if (peak_ >= worth_returning) budget_.holds_free_memory_ = true;
+  budget_.note_release(peak_);
 }
 
 void ComputationMemory::add(std::int64_t bytes) noexcept {

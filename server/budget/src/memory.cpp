@@ -116,6 +116,7 @@ void MemoryBudget::Reservation::add(std::int64_t bytes, const std::string& what)
 void MemoryBudget::Reservation::release() noexcept {
   if (!budget_ || bytes_ == 0) return;
   const std::lock_guard lock(budget_->mutex_);
+  budget_->note_release(bytes_);
   budget_->reserved_ -= std::exchange(bytes_, 0);
 }
 
@@ -136,6 +137,11 @@ void MemoryBudget::relieve() {
   if (resident == 0) return;
   const std::lock_guard lock(mutex_);
   ComputationMemory::stop_largest_of(*this, resident, process_);
+}
+
+void MemoryBudget::note_release(std::int64_t bytes) noexcept {
+  constexpr std::int64_t worth_returning = 16 << 20;
+  if (bytes >= worth_returning) holds_free_memory_ = true;
 }
 
 void MemoryBudget::return_what_is_free() {

@@ -313,17 +313,11 @@ class Server::Implementation final : public httplib::Server {
   }
 
   void leave_place(const std::string& client, double taken) {
-    constexpr double weight = 0.05;   // of the latest request in the moving average
-    constexpr double long_one = 0.2;  // seconds
-    bool last = false;
-    {
-      const std::lock_guard lock(mutex_);
-      last = --answering_ == 0;
-      if (const auto found = answering_for_.find(client); --found->second == 0) answering_for_.erase(found);
-      mean_seconds_ += weight * (taken - mean_seconds_);
-    }
-    // What a large request has taken goes back to the system once nobody else is answered; it takes milliseconds.
-    if (last && taken > long_one) budget::return_free_memory();
+    constexpr double weight = 0.05;  // of the latest request in the moving average
+    const std::lock_guard lock(mutex_);
+    --answering_;
+    if (const auto found = answering_for_.find(client); --found->second == 0) answering_for_.erase(found);
+    mean_seconds_ += weight * (taken - mean_seconds_);
   }
 
   /// Whole seconds until one of the requests that are answered now will probably be done. Under the mutex.

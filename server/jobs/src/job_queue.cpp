@@ -6,27 +6,18 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "job.h"
 #include "supple/budget/computation_memory.h"
 
 namespace supple::jobs {
 namespace {
 
-using Clock = Watchdog::Clock;
-using store::JobState;
-using store::Result;
-
-constexpr std::chrono::milliseconds progress_period{100};  // between two published states of progress
 constexpr std::chrono::milliseconds look_at_client{20};
 constexpr std::chrono::milliseconds look_at_queue{250};
 constexpr std::chrono::minutes look_at_store{1};
 constexpr std::chrono::seconds write_again{1};
-
-Clock::duration duration(double seconds) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-}
 
 problem::ProblemError queue_full(const std::string& detail, double limit, double value, const std::string& setting,
                                  int retry_after) {
@@ -37,13 +28,7 @@ problem::ProblemError queue_full(const std::string& detail, double limit, double
                                 retry_after});
 }
 
-constexpr const char* stopped_by_shutdown = "server.shutting_down";
-
 [[noreturn]] void throw_shutting_down() { throw Error(stopped_by_shutdown, "The server is shutting down."); }
-
-[[noreturn]] void throw_not_found(const std::string& id) {
-  throw Error("job.not_found", "There is no job " + id + ".");
-}
 
 /// Writes the seconds of its lifetime.
 class Stopwatch {
@@ -62,12 +47,6 @@ class Stopwatch {
 Result held_by_request(Result result) {
   budget::reserve(static_cast<std::int64_t>(result.body.size()), "its answer");
   return result;
-}
-
-bool is_finished(JobState state) { return state != JobState::accepted && state != JobState::running; }
-
-problem::Problem interrupted() {
-  return {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
 }
 
 problem::Problem given_up(int attempts, int limit) {
@@ -92,53 +71,6 @@ std::string random_id() {
   }
   return text;
 }
-
-/// All members but the token are guarded by the queue's mutex.
-struct JobQueue::Job final : ProgressSink {
-  Job(JobQueue& owner, Computation work) : queue(owner), computation(std::move(work)) {}
-
-  void report(double fraction, std::string_view name) override {
-    const auto now = Clock::now();
-    if (now - last_report < progress_period && last_report != Clock::time_point{}) return;
-    last_report = now;
-    const std::lock_guard lock(queue.mutex_);
-    progress = std::clamp(fraction, progress, 1.0);
-    stage = name;
-    ++version;
-    queue.changed_.notify_all();
-  }
-
-  /// The latest result is not left out: what was published within the period waits for the next report.
-  void publish(std::string_view text) override {
-    const std::lock_guard lock(queue.mutex_);
-    partial = text;
-    const auto now = Clock::now();
-    if (now - last_published < progress_period) return;
-    last_published = now;
-    ++version;
-    queue.changed_.notify_all();
-  }
-
-  JobQueue& queue;
-  Computation computation;
-  store::JobRecord record;
-  CancellationToken token;
-  std::unique_ptr<Watchdog::Guard> watch;
-  Clock::time_point last_report{};  // of the computing thread alone
-  Clock::time_point last_published{};
-  double progress = 0;
-  std::string stage;
-  std::string partial;
-  std::uint64_t in_session = 0;
-  std::uint64_t version = 1;
-  bool visible = false;          // in the store, and clients may ask for it
-  bool kept = false;             // so is its request: a later process can make it again
-  bool dismissed = false;        // by a client: however its computation ends, that is its state
-  bool finishing = false;        // one thread writes how it ended
-  bool finished = false;         // also once it was dismissed
-  std::optional<Result> result;  // of one that is not visible
-  std::exception_ptr failure;
-};
 
 JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log,
                    Remake remake)
@@ -174,15 +106,6 @@ void JobQueue::resume() {
       add(job);
     }
   }
-}
-
-void JobQueue::fail_at_start(store::JobRecord record, const problem::Problem& problem) {
-  record.state = JobState::failed;
-  record.finished = store::now_milliseconds();
-  record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
-  record.error = render_(problem);
-  record.error_status = problem::status_of(problem);
-  if (!write_end(record, nullptr)) unwritten_.emplace(record.id, record);
 }
 
 /// The request is read once a worker has the job: until then it takes no memory, and what it does wrong counts as an
@@ -440,67 +363,6 @@ void JobQueue::make_visible(const JobPointer& job, const store::JobRecord& recor
   }
 }
 
-JobQueue::JobPointer JobQueue::find(const std::string& id) const {
-  const auto found = jobs_.find(id);
-  return found != jobs_.end() && found->second->visible ? found->second : nullptr;
-}
-
-std::optional<JobStatus> JobQueue::status_in_memory(const std::string& id) const {
-  if (const auto job = find(id)) return status_of(*job);
-  if (const auto end = unwritten_.find(id); end != unwritten_.end()) return JobStatus{end->second, 0, {}};
-  return std::nullopt;
-}
-
-JobStatus JobQueue::status_of(const Job& job) { return {job.record, job.progress, job.stage, job.partial}; }
-
-JobStatus JobQueue::status(const std::string& id) const {
-  {
-    const std::lock_guard lock(mutex_);
-    if (auto status = status_in_memory(id)) return *std::move(status);
-  }
-  const auto record = store_.job(id);
-  if (!record) throw_not_found(id);
-  return {*record, record->state == JobState::successful ? 1.0 : 0.0, {}};
-}
-
-std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit, const std::string& after,
-                                      const std::string& owner) const {
-  // The store may know a running job as accepted; both are looked for together and told apart in memory. Those whose
-  // end it did not take it knows as unfinished: while there are any, only memory tells the states.
-  std::vector<JobStatus> list;
-  std::vector<JobState> in_store;
-  if (state) in_store = is_finished(*state) ? std::vector{*state} : std::vector{JobState::accepted, JobState::running};
-  {
-    const std::lock_guard lock(mutex_);
-    if (!unwritten_.empty()) in_store.clear();
-  }
-  std::string last = after;
-  while (list.size() < limit) {
-    const auto page = store_.jobs(in_store, limit, last, owner);
-    for (const auto& record : page) {
-      JobStatus status{record, record.state == JobState::successful ? 1.0 : 0.0, {}};
-      {
-        const std::lock_guard lock(mutex_);
-        if (auto newer = status_in_memory(record.id)) status = *std::move(newer);
-      }
-      if ((!state || status.record.state == *state) && list.size() < limit) list.push_back(std::move(status));
-    }
-    if (page.size() < limit) break;
-    last = page.back().id;
-  }
-  return list;
-}
-
-Result JobQueue::result(const std::string& id) const {
-  const auto record = status(id).record;
-  if (record.state == JobState::dismissed) throw Error("job.dismissed", "The job " + id + " was dismissed.");
-  if (!is_finished(record.state)) {
-    throw problem::ProblemError(
-        {"job.not_finished", "The job " + id + " is " + std::string(state_name(record.state)) + ".", {}, {}, 1});
-  }
-  return store_.job_result(id);
-}
-
 std::optional<JobStatus> JobQueue::remove(const std::string& id) {
   JobPointer job;
   {
@@ -517,36 +379,6 @@ std::optional<JobStatus> JobQueue::remove(const std::string& id) {
   job->token.request(StopReason::cancelled);
   finish(job, JobState::dismissed, std::nullopt, nullptr);
   return status(id);
-}
-
-JobStatus JobQueue::wait_for_change(const std::string& id, std::uint64_t& version, double seconds) const {
-  {
-    std::unique_lock lock(mutex_);
-    if (const auto job = find(id)) {
-      changed_.wait_for(lock, duration(seconds), [&] { return job->finished || job->version != version; });
-      if (!job->finished) {
-        version = job->version;
-        return status_of(*job);
-      }
-    }
-  }
-  version = std::numeric_limits<std::uint64_t>::max();
-  return status(id);
-}
-
-bool JobQueue::mesh_in_use(const std::string& mesh) const {
-  const std::lock_guard lock(mutex_);
-  return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& entry) { return entry.second->record.mesh == mesh; });
-}
-
-std::size_t JobQueue::running() const {
-  const std::lock_guard lock(mutex_);
-  return running_;
-}
-
-std::size_t JobQueue::waiting() const {
-  const std::lock_guard lock(mutex_);
-  return queue_.size();
 }
 
 void JobQueue::work() {
@@ -604,103 +436,6 @@ void JobQueue::run_job(const JobPointer& job) {
     failure = std::current_exception();
   }
   finish(job, failure ? JobState::failed : JobState::successful, std::move(result), failure);
-}
-
-void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Result> result, std::exception_ptr failure) {
-  std::unique_lock lock(mutex_);
-  if (job->finishing) {
-    changed_.wait(lock, [&] { return job->finished; });
-    return;
-  }
-  job->finishing = true;
-  if (job->dismissed) {
-    // Also where the computation ended before the client's thread got here.
-    state = JobState::dismissed;
-    failure = nullptr;
-    result.reset();
-  }
-  if (failure && job->kept && problem::problem_of(failure).code == stopped_by_shutdown) {
-    put_back(job);
-    return;
-  }
-  auto record = job->record;
-  record.state = state;
-  record.finished = store::now_milliseconds();
-  record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
-  if (failure) {
-    auto problem = problem::problem_of(failure);
-    if (problem.code == stopped_by_shutdown) problem = interrupted();
-    record.error = render_(problem);
-    record.error_status = problem::status_of(problem);
-  }
-  bool written = true;
-  if (job->visible) {
-    // Disk work without the mutex; until it is done the job counts as unfinished.
-    lock.unlock();
-    written = write_end(record, result ? &*result : nullptr);
-    lock.lock();
-  }
-  if (!written) unwritten_.insert_or_assign(record.id, record);
-  job->record = record;
-  job->finished = true;
-  job->result = std::move(result);
-  job->failure = failure;
-  jobs_.erase(record.id);
-  leave_session(job->computation.session, job->in_session);
-  changed_.notify_all();
-  auto watch = std::move(job->watch);
-  lock.unlock();
-  watch.reset();
-  observe_(record);
-}
-
-void JobQueue::put_back(const JobPointer& job) {
-  auto& record = job->record;
-  if (record.state == JobState::running) {
-    record.state = JobState::accepted;
-    record.started = 0;
-    --record.attempts;
-    note_progress(record);
-  }
-  job->finished = true;
-  jobs_.erase(record.id);
-  leave_session(job->computation.session, job->in_session);
-  changed_.notify_all();
-  job->watch.reset();
-}
-
-bool JobQueue::write_end(store::JobRecord& record, const Result* result) {
-  try {
-    store_.finish_job(record, result);
-    return true;
-  } catch (...) {
-    const auto problem = problem::problem_of(std::current_exception());
-    if (log_) log_("the end of job " + record.id + " cannot be stored: " + problem.detail);
-    if (!result) return false;
-    record.state = JobState::failed;
-    record.error = render_(problem);
-    record.error_status = problem::status_of(problem);
-  }
-  // Where the result does not fit, the reason often does.
-  return write_end(record, nullptr);
-}
-
-void JobQueue::write_what_was_refused() {
-  std::vector<store::JobRecord> records;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [id, record] : unwritten_) records.push_back(record);
-  }
-  for (const auto& record : records) {
-    try {
-      store_.finish_job(record, nullptr);
-    } catch (const Error&) {
-      return;  // said when it was refused first; the others have no better chance
-    }
-    if (log_) log_("the end of job " + record.id + " is stored now");
-    const std::lock_guard lock(mutex_);
-    unwritten_.erase(record.id);
-  }
 }
 
 void JobQueue::clean_up() {

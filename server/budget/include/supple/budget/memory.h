@@ -78,8 +78,8 @@ class MemoryBudget {
   /// although free memory has been given back, the computation that holds most is stopped. Blocks that are free but not
   /// returned, and those that no computation pays for, are not counted otherwise.
   void relieve();
-  /// Gives memory back to the system, where a large computation has ended since the last call and none is running. For
-  /// a thread that has time for it: what is given back at once has to be fetched again by the next computation.
+  /// Gives memory back to the system, where a large request or computation has ended since the last call and nothing is
+  /// computed. For a thread that has time for it: what is given back at once has to be fetched again by the next one.
   void return_what_is_free();
 
  private:
@@ -88,6 +88,8 @@ class MemoryBudget {
   std::int64_t in_use() const noexcept { return reserved_ + allocated_; }
   /// What the process has in main memory where that is more than it may have and nothing of it is free; otherwise 0.
   std::int64_t too_many_resident() const;
+  /// Under the mutex: so many bytes have become free, which the C library may keep.
+  void note_release(std::int64_t bytes) noexcept;
 
   const std::int64_t total_;
   const std::int64_t each_;

@@ -1,0 +1,102 @@
+// What the queue tells of its jobs.
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "job.h"
+
+namespace supple::jobs {
+
+JobQueue::JobPointer JobQueue::find(const std::string& id) const {
+  const auto found = jobs_.find(id);
+  return found != jobs_.end() && found->second->visible ? found->second : nullptr;
+}
+
+std::optional<JobStatus> JobQueue::status_in_memory(const std::string& id) const {
+  if (const auto job = find(id)) return status_of(*job);
+  if (const auto end = unwritten_.find(id); end != unwritten_.end()) return JobStatus{end->second, 0, {}};
+  return std::nullopt;
+}
+
+JobStatus JobQueue::status_of(const Job& job) { return {job.record, job.progress, job.stage, job.partial}; }
+
+JobStatus JobQueue::status(const std::string& id) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto status = status_in_memory(id)) return *std::move(status);
+  }
+  const auto record = store_.job(id);
+  if (!record) throw_not_found(id);
+  return {*record, record->state == JobState::successful ? 1.0 : 0.0, {}};
+}
+
+std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit, const std::string& after,
+                                      const std::string& owner) const {
+  // The store may know a running job as accepted; both are looked for together and told apart in memory. Those whose
+  // end it did not take it knows as unfinished: while there are any, only memory tells the states.
+  std::vector<JobStatus> list;
+  std::vector<JobState> in_store;
+  if (state) in_store = is_finished(*state) ? std::vector{*state} : std::vector{JobState::accepted, JobState::running};
+  {
+    const std::lock_guard lock(mutex_);
+    if (!unwritten_.empty()) in_store.clear();
+  }
+  std::string last = after;
+  while (list.size() < limit) {
+    const auto page = store_.jobs(in_store, limit, last, owner);
+    for (const auto& record : page) {
+      JobStatus status{record, record.state == JobState::successful ? 1.0 : 0.0, {}};
+      {
+        const std::lock_guard lock(mutex_);
+        if (auto newer = status_in_memory(record.id)) status = *std::move(newer);
+      }
+      if ((!state || status.record.state == *state) && list.size() < limit) list.push_back(std::move(status));
+    }
+    if (page.size() < limit) break;
+    last = page.back().id;
+  }
+  return list;
+}
+
+Result JobQueue::result(const std::string& id) const {
+  const auto record = status(id).record;
+  if (record.state == JobState::dismissed) throw Error("job.dismissed", "The job " + id + " was dismissed.");
+  if (!is_finished(record.state)) {
+    throw problem::ProblemError(
+        {"job.not_finished", "The job " + id + " is " + std::string(state_name(record.state)) + ".", {}, {}, 1});
+  }
+  return store_.job_result(id);
+}
+
+JobStatus JobQueue::wait_for_change(const std::string& id, std::uint64_t& version, double seconds) const {
+  {
+    std::unique_lock lock(mutex_);
+    if (const auto job = find(id)) {
+      changed_.wait_for(lock, duration(seconds), [&] { return job->finished || job->version != version; });
+      if (!job->finished) {
+        version = job->version;
+        return status_of(*job);
+      }
+    }
+  }
+  version = std::numeric_limits<std::uint64_t>::max();
+  return status(id);
+}
+
+bool JobQueue::mesh_in_use(const std::string& mesh) const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& entry) { return entry.second->record.mesh == mesh; });
+}
+
+std::size_t JobQueue::running() const {
+  const std::lock_guard lock(mutex_);
+  return running_;
+}
+
+std::size_t JobQueue::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.size();
+}
+
+}  // namespace supple::jobs
