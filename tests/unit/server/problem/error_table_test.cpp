@@ -34,6 +34,16 @@ bool is_code(std::string_view literal) {
   return literal.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", dot + 1) == std::string_view::npos;
 }
 
+/// The text of a source file without its #include lines: a header "job.h" has the form of a code.
+std::string without_includes(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string text;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with("#include")) text += line + '\n';
+  }
+  return text;
+}
+
 /// Every code in the sources of the engine and the server: what stands between two quotation marks of one line.
 std::set<std::string> codes_in_sources() {
   std::set<std::string> codes;
@@ -41,7 +51,7 @@ std::set<std::string> codes_in_sources() {
     for (const auto& entry :
          std::filesystem::recursive_directory_iterator(std::filesystem::path(SUPPLE_SOURCE_DIR) / folder)) {
       if (entry.path().extension() != ".cpp") continue;
-      const auto text = content(entry.path());
+      const auto text = without_includes(entry.path());
       for (auto quote = text.find('"'); quote != std::string::npos; quote = text.find('"', quote + 1)) {
         const auto end = text.find_first_of("\"\n", quote + 1);
         if (end == std::string::npos) break;
