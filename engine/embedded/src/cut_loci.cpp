@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -16,8 +17,7 @@ using surface::TangentGeodesic;
 
 /// Lengths in mean edges: paths to the sides of a cut locus are first looked for so far from it, where they are told
 /// apart from rounding, then ten times as far, up to the farthest.
-constexpr double nearest_side = 1e-6;
-constexpr double farthest_side = 0.3;
+constexpr std::array side_distances{1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
 /// Two paths are the same where their gradients differ by less than this, and by less than `bend` times the way to
 /// where they were found over their length, which is what crossing other edges may change.
 constexpr double same_gradient = 1e-6;
@@ -66,7 +66,7 @@ bool are_different(const std::vector<TangentGeodesic>& paths, double way) {
 std::vector<TangentGeodesic> paths_beside(const CutLocusContext& context, const NetworkState& state,
                                           const CutLocus& locus) {
   const double edge = context.solver.mesh().mean_edge_length();
-  for (double way = nearest_side; way <= farthest_side; way *= 10) {
+  for (const double way : side_distances) {
     std::vector<TangentGeodesic> paths;
     for (const Vector4d& side : locus.sides) {
       const auto path = shortest_beside(context, state, locus, way * edge * side);

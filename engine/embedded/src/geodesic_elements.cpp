@@ -638,6 +638,7 @@ std::optional<GeodesicElements::Crossed> GeodesicElements::cut_locus_crossed(std
     }
     if (nearest && nearest->share <= high) continue;
     std::vector<surface::TangentGeodesic> equal;
+    equal.reserve(before.size() + 1);
     for (const surface::TangentGeodesic& one : before) equal.push_back(one.continued(high * step));
     equal.push_back(other.continued((high - 1) * step));
     CutLocus locus{path, from, to};
