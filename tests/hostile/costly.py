@@ -171,6 +171,13 @@ def exponential_map_around_and_around(meshes: Meshes, more: Dict[str, Any]) -> C
                                          "tangent": [1e12, 0.7e12], "trace": False, **more})
 
 
+@costly
+def measured_curve_of_many_rows(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    rows = "\n".join(f"{i * 3e-7:.7g},{i % 977}" for i in range(1_000_000))
+    return post("/v1/measured-curves", {"text": rows, "interpolation": "monotone",
+                                        "accuracy": {"tolerance": 1e-9, "max_control_points": 64}, **more})
+
+
 # --- networks ------------------------------------------------------------------------------------------------------------
 
 @costly

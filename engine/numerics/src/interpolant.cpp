@@ -1,37 +1,81 @@
 #include "supple/numerics/interpolant.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 namespace supple::numerics {
 namespace {
 
+/// A symmetric tridiagonal system, diagonally dominant, that may be closed to a ring by one more coupling between its
+/// first and last unknown.
+struct Tridiagonal {
+  std::vector<double> diagonal, beside;  ///< beside[i] couples i and i + 1
+  double closing = 0;                    ///< couples the last and the first
+
+  /// Without `closing`. O(n).
+  std::vector<double> solve_open(std::vector<double> right) const {
+    const std::size_t n = diagonal.size();
+    std::vector<double> pivot = diagonal;
+    for (std::size_t i = 1; i < n; ++i) {
+      const double factor = beside[i - 1] / pivot[i - 1];
+      pivot[i] -= factor * beside[i - 1];
+      right[i] -= factor * right[i - 1];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+      if (i + 1 < n) right[i] -= beside[i] * right[i + 1];
+      right[i] /= pivot[i];
+    }
+    return right;
+  }
+
+  /// The ring is the open system and a matrix of rank one (Sherman and Morrison). O(n).
+  std::vector<double> solve(std::vector<double> right) const {
+    if (closing == 0) return solve_open(std::move(right));
+    const std::size_t last = diagonal.size() - 1;
+    Tridiagonal open = *this;
+    // The coupling as the square of a vector with ends (1, 1): what it adds to the diagonal is taken off before.
+    open.diagonal[0] -= closing;
+    open.diagonal[last] -= closing;
+    std::vector<double> ends(diagonal.size(), 0.0);
+    ends[0] = ends[last] = 1;
+    const std::vector<double> direct = open.solve_open(std::move(right)), response = open.solve_open(ends);
+    const double share = closing * (direct[0] + direct[last]) / (1 + closing * (response[0] + response[last]));
+    std::vector<double> result(direct.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = direct[i] - share * response[i];
+    return result;
+  }
+};
+
 /// Slopes of the C2 cubic spline: second derivatives agree at every point; at free ends they vanish.
 std::vector<double> spline_slopes(const std::vector<double>& x, const std::vector<double>& y, bool periodic) {
-  const auto n =
-      static_cast<Eigen::Index>(x.size()) - (periodic ? 1 : 0);  // unknowns; the last point repeats the first
-  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  const std::size_t n = x.size() - (periodic ? 1 : 0);  // unknowns; the last point repeats the first
+  if (n == 1) return std::vector<double>(x.size(), 0.0);
+  Tridiagonal system{std::vector<double>(n, 0.0), std::vector<double>(n - 1, 0.0)};
+  std::vector<double> right(n, 0.0);
   // An interval of length h and secant s adds its second derivative at either end: (2/h)(3 s - 2 m_0 - m_1) at the
   // left, (2/h)(m_0 + 2 m_1 - 3 s) at the right.
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     const double h = x[i + 1] - x[i];
     const double secant = (y[i + 1] - y[i]) / h;
-    const auto left = static_cast<Eigen::Index>(i);
-    const Eigen::Index next = (left + 1) % n;
-    system(left, left) += 2 / h;
-    system(left, next) += 1 / h;
-    system(next, left) += 1 / h;
-    system(next, next) += 2 / h;
-    right[left] += 3 * secant / h;
+    const std::size_t next = (i + 1) % n;
+    system.diagonal[i] += 2 / h;
+    system.diagonal[next] += 2 / h;
+    if (next > i) {
+      system.beside[i] += 1 / h;
+    } else if (n == 2) {
+      system.beside[0] += 1 / h;
+    } else {
+      system.closing += 1 / h;
+    }
+    right[i] += 3 * secant / h;
     right[next] += 3 * secant / h;
   }
-  const Eigen::VectorXd slopes = system.partialPivLu().solve(right);
-  std::vector<double> result(slopes.begin(), slopes.end());
-  if (periodic) result.push_back(result.front());
-  return result;
+  std::vector<double> slopes = system.solve(std::move(right));
+  if (periodic) slopes.push_back(slopes.front());
+  return slopes;
 }
 
 /// A weighted harmonic mean of the secants on both sides, 0 where they differ in sign.

@@ -18,7 +18,7 @@ std::string_view to_string(Interpolation interpolation);
 class Interpolant {
  public:
   /// n >= 1 points with x strictly increasing and finite; with a period > 0 the last x lies less than it beyond the
-  /// first. Anything else is the caller's mistake and asserts. O(n^3), for n of tens.
+  /// first. Anything else is the caller's mistake and asserts. O(n).
   Interpolant(std::span<const double> x, std::span<const double> y, Interpolation interpolation,
               std::optional<double> period = std::nullopt);
 

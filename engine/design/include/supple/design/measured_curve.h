@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "supple/base/effect_switch.h"
+#include "supple/base/execution.h"
+#include "supple/design/profile.h"
+#include "supple/numerics/interpolant.h"
+
+namespace supple::design {
+
+/// What a tensile test measured, which turns lengths and forces into strains and stresses.
+struct Specimen {
+  std::optional<double> gauge_length;  ///< mm
+  std::optional<double> area;          ///< of the cross-section at rest, mm^2
+};
+
+/// How a number of a unit becomes one of the profile's own unit: value * factor + offset.
+struct UnitConversion {
+  double factor = 1;
+  double offset = 0;
+};
+
+/// Units of x: "1", "%", "permille", "microstrain" and "stretch" (length over rest length) for strains; "mm", "cm",
+/// "m", "um" and "in" for displacements, which need a gauge length; "rad" and "deg" for directions. Units of y: "Pa",
+/// "kPa", "MPa", "GPa", "N/mm^2", "psi", "ksi" and "bar"; "N", "mN", "kN", "lbf", "kgf" and "gf" for forces, which need
+/// an area; "1" and "%" for Poisson's ratio. Other ways to write them (N/mm², °, mm/mm) count as the same. Throws
+/// "design.invalid_measurement" that lists the units, with the place "units/x", "units/y", "specimen/gauge_length" or
+/// "specimen/area".
+UnitConversion conversion_of_x(Task task, const std::string& unit, const Specimen& specimen);
+UnitConversion conversion_of_y(Task task, const std::string& unit, const Specimen& specimen);
+/// The common way to write a unit; empty where nobody knows it.
+std::string known_unit(const std::string& written);
+
+/// Measured points in the order in which they were taken, in the profile's units: strain (dimensionless) or direction
+/// (rad); MPa, or dimensionless for Poisson's ratio.
+struct MeasuredCurve {
+  Task task = Task::stress_strain;
+  std::vector<Eigen::Vector2d> points;
+};
+
+struct ReductionOptions {
+  int max_control_points = 12;  ///< 2 to 64
+  numerics::Interpolation interpolation = numerics::Interpolation::cubic;
+  double tolerance = 0.005;  ///< relative root mean square deviation at which no control point is added
+  /// Whether the curve passes through (0, 0). Automatic: where stress over strain begins within 5 % of the strains'
+  /// range of zero, or passes it.
+  Switch origin = Switch::automatic;
+  /// Whether only the first loading counts, up to the greatest strain. Automatic: where the strain turns back by more
+  /// than 5 % of its range.
+  Switch loading = Switch::automatic;
+  std::optional<double> lower, upper;  ///< the part of x that counts
+};
+
+/// A measured curve as the few control points that a target has.
+struct ReducedCurve {
+  std::vector<Eigen::Vector2d> control_points;  ///< x increasing; finite
+  numerics::Interpolation interpolation = numerics::Interpolation::cubic;
+  std::vector<Eigen::Vector2d> points;  ///< the measured points that counted, by x, those of one x averaged
+  double relative_rms = 0;              ///< deviation of the curve from them over their root mean square
+  double max_deviation = 0;             ///< largest, in the unit of y
+  double max_at = 0;                    ///< x of it
+  double noise = 0;           ///< relative root mean square of the points' scatter about their neighbours, estimated
+  double offset = 0;          ///< y that was measured at x = 0 where the curve was made to pass through the origin
+  std::size_t set_aside = 0;  ///< points that did not count: not finite, beyond the bounds, after the first loading
+  bool through_origin = false;
+  bool first_loading = false;
+};
+
+/// Control points whose curve comes closest to the measured points in the sense of least squares. Knots are added where
+/// the squared deviation is largest until the deviation is within the tolerance or one more follows nothing but the
+/// points' scatter, moved to where they serve best, and left out again where they are not needed. Of many points
+/// averages of neighbours are fitted, 400 or 16 for each control point; deviations are those of all points. Directions
+/// are taken modulo pi. The bill has the effects "origin" and "loading". Throws "design.invalid_measurement" where
+/// fewer than two points of different x remain. Milliseconds for hundreds of points, some 50 ms for a million.
+ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options, const Execution& execution = {});
+
+}  // namespace supple::design

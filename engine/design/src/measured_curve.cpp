@@ -1,0 +1,493 @@
+#include "supple/design/measured_curve.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "supple/base/error.h"
+
+namespace supple::design {
+namespace {
+
+using Points = std::vector<Eigen::Vector2d>;
+
+constexpr double period = std::numbers::pi;
+/// Averages of neighbours that are fitted, at most, for each control point there may be, and at least in all.
+constexpr std::size_t fitted_for_each = 16;
+constexpr std::size_t least_fitted = 400;
+constexpr int least_control_points = 2;
+constexpr int most_control_points = 64;
+/// This share of the range of x decides whether a curve turns back, and whether it begins at the origin.
+constexpr double noticeable = 0.05;
+/// A test reaches its greatest strain where it comes this near to it, in shares of the range.
+constexpr double nearly = 0.01;
+/// Knots lie at least this far apart, in shares of the range.
+constexpr double least_gap = 0.004;
+/// A knot whose value and place follow nothing but scatter lessens the sum of squares by about twice its variance: one
+/// that is worth having does by more than this multiple.
+constexpr double significant = 8;
+
+[[noreturn]] void refuse(const std::string& where, const std::string& message) {
+  throw Error("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
+}
+
+double root_mean_square(const Points& points) {
+  double sum = 0;
+  for (const auto& p : points) sum += p.y() * p.y();
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+/// The first loading: from where the strain last is least before it first comes to its greatest.
+std::pair<std::size_t, std::size_t> first_loading(const Points& points) {
+  double least = INFINITY, greatest = -INFINITY;
+  for (const auto& p : points) {
+    least = std::min(least, p.x());
+    greatest = std::max(greatest, p.x());
+  }
+  const double near = nearly * (greatest - least);
+  std::size_t end = 0;
+  while (points[end].x() < greatest - near) ++end;
+  // Within the last hundredth the greatest itself, unless the strain has turned back before.
+  while (end + 1 < points.size() && points[end + 1].x() > points[end].x()) ++end;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < end; ++i) {
+    if (points[i].x() <= points[begin].x()) begin = i;
+  }
+  return {begin, end + 1};
+}
+
+/// How far x falls back below its greatest value so far, at most, as a share of its range.
+double turning_back(const Points& points) {
+  double least = INFINITY, greatest = -INFINITY, back = 0;
+  for (const auto& p : points) {
+    least = std::min(least, p.x());
+    greatest = std::max(greatest, p.x());
+    back = std::max(back, greatest - p.x());
+  }
+  return greatest > least ? back / (greatest - least) : 0;
+}
+
+/// By x, with the average y of equal ones.
+Points sorted(Points points) {
+  std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
+  Points out;
+  for (std::size_t i = 0; i < points.size();) {
+    std::size_t j = i;
+    double sum = 0;
+    for (; j < points.size() && points[j].x() == points[i].x(); ++j) sum += points[j].y();
+    out.emplace_back(points[i].x(), sum / static_cast<double>(j - i));
+    i = j;
+  }
+  return out;
+}
+
+/// Averages of neighbours, with how many points each stands for.
+struct Fitted {
+  Points points;
+  Eigen::VectorXd weights;
+};
+
+Fitted averaged(const Points& points, int control_points) {
+  const std::size_t n = points.size();
+  const std::size_t groups =
+      std::min(n, std::max(least_fitted, fitted_for_each * static_cast<std::size_t>(control_points)));
+  Fitted fitted;
+  fitted.points.reserve(groups);
+  fitted.weights.resize(static_cast<Eigen::Index>(groups));
+  for (std::size_t g = 0; g < groups; ++g) {
+    const std::size_t begin = g * n / groups, end = (g + 1) * n / groups;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (std::size_t i = begin; i < end; ++i) sum += points[i];
+    const auto count = static_cast<double>(end - begin);
+    fitted.points.emplace_back(sum / count);
+    fitted.weights[static_cast<Eigen::Index>(g)] = count;
+  }
+  return fitted;
+}
+
+/// Root mean square of what the cubic through its two neighbours on either side misses a point by, as the scatter of
+/// one point: a smooth curve has next to none.
+double scatter_of(const Points& points) {
+  constexpr std::array<std::size_t, 4> neighbours{0, 1, 3, 4};
+  if (points.size() < 6) return 0;
+  double sum = 0;
+  for (std::size_t i = 0; i + 4 < points.size(); ++i) {
+    const double x = points[i + 2].x();
+    double miss = points[i + 2].y(), variance = 1;
+    for (const std::size_t j : neighbours) {
+      double weight = 1;
+      for (const std::size_t k : neighbours) {
+        if (k != j) weight *= (x - points[i + k].x()) / (points[i + j].x() - points[i + k].x());
+      }
+      miss -= weight * points[i + j].y();
+      variance += weight * weight;
+    }
+    sum += miss * miss / variance;
+  }
+  return std::sqrt(sum / static_cast<double>(points.size() - 4));
+}
+
+/// A curve through knots, whose values are fitted; one of them may be held at the origin.
+class KnotFit {
+ public:
+  KnotFit(const Fitted& data, numerics::Interpolation interpolation, std::optional<double> repeats)
+      : data_(data), interpolation_(interpolation), repeats_(repeats) {}
+
+  struct Result {
+    std::vector<double> y;
+    double mean_square = INFINITY;
+    Eigen::VectorXd residuals;  ///< of the averages
+  };
+
+  /// `held`: index of the knot whose value is zero; -1 for none.
+  Result operator()(const std::vector<double>& x, int held) const {
+    const auto n = static_cast<Eigen::Index>(data_.points.size());
+    const auto k = static_cast<Eigen::Index>(x.size());
+    Result result{start_values(x, held), INFINITY, {}};
+    // Cubic and linear curves are linear in their knots' values: one step. The monotone one bends where slopes change
+    // their sign, and a few steps settle it.
+    const int steps = interpolation_ == numerics::Interpolation::monotone ? 6 : 1;
+    evaluate(x, result);
+    for (int step = 0; step < steps; ++step) {
+      Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n, k);
+      const double h = interpolation_ == numerics::Interpolation::monotone ? 1e-6 * scale() : scale();
+      for (Eigen::Index j = 0; j < k; ++j) {
+        if (j == held) continue;
+        Result moved = result;
+        moved.y[static_cast<std::size_t>(j)] += h;
+        evaluate(x, moved);
+        jacobian.col(j) = (moved.residuals - result.residuals) / h;
+      }
+      const Eigen::MatrixXd weighted = data_.weights.asDiagonal() * jacobian;
+      Eigen::MatrixXd normal = jacobian.transpose() * weighted;
+      // A knot that no point determines keeps its value.
+      normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff() + 1e-300;
+      const Eigen::VectorXd change = -normal.ldlt().solve(weighted.transpose() * result.residuals);
+      if (!improve(x, change, result)) break;
+    }
+    return result;
+  }
+
+  double scale() const { return scale_; }
+
+ private:
+  std::vector<double> start_values(const std::vector<double>& x, int held) const {
+    std::vector<double> y;
+    for (const double at : x) {
+      const auto next = std::lower_bound(data_.points.begin(), data_.points.end(), at,
+                                         [](const auto& p, double value) { return p.x() < value; });
+      y.push_back(next == data_.points.end() ? data_.points.back().y() : next->y());
+    }
+    if (held >= 0) y[static_cast<std::size_t>(held)] = 0;
+    return y;
+  }
+
+  /// Goes along the change, less far where that is no improvement. False where nothing was.
+  bool improve(const std::vector<double>& x, const Eigen::VectorXd& change, Result& result) const {
+    for (double share = 1; share > 0.05; share /= 2) {
+      Result next = result;
+      for (Eigen::Index j = 0; j < change.size(); ++j) next.y[static_cast<std::size_t>(j)] += share * change[j];
+      evaluate(x, next);
+      if (!(next.mean_square < result.mean_square)) continue;
+      result = std::move(next);
+      return true;
+    }
+    return false;
+  }
+
+  void evaluate(const std::vector<double>& x, Result& result) const {
+    const numerics::Interpolant curve(x, result.y, interpolation_, repeats_);
+    result.residuals.resize(static_cast<Eigen::Index>(data_.points.size()));
+    double sum = 0;
+    for (Eigen::Index i = 0; i < result.residuals.size(); ++i) {
+      const auto& p = data_.points[static_cast<std::size_t>(i)];
+      result.residuals[i] = curve(p.x()) - p.y();
+      sum += data_.weights[i] * result.residuals[i] * result.residuals[i];
+    }
+    result.mean_square = sum / data_.weights.sum();
+  }
+
+  const Fitted& data_;
+  numerics::Interpolation interpolation_;
+  std::optional<double> repeats_;
+  double scale_ = std::max(1e-300, root_mean_square(data_.points));
+};
+
+/// Knots and the curve that is fitted through them.
+class KnotSearch {
+ public:
+  KnotSearch(const KnotFit& fit, const Fitted& data, std::vector<double> knots, std::optional<double> held,
+             const CancellationToken& cancellation)
+      : fit_(fit), data_(data), knots_(std::move(knots)), held_(held), cancellation_(cancellation) {
+    gap_ = least_gap * (data.points.back().x() - data.points.front().x());
+    result_ = fitted(knots_);
+  }
+
+  const std::vector<double>& knots() const { return knots_; }
+  const KnotFit::Result& result() const { return result_; }
+  int count() const { return static_cast<int>(knots_.size()); }
+
+  /// One knot more, at the centre of mass of the squared deviation between two knots: where that deviation is largest,
+  /// or the next interval where one more knot is an improvement. False where none is.
+  bool add() {
+    std::vector<double> mass(knots_.size() + 1, 0), moment(knots_.size() + 1, 0);
+    std::size_t interval = 0;
+    for (std::size_t i = 0; i < data_.points.size(); ++i) {
+      const double x = data_.points[i].x();
+      while (interval < knots_.size() && knots_[interval] < x) ++interval;
+      const double residual = result_.residuals[static_cast<Eigen::Index>(i)];
+      const double weight = data_.weights[static_cast<Eigen::Index>(i)] * residual * residual;
+      mass[interval] += weight;
+      moment[interval] += weight * x;
+    }
+    std::vector<std::size_t> order(mass.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return mass[a] > mass[b]; });
+    for (const std::size_t k : order) {
+      if (!(mass[k] > 0)) return false;
+      const double lower = k == 0 ? data_.points.front().x() - gap_ : knots_[k - 1];
+      const double upper = k == knots_.size() ? data_.points.back().x() + gap_ : knots_[k];
+      if (upper - lower < 2 * gap_) continue;
+      std::vector<double> knots = knots_;
+      knots.insert(knots.begin() + static_cast<std::ptrdiff_t>(k),
+                   std::clamp(moment[k] / mass[k], lower + gap_, upper - gap_));
+      if (!accept(std::move(knots))) continue;
+      settle(k == 0 ? 0 : k - 1, k + 2);
+      return true;
+    }
+    return false;
+  }
+
+  /// Moves all inner knots where that lessens the deviation.
+  void settle(int sweeps) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      if (!settle(0, knots_.size())) return;
+    }
+  }
+
+  /// Leaves out knots while the mean square stays below `allowed`, first those that matter least.
+  void thin(double allowed) {
+    while (knots_.size() > 2) {
+      std::vector<double> best;
+      double least = allowed;
+      for (std::size_t k = 1; k + 1 < knots_.size(); ++k) {
+        if (held_ && knots_[k] == *held_) continue;
+        std::vector<double> knots = knots_;
+        knots.erase(knots.begin() + static_cast<std::ptrdiff_t>(k));
+        const double mean_square = fitted(knots).mean_square;
+        if (!(mean_square <= least)) continue;
+        least = mean_square;
+        best = std::move(knots);
+      }
+      if (best.empty()) return;
+      result_ = fitted(best);
+      knots_ = std::move(best);
+    }
+  }
+
+ private:
+  /// Moves each inner knot of a part by shares of the way to its neighbours while that lessens the deviation. Whether
+  /// any has moved.
+  bool settle(std::size_t begin, std::size_t end) {
+    bool moved = false;
+    for (std::size_t k = std::max<std::size_t>(begin, 1); k < end && k + 1 < knots_.size(); ++k) {
+      if (held_ && knots_[k] == *held_) continue;
+      for (const double share : {-0.5, -0.2, 0.2, 0.5}) {
+        const double way = share < 0 ? knots_[k] - knots_[k - 1] : knots_[k + 1] - knots_[k];
+        std::vector<double> knots = knots_;
+        knots[k] += share * way;
+        if (knots[k] - knots[k - 1] < gap_ || knots[k + 1] - knots[k] < gap_) continue;
+        moved |= accept(std::move(knots));
+      }
+    }
+    return moved;
+  }
+
+  KnotFit::Result fitted(const std::vector<double>& knots) const {
+    cancellation_.throw_if_requested();
+    int held = -1;
+    for (std::size_t k = 0; held_ && k < knots.size(); ++k) {
+      if (knots[k] == *held_) held = static_cast<int>(k);
+    }
+    return fit_(knots, held);
+  }
+
+  bool accept(std::vector<double> knots) {
+    KnotFit::Result candidate = fitted(knots);
+    if (!(candidate.mean_square < result_.mean_square)) return false;
+    knots_ = std::move(knots);
+    result_ = std::move(candidate);
+    return true;
+  }
+
+  const KnotFit& fit_;
+  const Fitted& data_;
+  std::vector<double> knots_;
+  std::optional<double> held_;
+  const CancellationToken& cancellation_;
+  double gap_ = 0;
+  KnotFit::Result result_;
+};
+
+void check(const ReductionOptions& options) {
+  if (options.max_control_points < least_control_points || options.max_control_points > most_control_points) {
+    refuse("max_control_points", "must be from " + std::to_string(least_control_points) + " to " +
+                                     std::to_string(most_control_points) + ", got " +
+                                     std::to_string(options.max_control_points));
+  }
+}
+
+/// The points that count, in the order of the measurement; those of directions modulo pi.
+Points counted(const MeasuredCurve& curve, const ReductionOptions& options, std::size_t& set_aside) {
+  Points points;
+  points.reserve(curve.points.size());
+  for (const Eigen::Vector2d& p : curve.points) {
+    const bool inside =
+        p.allFinite() && p.x() >= options.lower.value_or(-INFINITY) && p.x() <= options.upper.value_or(INFINITY);
+    if (!inside) {
+      ++set_aside;
+      continue;
+    }
+    points.push_back(p);
+    if (curve.task != Task::stress_strain) {
+      double x = std::fmod(p.x(), period);
+      if (x < 0) x += period;
+      points.back().x() = x < period ? x : 0;
+    }
+  }
+  return points;
+}
+
+void keep_first_loading(Points& points, Switch wanted, ReducedCurve& reduced, const Execution& execution) {
+  const double back = turning_back(points);
+  reduced.first_loading = wanted == Switch::on || (wanted == Switch::automatic && back > noticeable);
+  std::string why = "the request asks for it";
+  if (wanted == Switch::off) why = "the request leaves it out";
+  if (wanted == Switch::automatic) {
+    why = reduced.first_loading ? "the strain turns back by more than 5 % of its range"
+                                : "the strain does not turn back by more than 5 % of its range";
+  }
+  if (execution.cost) execution.cost->add_effect("loading", reduced.first_loading, why);
+  if (!reduced.first_loading) return;
+  const auto [begin, end] = first_loading(points);
+  reduced.set_aside += points.size() - (end - begin);
+  points =
+      Points(points.begin() + static_cast<std::ptrdiff_t>(begin), points.begin() + static_cast<std::ptrdiff_t>(end));
+}
+
+bool passes_origin(const Points& points, Task task, Switch wanted, const Execution& execution) {
+  const double lower = points.front().x(), upper = points.back().x();
+  const bool near = lower <= noticeable * (upper - lower) && upper >= -noticeable * (upper - lower);
+  const bool is_strain = task == Task::stress_strain;
+  const bool passes = is_strain && (wanted == Switch::on || (wanted == Switch::automatic && near));
+  std::string why = "the request asks for it";
+  if (wanted == Switch::off) why = "the request leaves it out";
+  if (wanted == Switch::automatic) {
+    why = passes ? "the strains begin within 5 % of their range of zero, or pass it"
+                 : "the strains begin farther than 5 % of their range from zero";
+  }
+  if (!is_strain) why = "only stress over strain vanishes at rest";
+  if (execution.cost) execution.cost->add_effect("origin", passes, why);
+  return passes;
+}
+
+/// What was measured at zero strain: between its neighbours, or the nearest end's value.
+double value_at_zero(const Points& points) {
+  const auto next =
+      std::lower_bound(points.begin(), points.end(), 0.0, [](const auto& p, double x) { return p.x() < x; });
+  if (next == points.begin()) return next->y();
+  if (next == points.end()) return points.back().y();
+  const auto before = next - 1;
+  const double t = -before->x() / (next->x() - before->x());
+  return (1 - t) * before->y() + t * next->y();
+}
+
+std::vector<double> first_knots(const Points& points, bool periodic, bool origin) {
+  const double lower = points.front().x(), upper = points.back().x(), range = upper - lower;
+  if (periodic) {
+    // Four directions at least, unless all lie in a part of half a turn.
+    std::vector<double> knots;
+    for (int k = 0; k < 4; ++k) knots.push_back(lower + k * std::min(range, 0.75 * period) / 3);
+    return knots;
+  }
+  if (!origin) return {lower, upper};
+  if (lower < -noticeable * range && upper > noticeable * range) return {lower, 0, upper};
+  if (lower < -noticeable * range) return {lower, 0};
+  return {0, upper};
+}
+
+/// The error of the final curve against every point that counts.
+void judge(const numerics::Interpolant& curve, ReducedCurve& reduced) {
+  double sum = 0;
+  for (const auto& p : reduced.points) {
+    const double deviation = std::abs(curve(p.x()) - p.y());
+    sum += deviation * deviation;
+    if (deviation > reduced.max_deviation) {
+      reduced.max_deviation = deviation;
+      reduced.max_at = p.x();
+    }
+  }
+  const double scale = root_mean_square(reduced.points);
+  if (scale > 0) reduced.relative_rms = std::sqrt(sum / static_cast<double>(reduced.points.size())) / scale;
+}
+
+}  // namespace
+
+ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options, const Execution& execution) {
+  check(options);
+  const StageTimer timer(execution.cost, "reduction");
+  const bool periodic = curve.task != Task::stress_strain;
+  ReducedCurve reduced;
+  reduced.interpolation = options.interpolation;
+  Points points = counted(curve, options, reduced.set_aside);
+  if (points.size() < 2)
+    refuse("points", "must have at least two points that are finite and within the range asked for");
+  if (!periodic) {
+    keep_first_loading(points, options.loading, reduced, execution);
+  } else if (execution.cost) {
+    execution.cost->add_effect("loading", false, "directions are not loaded and unloaded");
+  }
+  reduced.points = sorted(std::move(points));
+  if (reduced.points.size() < 2) refuse("points", "must have at least two points of different x");
+  reduced.through_origin = passes_origin(reduced.points, curve.task, options.origin, execution);
+  if (reduced.through_origin) reduced.offset = value_at_zero(reduced.points);
+
+  const Fitted data = averaged(reduced.points, options.max_control_points);
+  const KnotFit fit(data, options.interpolation, periodic ? std::optional(period) : std::nullopt);
+  const double scale = root_mean_square(reduced.points);
+  const double scatter = scatter_of(reduced.points);
+  if (scale > 0) reduced.noise = scatter / scale;
+  std::vector<double> knots = first_knots(reduced.points, periodic, reduced.through_origin);
+  KnotSearch search(fit, data, std::move(knots), reduced.through_origin ? std::optional(0.0) : std::nullopt,
+                    execution.cancellation);
+  // What averages of many points scatter by is less than what single ones do.
+  const double variance =
+      scatter * scatter * static_cast<double>(data.points.size()) / static_cast<double>(reduced.points.size());
+  const double worthwhile = significant * variance / static_cast<double>(data.points.size());
+  const double allowed = options.tolerance * scale * options.tolerance * scale;
+  while (search.count() < options.max_control_points && search.result().mean_square > allowed) {
+    execution.checkpoint(static_cast<double>(search.count()) / options.max_control_points, "reduction");
+    const double before = search.result().mean_square;
+    if (!search.add()) break;
+    if (before - search.result().mean_square < worthwhile) break;
+  }
+  search.settle(3);
+  search.thin(std::max(allowed, search.result().mean_square + worthwhile));
+  execution.checkpoint(1, "reduction");
+
+  const auto& x = search.knots();
+  const auto& y = search.result().y;
+  for (std::size_t k = 0; k < x.size(); ++k) reduced.control_points.emplace_back(x[k], y[k]);
+  judge(numerics::Interpolant(x, y, options.interpolation, periodic ? std::optional(period) : std::nullopt), reduced);
+  if (execution.cost) {
+    execution.cost->add_quantity("points", static_cast<double>(reduced.points.size()));
+    execution.cost->add_quantity("control_points", static_cast<double>(x.size()));
+  }
+  return reduced;
+}
+
+}  // namespace supple::design

@@ -1,0 +1,246 @@
+#include "supple/design/measured_curve.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "supple/base/error.h"
+
+namespace supple::design {
+namespace {
+
+MeasuredCurve sampled(double lower, double upper, int count, double (*f)(double)) {
+  MeasuredCurve curve;
+  for (int i = 0; i < count; ++i) {
+    const double x = lower + (upper - lower) * i / (count - 1);
+    curve.points.emplace_back(x, f(x));
+  }
+  return curve;
+}
+
+/// Soft, then stiff: the shape of a shoe's sole.
+double j_curve(double x) { return 0.2 * x + 0.02 * (std::exp(18 * x) - 1); }
+double plateau(double x) { return std::tanh(25 * x) + 40 * std::pow(std::max(0.0, x - 0.2), 2); }
+
+numerics::Interpolant curve_of(const ReducedCurve& reduced, std::optional<double> period = std::nullopt) {
+  std::vector<double> x, y;
+  for (const auto& p : reduced.control_points) {
+    x.push_back(p.x());
+    y.push_back(p.y());
+  }
+  return {x, y, reduced.interpolation, period};
+}
+
+TEST(MeasuredUnits, TurnNumbersIntoTheProfilesOwn) {
+  const auto x = [](const char* unit) { return conversion_of_x(Task::stress_strain, unit, {50.0, 20.0}); };
+  const auto y = [](const char* unit) { return conversion_of_y(Task::stress_strain, unit, {50.0, 20.0}); };
+  EXPECT_DOUBLE_EQ(x("%").factor, 0.01);
+  EXPECT_DOUBLE_EQ(x("mm/mm").factor, 1);
+  EXPECT_DOUBLE_EQ(x("mm").factor, 0.02);
+  EXPECT_DOUBLE_EQ(x("in").factor, 25.4 / 50);
+  EXPECT_DOUBLE_EQ(x("stretch").offset, -1);
+  EXPECT_DOUBLE_EQ(y("kPa").factor, 1e-3);
+  EXPECT_DOUBLE_EQ(y("N/mm\xC2\xB2").factor, 1);
+  EXPECT_DOUBLE_EQ(y("N").factor, 0.05);
+  EXPECT_DOUBLE_EQ(y("kgf").factor, 9.80665 / 20);
+  EXPECT_NEAR(y("psi").factor, 0.00689476, 1e-8);
+  EXPECT_DOUBLE_EQ(conversion_of_x(Task::poisson, "\xC2\xB0", {}).factor, std::numbers::pi / 180);
+  EXPECT_DOUBLE_EQ(conversion_of_y(Task::poisson, "%", {}).factor, 0.01);
+  EXPECT_EQ(known_unit("N/mm2"), "N/mm^2");
+  EXPECT_EQ(known_unit("furlong"), "");
+}
+
+TEST(MeasuredUnits, AreRefusedWithWhatTheyNeed) {
+  const auto where = [](const auto& convert) -> std::string {
+    try {
+      convert();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), "design.invalid_measurement");
+      return error.details().at(0).where;
+    }
+    return "nothing thrown";
+  };
+  EXPECT_EQ(where([] { conversion_of_x(Task::stress_strain, "mm", {}); }), "specimen/gauge_length");
+  EXPECT_EQ(where([] { conversion_of_y(Task::stress_strain, "N", {50.0, 0.0}); }), "specimen/area");
+  EXPECT_EQ(where([] { conversion_of_x(Task::stress_strain, "MPa", {}); }), "units/x");
+  EXPECT_EQ(where([] { conversion_of_x(Task::stiffness, "%", {}); }), "units/x");
+  EXPECT_EQ(where([] { conversion_of_y(Task::stiffness, "N", {1.0, 1.0}); }), "units/y");
+  EXPECT_EQ(where([] { conversion_of_y(Task::stress_strain, "", {}); }), "units/y");
+}
+
+TEST(Reduction, FollowsSmoothCurvesWithFewPoints) {
+  for (const auto f : {j_curve, plateau}) {
+    const auto reduced = reduce(sampled(0, 0.3, 500, f), ReductionOptions{});
+    EXPECT_LE(reduced.relative_rms, 0.005);
+    EXPECT_LE(reduced.control_points.size(), 8U);
+    EXPECT_TRUE(reduced.through_origin);
+    EXPECT_EQ(reduced.points.size(), 500U);
+    const auto curve = curve_of(reduced);
+    double worst = 0;
+    for (const auto& p : reduced.points) worst = std::max(worst, std::abs(curve(p.x()) - p.y()));
+    EXPECT_NEAR(reduced.max_deviation, worst, 1e-12);
+    EXPECT_NEAR(std::abs(curve(reduced.max_at) - f(reduced.max_at)), worst, 1e-12);
+  }
+}
+
+TEST(Reduction, TakesMorePointsForMoreAccuracy) {
+  const auto measured = sampled(0, 0.3, 500, plateau);
+  ReductionOptions fine;
+  fine.max_control_points = 40;
+  fine.tolerance = 1e-4;
+  const auto coarse = reduce(measured, ReductionOptions{});
+  const auto closest = reduce(measured, fine);
+  EXPECT_LE(closest.relative_rms, 1e-4);
+  EXPECT_GT(closest.control_points.size(), coarse.control_points.size());
+  EXPECT_LE(closest.control_points.size(), 40U);
+}
+
+TEST(Reduction, KeepsToTheNumberOfPointsAsked) {
+  for (const auto interpolation :
+       {numerics::Interpolation::cubic, numerics::Interpolation::monotone, numerics::Interpolation::linear}) {
+    ReductionOptions options;
+    options.interpolation = interpolation;
+    options.tolerance = 1e-9;
+    double before = INFINITY;
+    for (const int count : {3, 6, 12}) {
+      options.max_control_points = count;
+      const auto reduced = reduce(sampled(0, 0.3, 300, plateau), options);
+      EXPECT_LE(reduced.control_points.size(), static_cast<std::size_t>(count));
+      EXPECT_LT(reduced.relative_rms, before);
+      before = reduced.relative_rms;
+    }
+    // The monotone curve has gentler slopes than the data where they bend.
+    EXPECT_LT(before, interpolation == numerics::Interpolation::monotone ? 0.02 : 0.01)
+        << numerics::to_string(interpolation);
+  }
+}
+
+TEST(Reduction, DoesNotFollowNoise) {
+  auto measured = sampled(0, 0.3, 2000, j_curve);
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0, 0.2);
+  for (auto& p : measured.points) p.y() += noise(random);
+  const auto reduced = reduce(measured, ReductionOptions{});
+  EXPECT_LE(reduced.control_points.size(), 9U);
+  double scale = 0, off = 0;
+  const auto curve = curve_of(reduced);
+  for (const auto& p : reduced.points) {
+    scale += std::pow(j_curve(p.x()), 2);
+    off += std::pow(curve(p.x()) - j_curve(p.x()), 2);
+  }
+  EXPECT_LT(std::sqrt(off / scale), 0.02) << "of the curve without noise";
+  EXPECT_NEAR(reduced.noise * std::sqrt(scale / 2000), 0.2, 0.03) << "relative to points that scatter, too";
+}
+
+TEST(Reduction, PassesThroughTheOriginAndSaysWhatWasThere) {
+  auto measured = sampled(0.002, 0.3, 200, j_curve);
+  for (auto& p : measured.points) p.y() += 0.05;
+  const auto reduced = reduce(measured, ReductionOptions{});
+  ASSERT_TRUE(reduced.through_origin);
+  EXPECT_EQ(reduced.control_points.front(), Eigen::Vector2d(0, 0));
+  EXPECT_NEAR(reduced.offset, 0.05, 0.01);
+
+  ReductionOptions off;
+  off.origin = Switch::off;
+  EXPECT_NE(reduce(measured, off).control_points.front().y(), 0);
+  EXPECT_FALSE(reduce(sampled(0.1, 0.3, 200, j_curve), ReductionOptions{}).through_origin);
+
+  const auto both = reduce(sampled(-0.1, 0.2, 200, [](double x) { return 3 * x + x * x; }), ReductionOptions{});
+  const auto& points = both.control_points;
+  EXPECT_TRUE(std::any_of(points.begin(), points.end(), [](const auto& p) { return p == Eigen::Vector2d(0, 0); }));
+}
+
+TEST(Reduction, TakesTheFirstLoadingOfACycle) {
+  MeasuredCurve cycle = sampled(0, 0.3, 300, j_curve);
+  const auto unloading = sampled(0.3, 0, 300, [](double x) { return 0.5 * j_curve(x); });
+  cycle.points.insert(cycle.points.end(), unloading.points.begin(), unloading.points.end());
+  const auto reduced = reduce(cycle, ReductionOptions{});
+  EXPECT_TRUE(reduced.first_loading);
+  EXPECT_EQ(reduced.set_aside, 300U);
+  EXPECT_LE(reduced.relative_rms, 0.005);
+  EXPECT_NEAR(curve_of(reduced)(0.25), j_curve(0.25), 0.01 * j_curve(0.25));
+
+  ReductionOptions all;
+  all.loading = Switch::off;
+  const auto mean = reduce(cycle, all);
+  EXPECT_EQ(mean.set_aside, 0U);
+  EXPECT_NEAR(curve_of(mean)(0.25), 0.75 * j_curve(0.25), 0.02 * j_curve(0.25));
+}
+
+TEST(Reduction, AStrainThatShakesIsNoCycle) {
+  auto measured = sampled(0, 0.3, 300, j_curve);
+  for (std::size_t i = 0; i < measured.points.size(); i += 2) measured.points[i].x() += 0.003;
+  EXPECT_FALSE(reduce(measured, ReductionOptions{}).first_loading);
+}
+
+TEST(Reduction, TakesDirectionsModuloHalfATurn) {
+  MeasuredCurve measured = sampled(0, 2 * std::numbers::pi, 361, [](double x) { return 2 + std::cos(2 * x); });
+  measured.task = Task::stiffness;
+  const auto reduced = reduce(measured, ReductionOptions{});
+  const auto& points = reduced.control_points;
+  EXPECT_LE(reduced.relative_rms, 0.005);
+  EXPECT_LT(points.back().x() - points.front().x(), std::numbers::pi);
+  EXPECT_FALSE(reduced.through_origin);
+  const auto curve = curve_of(reduced, std::numbers::pi);
+  for (const double x : {0.1, 1.0, 2.0, 3.1}) EXPECT_NEAR(curve(x), 2 + std::cos(2 * x), 0.03);
+}
+
+TEST(Reduction, CountsWithinTheRangeAskedFor) {
+  ReductionOptions options;
+  options.lower = 0;
+  options.upper = 0.1;
+  const auto reduced = reduce(sampled(-0.1, 0.3, 401, j_curve), options);
+  EXPECT_EQ(reduced.points.size(), 101U);
+  EXPECT_EQ(reduced.set_aside, 300U);
+  EXPECT_NEAR(reduced.control_points.back().x(), 0.1, 1e-12);
+}
+
+TEST(Reduction, SetsAsideWhatIsNotFinite) {
+  auto measured = sampled(0, 0.3, 100, j_curve);
+  measured.points[5].y() = NAN;
+  measured.points[7].x() = INFINITY;
+  const auto reduced = reduce(measured, ReductionOptions{});
+  EXPECT_EQ(reduced.set_aside, 2U);
+  EXPECT_LE(reduced.relative_rms, 0.005);
+}
+
+TEST(Reduction, OfTwoPointsIsALine) {
+  MeasuredCurve curve;
+  curve.points = {{0.1, 1}, {0.3, 2}};
+  const auto reduced = reduce(curve, ReductionOptions{});
+  ASSERT_EQ(reduced.control_points.size(), 2U);
+  EXPECT_NEAR(reduced.relative_rms, 0, 1e-8);
+}
+
+TEST(Reduction, OfZerosIsZero) {
+  const auto reduced = reduce(sampled(0, 1, 50, [](double) { return 0.0; }), ReductionOptions{});
+  EXPECT_EQ(reduced.relative_rms, 0);
+  for (const auto& p : reduced.control_points) EXPECT_EQ(p.y(), 0);
+}
+
+TEST(Reduction, RefusesTooFewPoints) {
+  MeasuredCurve curve;
+  EXPECT_THROW(reduce(curve, ReductionOptions{}), Error);
+  curve.points = {{0.1, 1}, {0.1, 2}};
+  EXPECT_THROW(reduce(curve, ReductionOptions{}), Error);
+  ReductionOptions options;
+  options.max_control_points = 65;
+  EXPECT_THROW(reduce(sampled(0, 1, 50, j_curve), options), Error);
+}
+
+TEST(Reduction, BillsItsEffects) {
+  CostLedger ledger;
+  Execution execution;
+  execution.cost = &ledger;
+  reduce(sampled(0, 0.3, 100, j_curve), ReductionOptions{}, execution);
+  ASSERT_EQ(ledger.effects().size(), 2U);
+  EXPECT_EQ(ledger.effects()[0].name, "loading");
+  EXPECT_FALSE(ledger.effects()[0].ran);
+  EXPECT_EQ(ledger.effects()[1].name, "origin");
+  EXPECT_TRUE(ledger.effects()[1].ran);
+}
+
+}  // namespace
+}  // namespace supple::design
