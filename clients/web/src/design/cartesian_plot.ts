@@ -71,8 +71,8 @@ export class CartesianPlot extends ProfilePlot {
   }
 
   protected fitDomains(view: PlotView, curves: readonly Curve[]): void {
-    this.x.domain(widthDomain([...view.points.map((p) => p[0]), ...curves.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]])]));
-    this.y.domain(heightDomain([...view.points.map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]));
+    this.x.domain(widthDomain([...[...view.points, ...view.measured].map((p) => p[0]), ...curves.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]])]));
+    this.y.domain(heightDomain([...[...view.points, ...view.measured].map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]));
   }
 
   protected drawAxes(view: PlotView): void {

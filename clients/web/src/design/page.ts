@@ -8,6 +8,8 @@ import { ConnectionLost, explain } from "../contract/client";
 import type { Page, Surroundings } from "../page";
 import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
+import { Measured } from "./measured";
+import { measuredCard } from "./measured_card";
 import { parameterPanel } from "./parameter_panel";
 import { pinList } from "./pin_list";
 import { Pins } from "./pins";
@@ -26,9 +28,10 @@ export function designPage({ client, link }: Surroundings): Page {
   const session = new DesignSession(client);
   const verification = new Verification(session, client);
   const pins = new Pins(session);
+  const measured = new Measured(session, client);
   const share = shareButton("Copy a link to this design", () => link.write(writeLink(session.state.get())));
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
-  const panel: PlotPanel = new PlotPanel(session, verification, pins, [
+  const panel: PlotPanel = new PlotPanel(session, verification, pins, measured, [
     pin, share, exportMenu(session, verification, client, () => panel.plot.element),
   ]);
   const empty = h("p", { class: "card note wide", role: "alert", hidden: true }, "This server has no neural models: start it with --models and a folder of them.");
@@ -37,7 +40,7 @@ export function designPage({ client, link }: Surroundings): Page {
     { class: "design-page" },
     h("h1", { class: "visually-hidden" }, "Design"),
     empty,
-    h("div", { class: "column left" }, targetControls(session), parameterPanel(session)),
+    h("div", { class: "column left" }, targetControls(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
     h("div", { class: "column right" }, tilingPreview(session, client), resultCard(session), verificationCard(session, verification), pinList(pins, client)),
   );

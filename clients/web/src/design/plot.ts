@@ -21,6 +21,8 @@ export interface PlotView {
   /** The model's error about what is achieved. */
   readonly doubt: Band | null;
   readonly verified: Curve | null;
+  /** Measured points that the target was made of. */
+  readonly measured: readonly ControlPoint[];
   readonly pins: readonly PinnedCurve[];
   /** Samples of the target that the design does not reach. */
   readonly missed: readonly ControlPoint[];

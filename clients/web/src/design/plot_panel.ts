@@ -5,6 +5,8 @@ import { h, replace, svg } from "../base/dom";
 import { percent } from "../base/format";
 import { Working } from "../base/working";
 import { CartesianPlot } from "./cartesian_plot";
+import { drawnBehind, type Measured } from "./measured";
+import { readFile } from "./measured_card";
 import type { Pins } from "./pins";
 import type { PlotView, PlotWishes } from "./plot";
 import { PolarPlot } from "./polar_plot";
@@ -34,6 +36,7 @@ export class PlotPanel {
     private readonly session: DesignSession,
     private readonly verification: Verification,
     private readonly pins: Pins,
+    private readonly measured: Measured,
     tools: HTMLElement[],
   ) {
     const wishes = this.wishes();
@@ -49,15 +52,31 @@ export class PlotPanel {
       undo.disabled = !steps.undo;
       redo.disabled = !steps.redo;
     });
-    for (const part of [session.state, session.shown, session.before, session.envelope, verification.state, pins.list]) {
+    for (const part of [session.state, session.shown, session.before, session.envelope, verification.state, pins.list, measured.data]) {
       part.watch(() => this.schedule());
     }
     session.activity.watch((activity) => this.showActivity(activity));
+    this.takeDroppedFiles();
     new ResizeObserver(() => this.resize()).observe(this.stage);
   }
 
   get plot(): ProfilePlot {
     return isPolar(this.session.state.get().task) ? this.polar : this.cartesian;
+  }
+
+  /** A file of measured data that is dropped onto the plot becomes the target. */
+  private takeDroppedFiles(): void {
+    const over = (event: DragEvent, is: boolean) => {
+      event.preventDefault();
+      this.stage.classList.toggle("dropping", is);
+    };
+    this.stage.addEventListener("dragover", (event) => over(event, true));
+    this.stage.addEventListener("dragleave", (event) => over(event, false));
+    this.stage.addEventListener("drop", (event) => {
+      over(event, false);
+      const file = event.dataTransfer?.files[0];
+      if (file) void readFile(this.measured, file);
+    });
   }
 
   private wishes(): PlotWishes {
@@ -161,6 +180,7 @@ export class PlotPanel {
       envelope: fits ? envelope : null,
       doubt: shown && errorBand(shown, modelError(this.session.model(shown.found.family), shown)),
       verified: verified.kind === "done" ? verified.curve : null,
+      measured: drawnBehind(this.measured.data.get(), state),
       pins: this.pins.list.get().flatMap((pin) => pin.curve ?? []),
       missed: shown && !this.dragging ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
@@ -179,6 +199,7 @@ export class PlotPanel {
     replace(
       this.legend,
       entry(true, "target", "Target"),
+      entry(view.measured.length > 0, "measured", "Measured", "M3 5h0M8 3h0M13 7h0M18 4h0"),
       entry(view.achieved !== null, "achieved", view.doubt ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
       entry(view.before !== null, "before", "Before"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),

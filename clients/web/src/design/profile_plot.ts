@@ -23,6 +23,7 @@ export abstract class ProfilePlot {
   private readonly envelope = svg("path", { class: "envelope", "fill-rule": "evenodd" });
   private readonly envelopeRim = svg("path", { class: "envelope-rim" });
   private readonly doubt = svg("path", { class: "doubt", "fill-rule": "evenodd" });
+  private readonly measured = svg("path", { class: "measured" });
   private readonly pins = svg("g", { class: "pinned" });
   private readonly before = svg("path", { class: "curve before" });
   private readonly target = svg("path", { class: "curve target" });
@@ -65,6 +66,7 @@ export abstract class ProfilePlot {
     this.envelope.setAttribute("d", reach?.area ?? "");
     this.envelopeRim.setAttribute("d", reach?.rim ?? "");
     this.doubt.setAttribute("d", view.doubt ? this.bandPath(view.doubt).area : "");
+    this.measured.setAttribute("d", view.measured.flatMap((point) => this.places(point)).map(([x, y]) => `M${x},${y}h0`).join(""));
     this.target.setAttribute("d", this.targetPath(view));
     this.draw(this.before, view.before);
     this.draw(this.achieved, view.achieved);
@@ -83,7 +85,7 @@ export abstract class ProfilePlot {
 
   /** What lies below the axes, and what above, from the lowest up. */
   protected get ground(): SVGElement[] {
-    return [this.envelope, this.envelopeRim];
+    return [this.envelope, this.envelopeRim, this.measured];
   }
   protected get curves(): SVGElement[] {
     return [this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified];

@@ -1,0 +1,63 @@
+import { describe, expect, it } from "vitest";
+import type { MeasuredCurve } from "../src/contract/types";
+import { Client } from "../src/contract/client";
+import { drawnBehind, Measured, type MeasuredData, measuredRequest, FIRST_SETTINGS, reductionSentence } from "../src/design/measured";
+import { textOf } from "../src/design/measured_card";
+import { DesignSession } from "../src/design/session";
+import { DEFAULT_STATE } from "../src/design/state";
+
+const CURVE: MeasuredCurve = {
+  task: "stress_strain",
+  units: { x: "%", y: "kPa" },
+  target: { control_points: [[0, 0], [0.1, 0.2], [0.2, 0.6]], interpolation: "monotone" },
+  points: [[0, 0], [0.1, 0.21], [0.2, 0.6]],
+  point_count: 500, set_aside: 0,
+  error: { relative_rms: 0.004, max: 0.01, max_at: 0.1, noise: 0 },
+  offset: 0, message: "", accuracy: { tolerance: 0.005, max_control_points: 12 },
+  effects: [], cost: { seconds: 0.01, stages: [], quantities: {} },
+} as unknown as MeasuredCurve;
+
+function data(change: Partial<MeasuredData> = {}): MeasuredData {
+  return { name: "a.csv", text: "1,2", settings: FIRST_SETTINGS, curve: CURVE, problem: "", places: [], kind: { task: "stress_strain", measure: "engineering" }, ...change };
+}
+
+describe("measured data", () => {
+  it("asks with the settings that were chosen", () => {
+    const request = measuredRequest("1;2", "stress_strain", { columns: { x: 2 }, units: { y: "N" }, specimen: { area: 12 }, controlPoints: 8 });
+    expect(request).toEqual({ task: "stress_strain", text: "1;2", columns: { x: 2 }, units: { y: "N" }, specimen: { area: 12 }, accuracy: { max_control_points: 8 } });
+  });
+
+  it("is drawn behind profiles of its own kind only", () => {
+    expect(drawnBehind(data(), { task: "stress_strain", measure: "engineering" })).toHaveLength(3);
+    expect(drawnBehind(data(), { task: "stress_strain", measure: "green" })).toEqual([]);
+    expect(drawnBehind(data(), { task: "poisson", measure: "engineering" })).toEqual([]);
+    expect(drawnBehind(data({ curve: null }), { task: "stress_strain", measure: "engineering" })).toEqual([]);
+    expect(drawnBehind(null, DEFAULT_STATE)).toEqual([]);
+  });
+
+  it("says how close the control points come", () => {
+    const sentence = reductionSentence({ ...CURVE, message: "3 points were set aside." }, String, (share) => `${100 * share} %`);
+    expect(sentence).toBe("3 control points follow 500 measured ones within 0.4 %, at most 0.01 MPa apart. 3 points were set aside.");
+  });
+
+  it("reads UTF-8 and what older instruments write", () => {
+    expect(textOf(new TextEncoder().encode("µ").buffer as ArrayBuffer)).toBe("µ");
+    expect(textOf(new Uint8Array([0xb5]).buffer)).toBe("µ");
+  });
+
+  it("becomes the target, of engineering strain", async () => {
+    const asked: unknown[] = [];
+    const client = { post: async (path: string, body: unknown) => (asked.push([path, body]), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
+    const session = new DesignSession(client);
+    const measured = new Measured(session, client);
+    measured.read("0;0", "test.csv");
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(measured.data.get()?.curve).toBe(CURVE);
+    expect(session.state.get()).toMatchObject({ points: [[0, 0], [0.1, 0.2], [0.2, 0.6]], interpolation: "monotone", measure: "engineering" });
+    measured.change({ controlPoints: 5 });
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect((asked.filter(([path]: any) => path === "/v1/measured-curves")[1] as any)[1].accuracy.max_control_points).toBe(5);
+    measured.remove();
+    expect(measured.data.get()).toBeNull();
+  });
+});

@@ -1,0 +1,64 @@
+// From a person's own measurements to a target: a file of 500 rows is dropped onto the plot.
+import assert from "node:assert/strict";
+import { describe, it } from "node:test";
+import { DesignPage } from "./design_page.mjs";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+
+setUp();
+
+const stress = (strain) => 0.02 * strain + 0.002 * (Math.exp(18 * strain) - 1);
+
+/** Semicolons, decimal commas, a remark and a header, as a tensile tester writes them. */
+function table(rows = 500) {
+  const number = (value) => value.toFixed(5).replace(".", ",");
+  const lines = Array.from({ length: rows }, (_, k) => (0.15 * k) / (rows - 1)).map((strain) => `${number(100 * strain)};${number(1000 * stress(strain))}`);
+  return ["Tensile test 17", "", "Strain [%];Stress [kPa]", ...lines].join("\r\n");
+}
+
+async function drop(page, text, name) {
+  await page.evaluate(([content, file]) => {
+    const data = new DataTransfer();
+    data.items.add(new File([content], file, { type: "text/csv" }));
+    document.querySelector(".plot-card .stage").dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data }));
+  }, [text, name]);
+}
+
+describe("measured data", () => {
+  it("becomes the target when its file is dropped, is drawn behind it, and may be read otherwise", async () => {
+    const design = await DesignPage.open(browser, server.url);
+    const { page } = design;
+    try {
+      await drop(page, table(), "tensile.csv");
+      const card = page.locator("details.measured");
+      await until(async () => (await page.locator("path.measured").getAttribute("d"))?.startsWith("M"), "the measured points");
+      await card.locator("summary").click();
+      await until(async () => /follow 500 measured ones within/.test(await card.textContent()), "what the reduction did");
+      await design.settled();
+      const dots = (await page.locator(".plot path.measured").getAttribute("d")).split("M").length - 1;
+      assert.equal(dots, 500);
+      const values = await design.values();
+      const [strain, target] = values.at(-1);
+      assert.ok(Math.abs(strain - 0.15) < 1e-3 && Math.abs(target - stress(0.15)) < 0.02 * stress(0.15), `${strain}, ${target}`);
+      assert.match(await page.locator(".legend").textContent(), /Measured/);
+      await picture(page, "design-measured");
+
+      await card.getByLabel("Unit of stress").selectOption("N");
+      await card.getByLabel("Cross-section, mm²").waitFor();
+      assert.match(await card.textContent(), /cross-section/);
+      await card.getByLabel("Cross-section, mm²").fill("20");
+      await card.getByLabel("Cross-section, mm²").press("Tab");
+      await until(async () => /follow 500 measured ones/.test(await card.textContent()), "the curve of forces");
+      await design.settled();
+      assert.ok(Math.abs((await design.values()).at(-1)[1] - 50 * stress(0.15)) < stress(0.15), "1000 stress N on 20 mm^2");
+
+      await drop(page, "no numbers here", "notes.txt");
+      await until(async () => /notes\.txt: .*two numbers/.test(await card.textContent()), "why the file was refused");
+      await card.getByRole("button", { name: "Remove" }).click();
+      await until(async () => !(await page.locator("path.measured").getAttribute("d")), "the points to go");
+    } catch (error) {
+      await picture(page, "failure");
+      throw error;
+    }
+    await closePage(page);
+  });
+});
