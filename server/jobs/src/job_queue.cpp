@@ -95,7 +95,8 @@ void JobQueue::resume() {
     if (!remake_ || !store_.has_request(record.id)) {
       fail_at_start(std::move(record), interrupted());
     } else if (record.state == JobState::running && record.attempts >= options_.max_attempts) {
-      fail_at_start(std::move(record), given_up(record.attempts, options_.max_attempts));
+      const auto problem = given_up(record.attempts, options_.max_attempts);
+      fail_at_start(std::move(record), problem);
     } else {
       record.state = JobState::accepted;
       record.started = 0;
