@@ -51,6 +51,7 @@ LIBRARIES = {
     "spdlog/": ("server",),
     "CLI/": ("server", "clients/cli", "engine/lab"),
     "hdf5.h": ("engine/files",),
+    "zip.h": ("engine/tiling",),
     "torch/": ("engine/training", "tests"),
     "CGAL/": ("tests",),
     "ceres/": ("tests",),

@@ -1,5 +1,6 @@
-// From a person's own measurements to a target: a file of 500 rows is dropped onto the plot.
+// From a person's own measurements to a part: a file of 500 rows is dropped onto the plot, and a coupon is saved.
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
@@ -23,8 +24,26 @@ async function drop(page, text, name) {
   }, [text, name]);
 }
 
+/** The size of a binary STL's solid; fails where an edge is not one of exactly two triangles. */
+function sizeOfClosed(stl) {
+  const count = stl.readUInt32LE(80);
+  assert.equal(stl.length, 84 + 50 * count);
+  const edges = new Map();
+  const [lower, upper] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  for (let t = 0; t < count; ++t) {
+    const corners = [0, 1, 2].map((c) => [0, 1, 2].map((k) => stl.readFloatLE(84 + 50 * t + 12 + 12 * c + 4 * k)));
+    for (const corner of corners) corner.forEach((value, k) => { lower[k] = Math.min(lower[k], value); upper[k] = Math.max(upper[k], value); });
+    corners.forEach((corner, c) => {
+      const [from, to] = [corner.join(), corners[(c + 1) % 3].join()];
+      edges.set(`${from}|${to}`, (edges.get(`${from}|${to}`) ?? 0) + 1);
+    });
+  }
+  for (const [edge, uses] of edges) assert.ok(uses === 1 && edges.get(edge.split("|").reverse().join("|")) === 1, "the surface is closed");
+  return upper.map((value, k) => value - lower[k]);
+}
+
 describe("measured data", () => {
-  it("becomes the target when its file is dropped, is drawn behind it, and may be read otherwise", async () => {
+  it("becomes the target when its file is dropped, a part of the design is saved, and the data may be read otherwise", async () => {
     const design = await DesignPage.open(browser, server.url);
     const { page } = design;
     try {
@@ -41,6 +60,21 @@ describe("measured data", () => {
       assert.ok(Math.abs(strain - 0.15) < 1e-3 && Math.abs(target - stress(0.15)) < 0.02 * stress(0.15), `${strain}, ${target}`);
       assert.match(await page.locator(".legend").textContent(), /Measured/);
       await picture(page, "design-measured");
+
+      const part = page.locator("details.part");
+      await part.locator("summary").click();
+      await part.getByLabel("Width, mm").fill("12");
+      await part.getByLabel("Each grip, mm").fill("8");
+      await part.getByLabel("Each grip, mm").press("Tab");
+      await until(async () => /12 × 76 × 4 mm/.test(await part.textContent()), "the part's size");
+      await part.locator(".part-drawing").scrollIntoViewIfNeeded();
+      await picture(page, "design-part");
+      const saved = page.waitForEvent("download");
+      await part.getByRole("button", { name: "STL" }).click();
+      const file = await saved;
+      assert.match(file.suggestedFilename(), /^supple-IH\d+-12x76x4mm\.stl$/);
+      const size = sizeOfClosed(await readFile(await file.path()));
+      [12, 76, 4].forEach((wanted, k) => assert.ok(Math.abs(size[k] - wanted) < 1e-4, `${size}`));
 
       await card.getByLabel("Unit of stress").selectOption("N");
       await card.getByLabel("Cross-section, mm²").waitFor();

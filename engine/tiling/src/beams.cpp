@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <polyclipping/clipper.hpp>
 #include <utility>
 
+#include "clipper_paths.h"
 #include "polygon.h"
 
 namespace supple::tiling {
 namespace {
-
-/// Clipper computes in integers, whose unit is 1e-9 mm: below every tolerance used on its results, and patches of a
-/// metre stay a million times below the 4.6e18 that Clipper can hold.
-constexpr double units_per_millimetre = 1e9;
-
-/// Vertices closer than this (mm) to the line through their neighbours are no corners.
-constexpr double straightness = 1e-7;
 
 /// Turns below 15 degrees are mitred: a square joint's third side would be a seventh of the half width and shorter, and
 /// ask for elements as small. The areas differ by less than 6e-4 of the squared half width.
@@ -25,93 +18,10 @@ constexpr double smallest_square_turn = std::numbers::pi / 12;
 /// Neighbouring tiles share their sides but for rounding: before their union is taken they grow by this (mm).
 constexpr double seam = 1e-6;
 
-ClipperLib::Path to_path(const Polygon& polygon) {
-  ClipperLib::Path path;
-  path.reserve(polygon.size());
-  for (const Eigen::Vector2d& p : polygon) {
-    path.emplace_back(std::llround(p.x() * units_per_millimetre), std::llround(p.y() * units_per_millimetre));
-  }
-  return path;
-}
-
-ClipperLib::Paths to_paths(std::span<const Polygon> polygons) {
-  ClipperLib::Paths paths;
-  paths.reserve(polygons.size());
-  for (const Polygon& polygon : polygons) paths.push_back(to_path(polygon));
-  return paths;
-}
-
-Polygon to_polygon(const ClipperLib::Path& path) {
-  Polygon polygon;
-  polygon.reserve(path.size());
-  for (const ClipperLib::IntPoint& p : path) {
-    polygon.emplace_back(static_cast<double>(p.X) / units_per_millimetre,
-                         static_cast<double>(p.Y) / units_per_millimetre);
-  }
-  return polygon;
-}
-
 void unite(const ClipperLib::Paths& paths, ClipperLib::PolyTree& tree) {
   ClipperLib::Clipper clipper;
   clipper.AddPaths(paths, ClipperLib::ptSubject, true);
   clipper.Execute(ClipperLib::ctUnion, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
-}
-
-// The outlines of a tree are its children of even depth; what lies directly within one are its holes.
-void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces) {
-  for (const ClipperLib::PolyNode* outline : parent.Childs) {
-    Face face = {to_polygon(outline->Contour)};
-    for (const ClipperLib::PolyNode* hole : outline->Childs) face.push_back(to_polygon(hole->Contour));
-    faces.push_back(std::move(face));
-    for (const ClipperLib::PolyNode* hole : outline->Childs) add_faces(*hole, faces);
-  }
-}
-
-/// Drops vertices on the line through their neighbours, tips of spikes of no width among them.
-void drop_straight(Polygon& polygon) {
-  for (std::size_t k = 0, kept = 0; kept < polygon.size() && polygon.size() > 2;) {
-    const std::size_t n = polygon.size();
-    const Eigen::Vector2d in = polygon[k] - polygon[(k + n - 1) % n], out = polygon[(k + 1) % n] - polygon[k];
-    // Twice the triangle's area over its longer side here: the height over it.
-    if (std::abs(cross(in, out)) <= straightness * std::max(in.norm(), out.norm())) {
-      polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(k));
-      if (k == polygon.size()) k = 0;
-      // The neighbours have become neighbours of each other: the one before is looked at again.
-      k = (k + polygon.size() - 1) % polygon.size();
-      kept = 0;
-    } else {
-      k = (k + 1) % n;
-      ++kept;
-    }
-  }
-}
-
-/// Merges the ends of the shortest side until none is shorter than `smallest_side`, without straight vertices.
-void simplify(Polygon& polygon, double smallest_side) {
-  drop_straight(polygon);
-  while (polygon.size() > 2) {
-    std::size_t shortest = 0;
-    double length = INFINITY;
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const double candidate = (polygon[(k + 1) % polygon.size()] - polygon[k]).norm();
-      if (candidate < length) {
-        length = candidate;
-        shortest = k;
-      }
-    }
-    if (length >= smallest_side) break;
-    const std::size_t next = (shortest + 1) % polygon.size();
-    polygon[shortest] = (polygon[shortest] + polygon[next]) / 2;
-    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(next));
-  }
-  drop_straight(polygon);
-}
-
-/// Whether the polygon remains, simplified, as a hole or an outline: twice the area over the perimeter is the width of
-/// a long strip and half that of a square.
-bool remains(Polygon& polygon, double smallest_width) {
-  simplify(polygon, smallest_width);
-  return polygon.size() > 2 && 2 * std::abs(area(polygon)) > smallest_width * perimeter(polygon);
 }
 
 Eigen::Vector2d left_of(const Eigen::Vector2d& direction) { return {-direction.y(), direction.x()}; }

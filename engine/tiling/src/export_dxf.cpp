@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "file_makers.h"
+#include "solid_files.h"
 #include "solid_patch.h"
 
 namespace supple::tiling {
@@ -135,14 +136,14 @@ void write_polyline(DxfWriter& dxf, const Polygon& polygon) {
 
 }  // namespace
 
-std::string make_dxf(const Structure& structure, const ExportOptions& options) {
-  const std::vector<Face> faces = solid_patch(structure, options);
+std::string dxf_of(const std::vector<Face>& faces, const std::string& title) {
   DxfWriter entities;
   for (const Face& face : faces) {
     for (const Polygon& polygon : face) write_polyline(entities, polygon);
   }
 
   DxfWriter dxf;
+  if (!title.empty()) dxf.pair(999, title);                                                                 // a comment
   dxf.pairs({{0, "SECTION"}, {2, "HEADER"}, {9, "$ACADVER"}, {1, "AC1015"}, {9, "$INSUNITS"}, {70, "4"}});  // mm
   dxf.pairs({{9, "$MEASUREMENT"}, {70, "1"}, {9, "$HANDSEED"}});
   dxf.pair(5, entities.next_handle());
@@ -160,6 +161,10 @@ std::string make_dxf(const Structure& structure, const ExportOptions& options) {
   objects.pairs({{0, "DICTIONARY"}, {5, "D"}, {330, root_dictionary}, {100, "AcDbDictionary"}, {281, "1"}});
   objects.pairs({{0, "ENDSEC"}, {0, "EOF"}});
   return text + objects.finish();
+}
+
+std::string make_dxf(const Structure& structure, const ExportOptions& options) {
+  return dxf_of(solid_patch(structure, options), "");
 }
 
 }  // namespace supple::tiling

@@ -1,13 +1,14 @@
 #include <Eigen/Geometry>
-#include <array>
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <utility>
 
 #include "file_makers.h"
+#include "solid_files.h"
 #include "solid_patch.h"
-#include "supple/meshing/planar_mesh.h"
 
 namespace supple::tiling {
 namespace {
@@ -18,9 +19,8 @@ using Vertex = Eigen::Vector3f;
 
 class StlWriter {
  public:
-  StlWriter() : content_(header_bytes + sizeof(std::uint32_t), '\0') {
-    constexpr char title[] = "Supple structure, millimetres";
-    std::memcpy(content_.data(), title, sizeof title);
+  explicit StlWriter(const std::string& title) : content_(header_bytes + sizeof(std::uint32_t), '\0') {
+    std::memcpy(content_.data(), title.data(), std::min(title.size(), header_bytes - 1));
   }
 
   void add(const Vertex& a, const Vertex& b, const Vertex& c) {
@@ -45,17 +45,26 @@ class StlWriter {
 
 }  // namespace
 
-std::string make_stl(const Structure& structure, const ExportOptions& options) {
-  const std::vector<Face> faces = solid_patch(structure, options);
-  const auto height = static_cast<float>(options.height);
+meshing::PlanarMesh caps_of(const std::vector<Face>& faces) {
+  // Caps need no fine triangles; their corners are those of the walls.
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
+  for (const Face& face : faces) {
+    for (const Eigen::Vector2d& p : face[0]) {
+      lower = lower.cwiseMin(p);
+      upper = upper.cwiseMax(p);
+    }
+  }
+  const double size = 2 * (upper - lower).norm();
+  return meshing::triangulate(faces, [size](const Eigen::Vector2d&) { return size; });
+}
+
+std::string stl_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
+                   const std::string& title) {
+  const auto height = static_cast<float>(thickness);
   const auto at = [](const Eigen::Vector2d& p, float z) {
     return Vertex(static_cast<float>(p.x()), static_cast<float>(p.y()), z);
   };
-  StlWriter writer;
-  // Caps need no fine triangles; their corners are those of the walls.
-  const double size =
-      options.first * structure.tiling.lattice.col(0).norm() + options.second * structure.tiling.lattice.col(1).norm();
-  const meshing::PlanarMesh caps = meshing::triangulate(faces, [size](const Eigen::Vector2d&) { return size; });
+  StlWriter writer(title);
   for (const auto& [a, b, c] : caps.triangles) {
     const auto &p = caps.points[a], &q = caps.points[b], &r = caps.points[c];
     writer.add(at(p, height), at(q, height), at(r, height));
@@ -72,6 +81,11 @@ std::string make_stl(const Structure& structure, const ExportOptions& options) {
     }
   }
   return writer.finish();
+}
+
+std::string make_stl(const Structure& structure, const ExportOptions& options) {
+  const std::vector<Face> faces = solid_patch(structure, options);
+  return stl_of(faces, caps_of(faces), options.height, "Supple structure, millimetres");
 }
 
 }  // namespace supple::tiling

@@ -2,12 +2,12 @@
 #include <cmath>
 
 #include "file_makers.h"
+#include "solid_files.h"
 #include "solid_patch.h"
 
 namespace supple::tiling {
 
-std::string make_svg(const Structure& structure, const ExportOptions& options) {
-  const std::vector<Face> faces = solid_patch(structure, options);
+std::string svg_of(const std::vector<Face>& faces, const std::string& title) {
   Eigen::Vector2d half = Eigen::Vector2d::Zero();
   std::string path;
   for (const Face& face : faces) {
@@ -25,8 +25,11 @@ std::string make_svg(const Structure& structure, const ExportOptions& options) {
   const std::string width = decimal(2 * half.x()), height = decimal(2 * half.y());
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width +
          "mm\" height=\"" + height + "mm\" viewBox=\"" + decimal(-half.x()) + " " + decimal(-half.y()) + " " + width +
-         " " + height + "\">\n<title>" + structure.family + "</title>\n<path fill-rule=\"evenodd\" d=\"" + path +
-         "\"/>\n</svg>\n";
+         " " + height + "\">\n<title>" + title + "</title>\n<path fill-rule=\"evenodd\" d=\"" + path + "\"/>\n</svg>\n";
+}
+
+std::string make_svg(const Structure& structure, const ExportOptions& options) {
+  return svg_of(solid_patch(structure, options), structure.family);
 }
 
 }  // namespace supple::tiling

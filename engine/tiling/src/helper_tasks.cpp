@@ -1,6 +1,7 @@
 #include "supple/tiling/helper_tasks.h"
 
 #include "file_makers.h"
+#include "part_tasks.h"
 #include "structure_codec.h"
 
 namespace supple::tiling {
@@ -83,6 +84,7 @@ HelperTasks helper_tasks() {
   tasks.emplace(svg_task, file_task(make_svg));
   tasks.emplace(dxf_task, file_task(make_dxf));
   tasks.emplace(stl_task, file_task(make_stl));
+  add_part_tasks(tasks);
   return tasks;
 }
 

@@ -32,6 +32,10 @@ bool is_builder(Fields& fields, std::string_view name);
 /// An optional array of indices of points or vertices, as many as there may be points.
 void read_indices(Fields& fields, std::string_view name, const Limits& limits, std::vector<std::int32_t>& indices);
 
+/// The fields "family" and "parameters".
+struct StructureSpec;
+StructureSpec read_structure(Fields& fields, const Limits& limits);
+
 /// Calls read(fields) for an optional nested object.
 template <class Read>
 void nested(Fields& fields, std::string_view name, Read read) {

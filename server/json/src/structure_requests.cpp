@@ -30,18 +30,6 @@ void read_family(Fields& fields, std::string& out) {
   out = *text;
 }
 
-StructureSpec read_structure(Fields& fields, const Limits& limits) {
-  StructureSpec structure;
-  read_family(fields, structure.family);
-  if (fields.present("parameters")) {
-    structure.parameters.emplace();
-    fields.numbers("parameters", *structure.parameters, false, 0, limits.max_parameters);
-  } else {
-    fields.optional("parameters");
-  }
-  return structure;
-}
-
 void read_mesh_options(Fields& fields, tiling::MeshOptions& mesh) {
   fields.number("mesh_size", mesh.mesh_size, least_mesh_size, largest_mesh_size);
   fields.number("corner_size", mesh.corner_size, least_corner_size, 1);
@@ -142,6 +130,18 @@ void read_options(Fields& fields, microscale::SimulationOptions& options) {
 }
 
 }  // namespace
+
+StructureSpec read_structure(Fields& fields, const Limits& limits) {
+  StructureSpec structure;
+  read_family(fields, structure.family);
+  if (fields.present("parameters")) {
+    structure.parameters.emplace();
+    fields.numbers("parameters", *structure.parameters, false, 0, limits.max_parameters);
+  } else {
+    fields.optional("parameters");
+  }
+  return structure;
+}
 
 StructureRequest parse_structure(std::string_view body, const Limits& limits) {
   const auto document = parse_document(body, limits);

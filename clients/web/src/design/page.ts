@@ -11,6 +11,8 @@ import { readLink, writeLink } from "./link";
 import { Measured } from "./measured";
 import { measuredCard } from "./measured_card";
 import { parameterPanel } from "./parameter_panel";
+import { Part } from "./part";
+import { partCard } from "./part_card";
 import { pinList } from "./pin_list";
 import { Pins } from "./pins";
 import { PlotPanel } from "./plot_panel";
@@ -29,6 +31,7 @@ export function designPage({ client, link }: Surroundings): Page {
   const verification = new Verification(session, client);
   const pins = new Pins(session);
   const measured = new Measured(session, client);
+  const part = new Part(client);
   const share = shareButton("Copy a link to this design", () => link.write(writeLink(session.state.get())));
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
   const panel: PlotPanel = new PlotPanel(session, verification, pins, measured, [
@@ -42,7 +45,7 @@ export function designPage({ client, link }: Surroundings): Page {
     empty,
     h("div", { class: "column left" }, targetControls(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
-    h("div", { class: "column right" }, tilingPreview(session, client), resultCard(session), verificationCard(session, verification), pinList(pins, client)),
+    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), resultCard(session), verificationCard(session, verification), pinList(pins, client)),
   );
 
   const linkLater = late(() => link.write(writeLink(session.state.get())), LINK_PAUSE_MS);

@@ -1,0 +1,100 @@
+// A part to print or cut, of the design that is shown: its size, its picture, its files.
+import { button, Checkbox, Segments } from "../base/controls";
+import { h, replace, svg, uniqueId } from "../base/dom";
+import { download } from "../base/download";
+import { digits } from "../base/format";
+import { late } from "../base/late";
+import { explain } from "../contract/client";
+import type { Part, PartFormat, PartSettings } from "./part";
+import type { DesignSession } from "./session";
+
+const PAUSE_MS = 400;
+type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "frame" | "density";
+const LABELS: Record<NumberSetting, string> = {
+  width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³",
+};
+const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm" } as const;
+
+export function partCard(session: DesignSession, part: Part): HTMLElement {
+  const shape = svg("path", { class: "solid", "fill-rule": "evenodd" });
+  const drawing = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, shape);
+  const facts = h("dl", { class: "facts compact" });
+  const note = h("p", { class: "note", role: "status" });
+  const kind = new Segments<PartSettings["kind"]>("Shape", [{ value: "coupon", words: "Coupon" }, { value: "block", words: "Block" }, { value: "rectangle", words: "Sheet" }], (value) => change({ kind: value }));
+  const whole = new Checkbox("Whole tiles only", (value) => change({ whole: value }));
+  const fields = new Map<NumberSetting, { field: HTMLElement; label: HTMLElement; input: HTMLInputElement }>();
+  for (const name of Object.keys(LABELS) as NumberSetting[]) {
+    const id = uniqueId("part");
+    const input = h("input", { type: "number", id, class: "number", min: 0, step: "any", onchange: () => {
+      const value = Number(input.value);
+      if (input.value !== "" && Number.isFinite(value) && value >= 0) change({ [name]: value });
+      else show();
+    } });
+    const label = h("label", { for: id }, LABELS[name]);
+    fields.set(name, { field: h("div", { class: "field" }, label, input), label, input });
+  }
+  const formats = (["stl", "3mf", "dxf", "svg"] as const).map((format) => button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` }));
+  const element = h("details", { class: "card controls part", "aria-label": "Part" },
+    h("summary", {}, "Part to make"), kind.element,
+    h("div", { class: "part-fields" }, ...[...fields.values()].map((entry) => entry.field)), whole.element,
+    drawing, facts, note, h("div", { class: "row", role: "group", "aria-label": "Files of the part" }, ...formats));
+
+  const later = late(() => describe(), PAUSE_MS);
+
+  function change(values: Partial<PartSettings>): void {
+    part.settings.set({ ...part.settings.get(), ...values });
+    later.ask();
+  }
+
+  function show(): void {
+    const settings = part.settings.get();
+    kind.value = settings.kind;
+    whole.value = settings.whole;
+    for (const [name, { field, label, input }] of fields) {
+      input.value = String(settings[name]);
+      if (name === "end") {
+        field.hidden = settings.kind === "rectangle";
+        label.textContent = END_WORDS[settings.kind];
+      }
+    }
+  }
+
+  function describe(): void {
+    const shown = session.shown.get();
+    if (element.open && shown && !shown.provisional) part.describe(shown.found);
+  }
+
+  async function save(format: PartFormat): Promise<void> {
+    const shown = session.shown.get();
+    if (!shown) return;
+    try {
+      const file = await part.file(shown.found, format);
+      download(file.name, file.type, file.content);
+    } catch (error) {
+      note.textContent = explain(error);
+    }
+  }
+
+  part.settings.watch(() => show());
+  session.shown.watch(() => later.ask());
+  element.addEventListener("toggle", () => describe());
+  part.state.watch((state) => {
+    note.textContent = state.kind === "failed" ? state.sentence : "";
+    drawing.classList.toggle("old", state.kind === "failed");
+    if (state.kind !== "made") return;
+    const { answer } = state;
+    const solid = new DOMParser().parseFromString(answer.svg ?? "", "image/svg+xml");
+    shape.setAttribute("d", solid.querySelector("path")?.getAttribute("d") ?? "");
+    drawing.setAttribute("viewBox", solid.documentElement.getAttribute("viewBox") ?? "0 0 1 1");
+    drawing.setAttribute("aria-label", `The part, ${answer.size.map((value) => digits(value)).join(" by ")} mm`);
+    const rows: [string, string][] = [
+      ["Size", `${answer.size.map((value) => digits(value)).join(" × ")} mm`],
+      ["Mass", `${digits(answer.mass)} g`],
+      ["Density", `${digits(100 * answer.relative_density)} % solid`],
+      ["Walls", `at least ${digits(answer.checks.smallest_wall, 2)} mm`],
+      ["Pieces", answer.checks.crumbs > 0 ? `one; ${answer.checks.crumbs} loose left out` : "one"],
+    ];
+    replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+  });
+  return element;
+}

@@ -1,0 +1,37 @@
+import { describe, expect, it } from "vitest";
+import type { Client } from "../src/contract/client";
+import { FIRST_PART, fileName, Part, partRequest } from "../src/design/part";
+
+const FOUND = { family: "IH21", parameters: [0.1, 0.6] };
+
+describe("a part", () => {
+  it("is asked for in each of its shapes", () => {
+    expect(partRequest(FOUND, FIRST_PART)).toEqual({
+      outline: { coupon: { width: 20, length: 60, grip_length: 15 } }, structure: { family: "IH21", parameters: [0.1, 0.6] },
+      beam_width: 0.8, thickness: 4, frame: 0, rim: "clipped", material: { density: 1.2 },
+    });
+    expect(partRequest(FOUND, { ...FIRST_PART, kind: "block", end: 2, whole: true })).toMatchObject({ outline: { block: { width: 20, height: 60, plate: 2 } }, rim: "whole" });
+    expect(partRequest(FOUND, { ...FIRST_PART, kind: "rectangle" }).outline).toEqual({ rectangle: [20, 60] });
+  });
+
+  it("has the name that the server gives its file", () => {
+    expect(fileName('attachment; filename="supple-IH21-20x90x4mm.stl"', "stl")).toBe("supple-IH21-20x90x4mm.stl");
+    expect(fileName(null, "3mf")).toBe("part.3mf");
+  });
+
+  it("is described with a picture, and says why it cannot be made", async () => {
+    const asked: any[] = [];
+    let answer: unknown = { size: [20, 90, 4] };
+    const client = { post: async (path: string, body: unknown) => { asked.push([path, body]); if (answer instanceof Error) throw answer; return answer; } } as unknown as Client;
+    const part = new Part(client);
+    part.describe(FOUND);
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(asked[0][0]).toBe("/v1/parts");
+    expect(asked[0][1].svg).toBe(true);
+    expect(part.state.get()).toEqual({ kind: "made", answer });
+    answer = new Error("too narrow");
+    part.describe(FOUND);
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(part.state.get()).toEqual({ kind: "failed", sentence: "too narrow" });
+  });
+});

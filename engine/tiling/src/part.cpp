@@ -1,0 +1,320 @@
+#include "supple/tiling/part.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "clipper_paths.h"
+#include "part_codec.h"
+#include "polygon.h"
+#include "supple/base/faults.h"
+
+namespace supple::tiling {
+namespace {
+
+using ClipperLib::Paths;
+
+constexpr double largest_size = 2000;  // mm
+constexpr double largest_thickness = 1000;
+constexpr std::size_t most_tiles = 100'000;
+/// Sides that are shorter (beam widths) are points, as in other files.
+constexpr double smallest_side = 0.005;
+/// How far corners that touch are parted on either side, mm: less than any printer or laser sees.
+constexpr double parting = 2e-3;
+/// Walls are narrow where no disk of this share of the smallest wall fits in.
+constexpr double disk = 0.49;
+/// What lies so near (smallest walls) to where a disk fits is no narrow wall but a corner.
+constexpr double corner = 0.25;
+
+void check_polygon(const Polygon& polygon, const std::string& place, Faults& faults) {
+  if (polygon.size() < 3) return faults.add(place, "must have at least 3 corners");
+  for (const auto& p : polygon) {
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > largest_size)
+      return faults.add(place, "must have coordinates from -2000 to 2000 mm");
+  }
+  if (const auto crossing = self_intersection(polygon)) {
+    faults.add(place, "crosses or touches itself: its sides " + std::to_string(crossing->first) + " and " +
+                          std::to_string(crossing->second) + " meet");
+  }
+}
+
+void check_length(double value, double least, double most, const std::string& place, Faults& faults) {
+  faults.require(
+      value >= least && value <= most, place,
+      "must be from " + std::to_string(least) + " to " + std::to_string(most) + " mm, got " + std::to_string(value));
+}
+
+void check_filling(const Filling& filling, const PartDesign& design, const std::string& folder, Faults& faults) {
+  check_length(filling.beam_width, 0.01, 100, folder + "beam_width", faults);
+  faults.require(design.smallest_wall <= filling.beam_width, "smallest_wall",
+                 "must be at most the width of the beams, " + std::to_string(filling.beam_width) + " mm, got " +
+                     std::to_string(design.smallest_wall));
+}
+
+void check(const PartDesign& design) {
+  Faults faults;
+  faults.require(!design.outline.empty(), "outline", "must have at least one polygon");
+  for (std::size_t i = 0; i < design.outline.size(); ++i)
+    check_polygon(design.outline[i], "outline/" + std::to_string(i), faults);
+  for (std::size_t i = 0; i < design.solids.size(); ++i)
+    check_polygon(design.solids[i], "solids/" + std::to_string(i), faults);
+  check_length(design.frame, 0, largest_size, "frame", faults);
+  check_length(design.seam, 0, largest_size, "seam", faults);
+  check_length(design.smallest_wall, 0, 100, "smallest_wall", faults);
+  check_length(design.thickness, 1e-3, largest_thickness, "thickness", faults);
+  check_filling(design.filling, design, "", faults);
+  for (std::size_t i = 0; i < design.regions.size(); ++i) {
+    const std::string folder = "regions/" + std::to_string(i) + "/";
+    check_polygon(design.regions[i].outline, folder + "outline", faults);
+    check_filling(design.regions[i].filling, design, folder, faults);
+  }
+  faults.throw_if_any("tiling.part", "The part");
+}
+
+struct Box {
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = Eigen::Vector2d::Constant(-INFINITY);
+  void extend(const Polygon& polygon) {
+    for (const auto& p : polygon) {
+      lower = lower.cwiseMin(p);
+      upper = upper.cwiseMax(p);
+    }
+  }
+  bool meets(const Box& other, double margin) const {
+    return (lower.array() <= other.upper.array() + margin).all() &&
+           (upper.array() + margin >= other.lower.array()).all();
+  }
+};
+
+Paths operation(ClipperLib::ClipType type, const Paths& subject, const Paths& clip) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPaths(subject, ClipperLib::ptSubject, true);
+  clipper.AddPaths(clip, ClipperLib::ptClip, true);
+  Paths result;
+  clipper.Execute(type, result, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  return result;
+}
+
+Paths grown(const Paths& paths, double by, ClipperLib::JoinType joints) {
+  ClipperLib::ClipperOffset offset(4);
+  offset.AddPaths(paths, joints, ClipperLib::etClosedPolygon);
+  Paths result;
+  offset.Execute(result, by * units_per_millimetre);
+  return result;
+}
+
+double area_of(const Paths& paths) {
+  double sum = 0;
+  for (const auto& path : paths) sum += ClipperLib::Area(path);
+  return sum / (units_per_millimetre * units_per_millimetre);
+}
+
+/// Polygons that overlap in any way as an area: what lies within an odd number of them.
+Paths even_odd(const std::vector<Polygon>& polygons) {
+  Paths result;
+  ClipperLib::SimplifyPolygons(to_paths(polygons), result, ClipperLib::pftEvenOdd);
+  return result;
+}
+
+/// The tiles of a filling whose beams may reach into a box, turned and scaled.
+std::vector<Polygon> tiles_over(const Filling& filling, const Box& box, const Eigen::Vector2d& centre) {
+  const double scale = filling.beam_width / filling.structure.beam_width;
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(filling.orientation).toRotationMatrix() * scale;
+  const Tiling& tiling = filling.structure.tiling;
+  const Eigen::Matrix2d lattice = turn * tiling.lattice;
+  std::vector<Polygon> cell;
+  Box reach;
+  for (const Placement& placement : tiling.placements) {
+    cell.push_back(placed(tiling.tiles[static_cast<std::size_t>(placement.tile)], placement));
+    for (auto& p : cell.back()) p = turn * p;
+    reach.extend(cell.back());
+  }
+  // Cells (a, b) whose tiles may meet the box: the box, less the reach of a cell, in lattice coordinates.
+  const Eigen::Matrix2d inverse = lattice.inverse();
+  Eigen::Vector2d least = Eigen::Vector2d::Constant(INFINITY), most = -least;
+  for (int corner_index = 0; corner_index < 4; ++corner_index) {
+    const bool right = corner_index % 2 == 1, top = corner_index / 2 == 1;
+    const Eigen::Vector2d p(right ? box.upper.x() - reach.lower.x() : box.lower.x() - reach.upper.x(),
+                            top ? box.upper.y() - reach.lower.y() : box.lower.y() - reach.upper.y());
+    const Eigen::Vector2d at = inverse * (p - centre);
+    least = least.cwiseMin(at);
+    most = most.cwiseMax(at);
+  }
+  const Eigen::Vector2d first = least.array().floor(), last = most.array().ceil();
+  const Eigen::Vector2d counts = last - first + Eigen::Vector2d::Ones();
+  // Of a lattice that lies across the box half of these cells or fewer meet it.
+  if (!(counts.prod() * static_cast<double>(cell.size()) <= 20.0 * most_tiles)) {
+    throw Error("tiling.part", "The part would have more than 100000 tiles: widen the beams or make it smaller.",
+                {{"beam_width", "more than 100000 tiles would fill the part"}});
+  }
+  std::vector<Polygon> tiles;
+  for (double b = first.y(); b <= last.y(); ++b) {
+    for (double a = first.x(); a <= last.x(); ++a) {
+      const Eigen::Vector2d offset = centre + lattice * Eigen::Vector2d(a, b);
+      for (const Polygon& tile : cell) {
+        Polygon moved = tile;
+        for (auto& p : moved) p += offset;
+        Box around;
+        around.extend(moved);
+        if (!around.meets(box, filling.beam_width)) continue;
+        tiles.push_back(std::move(moved));
+        if (tiles.size() > most_tiles) {
+          throw Error("tiling.part", "The part would have more than 100000 tiles: widen the beams or make it smaller.",
+                      {{"beam_width", "more than 100000 tiles would fill the part"}});
+        }
+      }
+    }
+  }
+  return tiles;
+}
+
+Box box_of(const Paths& paths) {
+  Box box;
+  for (const auto& path : paths) box.extend(to_polygon(path));
+  return box;
+}
+
+/// The tiles that lie within an area, with half a beam's width to spare.
+std::vector<Polygon> tiles_within(std::vector<Polygon> tiles, const Paths& area, double beam_width) {
+  const Paths inner = grown(area, -beam_width / 2, ClipperLib::jtMiter);
+  std::erase_if(tiles, [&](const Polygon& tile) {
+    const Paths outside = operation(ClipperLib::ctDifference, {to_path(tile)}, inner);
+    return std::abs(area_of(outside)) > 1e-9 * beam_width * beam_width;
+  });
+  return tiles;
+}
+
+/// The beams of a filling within an area.
+Paths filled(const Filling& filling, const Paths& area, const Eigen::Vector2d& centre, Rim rim) {
+  if (area.empty()) return {};
+  std::vector<Polygon> tiles = tiles_over(filling, box_of(area), centre);
+  std::vector<Polygon> beams;
+  const auto add = [&](const std::vector<Polygon>& outlines, Joints joints) {
+    for (const Polygon& outline : outlines) {
+      for (Polygon& beam : beams_along(outline, filling.beam_width / 2, joints)) beams.push_back(std::move(beam));
+    }
+  };
+  if (rim == Rim::whole) tiles = tiles_within(std::move(tiles), area, filling.beam_width);
+  add(tiles, Joints::left);
+  if (rim == Rim::whole) {
+    add(outlines_of_union(tiles), Joints::both);
+    return operation(ClipperLib::ctUnion, to_paths(beams), {});
+  }
+  return operation(ClipperLib::ctIntersection, to_paths(beams), area);
+}
+
+/// Leaves out what is narrower than the wall.
+Paths trimmed(const Paths& solid, double wall, double& trimmed_area) {
+  if (wall <= 0) return solid;
+  const Paths opened = grown(grown(solid, -disk * wall, ClipperLib::jtSquare), disk * wall, ClipperLib::jtSquare);
+  const Paths result = operation(ClipperLib::ctIntersection, solid, grown(opened, corner * wall, ClipperLib::jtSquare));
+  trimmed_area = area_of(solid) - area_of(result);
+  return result;
+}
+
+/// Whether two corners of the solid lie in one place.
+bool has_touching_corners(const Paths& paths) {
+  std::set<std::pair<ClipperLib::cInt, ClipperLib::cInt>> corners;
+  for (const auto& path : paths) {
+    for (const auto& p : path) {
+      if (!corners.emplace(p.X, p.Y).second) return true;
+    }
+  }
+  return false;
+}
+
+void keep_largest(std::vector<SolidFace>& faces, Part& part) {
+  const auto area_of_face = [](const SolidFace& face) {
+    double sum = 0;
+    for (const Polygon& polygon : face) sum += area(polygon);
+    return sum;
+  };
+  std::size_t largest = 0;
+  double most = 0, total = 0;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const double size = area_of_face(faces[i]);
+    total += size;
+    if (size > most) {
+      most = size;
+      largest = i;
+    }
+  }
+  if (faces.empty()) return;
+  part.crumbs = faces.size() - 1;
+  part.crumb_area = total - most;
+  part.solid_area = most;
+  part.faces = {std::move(faces[largest])};
+}
+
+std::vector<SolidFace> cleaned_faces(const Paths& paths, double smallest) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPaths(paths, ClipperLib::ptSubject, true);
+  ClipperLib::PolyTree tree;
+  clipper.Execute(ClipperLib::ctUnion, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  std::vector<SolidFace> faces;
+  add_faces(tree, faces);
+  for (SolidFace& face : faces) std::erase_if(face, [&](Polygon& polygon) { return !remains(polygon, smallest); });
+  std::erase_if(faces, [](const SolidFace& face) { return face.empty() || area(face[0]) < 0; });
+  return faces;
+}
+
+}  // namespace
+
+Part make_part_here(const PartDesign& design) {
+  check(design);
+  const Paths outline = even_odd(design.outline);
+  const Box box = box_of(outline);
+  const Eigen::Vector2d centre = (box.lower + box.upper) / 2;
+  // Each area is what later regions leave of it.
+  Paths rest = outline, solid;
+  double finest = design.filling.beam_width;
+  for (auto region = design.regions.rbegin(); region != design.regions.rend(); ++region) {
+    const Paths shape = even_odd({region->outline});
+    const Paths own = operation(ClipperLib::ctIntersection, rest, shape);
+    const Paths beams = filled(region->filling, own, centre, design.rim);
+    solid.insert(solid.end(), beams.begin(), beams.end());
+    rest = operation(ClipperLib::ctDifference, rest, shape);
+    finest = std::min(finest, region->filling.beam_width);
+    if (design.seam > 0) {
+      const Paths strip = operation(ClipperLib::ctDifference, grown(shape, design.seam / 2, ClipperLib::jtMiter),
+                                    grown(shape, -design.seam / 2, ClipperLib::jtMiter));
+      const Paths inside = operation(ClipperLib::ctIntersection, strip, outline);
+      solid.insert(solid.end(), inside.begin(), inside.end());
+    }
+  }
+  const Paths beams = filled(design.filling, rest, centre, design.rim);
+  solid.insert(solid.end(), beams.begin(), beams.end());
+  if (design.frame > 0) {
+    const Paths rim = operation(ClipperLib::ctDifference, outline, grown(outline, -design.frame, ClipperLib::jtMiter));
+    solid.insert(solid.end(), rim.begin(), rim.end());
+  }
+  if (!design.solids.empty()) {
+    const Paths blocks = operation(ClipperLib::ctIntersection, to_paths(design.solids), outline);
+    solid.insert(solid.end(), blocks.begin(), blocks.end());
+  }
+  solid = operation(ClipperLib::ctUnion, solid, {});
+
+  Part part;
+  part.thickness = design.thickness;
+  part.outline_area = area_of(outline);
+  solid = trimmed(solid, design.smallest_wall, part.trimmed_area);
+  if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
+  auto faces = cleaned_faces(solid, smallest_side * finest);
+  keep_largest(faces, part);
+  if (part.faces.empty()) {
+    throw Error("tiling.part",
+                "Nothing of the structure lies within the outline: make it larger, or clip the tiles at it.",
+                {{"outline", "holds no part of the structure"}});
+  }
+  Box extent;
+  extent.extend(part.faces[0][0]);
+  part.lower = extent.lower;
+  part.upper = extent.upper;
+  return part;
+}
+
+}  // namespace supple::tiling

@@ -1,0 +1,117 @@
+#include <charconv>
+#include <cmath>
+
+#include "part_codec.h"
+#include "part_tasks.h"
+#include "solid_files.h"
+#include "supple/base/helper_processes.h"
+#include "supple/tiling/part.h"
+
+namespace supple::tiling {
+namespace {
+
+constexpr std::string_view part_task = "tiling/part";
+constexpr std::string_view caps_task = "tiling/caps";
+
+/// The union of so much is made before anyone would ask for a stop: square beam widths of the outline.
+constexpr double small_area = 20'000;
+
+std::string rounded(double millimetres) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, std::round(100 * millimetres) / 100).ptr;
+  return {text, end};
+}
+
+std::string title_of(const Part& part) { return "Supple part, " + size_words(part); }
+
+/// The same about the origin, as drawings are.
+std::vector<SolidFace> centred(const Part& part) {
+  const Eigen::Vector2d centre = (part.lower + part.upper) / 2;
+  auto faces = part.faces;
+  for (auto& face : faces) {
+    for (auto& polygon : face) {
+      for (auto& p : polygon) p -= centre;
+    }
+  }
+  return faces;
+}
+
+meshing::PlanarMesh caps(const std::vector<SolidFace>& faces, const Execution& execution) {
+  execution.cancellation.throw_if_requested();
+  const auto helpers = helper_processes();
+  if (!helpers) return caps_of(faces);
+  ByteWriter request;
+  write(request, faces);
+  const std::string answer = helpers->run(caps_task, request.take(), execution);
+  ByteReader reader(answer);
+  return read_planar_mesh(reader);
+}
+
+}  // namespace
+
+PartShape tensile_coupon(double width, double length, double grip_length) {
+  const auto rectangle = [width](double from, double to) {
+    return Polygon{{0, from}, {width, from}, {width, to}, {0, to}};
+  };
+  const double end = grip_length + length;
+  PartShape shape{{rectangle(0, end + grip_length)}, {}};
+  if (grip_length > 0) shape.solids = {rectangle(0, grip_length), rectangle(end, end + grip_length)};
+  return shape;
+}
+
+PartShape compression_block(double width, double height, double plate) { return tensile_coupon(width, height, plate); }
+
+std::string size_words(const Part& part) {
+  const Eigen::Vector2d size = part.upper - part.lower;
+  return rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(part.thickness) + " mm";
+}
+
+Part make_part(const PartDesign& design, const Execution& execution) {
+  execution.cancellation.throw_if_requested();
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
+  for (const Polygon& polygon : design.outline) {
+    for (const auto& p : polygon) {
+      lower = lower.cwiseMin(p);
+      upper = upper.cwiseMax(p);
+    }
+  }
+  double finest = design.filling.beam_width;
+  for (const PartRegion& region : design.regions) finest = std::min(finest, region.filling.beam_width);
+  const auto helpers = helper_processes();
+  const bool is_small = (upper - lower).prod() <= small_area * finest * finest;
+  if (!helpers || is_small) return make_part_here(design);
+  ByteWriter request;
+  write(request, design);
+  const std::string answer = helpers->run(part_task, request.take(), execution);
+  ByteReader reader(answer);
+  return read_part(reader);
+}
+
+std::string part_svg(const Part& part) { return svg_of(centred(part), title_of(part)); }
+
+std::string part_dxf(const Part& part) { return dxf_of(part.faces, title_of(part)); }
+
+std::string part_stl(const Part& part, const Execution& execution) {
+  return stl_of(part.faces, caps(part.faces, execution), part.thickness, title_of(part));
+}
+
+std::string part_3mf(const Part& part, const Execution& execution) {
+  return three_mf_of(part.faces, caps(part.faces, execution), part.thickness, title_of(part));
+}
+
+void add_part_tasks(HelperTasks& tasks) {
+  tasks.emplace(part_task, [](std::string_view request) {
+    ByteReader reader(request);
+    ByteWriter answer;
+    write(answer, make_part_here(read_part_design(reader)));
+    return answer.take();
+  });
+  tasks.emplace(caps_task, [](std::string_view request) {
+    ByteReader reader(request);
+    ByteWriter answer;
+    write(answer, caps_of(read_faces(reader)));
+    return answer.take();
+  });
+}
+
+}  // namespace supple::tiling

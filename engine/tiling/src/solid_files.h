@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "beams.h"
+#include "supple/meshing/planar_mesh.h"
+
+// Solids of the plane, faces in millimetres, as files; made in this process.
+namespace supple::tiling {
+
+/// One SVG path with holes (even-odd fill), true to scale, the origin in its middle; `title` needs no escapes.
+std::string svg_of(const std::vector<Face>& faces, const std::string& title);
+/// Closed LWPOLYLINEs, AutoCAD R2000 ASCII; the title is a comment where it is not empty.
+std::string dxf_of(const std::vector<Face>& faces, const std::string& title);
+
+/// The triangles of the solid's top, whose boundary nodes are the faces' vertices. Throws "tiling.meshing_failed".
+meshing::PlanarMesh caps_of(const std::vector<Face>& faces);
+/// The faces extruded by `thickness` (mm): a closed, consistently oriented surface, binary STL. The title, of which 79
+/// bytes are kept, must not begin with "solid".
+std::string stl_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
+                   const std::string& title);
+/// The same as a 3MF package, whose one object is named by the title (which needs no escapes).
+std::string three_mf_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
+                        const std::string& title);
+
+}  // namespace supple::tiling

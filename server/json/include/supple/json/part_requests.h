@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "supple/json/answers.h"
+#include "supple/json/limits.h"
+#include "supple/json/structure_requests.h"
+#include "supple/tiling/part.h"
+
+/// Parts, as requests and answers; read like those of requests.h. Whether outlines and structures make sense is not
+/// asked here.
+namespace supple::json {
+
+/// A structure that fills an area.
+struct FillingSpec {
+  StructureSpec structure;
+  double beam_width = tiling::printed_beam_width;
+  double orientation = 0;
+};
+
+struct PartRegionSpec {
+  std::string name;
+  tiling::Polygon outline;
+  FillingSpec filling;
+};
+
+struct PartRequest {
+  tiling::PartDesign design;  ///< but for its fillings and regions
+  FillingSpec filling;
+  std::vector<PartRegionSpec> regions;
+  double material_density = 1.2;  ///< g/cm^3
+  bool svg = false;
+  double deadline = 0;  ///< seconds; set also where the request leaves it out
+};
+PartRequest parse_part(std::string_view body, const Limits& limits);
+
+std::string write_part(const PartRequest& request, const tiling::Part& part, const std::string* svg, const Bill& bill);
+
+}  // namespace supple::json

@@ -1,0 +1,164 @@
+#include "supple/json/part_requests.h"
+
+#include <algorithm>
+
+#include "answer_parts.h"
+#include "document.h"
+#include "request_parts.h"
+
+namespace supple::json {
+namespace {
+
+// The ranges of api/openapi.yaml.
+constexpr double largest_length = 2000;  // mm
+constexpr double largest_thickness = 1000;
+constexpr double largest_beam_width = 100;
+constexpr std::size_t most_polygons = 100;
+constexpr std::size_t most_corners = 10'000;
+constexpr std::size_t most_regions = 50;
+constexpr std::size_t longest_name = 100;
+
+tiling::Polygon read_polygon(const Document& value, const std::string& pointer, Faults& faults) {
+  tiling::Polygon polygon;
+  if (!value.is_array() || value.size() < 3 || value.size() > most_corners) {
+    faults.add(pointer, "must be an array of 3 to " + std::to_string(most_corners) + " points");
+    return polygon;
+  }
+  polygon.resize(value.size());
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    read_components(value[i], pointer + "/" + std::to_string(i), faults, polygon[i], -largest_length, largest_length);
+  }
+  return polygon;
+}
+
+double length(Fields& fields, std::string_view name, double usual, bool may_vanish = false) {
+  double value = usual;
+  fields.number(name, value, 0, largest_length, !may_vanish);
+  return value;
+}
+
+tiling::PartShape read_shape(Fields& fields) {
+  tiling::PartShape shape;
+  const auto* value = fields.required("outline");
+  if (!value) return shape;
+  Fields outline(*value, fields.at("outline"), fields.faults());
+  const int kinds =
+      outline.present("rectangle") + outline.present("polygons") + outline.present("coupon") + outline.present("block");
+  if (value->is_object() && kinds != 1) {
+    fields.faults().add(fields.at("outline"),
+                        "must have exactly one of \"rectangle\", \"polygons\", \"coupon\" and \"block\"");
+  }
+  if (const auto* size = outline.optional("rectangle")) {
+    Eigen::Vector2d sides(1, 1);
+    read_components(*size, outline.at("rectangle"), fields.faults(), sides, 0.01, largest_length);
+    shape = tiling::tensile_coupon(sides[0], sides[1], 0);
+  }
+  if (const auto* polygons = outline.array("polygons", false, 1, most_polygons, "")) {
+    for (std::size_t i = 0; i < polygons->size(); ++i) {
+      shape.outline.push_back(
+          read_polygon((*polygons)[i], outline.at("polygons") + "/" + std::to_string(i), fields.faults()));
+    }
+  }
+  nested(outline, "coupon", [&](Fields& coupon) {
+    coupon.required("width");
+    coupon.required("length");
+    const double width = length(coupon, "width", 1), gauge = length(coupon, "length", 1);
+    shape = tiling::tensile_coupon(width, gauge, length(coupon, "grip_length", 15, true));
+  });
+  nested(outline, "block", [&](Fields& block) {
+    block.required("width");
+    block.required("height");
+    const double width = length(block, "width", 1), height = length(block, "height", 1);
+    shape = tiling::compression_block(width, height, length(block, "plate", 1, true));
+  });
+  outline.finish();
+  return shape;
+}
+
+FillingSpec read_filling(Fields& fields, const Limits& limits) {
+  FillingSpec filling;
+  if (const auto* value = fields.required("structure")) {
+    Fields structure(*value, fields.at("structure"), fields.faults());
+    filling.structure = read_structure(structure, limits);
+    structure.finish();
+  }
+  fields.number("beam_width", filling.beam_width, 0.01, largest_beam_width);
+  fields.number("orientation", filling.orientation, -1000, 1000);
+  return filling;
+}
+
+PartRegionSpec read_region(Fields& fields, const Limits& limits) {
+  PartRegionSpec region;
+  if (const auto* name = fields.optional("name")) {
+    if (name->is_string() && name->get_ref<const std::string&>().size() <= longest_name) {
+      region.name = name->get<std::string>();
+    } else {
+      fields.faults().add(fields.at("name"), "must be a string of at most " + std::to_string(longest_name) + " bytes");
+    }
+  }
+  if (const auto* outline = fields.required("outline"))
+    region.outline = read_polygon(*outline, fields.at("outline"), fields.faults());
+  region.filling = read_filling(fields, limits);
+  return region;
+}
+
+}  // namespace
+
+PartRequest parse_part(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  PartRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  auto shape = read_shape(fields);
+  request.design.outline = std::move(shape.outline);
+  request.design.solids = std::move(shape.solids);
+  request.filling = read_filling(fields, limits);
+  double finest = request.filling.beam_width;
+  if (const auto* regions = fields.array("regions", false, 0, most_regions, "")) {
+    for (std::size_t i = 0; i < regions->size(); ++i) {
+      Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), faults);
+      request.regions.push_back(read_region(region, limits));
+      region.finish();
+      finest = std::min(finest, request.regions.back().filling.beam_width);
+    }
+  }
+  request.design.frame = length(fields, "frame", 0, true);
+  request.design.seam = length(fields, "seam", request.regions.empty() ? 0 : finest, true);
+  fields.choice("rim", request.design.rim, {"clipped", "whole"});
+  request.design.smallest_wall = 2 * finest / 3;
+  fields.number("smallest_wall", request.design.smallest_wall, 0, largest_beam_width);
+  fields.number("thickness", request.design.thickness, 1e-3, largest_thickness);
+  nested(fields, "material",
+         [&](Fields& material) { material.number("density", request.material_density, 0, 25, true); });
+  fields.boolean("svg", request.svg);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+std::string write_part(const PartRequest& request, const tiling::Part& part, const std::string* svg, const Bill& bill) {
+  const Eigen::Vector2d size = part.upper - part.lower;
+  const double volume = part.solid_area * part.thickness;
+  JsonWriter out;
+  out.begin_object().key("size").numbers(Eigen::Vector3d(size.x(), size.y(), part.thickness));
+  out.key("lower").numbers(part.lower).key("upper").numbers(part.upper);
+  out.field("outline_area", part.outline_area).field("solid_area", part.solid_area);
+  out.field("relative_density", part.solid_area / part.outline_area);
+  out.field("volume", volume).field("mass", volume * request.material_density / 1000);
+  out.field("holes", part.faces.at(0).size() - 1);
+  out.key("checks")
+      .begin_object()
+      .field("pieces", part.faces.size())
+      .field("smallest_wall", request.design.smallest_wall);
+  out.field("trimmed_area", part.trimmed_area)
+      .field("crumbs", part.crumbs)
+      .field("crumb_area", part.crumb_area)
+      .end_object();
+  if (svg) out.field("svg", *svg);
+  write_bill(out, bill);
+  out.end_object();
+  return out.take();
+}
+
+}  // namespace supple::json

@@ -1,0 +1,140 @@
+"""Parts over the wire: coupons, outlines and regions as files that a printer or a laser takes."""
+
+from __future__ import annotations
+
+import io
+import struct
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from collections import Counter
+from typing import Any, Dict, Tuple
+
+import numpy as np
+import pytest
+
+from harness import Api, pointers, problem_code
+
+PARTS = "/v1/parts"
+IH21 = {"family": "IH21"}
+COUPON = {"outline": {"coupon": {"width": 12, "length": 30, "grip_length": 8}}, "structure": IH21, "thickness": 2}
+CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+
+
+def stl_triangles(content: bytes) -> Any:
+    (count,) = struct.unpack_from("<I", content, 80)
+    assert len(content) == 84 + 50 * count
+    record = np.dtype([("normal", "<3f4"), ("corners", "<3,3f4"), ("attribute", "<u2")])
+    return np.frombuffer(content, record, count, 84)["corners"]
+
+
+def assert_watertight(corners: Any) -> float:
+    """Each edge belongs to two triangles, in opposite directions; returns the volume."""
+    points, triangles = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    triangles = triangles.reshape(-1, 3)
+    edges = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in triangles for k in range(3))
+    assert all(uses == 1 and edges[(b, a)] == 1 for (a, b), uses in edges.items())
+    a, b, c = (points[triangles[:, k]].astype(float) for k in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+
+
+def size_of(corners: Any) -> Tuple[float, ...]:
+    flat = corners.reshape(-1, 3)
+    return tuple((flat.max(axis=0) - flat.min(axis=0)).tolist())
+
+
+def test_a_coupon_is_watertight_and_of_the_size_asked_for(api: Api) -> None:
+    described = api.ok(PARTS, {**COUPON, "material": {"density": 1.1}})
+    assert described["size"] == pytest.approx([12, 46, 2])
+    assert described["checks"]["pieces"] == 1 and described["checks"]["smallest_wall"] == pytest.approx(0.2)
+    assert described["outline_area"] == pytest.approx(12 * 46)
+    assert described["mass"] == pytest.approx(described["volume"] * 1.1e-3)
+    assert described["volume"] == pytest.approx(2 * described["solid_area"])
+    response = api.post(PARTS, COUPON, headers={"Accept": "model/stl"})
+    assert response.headers["Content-Disposition"] == 'attachment; filename="supple-IH21-12x46x2mm.stl"'
+    assert response.content.startswith(b"Supple part, 12 x 46 x 2 mm")
+    corners = stl_triangles(response.content)
+    assert assert_watertight(corners) == pytest.approx(described["volume"], rel=1e-4)
+    assert size_of(corners) == pytest.approx((12, 46, 2), abs=1e-5)
+
+
+def test_a_3mf_package_holds_the_same_solid(api: Api) -> None:
+    content = api.post(PARTS, COUPON, headers={"Accept": "model/3mf"}).content
+    assert content == api.post(PARTS, COUPON, headers={"Accept": "model/3mf"}).content, "equal requests have equal files"
+    package = zipfile.ZipFile(io.BytesIO(content))
+    assert package.testzip() is None
+    assert set(package.namelist()) == {"[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"}
+    model = ElementTree.fromstring(package.read("3D/3dmodel.model"))
+    assert model.get("unit") == "millimeter"
+    points = np.asarray([[float(v.get(k)) for k in "xyz"] for v in model.iter(f"{CORE}vertex")])
+    triangles = np.asarray([[int(t.get(k)) for k in ("v1", "v2", "v3")] for t in model.iter(f"{CORE}triangle")])
+    edges = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in triangles for k in range(3))
+    assert all(uses == 1 and edges[(b, a)] == 1 for (a, b), uses in edges.items()), "watertight by its indices"
+    stl = api.post(PARTS, COUPON, headers={"Accept": "model/stl"}).content
+    assert assert_watertight(points[triangles]) == pytest.approx(assert_watertight(stl_triangles(stl)), rel=1e-5)
+
+
+def test_drawings_are_true_to_scale(api: Api) -> None:
+    svg = api.post(PARTS, COUPON, headers={"Accept": "image/svg+xml"}).text
+    assert 'width="12mm" height="46mm"' in svg and "<title>Supple part, 12 x 46 x 2 mm</title>" in svg
+    assert api.ok(PARTS, {**COUPON, "svg": True})["svg"] == svg
+    dxf = api.post(PARTS, COUPON, headers={"Accept": "image/vnd.dxf"}).text
+    lines = [line.strip() for line in dxf.splitlines()]
+    assert lines[:2] == ["999", "Supple part, 12 x 46 x 2 mm"] and lines.count("LWPOLYLINE") > 10
+
+
+def test_a_sole_of_three_regions_is_one_piece(api: Api) -> None:
+    """The thesis's shoe (figure 4.1): heel, midfoot and forefoot with structures of their own, seams closed."""
+    angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    sole = [[float(40 + 30 * np.cos(a) * (1 + 0.25 * np.sin(a))), float(110 + 105 * np.sin(a))] for a in angle]
+    band = lambda y0, y1: [[0, y0], [90, y0], [90, y1], [0, y1]]  # noqa: E731
+    request = {"outline": {"polygons": [sole]}, "structure": {"family": "IH50"}, "beam_width": 0.8, "frame": 1.2, "thickness": 8,
+               "regions": [{"name": "heel", "outline": band(0, 75), "structure": {"family": "IH29"}, "beam_width": 0.9},
+                           {"name": "forefoot", "outline": band(140, 220), "structure": IH21, "beam_width": 0.7, "orientation": 0.4}]}
+    answer = api.ok(PARTS, request)
+    assert answer["checks"]["pieces"] == 1 and answer["checks"]["crumb_area"] < 0.01 * answer["solid_area"]
+    assert answer["size"][1] == pytest.approx(210, abs=0.5) and answer["size"][2] == 8
+    corners = stl_triangles(api.post(PARTS, request, headers={"Accept": "model/stl"}).content)
+    assert assert_watertight(corners) == pytest.approx(answer["volume"], rel=1e-4)
+    ran = {effect["name"]: effect["ran"] for effect in answer["effects"]}
+    assert ran["frame"] and ran["seam"] and ran["trimming"]
+    bare = api.ok(PARTS, {**request, "seam": 0, "frame": 0, "smallest_wall": 0})
+    assert not any(effect["ran"] for effect in bare["effects"])
+
+
+def test_whole_tiles_stay_within_the_outline(api: Api) -> None:
+    request = {"outline": {"rectangle": [20, 20]}, "structure": IH21}
+    clipped, whole = api.ok(PARTS, request), api.ok(PARTS, {**request, "rim": "whole"})
+    assert clipped["size"][:2] == pytest.approx([20, 20])
+    assert max(whole["size"][:2]) < 20 and whole["solid_area"] < clipped["solid_area"]
+
+
+@pytest.mark.parametrize("change, place", [
+    ({"outline": {"polygons": [[[0, 0], [10, 10], [10, 0], [0, 10]]]}}, "/outline/polygons/0"),
+    ({"outline": {"rectangle": [1900, 1900]}}, "/beam_width"),
+    ({"smallest_wall": 0.5}, "/smallest_wall"),
+    ({"outline": {"rectangle": [1, 1]}, "rim": "whole"}, "/outline"),
+    ({"regions": [{"outline": [[0, 0], [1, 0], [2, 0]], "structure": IH21}]}, "/regions/0/outline"),
+    ({"structure": {"family": "IH99"}}, "/structure/family"),
+    ({"structure": {"family": "IH21", "parameters": [9, 9]}}, "/structure/parameters/0"),
+])
+def test_what_no_part_has_is_named(api: Api, change: Dict[str, Any], place: str) -> None:
+    answer = api.post(PARTS, {**COUPON, **change})
+    assert answer.status_code in (404, 422) and place in pointers(answer), answer.text
+
+
+@pytest.mark.parametrize("change, place", [
+    ({"outline": {}}, "/outline"),
+    ({"outline": {"rectangle": [1, 1], "coupon": {"width": 1, "length": 1}}}, "/outline"),
+    ({"outline": {"rectangle": [0, 1]}}, "/outline/rectangle/0"),
+    ({"outline": {"polygons": [[[0, 0], [1, 1]]]}}, "/outline/polygons/0"),
+    ({"outline": {"block": {"width": 3}}}, "/outline/block/height"),
+    ({"beam_width": 0}, "/beam_width"),
+    ({"thickness": -1}, "/thickness"),
+    ({"rim": "ragged"}, "/rim"),
+    ({"material": {"density": 0}}, "/material/density"),
+    ({"regions": [{"structure": IH21}]}, "/regions/0/outline"),
+    ({"grips": 3}, "/grips"),
+])
+def test_requests_that_the_schema_forbids_are_refused(api: Api, change: Dict[str, Any], place: str) -> None:
+    answer = api.post(PARTS, {**COUPON, **change}, faulty=True)
+    assert problem_code(answer) == "request.invalid" and pointers(answer) == [place], answer.text

@@ -1,0 +1,257 @@
+#include "supple/tiling/part.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+
+#include "designs.h"
+#include "polygon.h"
+#include "supple/base/error.h"
+#include "support/expect_error.h"
+
+namespace supple::tiling {
+namespace {
+
+using supple::testing::expect_error;
+using supple::testing::places;
+using testing::preset_structure;
+
+Polygon box(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
+
+PartDesign plate(const char* name, double width, double height) {
+  PartDesign design;
+  design.outline = {box(0, 0, width, height)};
+  design.filling.structure = preset_structure(name);
+  return design;
+}
+
+double area_of(const std::vector<SolidFace>& faces) {
+  double sum = 0;
+  for (const auto& face : faces) {
+    for (const Polygon& polygon : face) sum += area(polygon);
+  }
+  return sum;
+}
+
+bool is_inside(const Part& part, const Eigen::Vector2d& point) {
+  int winding = 0;
+  for (const auto& face : part.faces) {
+    for (const Polygon& polygon : face) winding += winding_number(polygon, point);
+  }
+  return winding > 0;
+}
+
+using StlVertex = std::array<float, 3>;
+
+/// Every edge of the surface is one of exactly two triangles, in opposite directions; returns the enclosed volume.
+double volume_of_closed_stl(const std::string& stl) {
+  std::uint32_t count = 0;
+  std::memcpy(&count, stl.data() + 80, sizeof count);
+  EXPECT_EQ(stl.size(), 84 + 50 * static_cast<std::size_t>(count));
+  std::map<std::pair<StlVertex, StlVertex>, int> edges;
+  double volume = 0;
+  for (std::uint32_t t = 0; t < count; ++t) {
+    std::array<StlVertex, 3> corners;
+    std::memcpy(corners.data(), stl.data() + 84 + 50 * static_cast<std::size_t>(t) + 12, sizeof corners);
+    for (std::size_t k = 0; k < 3; ++k) ++edges[{corners[k], corners[(k + 1) % 3]}];
+    const auto vector = [](const StlVertex& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+    volume += vector(corners[0]).dot(vector(corners[1]).cross(vector(corners[2]))) / 6;
+  }
+  for (const auto& [edge, uses] : edges) {
+    const auto opposite = edges.find({edge.second, edge.first});
+    if (uses != 1 || opposite == edges.end() || opposite->second != 1) {
+      ADD_FAILURE() << "the surface is not a closed manifold";
+      break;
+    }
+  }
+  return volume;
+}
+
+class PartsOfEveryFamily : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(PartsOfEveryFamily, AreOnePieceOfTheSizeAskedFor) {
+  PartDesign design = plate(GetParam(), 20, 12);
+  design.frame = 0.6;
+  design.thickness = 2;
+  const Part part = make_part(design);
+  ASSERT_EQ(part.faces.size(), 1U);
+  EXPECT_NEAR((part.lower - Eigen::Vector2d(0, 0)).norm(), 0, 1e-9);
+  EXPECT_NEAR((part.upper - Eigen::Vector2d(20, 12)).norm(), 0, 1e-9);
+  EXPECT_NEAR(part.outline_area, 240, 1e-6);
+  EXPECT_NEAR(area_of(part.faces), part.solid_area, 1e-9);
+  EXPECT_NEAR(volume_of_closed_stl(part_stl(part)), 2 * part.solid_area, 1e-3 * part.solid_area);
+  EXPECT_EQ(size_words(part), "20 x 12 x 2 mm");
+  // Inside of the frame the density is the structure's, but for the cut cells.
+  const auto& structure = design.filling.structure;
+  const double inner = 18.8 * 10.8;
+  const double density = (part.solid_area - (240 - inner)) / inner;
+  EXPECT_NEAR(density, structure.solid_area / structure.cell_area, 0.12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tilings, PartsOfEveryFamily,
+                         ::testing::Values("IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67"));
+
+TEST(Part, HoldsTheStructureWhereItHasNoFrame) {
+  const PartDesign design = plate("IH21", 30, 30);
+  const Part part = make_part(design);
+  const auto& structure = design.filling.structure;
+  EXPECT_NEAR(part.solid_area / 900, structure.solid_area / structure.cell_area, 0.02);
+  EXPECT_LE(part.trimmed_area, 0.5);
+  volume_of_closed_stl(part_stl(part));
+}
+
+TEST(Part, ScalesWithTheWidthOfItsBeams) {
+  PartDesign small = plate("IH67", 10, 8), large = plate("IH67", 30, 24);
+  large.filling.beam_width = 0.9;
+  large.smallest_wall = 0.6;
+  EXPECT_NEAR(make_part(large).solid_area, 9 * make_part(small).solid_area, 1e-3 * make_part(large).solid_area);
+}
+
+TEST(Part, TurnsItsTiling) {
+  PartDesign design = plate("IH22", 16, 16);
+  design.filling.orientation = std::acos(-1.0);
+  const Part turned = make_part(design);
+  design.filling.orientation = 0;
+  const Part straight = make_part(design);
+  // Half a turn about the middle maps the square onto itself.
+  EXPECT_NEAR(turned.solid_area, straight.solid_area, 1e-6);
+  for (const auto& polygon : turned.faces[0]) {
+    const Eigen::Vector2d middle = (polygon[0] + polygon[1]) / 2;
+    const Eigen::Vector2d normal =
+        Eigen::Vector2d(polygon[0].y() - polygon[1].y(), polygon[1].x() - polygon[0].x()).normalized();
+    if ((polygon[1] - polygon[0]).norm() < 0.05) continue;
+    EXPECT_TRUE(is_inside(straight, Eigen::Vector2d(16, 16) - (middle + 1e-4 * normal)));
+  }
+  design.filling.orientation = 0.7;
+  EXPECT_GT(std::abs(make_part(design).solid_area - straight.solid_area), 1e-3);
+}
+
+TEST(Part, KeepsWholeTilesWhereAsked) {
+  PartDesign design = plate("IH21", 20, 20);
+  design.rim = Rim::whole;
+  const Part part = make_part(design);
+  EXPECT_GE(part.lower.minCoeff(), -1e-9);
+  EXPECT_LE(part.upper.maxCoeff(), 20 + 1e-9);
+  EXPECT_LT((part.upper - part.lower).maxCoeff(), 20 - 1e-3) << "no tile ends where the outline runs";
+  // No beam is cut: every corner of the solid's outline is one of a beam's, none lies on the outline.
+  for (const auto& p : part.faces[0][0]) EXPECT_GT(std::min({p.x(), p.y(), 20 - p.x(), 20 - p.y()}), 1e-6);
+  volume_of_closed_stl(part_stl(part));
+}
+
+TEST(Part, HasSolidGripsAndPlates) {
+  PartDesign design = plate("IH50", 1, 1);
+  const PartShape shape = tensile_coupon(12, 24, 8);
+  design.outline = shape.outline;
+  design.solids = shape.solids;
+  const Part part = make_part(design);
+  for (const double y : {0.5, 4.0, 7.9, 32.1, 39.5}) {
+    for (const double x : {0.3, 6.0, 11.7}) EXPECT_TRUE(is_inside(part, {x, y}));
+  }
+  EXPECT_GT(part.solid_area, 192);
+  EXPECT_LT(part.solid_area, 400);
+}
+
+TEST(Part, ShapesHaveTheSizesAskedFor) {
+  const PartShape coupon = tensile_coupon(10, 60, 15), block = compression_block(30, 20, 2);
+  EXPECT_EQ(coupon.outline[0][2], Eigen::Vector2d(10, 90)) << "the gauge length lies between the grips";
+  EXPECT_EQ(coupon.solids.size(), 2U);
+  EXPECT_NEAR(area(coupon.solids[0]) + area(coupon.solids[1]), 300, 1e-12);
+  EXPECT_EQ(block.outline[0][2], Eigen::Vector2d(30, 24)) << "the structure's height lies between the plates";
+  EXPECT_NEAR(area(block.solids[0]) + area(block.solids[1]), 120, 1e-12);
+  EXPECT_TRUE(compression_block(30, 20, 0).solids.empty());
+}
+
+TEST(Part, FillsRegionsEachWithItsOwnAndClosesTheSeams) {
+  PartDesign design = plate("IH21", 30, 20);
+  design.regions.push_back({box(-5, -5, 10, 25), {preset_structure("IH50"), 0.3, 0}});
+  design.regions.push_back({box(8, -5, 18, 25), {preset_structure("IH29"), 0.4, 0.3}});
+  design.seam = 0.5;
+  design.frame = 0.5;
+  const Part part = make_part(design);
+  ASSERT_EQ(part.faces.size(), 1U);
+  EXPECT_EQ(part.crumbs, 0U);
+  for (const double x : {8.0, 18.0}) {
+    for (double y = 0.1; y < 20; y += 0.7) {
+      EXPECT_TRUE(is_inside(part, {x - 0.2, y}) && is_inside(part, {x + 0.2, y})) << "the seam at " << x << ", " << y;
+    }
+  }
+  volume_of_closed_stl(part_stl(part));
+}
+
+TEST(Part, HasTheHolesOfItsOutline) {
+  PartDesign design = plate("IH67", 24, 24);
+  design.outline.push_back(box(8, 8, 16, 16));
+  design.frame = 1;
+  const Part part = make_part(design);
+  EXPECT_NEAR(part.outline_area, 576 - 64, 1e-6);
+  EXPECT_FALSE(is_inside(part, {12, 12}));
+  EXPECT_TRUE(is_inside(part, {12, 7.5})) << "the frame runs around the hole";
+}
+
+TEST(Part, LeavesOutNarrowWallsAndCrumbs) {
+  // The outline cuts a sliver of a tenth of a millimetre off the beams.
+  PartDesign design = plate("IH22", 17.3, 13.1);
+  design.smallest_wall = 0.3;
+  const Part part = make_part(design);
+  EXPECT_GT(part.trimmed_area, 0);
+  // Wherever the solid is, a disk of nearly the smallest wall fits within a quarter of it.
+  design.smallest_wall = 0;
+  const Part raw = make_part(design);
+  EXPECT_EQ(raw.trimmed_area, 0);
+  EXPECT_GE(raw.solid_area + raw.crumb_area, part.solid_area + part.crumb_area);
+}
+
+TEST(Part, IsWrittenInEveryFormatWithItsSize) {
+  PartDesign design = plate("IH21", 15, 10);
+  design.thickness = 1.5;
+  const Part part = make_part(design);
+  const std::string words = "15 x 10 x 1.5 mm";
+  const std::string svg = part_svg(part), dxf = part_dxf(part), stl = part_stl(part), package = part_3mf(part);
+  EXPECT_NE(svg.find("<title>Supple part, " + words + "</title>"), std::string::npos);
+  EXPECT_NE(svg.find("width=\"15mm\" height=\"10mm\""), std::string::npos);
+  EXPECT_NE(dxf.find("Supple part, " + words), std::string::npos);
+  EXPECT_EQ(stl.substr(0, 29), "Supple part, 15 x 10 x 1.5 mm");
+  EXPECT_EQ(package.substr(0, 2), "PK");
+  EXPECT_NE(package.find("3D/3dmodel.model"), std::string::npos);
+  EXPECT_EQ(part_3mf(part), package) << "the same bytes again";
+}
+
+TEST(Part, NamesWhatIsWrongWithIt) {
+  const auto refused = [](auto change) {
+    PartDesign design = plate("IH21", 10, 10);
+    change(design);
+    const Error error = expect_error("tiling.part", [&] { make_part(design); });
+    return places(error);
+  };
+  using Places = std::set<std::string>;
+  const auto found = [](const auto& list) { return Places(list.begin(), list.end()); };
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.outline.clear(); })), Places{"outline"});
+  EXPECT_EQ(found(refused([](PartDesign& d) {
+              d.outline[0] = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
+            })),
+            Places{"outline/0"});
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.outline[0].resize(2); })), Places{"outline/0"});
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.outline[0][1].x() = 3000; })), Places{"outline/0"});
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.frame = -1; })), Places{"frame"});
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.smallest_wall = 0.4; })), Places{"smallest_wall"});
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.thickness = 0; })), Places{"thickness"});
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.outline[0] = box(0, 0, 1500, 1500); })), Places{"beam_width"});
+  EXPECT_EQ(found(refused([](PartDesign& d) {
+              d.regions.push_back({{{0, 0}, {1, 0}}, d.filling});
+              d.regions.back().filling.beam_width = 0;
+            })),
+            (Places{"regions/0/outline", "regions/0/beam_width", "smallest_wall"}));
+  EXPECT_EQ(found(refused([](PartDesign& d) {
+              d.outline[0] = box(0, 0, 1, 1);
+              d.rim = Rim::whole;
+            })),
+            Places{"outline"});
+}
+
+}  // namespace
+}  // namespace supple::tiling
