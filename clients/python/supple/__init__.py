@@ -43,6 +43,7 @@ from .answers import (
     MeshRepair,
     Path,
 )
+from .checks import LikelyDegrees
 from .client import Client
 from .design_answers import (
     Design,
@@ -178,6 +179,7 @@ __all__ = [
     "KarcherStep",
     "LaidStrand",
     "KeyReadableByOthers",
+    "LikelyDegrees",
     "Load",
     "Membrane",
     "Mesh",

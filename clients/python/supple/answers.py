@@ -11,9 +11,9 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ._arrays import Array as Array
 from .points import SurfacePoint, point_from_wire
 
-Array = NDArray[np.float64]
 Vector3 = Tuple[float, float, float]
 
 

@@ -8,6 +8,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from . import checks
 from .design_answers import (
     DesignResult,
     ProfileCurve,
@@ -49,10 +50,20 @@ class Target:
     samples: Optional[int] = None
     weight: Optional[float] = None
 
+    def __post_init__(self) -> None:
+        checks.one_of(self.task, "task", checks.TASKS)
+        points = checks.control_points(self.control_points, self.task, self.direction)
+        if self.direction is not None:
+            checks.radians(self.direction, "direction")
+        if self.strain is not None:
+            checks.number(self.strain, "strain")
+        checks.one_of(self.strain_measure, "strain_measure", ("green", "engineering"))
+        checks.one_of(self.interpolation, "interpolation", ("cubic", "monotone", "linear"))
+        checks.one_for_each(self.weights, "weights", len(points))
+        checks.one_for_each(self.bands, "bands", len(points))
+
     def to_wire(self) -> Dict[str, Any]:
         points = np.asarray(self.control_points, dtype=np.float64)
-        if points.ndim != 2 or points.shape[1] != 2:
-            raise ValueError(f"control_points have the shape {points.shape}; expected (n, 2)")
         spline = {
             "control_points": points.tolist(),
             "interpolation": self.interpolation,
@@ -210,6 +221,7 @@ def profile(
     equilibrium_tolerance: Optional[float],
     deadline: Optional[float],
 ) -> Computation[ProfileCurve]:
+    checks.one_of(task, "task", checks.TASKS)
     document = {
         "task": task,
         "parameters": _numbers(parameters),
@@ -217,8 +229,8 @@ def profile(
             {
                 "family": family,
                 "model": model,
-                "direction": direction,
-                "strain": strain,
+                "direction": None if direction is None else checks.radians(direction, "direction"),
+                "strain": None if strain is None else checks.number(strain, "strain"),
                 "strain_measure": strain_measure,
                 "x": _numbers(x),
                 "range": _numbers(limits),

@@ -8,6 +8,8 @@ from typing import Any, Dict, Optional, Sequence, Tuple, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import one_of, radians
+
 
 @dataclass(frozen=True)
 class GreenStrain:
@@ -33,6 +35,10 @@ class Uniaxial:
     stretches: Sequence[float]
     frame: Optional[str] = None
 
+    def __post_init__(self) -> None:
+        radians(self.direction, "direction")
+        one_of(self.frame, "frame", ("space", "material"))
+
     def to_wire(self) -> Dict[str, Any]:
         load: Dict[str, Any] = {"direction": float(self.direction), "stretches": [float(s) for s in self.stretches]}
         if self.frame is not None:
@@ -46,6 +52,9 @@ class Biaxial:
 
     direction: float
     stretches: Sequence[Tuple[float, float]]
+
+    def __post_init__(self) -> None:
+        radians(self.direction, "direction")
 
     def to_wire(self) -> Dict[str, Any]:
         pairs = [[float(along), float(across)] for along, across in self.stretches]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .answers import Array, Cost, cost_from_wire
+from .checks import radians
 from .jobs import Computation, Job, Progress, run, submit
 from .transport import Transport
 
@@ -377,7 +378,7 @@ def uniaxial(
     accuracy = {"tolerance": tolerance, "max_iterations": max_iterations}
     document: Dict[str, Any] = {
         "parameters": [float(parameter) for parameter in parameters],
-        "direction": float(direction),
+        "direction": radians(direction, "direction"),
         **load,
         "accuracy": {name: value for name, value in accuracy.items() if value is not None},
     }

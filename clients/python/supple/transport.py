@@ -6,6 +6,7 @@ import json
 import time
 from typing import Any, Callable, Dict, Mapping, Optional
 
+import numpy as np
 import requests
 
 from .errors import ConnectionFailed, RequestTimeout, problem_from
@@ -68,7 +69,7 @@ class Transport:
         """
         sent = dict(headers or {})
         if document is not None:
-            body = json.dumps(document, allow_nan=False).encode()
+            body = json.dumps(document, allow_nan=False, default=_plain).encode()
             sent["Content-Type"] = "application/json"
         sent.setdefault("Accept", "application/json")
         attempts = 1 + (RETRIES if (method in IDEMPOTENT if repeatable is None else repeatable) else 0)
@@ -92,6 +93,13 @@ class Transport:
         if response.status_code >= 400:
             raise problem_from(response.status_code, _decoded(response))
         return Answer(response.status_code, response.headers, response.content)
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and arrays of numpy as JSON has them."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    raise TypeError(f"{value!r} cannot be sent to the server")
 
 
 def _decoded(response: requests.Response) -> Any:

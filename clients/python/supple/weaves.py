@@ -302,8 +302,8 @@ def homogenization(
     deadline: Optional[float],
 ) -> Computation[WeaveHomogenization]:
     wanted: Union[int, List[float], None]
-    if directions is None or isinstance(directions, int):
-        wanted = directions
+    if directions is None or isinstance(directions, (int, np.integer)):
+        wanted = None if directions is None else int(directions)
     else:
         wanted = [float(angle) for angle in np.atleast_1d(np.asarray(directions, dtype=np.float64))]
     document = request_document(

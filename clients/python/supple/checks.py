@@ -1,0 +1,78 @@
+"""What is checked before a request is sent, where a slip is likely and a message of the server would come too late."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any, Optional, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._arrays import Array
+
+TASKS = ("stress_strain", "stiffness", "poisson")
+WHOLE_TURN = 2 * math.pi
+
+
+class LikelyDegrees(UserWarning):
+    """An angle of more than a whole turn was given where radians are meant."""
+
+
+def radians(value: Any, name: str) -> float:
+    """An angle as a float. Raises `TypeError` where it is none; `LikelyDegrees` warns of one beyond a whole turn."""
+    angle = number(value, name, "an angle in radians")
+    if abs(angle) > WHOLE_TURN:
+        warnings.warn(
+            f"{name}={angle:g} is in radians, more than a whole turn; for {angle:g} degrees write math.radians({angle:g})",
+            LikelyDegrees,
+            stacklevel=4,
+        )
+    return angle
+
+
+def number(value: Any, name: str, what: str = "a number") -> float:
+    """One finite number as a float. Raises `TypeError` or `ValueError`."""
+    if isinstance(value, (bool, str)) or np.ndim(value) != 0:
+        shown = f"an array of shape {np.shape(value)}" if np.ndim(value) else repr(value)
+        raise TypeError(f"{name} is {what}, not {shown}")
+    found = float(value)
+    if not math.isfinite(found):
+        raise ValueError(f"{name} is {found}; expected {what}")
+    return found
+
+
+def one_of(value: Optional[str], name: str, allowed: Sequence[str]) -> None:
+    if value is not None and value not in allowed:
+        raise ValueError(f"{name} is {value!r}; expected one of {', '.join(map(repr, allowed))}")
+
+
+def control_points(points: ArrayLike, task: str, direction: Any) -> Array:
+    """The control points of a target, shape (n, 2). Raises `TypeError` where x and y came one after the other."""
+    array = np.asarray(points, dtype=np.float64)
+    if array.ndim == 1 and np.ndim(direction) == 1:
+        raise TypeError(
+            f"Target({task!r}, x, y) would take y for the direction of the load; control points are one array of (x, y): "
+            f"Target({task!r}, numpy.column_stack([x, y]))"
+        )
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ValueError(f"control_points have the shape {array.shape}; expected (n, 2)")
+    if not np.isfinite(array).all():
+        row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        raise ValueError(f"control point {row} is not finite: {array[row].tolist()}")
+    late = np.flatnonzero(np.diff(array[:, 0]) <= 0)
+    if len(late):
+        row = int(late[0]) + 1
+        raise ValueError(f"control point {row} has x = {array[row, 0]:g}, which is not beyond that before it, {array[row - 1, 0]:g}")
+    return array
+
+
+def one_for_each(values: Optional[ArrayLike], name: str, count: int) -> None:
+    """Raises `ValueError` unless there are as many numbers as control points, none of them negative."""
+    if values is None:
+        return
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (count,):
+        raise ValueError(f"{name} have the shape {array.shape}; expected ({count},), one for each control point")
+    if not (np.isfinite(array) & (array >= 0)).all():
+        raise ValueError(f"{name} are finite and not negative")
