@@ -92,6 +92,7 @@ from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, 
 from .network_answers import FollowedStop, HostState, PartialRelaxation, RelaxationStep, RelaxedNetwork
 from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
 from .points import PointLike, SurfacePoint, Vertex
+from .progress import Progress
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
 from .tilings import CellMesh, Family, Structure, Tile
 from .voronoi import RandomSites, Sites, VoronoiOptions
@@ -207,6 +208,7 @@ __all__ = [
     "PrintOptions",
     "PrintStatistics",
     "ProblemError",
+    "Progress",
     "ProfileCurve",
     "RandomSites",
     "Region",

@@ -46,6 +46,8 @@ class Client(WeaveCalls):
             (`KeyReadableByOthers` warns).
         timeout: seconds that a single request may take to be answered (`RequestTimeout`). Computations that take longer
             than a second are followed as jobs, so it need not be long for them.
+        progress: what calls without a `progress` of their own report to; True shows a bar for all that take longer than a
+            second, on a terminal or in a notebook.
 
     A client may be shared by threads as far as `requests.Session` may; one client for each thread is safe in any case.
     """
@@ -57,10 +59,11 @@ class Client(WeaveCalls):
         key: Optional[str] = None,
         key_file: Optional[Union[str, Path]] = None,
         timeout: float = 60.0,
+        progress: Optional[Progress] = None,
     ) -> None:
         if url is None:
             url = os.environ.get("SUPPLE_SERVER", DEFAULT_URL)
-        self._transport = Transport(url, timeout, key=find_key(key, key_file))
+        self._transport = Transport(url, timeout, key=find_key(key, key_file), progress=progress)
 
     def __enter__(self) -> "Client":
         return self

@@ -10,13 +10,12 @@ from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar, Uni
 from .design_answers import PartialDesign, PartialRound, partial_from_wire
 from .errors import RequestTimeout, SuppleError
 from .network_answers import PartialRelaxation, partial_relaxation_from_wire
+from .progress import Progress as Progress
+from .progress import Reporter
 from .transport import Answer, Transport
 from .voronoi_answers import PartialOptimization, partial_optimization_from_wire
 
 Result = TypeVar("Result")
-Progress = Callable[[float, str], None]
-"""Called as `progress(fraction, stage)`: the share of the work that is done, in [0, 1], and what runs now."""
-
 Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization]
 """What a job has found so far."""
 
@@ -123,16 +122,16 @@ class Job(Generic[Result]):
         """
         end = None if timeout is None else time.monotonic() + timeout
         pause = FIRST_POLL
-        while True:
-            status = self.status()
-            if progress is not None:
-                progress(status.progress, status.stage)
-            if status.finished:
-                return status
-            if end is not None and time.monotonic() + pause > end:
-                raise RequestTimeout(f"job {self.id} is {status.state} after {timeout} s")
-            time.sleep(pause)
-            pause = min(2 * pause, LONGEST_POLL)
+        with Reporter(self._transport.progress if progress is None else progress) as report:
+            while True:
+                status = self.status()
+                report(status.progress, status.stage)
+                if status.finished:
+                    return status
+                if end is not None and time.monotonic() + pause > end:
+                    raise RequestTimeout(f"job {self.id} is {status.state} after {timeout} s")
+                time.sleep(pause)
+                pause = min(2 * pause, LONGEST_POLL)
 
     def result(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> Result:
         """Waits and returns the result. Raises what the computation failed with, as a `ProblemError`."""
@@ -166,7 +165,8 @@ def run(
         repeatable=True,
     )
     if answer.status != 202:
-        if progress is not None:
+        # An answer that came at once needs no bar.
+        if callable(progress):
             progress(1.0, "")
         return computation.decode(answer)
     job = Job(transport, _job_id(answer), computation.decode, computation.accept)

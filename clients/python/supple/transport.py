@@ -11,6 +11,7 @@ import requests
 
 from .errors import ConnectionFailed, RequestTimeout, problem_from
 from .keys import KeyHeader
+from .progress import Progress
 
 IDEMPOTENT = frozenset({"GET", "HEAD", "PUT", "DELETE"})
 RETRIES = 3
@@ -42,7 +43,16 @@ class Transport:
     content, and for a computation that is answered immediately.
     """
 
-    def __init__(self, url: str, timeout: float, *, key: str = "", sleep: Callable[[float], None] = time.sleep) -> None:
+    def __init__(
+        self,
+        url: str,
+        timeout: float,
+        *,
+        key: str = "",
+        progress: Optional[Progress] = None,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.progress = progress
         self.url = url.rstrip("/")
         self._timeout = timeout
         self._sleep = sleep
