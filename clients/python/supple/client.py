@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from . import designs, simulations, tilings
 from .answers import MeshInfo, mesh_info_from_wire, mesh_repair_from_wire
+from .conversion import arrays_of
 from .design_answers import DesignResult, ProfileCurve, RegionDesigns
 from .designs import DesignOptions, Region, Target
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
@@ -94,14 +95,16 @@ class Client(WeaveCalls):
 
     def upload(
         self,
-        mesh: Union[str, Path, bytes],
+        mesh: Any,
         *,
         repair: Sequence[str] = (),
         weld_tolerance: Optional[float] = None,
     ) -> Mesh:
-        """Uploads a mesh file (OBJ, OFF, PLY or STL), given by its path or its bytes.
+        """Uploads a mesh: a file (OBJ, OFF, PLY or STL), given by its path or its bytes, or a mesh of trimesh, meshio or
+        pyvista.
 
         Args:
+            mesh: str, Path or bytes; or what has triangles as trimesh.Trimesh, meshio.Mesh or pyvista.PolyData have them.
             repair: repairs to make: "weld" (joins near vertices), "drop_degenerate" (faces without area),
                 "drop_duplicates" (faces given again) and "split_non_manifold" (cuts the surface apart where more than two
                 faces meet in an edge, or several fans in a vertex). `Mesh.repair` says what they have changed and where each
@@ -112,6 +115,11 @@ class Client(WeaveCalls):
         Uploading the same content twice gives the same mesh. Raises `InvalidMesh`, whose `faults` name the elements, also
         where faults are left after the repairs.
         """
+        if not isinstance(mesh, (str, Path, bytes)):
+            arrays = arrays_of(mesh)
+            if arrays is None:
+                raise TypeError(f"{type(mesh).__name__} is neither a file nor a mesh of trimesh, meshio or pyvista")
+            return self.upload_arrays(*arrays, repair=repair, weld_tolerance=weld_tolerance)
         content = mesh if isinstance(mesh, bytes) else Path(mesh).read_bytes()
         path = "/v1/meshes"
         query: Dict[str, str] = {}

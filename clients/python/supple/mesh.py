@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import List, Mapping, Optional, Sequence, Tuple
+from typing import Any, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from . import computations, networks, voronoi
+from . import computations, conversion, networks, voronoi
 from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo, MeshRepair
 from .hosts import Host
 from .jobs import Job, Progress, run, submit
+from .nearest import nearest_points
 from .network_answers import RelaxedNetwork
 from .networks import Membrane, NetworkPoints, NetworkSprings, RelaxationOptions
-from .points import PointLike
+from .points import PointLike, SurfacePoint
 from .transport import Transport
 from .voronoi import Sites, VoronoiOptions
 from .voronoi_answers import OptimizedVoronoi, VoronoiDiagram
@@ -39,6 +40,7 @@ class Mesh:
         self._transport = transport
         self.info = info
         self.repair = repair
+        self._arrays: Optional[Tuple[Array, NDArray[np.int32]]] = None
 
     def __repr__(self) -> str:
         return f"Mesh({self.id[:12]}…, {self.info.vertices} vertices, {self.info.faces} faces)"
@@ -59,6 +61,35 @@ class Mesh:
         positions = np.frombuffer(answer.content[body:split], dtype=_VERTEX).reshape(-1, 3)
         faces = np.frombuffer(answer.content[split:], dtype=_FACE)["vertices"]
         return positions.astype(np.float64), faces.astype(np.int32)
+
+    def to_trimesh(self) -> Any:
+        """The mesh as a trimesh.Trimesh. Raises `ImportError` where trimesh is not installed."""
+        return conversion.to_trimesh(*self.arrays())
+
+    def to_meshio(self) -> Any:
+        """The mesh as a meshio.Mesh. Raises `ImportError` where meshio is not installed."""
+        return conversion.to_meshio(*self.arrays())
+
+    def to_pyvista(self) -> Any:
+        """The mesh as a pyvista.PolyData. Raises `ImportError` where pyvista is not installed."""
+        return conversion.to_pyvista(*self.arrays())
+
+    def nearest_point(self, position: ArrayLike) -> SurfacePoint:
+        """The point of the surface that is nearest, through space, to a position, shape (3,), mesh units."""
+        return self.nearest_points(np.asarray(position, dtype=np.float64).reshape(1, -1))[0][0]
+
+    def nearest_points(self, positions: ArrayLike) -> Tuple[List[SurfacePoint], Array, Array]:
+        """The points of the surface that are nearest, through space, to positions of shape (n, 3), mesh units.
+
+        Returns the points, their positions, shape (n, 3), and their distances, shape (n,), mesh units. The mesh is fetched
+        from the server once; each position is then compared with every face here, in O(n faces).
+        """
+        array = np.asarray(positions, dtype=np.float64)
+        if array.ndim != 2 or array.shape[1] != 3 or not np.isfinite(array).all():
+            raise ValueError(f"positions have the shape {array.shape}; expected finite numbers of shape (n, 3)")
+        if self._arrays is None:
+            self._arrays = self.arrays()
+        return nearest_points(array, *self._arrays)
 
     def geodesic(self, start: PointLike, end: PointLike, *, derivatives: int = 0, path: bool = False) -> Geodesic:
         """The shortest path between two points. See `geodesics` for what the options mean."""
