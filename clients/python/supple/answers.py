@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import Array as Array
+from .drawing import RED, Drawing, Line
 from .points import SurfacePoint, point_from_wire
+from .shown import Drawn, Shown
 
 Vector3 = Tuple[float, float, float]
 
 
-@dataclass(frozen=True)
-class Cost:
+@dataclass(frozen=True, repr=False)
+class Cost(Shown):
     """The bill of a computation.
 
     Attributes:
@@ -32,8 +34,8 @@ class Cost:
     quantities: Dict[str, float]
 
 
-@dataclass(frozen=True)
-class Effect:
+@dataclass(frozen=True, repr=False)
+class Effect(Shown):
     """An optional part of a computation: whether it ran, what decided, how often and for how many seconds it ran."""
 
     name: str
@@ -43,8 +45,8 @@ class Effect:
     seconds: float
 
 
-@dataclass(frozen=True)
-class MeshInfo:
+@dataclass(frozen=True, repr=False)
+class MeshInfo(Shown):
     """What the server found out about a mesh.
 
     Attributes:
@@ -83,8 +85,8 @@ class MeshInfo:
     warnings: Tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class MeshRepair:
+@dataclass(frozen=True, repr=False)
+class MeshRepair(Shown):
     """What the repairs that an upload asked for have changed.
 
     Attributes:
@@ -111,8 +113,8 @@ class MeshRepair:
     faces: NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Path:
+@dataclass(frozen=True, repr=False)
+class Path(Drawn):
     """A path on the surface, straight between neighbouring points.
 
     Attributes:
@@ -128,9 +130,13 @@ class Path:
     def length(self) -> float:
         return float(np.linalg.norm(np.diff(self.positions, axis=0), axis=1).sum())
 
+    def _drawing(self) -> Drawing:
+        ends = Line(self.positions[[0, -1]], color=RED, marks=True)
+        return Drawing("map", (Line(self.positions), ends), title=f"length {self.length():.6g}")
 
-@dataclass(frozen=True)
-class Gradient:
+
+@dataclass(frozen=True, repr=False)
+class Gradient(Shown):
     """First derivatives of a distance.
 
     Attributes:
@@ -144,16 +150,16 @@ class Gradient:
     tangent: Array
 
 
-@dataclass(frozen=True)
-class Hessian:
+@dataclass(frozen=True, repr=False)
+class Hessian(Shown):
     """Second derivatives, symmetric; variables as in `Gradient`. Shapes (6, 6), mesh units, and (4, 4), 1 / mesh unit."""
 
     barycentric: Array
     tangent: Array
 
 
-@dataclass(frozen=True)
-class Geodesic:
+@dataclass(frozen=True, repr=False)
+class Geodesic(Drawn):
     """A shortest path between two points.
 
     Attributes:
@@ -183,9 +189,12 @@ class Geodesic:
     frames: Optional[Array] = None
     path: Optional[Path] = None
 
+    def _drawing(self) -> Optional[Drawing]:
+        return None if self.path is None else self.path._drawing()
 
-@dataclass(frozen=True)
-class Field:
+
+@dataclass(frozen=True, repr=False)
+class Field(Shown):
     """Distances from a set of sources to every vertex.
 
     Attributes:
@@ -201,8 +210,8 @@ class Field:
     seconds: float
 
 
-@dataclass(frozen=True)
-class KarcherStep:
+@dataclass(frozen=True, repr=False)
+class KarcherStep(Shown):
     """One state of the iteration: objective (mesh units squared), norm of its gradient (mesh units), length moved to get
     there (mesh units) and what was added to the Hessian's diagonal (dimensionless)."""
 
@@ -212,8 +221,8 @@ class KarcherStep:
     regularization: float
 
 
-@dataclass(frozen=True)
-class KarcherMean:
+@dataclass(frozen=True, repr=False)
+class KarcherMean(Shown):
     """The point of least weighted mean squared geodesic distance: E = sum w_i g_i^2 / (2 sum w_i).
 
     Attributes:
@@ -244,8 +253,8 @@ class KarcherMean:
         return self.stopped in ("converged", "kink")
 
 
-@dataclass(frozen=True)
-class ExponentialMap:
+@dataclass(frozen=True, repr=False)
+class ExponentialMap(Drawn):
     """Where a straightest path ends.
 
     Attributes:
@@ -265,6 +274,9 @@ class ExponentialMap:
     reached_boundary: bool
     transport_angle: float
     trace: Optional[Path]
+
+    def _drawing(self) -> Optional[Drawing]:
+        return None if self.trace is None else self.trace._drawing()
 
 
 def _vector(values: List[float]) -> Vector3:

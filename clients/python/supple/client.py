@@ -85,6 +85,9 @@ class Client(WeaveCalls):
     def url(self) -> str:
         return self._transport.url
 
+    def __repr__(self) -> str:
+        return f"Client({self.url!r})"
+
     def ready(self) -> bool:
         """Whether a server answers there and accepts requests."""
         try:

@@ -6,19 +6,31 @@ whose lateral strain and shear are free. Stresses and stiffnesses are in MPa, an
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from .drawing import ORANGE, RED, Drawing, Line, curve
+from .shown import Drawn, Shown, short_text
 
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class DesignError:
+def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...]) -> Drawing:
+    """Curves of a profile with the axes that its task has. Poisson's ratios, which may be negative, lie over degrees."""
+    if over_strains:
+        return Drawing("curves", lines, (), "", "strain along the load", "stress / MPa")
+    if task == "stiffness":
+        return Drawing("polar", lines, title="stiffness / MPa over the direction of the load")
+    in_degrees = tuple(replace(line, points=line.points * [180 / np.pi, 1]) for line in lines)
+    return Drawing("curves", in_degrees, (), "", "direction of the load / degrees", "Poisson's ratio")
+
+
+@dataclass(frozen=True, repr=False)
+class DesignError(Shown):
     """How far profiles are from their targets.
 
     Attributes:
@@ -30,8 +42,8 @@ class DesignError:
     max: float
 
 
-@dataclass(frozen=True)
-class Verification:
+@dataclass(frozen=True, repr=False)
+class Verification(Shown):
     """A profile by simulation at native scale.
 
     Attributes:
@@ -54,8 +66,8 @@ class Verification:
     discretization_error: Optional[float]
 
 
-@dataclass(frozen=True)
-class PolishRound:
+@dataclass(frozen=True, repr=False)
+class PolishRound(Shown):
     """One structure that was simulated.
 
     Attributes:
@@ -75,8 +87,8 @@ class PolishRound:
     seconds: float
 
 
-@dataclass(frozen=True)
-class Polish:
+@dataclass(frozen=True, repr=False)
+class Polish(Shown):
     """What simulation says of a design and how it was corrected.
 
     Attributes:
@@ -90,8 +102,8 @@ class Polish:
     rounds: Tuple[PolishRound, ...]
 
 
-@dataclass(frozen=True)
-class DesignProfile:
+@dataclass(frozen=True, repr=False)
+class DesignProfile(Drawn):
     """A target and what designs do, at n samples.
 
     Attributes:
@@ -127,9 +139,18 @@ class DesignProfile:
     upper: Optional[Array]
     verified: Optional[Verification]
 
+    def _drawing(self) -> Drawing:
+        lines = [curve(self.x, self.target, color=ORANGE, label="target", width=4)]
+        lines.append(curve(self.x, self.achieved, label="achieved"))
+        over_strains = self.direction is not None
+        if self.verified is not None:
+            marks = over_strains
+            lines.append(curve(self.verified.x, self.verified.y, color=RED, label="simulated", marks=marks, dashed=not marks))
+        return profile_drawing(self.task, over_strains, tuple(lines))
 
-@dataclass(frozen=True)
-class DesignCandidate:
+
+@dataclass(frozen=True, repr=False)
+class DesignCandidate(Shown):
     """The best design of one family.
 
     Attributes:
@@ -148,8 +169,8 @@ class DesignCandidate:
     stopped: str
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Drawn):
     """A design that was found.
 
     Attributes:
@@ -187,8 +208,13 @@ class Design:
     ranking: Tuple[DesignCandidate, ...]
     structure: Dict[str, str]
 
+    def _drawing(self) -> Drawing:
+        off = 100 * self.error.relative_rms
+        title = f"{self.family} {short_text(self.parameters)}: {off:.2g} % from the target by the model"
+        return replace(self.profile._drawing(), title=title)
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class DesignResult(Design):
     """A design and what it took.
 
@@ -205,8 +231,8 @@ class DesignResult(Design):
     cost: Cost
 
 
-@dataclass(frozen=True)
-class RegionDesigns:
+@dataclass(frozen=True, repr=False)
+class RegionDesigns(Shown):
     """The designs of several regions, in their order, and what they took; the fields are those of `DesignResult`."""
 
     regions: Tuple[Design, ...]
@@ -217,8 +243,8 @@ class RegionDesigns:
     cost: Cost
 
 
-@dataclass(frozen=True)
-class PartialDesign:
+@dataclass(frozen=True, repr=False)
+class PartialDesign(Shown):
     """The best design so far of a job that runs.
 
     Attributes:
@@ -237,8 +263,8 @@ class PartialDesign:
     iteration: int
 
 
-@dataclass(frozen=True)
-class PartialRound:
+@dataclass(frozen=True, repr=False)
+class PartialRound(Shown):
     """The structure that a running job simulated last, of the family and model of its design.
 
     Attributes:
@@ -251,8 +277,8 @@ class PartialRound:
     round: PolishRound
 
 
-@dataclass(frozen=True)
-class ProfileCurve:
+@dataclass(frozen=True, repr=False)
+class ProfileCurve(Drawn):
     """The profile of given parameters.
 
     Attributes:
@@ -280,6 +306,11 @@ class ProfileCurve:
     residual: float
     effects: Tuple[Effect, ...]
     cost: Cost
+
+    def _drawing(self) -> Drawing:
+        title = f"{self.family} {short_text(self.parameters)}"
+        line = curve(self.x, self.y, label="neural model")
+        return replace(profile_drawing(self.task, self.direction is not None, (line,)), title=title)
 
 
 def _array(values: Any) -> Array:

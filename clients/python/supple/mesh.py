@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import computations, conversion, networks, voronoi
 from .answers import Array, ExponentialMap, Field, Geodesic, KarcherMean, MeshInfo, MeshRepair
+from .drawing import plot_surface
 from .hosts import Host
 from .jobs import Job, Progress, run, submit
 from .nearest import nearest_points
@@ -44,6 +45,9 @@ class Mesh:
 
     def __repr__(self) -> str:
         return f"Mesh({self.id[:12]}…, {self.info.vertices} vertices, {self.info.faces} faces)"
+
+    def _repr_html_(self) -> str:
+        return self.info._repr_html_()
 
     @property
     def id(self) -> str:
@@ -90,6 +94,13 @@ class Mesh:
         if self._arrays is None:
             self._arrays = self.arrays()
         return nearest_points(array, *self._arrays)
+
+    def plot(self, ax: Optional[Any] = None, *, values: Optional[ArrayLike] = None) -> Any:
+        """Draws the surface with matplotlib into the three-dimensional axes `ax`, or into new ones, and returns them.
+
+        `values`, shape (vertices,), such as `Field.distances`, colour it. Raises `ImportError` where matplotlib is missing.
+        """
+        return plot_surface(*self.arrays(), ax, values)
 
     def geodesic(self, start: PointLike, end: PointLike, *, derivatives: int = 0, path: bool = False) -> Geodesic:
         """The shortest path between two points. See `geodesics` for what the options mean."""

@@ -15,14 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from .answers import Array, Cost, cost_from_wire
 from .checks import radians
+from .drawing import Drawing, curve
 from .jobs import Computation, Job, Progress, run, submit
+from .shown import Drawn, Shown
 from .transport import Transport
 
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class ErrorStatistics:
+@dataclass(frozen=True, repr=False)
+class ErrorStatistics(Shown):
     """Relative errors |x - x*| / |x*| over samples, x* being what was simulated."""
 
     mean: float
@@ -31,8 +33,8 @@ class ErrorStatistics:
     percentile_99: float
 
 
-@dataclass(frozen=True)
-class SplitErrors:
+@dataclass(frozen=True, repr=False)
+class SplitErrors(Shown):
     """Errors on samples that training has not seen.
 
     Attributes:
@@ -47,8 +49,8 @@ class SplitErrors:
     samples: int
 
 
-@dataclass(frozen=True)
-class ModelInfo:
+@dataclass(frozen=True, repr=False)
+class ModelInfo(Shown):
     """What is known of a model.
 
     Attributes:
@@ -83,8 +85,8 @@ class ModelInfo:
     sha256: str
 
 
-@dataclass(frozen=True)
-class Evaluation:
+@dataclass(frozen=True, repr=False)
+class Evaluation(Shown):
     """What a model says about n strains.
 
     Attributes:
@@ -108,8 +110,8 @@ class Evaluation:
     cost: Cost
 
 
-@dataclass(frozen=True)
-class UniaxialCurve:
+@dataclass(frozen=True, repr=False)
+class UniaxialCurve(Drawn):
     """Equilibria of a model under a uniaxial load: n states along the direction d, lateral strain and shear free.
 
     Attributes:
@@ -147,6 +149,13 @@ class UniaxialCurve:
     def converged(self) -> bool:
         """Whether every state is an equilibrium within the tolerance."""
         return bool(self.state_converged.all())
+
+    def _drawing(self) -> Drawing:
+        c, s = np.cos(self.direction), np.sin(self.direction)
+        strain = self.green_strain @ [c * c, s * s, 2 * c * s]
+        title = f"uniaxial load along {np.degrees(self.direction):.4g} degrees"
+        line = curve(strain, self.directional_stress, label="neural model")
+        return Drawing("curves", (line,), (), title, "Green strain along the load", "stress along the load / MPa")
 
 
 class Model:

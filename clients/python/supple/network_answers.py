@@ -12,14 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .answers import Array, Cost, Effect, Path, cost_from_wire, effects_from_wire, path_from_wire
+from .drawing import RED, Drawing, Line, joined
 from .points import SurfacePoint, point_from_wire
+from .shown import Drawn, Shown
 
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class RelaxationStep:
+@dataclass(frozen=True, repr=False)
+class RelaxationStep(Shown):
     """One state of the iteration.
 
     Attributes:
@@ -35,8 +37,8 @@ class RelaxationStep:
     regularization: float
 
 
-@dataclass(frozen=True)
-class PartialRelaxation:
+@dataclass(frozen=True, repr=False)
+class PartialRelaxation(Shown):
     """A network on its way, while it is relaxed.
 
     Attributes:
@@ -54,8 +56,8 @@ class PartialRelaxation:
     vertices: Optional[Array] = None
 
 
-@dataclass(frozen=True)
-class FollowedStop:
+@dataclass(frozen=True, repr=False)
+class FollowedStop(Shown):
     """How a network followed a moving surface, or a network and its host moved vertices, to one of their positions.
 
     Attributes:
@@ -75,8 +77,8 @@ class FollowedStop:
     reached: float = 1.0
 
 
-@dataclass(frozen=True)
-class HostState:
+@dataclass(frozen=True, repr=False)
+class HostState(Shown):
     """A shell or a solid that gave way under a network, or a surface that moved.
 
     Attributes:
@@ -95,8 +97,8 @@ class HostState:
     stops: Optional[Tuple[FollowedStop, ...]]
 
 
-@dataclass(frozen=True)
-class RelaxedNetwork:
+@dataclass(frozen=True, repr=False)
+class RelaxedNetwork(Drawn):
     """A network of springs at rest on a surface: E = sum weight (length - rest_length)^2, plus the energies of a membrane and
     of a host that gives way, has a local minimum.
 
@@ -159,6 +161,12 @@ class RelaxedNetwork:
     def converged(self) -> bool:
         """Whether the network is in equilibrium within the tolerance."""
         return self.stopped == "converged"
+
+    def _drawing(self) -> Drawing:
+        ways = [path.positions for path in self.paths] if self.paths else [self.positions[ends] for ends in self.springs]
+        points = Line(self.positions, color=RED, marks=True)
+        title = f"{len(self.positions)} points, {len(self.springs)} springs, energy {self.energy:.6g}"
+        return Drawing("map", (Line(joined(ways)), points), title=title)
 
 
 def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:

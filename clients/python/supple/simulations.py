@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from .drawing import BLUE, GREY, RED, Area, Drawing, curve
 from .jobs import Computation
 from .loads import Load
+from .shown import Drawn, Shown, short_text
 from .tilings import structure_to_wire
 
 
-@dataclass(frozen=True)
-class PatchMesh:
+@dataclass(frozen=True, repr=False)
+class PatchMesh(Drawn):
     """The mesh of a patch at rest, cut open for drawing.
 
     Attributes:
@@ -34,18 +36,24 @@ class PatchMesh:
     points: Array
     triangles: NDArray[np.int32]
 
+    def _drawing(self) -> Drawing:
+        return _drawn_patch(self, self.points)
 
-@dataclass(frozen=True)
-class DeformedPatch:
+
+@dataclass(frozen=True, repr=False)
+class DeformedPatch(Drawn):
     """A deformed patch: its mesh at rest, and the deformed translations (2, 2) and points (n, 2), mm."""
 
     mesh: PatchMesh
     lattice: Array
     points: Array
 
+    def _drawing(self) -> Drawing:
+        return _drawn_patch(self.mesh, self.points)
 
-@dataclass(frozen=True)
-class State:
+
+@dataclass(frozen=True, repr=False)
+class State(Drawn):
     """One equilibrium.
 
     Attributes:
@@ -89,9 +97,12 @@ class State:
     def converged(self) -> bool:
         return self.stopped == "converged"
 
+    def _drawing(self) -> Optional[Drawing]:
+        return None if self.deformed is None else self.deformed._drawing()
 
-@dataclass(frozen=True)
-class Simulation:
+
+@dataclass(frozen=True, repr=False)
+class Simulation(Drawn):
     """The states of a structure along a load path.
 
     Attributes:
@@ -146,6 +157,22 @@ class Simulation:
     def deformation_gradient(self) -> Array:
         """Shape (n, 2, 2)."""
         return _array([state.deformation_gradient for state in self.states]).reshape(-1, 2, 2)
+
+    def _drawing(self) -> Optional[Drawing]:
+        if not self.states:
+            return None
+        names = ("xx", "yy", "xy")
+        loaded = int(np.argmax(np.abs(self.green_strain).max(axis=0)))
+        lines = tuple(
+            curve(self.green_strain[:, loaded], self.stress[:, i], label=f"S_{names[i]}", color=(BLUE, RED, GREY)[i])
+            for i in range(3)
+        )
+        title = f"{self.family} {short_text(self.parameters)}"
+        return Drawing("curves", lines, (), title, f"Green strain E_{names[loaded]}", "stress / MPa")
+
+
+def _drawn_patch(mesh: PatchMesh, points: Array) -> Drawing:
+    return Drawing("map", (), tuple(Area((points[corners],)) for corners in mesh.triangles[:, :3]), title="patch")
 
 
 def _array(values: Any) -> Array:

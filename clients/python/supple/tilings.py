@@ -11,14 +11,16 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from .answers import Array, Cost, cost_from_wire
+from .drawing import Area, Drawing
 from .jobs import Computation
+from .shown import Drawn, Shown, short_text
 from .transport import Answer
 
 FILE_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "stl": "model/stl"}
 
 
-@dataclass(frozen=True)
-class Family:
+@dataclass(frozen=True, repr=False)
+class Family(Shown):
     """A family of tilings.
 
     Attributes:
@@ -47,16 +49,16 @@ class Family:
     relative_density: float
 
 
-@dataclass(frozen=True)
-class Tile:
+@dataclass(frozen=True, repr=False)
+class Tile(Shown):
     """A tile where it lies in the cell: corners in order, counterclockwise, shape (n, 2), mm."""
 
     outline: Array
     holes: Tuple[Array, ...]
 
 
-@dataclass(frozen=True)
-class CellMesh:
+@dataclass(frozen=True, repr=False)
+class CellMesh(Shown):
     """Statistics of the mesh of one cell: quadratic triangles, sides in mm, angles in radians."""
 
     nodes: int
@@ -67,8 +69,8 @@ class CellMesh:
     relative_density: float
 
 
-@dataclass(frozen=True)
-class Structure:
+@dataclass(frozen=True, repr=False)
+class Structure(Drawn):
     """One periodic cell of a beam structure: its tiles minus their holes.
 
     Attributes:
@@ -92,6 +94,14 @@ class Structure:
     relative_density: float
     mesh: Optional[CellMesh]
     cost: Cost
+
+    def _drawing(self) -> Drawing:
+        shifts = [i * self.lattice[0] + j * self.lattice[1] for i in range(2) for j in range(2)]
+        areas = tuple(
+            Area(tuple(ring + shift for ring in (tile.outline, *tile.holes))) for shift in shifts for tile in self.tiles
+        )
+        title = f"{self.family} {short_text(self.parameters)}, {100 * self.relative_density:.3g} % solid, 2 x 2 cells"
+        return Drawing("map", (), areas, title)
 
 
 def _array(values: Any) -> Array:

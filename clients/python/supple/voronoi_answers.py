@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from .drawing import RED, Drawing, Line, joined
 from .points import SurfacePoint, point_from_wire
+from .shown import Drawn, Shown
 
 Indices = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Spread:
+@dataclass(frozen=True, repr=False)
+class Spread(Shown):
     """A quantity over all that have it: its mean, least and greatest value, and its standard deviation."""
 
     mean: float
@@ -27,8 +29,8 @@ class Spread:
     deviation: float
 
 
-@dataclass(frozen=True)
-class VoronoiStatistics:
+@dataclass(frozen=True, repr=False)
+class VoronoiStatistics(Shown):
     """What is asked about a diagram as a design.
 
     Attributes:
@@ -44,8 +46,8 @@ class VoronoiStatistics:
     vertex_distance: Spread
 
 
-@dataclass(frozen=True)
-class VoronoiCell:
+@dataclass(frozen=True, repr=False)
+class VoronoiCell(Shown):
     """The points of the surface that are nearer to one site than to any other.
 
     Attributes:
@@ -62,8 +64,8 @@ class VoronoiCell:
     neighbours: Tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class VoronoiVertex:
+@dataclass(frozen=True, repr=False)
+class VoronoiVertex(Shown):
     """A place where three or more cells meet.
 
     Attributes:
@@ -81,8 +83,8 @@ class VoronoiVertex:
     index: int
 
 
-@dataclass(frozen=True)
-class VoronoiEdge:
+@dataclass(frozen=True, repr=False)
+class VoronoiEdge(Shown):
     """A border of two cells.
 
     Attributes:
@@ -98,8 +100,8 @@ class VoronoiEdge:
     points: Indices
 
 
-@dataclass(frozen=True)
-class VoronoiPiece:
+@dataclass(frozen=True, repr=False)
+class VoronoiPiece(Shown):
     """The part of a cut face that belongs to one cell: `corners`, shape (n, 3), counterclockwise seen from outside."""
 
     site: int
@@ -107,8 +109,8 @@ class VoronoiPiece:
     corners: Array
 
 
-@dataclass(frozen=True)
-class VoronoiPieces:
+@dataclass(frozen=True, repr=False)
+class VoronoiPieces(Shown):
     """Which site every part of the surface belongs to.
 
     Attributes:
@@ -122,8 +124,8 @@ class VoronoiPieces:
     cut_faces: Tuple[VoronoiPiece, ...]
 
 
-@dataclass(frozen=True)
-class VoronoiDiagram:
+@dataclass(frozen=True, repr=False)
+class VoronoiDiagram(Drawn):
     """A geodesic Voronoi diagram.
 
     Attributes:
@@ -163,9 +165,14 @@ class VoronoiDiagram:
         """The closed borders of a cell as polylines in space, each of shape (points + 1, 3) with the first point repeated."""
         return tuple(self.positions[np.append(border, border[:1])] for border in self.cells[site].boundary)
 
+    def _drawing(self) -> Drawing:
+        borders = Line(joined([self.positions[edge.points] for edge in self.edges]))
+        sites = Line(self.site_positions, color=RED, marks=True)
+        return Drawing("map", (borders, sites), title=f"{len(self.cells)} cells, {len(self.vertices)} vertices")
 
-@dataclass(frozen=True)
-class OptimizationStep:
+
+@dataclass(frozen=True, repr=False)
+class OptimizationStep(Shown):
     """One state of the iteration.
 
     Attributes:
@@ -179,8 +186,8 @@ class OptimizationStep:
     step_length: float
 
 
-@dataclass(frozen=True)
-class OptimizedVoronoi:
+@dataclass(frozen=True, repr=False)
+class OptimizedVoronoi(Drawn):
     """Sites at a local minimum of the objectives, and their diagram.
 
     Attributes:
@@ -209,9 +216,12 @@ class OptimizedVoronoi:
         """Whether the gradient is below the tolerance."""
         return self.stopped == "converged"
 
+    def _drawing(self) -> Drawing:
+        return self.diagram._drawing()
 
-@dataclass(frozen=True)
-class PartialOptimization:
+
+@dataclass(frozen=True, repr=False)
+class PartialOptimization(Shown):
     """A diagram on its way, while it is optimized.
 
     Attributes:

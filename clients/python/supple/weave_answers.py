@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from .drawing import GREY, RED, Drawing, Line, curve, joined
+from .shown import Drawn, Shown
 
 
-@dataclass(frozen=True)
-class LaidStrand:
+@dataclass(frozen=True, repr=False)
+class LaidStrand(Shown):
     """A strand at rest: `polyline` has the shape (n, 2); `translation` is zero unless `ends` is "periodic"."""
 
     ends: str
@@ -22,8 +24,8 @@ class LaidStrand:
     polyline: Array
 
 
-@dataclass(frozen=True)
-class CrossingMember:
+@dataclass(frozen=True, repr=False)
+class CrossingMember(Shown):
     """A strand's part in a crossing: where on the strand, which of its copies, whether it slides, and how far (None for as
     far as its neighbours let it)."""
 
@@ -35,8 +37,8 @@ class CrossingMember:
     forward: Optional[float]
 
 
-@dataclass(frozen=True)
-class Crossing:
+@dataclass(frozen=True, repr=False)
+class Crossing(Shown):
     """Where strands meet: a position of shape (2,)."""
 
     position: Array
@@ -47,8 +49,8 @@ class Crossing:
         return any(member.slides for member in self.members)
 
 
-@dataclass(frozen=True)
-class WeaveLayout:
+@dataclass(frozen=True, repr=False)
+class WeaveLayout(Drawn):
     """A weave at rest.
 
     Attributes:
@@ -63,9 +65,17 @@ class WeaveLayout:
     warnings: Tuple[str, ...]
     cost: Cost
 
+    def _drawing(self) -> Drawing:
+        strands = Line(joined([strand.polyline for strand in self.strands], 2))
+        places = np.array([crossing.position for crossing in self.crossings]).reshape(-1, 2)
+        slides = np.array([crossing.slides for crossing in self.crossings], dtype=bool)
+        marks = [Line(places[~slides], color=GREY, label="fused", marks=True), Line(places[slides], color=RED, label="slides", marks=True)]
+        title = f"{len(self.strands)} strands, {len(self.crossings)} crossings"
+        return Drawing("map", (strands, *(mark for mark in marks if len(mark.points))), title=title)
 
-@dataclass(frozen=True)
-class DeformedCell:
+
+@dataclass(frozen=True, repr=False)
+class DeformedCell(Drawn):
     """A deformed cell: `direction` is an index, `lattice` has the translations as rows, `strands` are polylines of shape
     (n, 3), `sliding` tells how far each slider has moved."""
 
@@ -74,9 +84,12 @@ class DeformedCell:
     strands: Tuple[Array, ...]
     sliding: Array
 
+    def _drawing(self) -> Drawing:
+        return Drawing("map", (Line(joined(self.strands)),), title="deformed cell")
 
-@dataclass(frozen=True)
-class WeaveHomogenization:
+
+@dataclass(frozen=True, repr=False)
+class WeaveHomogenization(Drawn):
     """The response of a periodic weave to uniaxial strain, one entry for each direction.
 
     Attributes:
@@ -117,9 +130,13 @@ class WeaveHomogenization:
         """Whether every direction was followed to the strain."""
         return not self.message
 
+    def _drawing(self) -> Drawing:
+        title = f"Young's modulus / (N/m) at a strain of {self.strain:.4g}"
+        return Drawing("polar", (curve(self.directions, self.youngs_modulus),), title=title)
 
-@dataclass(frozen=True)
-class SheetState:
+
+@dataclass(frozen=True, repr=False)
+class SheetState(Drawn):
     """One equilibrium of a sheet.
 
     Attributes:
@@ -155,9 +172,15 @@ class SheetState:
     def converged(self) -> bool:
         return self.stopped == "converged"
 
+    def _drawing(self) -> Drawing:
+        title = f"{self.share:.3g} of the load, energy {self.energy:.4g} N mm"
+        if self.strands is None:
+            return Drawing("map", (Line(self.crossings, marks=True),), title=title)
+        return Drawing("map", (Line(joined(self.strands)),), title=title)
 
-@dataclass(frozen=True)
-class HeldPlace:
+
+@dataclass(frozen=True, repr=False)
+class HeldPlace(Shown):
     """A place that is held: which support of the request it belongs to, and where it is at rest, shape (2,)."""
 
     support: int
@@ -166,8 +189,8 @@ class HeldPlace:
     position: Array
 
 
-@dataclass(frozen=True)
-class WeaveSimulation:
+@dataclass(frozen=True, repr=False)
+class WeaveSimulation(Drawn):
     """The states of a sheet along a load path.
 
     Attributes:
@@ -197,6 +220,9 @@ class WeaveSimulation:
         """The sum of the reactions at a support of the request in every state, shape (states, 3), N."""
         places = [index for index, place in enumerate(self.supports) if place.support == support]
         return np.array([state.reactions[places].sum(axis=0) for state in self.states])
+
+    def _drawing(self) -> Optional[Drawing]:
+        return self.states[-1]._drawing() if self.states else None
 
 
 def _array(values: Any) -> Array:

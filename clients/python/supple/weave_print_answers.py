@@ -8,10 +8,12 @@ from typing import Any, Mapping, Optional, Tuple
 import numpy as np
 
 from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from .drawing import GREY, Drawing, Line, joined
+from .shown import Drawn, Shown
 
 
-@dataclass(frozen=True)
-class PrintMove:
+@dataclass(frozen=True, repr=False)
+class PrintMove(Shown):
     """A move of the nozzle: `kind` is "strand", "lifted", "channel", "support" or "travel"; `points` have the shape (n, 3);
     `strand` is None of supports and travels, `crossing` of all but channels."""
 
@@ -23,8 +25,8 @@ class PrintMove:
     crossing: Optional[int]
 
 
-@dataclass(frozen=True)
-class PrintStatistics:
+@dataclass(frozen=True, repr=False)
+class PrintStatistics(Shown):
     """What a toolpath amounts to. `heights` are those at which something is printed level; `lowest` and `highest`, shape
     (3,), are corners of the box of all that is printed."""
 
@@ -43,8 +45,8 @@ class PrintStatistics:
     highest: Array
 
 
-@dataclass(frozen=True)
-class Violation:
+@dataclass(frozen=True, repr=False)
+class Violation(Shown):
     """What is wrong in a line of G-code, from 1."""
 
     kind: str
@@ -52,8 +54,8 @@ class Violation:
     message: str
 
 
-@dataclass(frozen=True)
-class FoundChannel:
+@dataclass(frozen=True, repr=False)
+class FoundChannel(Shown):
     """A channel that was recognized: where it begins, its feet and apex, shape (3,), and its length."""
 
     line: int
@@ -63,8 +65,8 @@ class FoundChannel:
     length: float
 
 
-@dataclass(frozen=True)
-class GcodeReport:
+@dataclass(frozen=True, repr=False)
+class GcodeReport(Shown):
     """What G-code prints, and what is wrong with it.
 
     Attributes:
@@ -93,8 +95,8 @@ class GcodeReport:
         return self.violation_count == 0
 
 
-@dataclass(frozen=True)
-class WeaveToolpath:
+@dataclass(frozen=True, repr=False)
+class WeaveToolpath(Drawn):
     """How a weave is printed: `gcode`, `svg` and `moves` are None unless asked for; `check` is what an independent checker
     found in the G-code."""
 
@@ -105,6 +107,16 @@ class WeaveToolpath:
     check: GcodeReport
     effects: Tuple[Effect, ...]
     cost: Cost
+
+    def _drawing(self) -> Optional[Drawing]:
+        if self.moves is None:
+            return None
+        printed = Line(joined([move.points for move in self.moves if move.kind != "travel"]))
+        travels = Line(joined([move.points for move in self.moves if move.kind == "travel"]), color=GREY, width=0.6)
+        return Drawing("map", (travels, printed), title=f"about {self.statistics.minutes:.3g} minutes")
+
+    def _repr_svg_(self) -> Optional[str]:
+        return self.svg or super()._repr_svg_()
 
 
 def _array(values: Any) -> Array:

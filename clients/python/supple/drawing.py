@@ -1,0 +1,250 @@
+"""Pictures of results: what they consist of, as SVG for notebooks and for matplotlib where that is installed."""
+
+from __future__ import annotations
+
+import html
+import math
+from dataclasses import dataclass
+from typing import Any, List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from ._arrays import Array
+
+BLUE, ORANGE, RED, GREY, PALE, SOLID = "#1f4e9c", "#f3b562", "#c2362f", "#98a4ae", "#dbe3f0", "#b9c6d8"
+WIDTH, HEIGHT = 480.0, 360.0
+"""Of an SVG picture, pixels."""
+FLAT = 1e-6
+"""What lies within so small a share of its width is flat."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A polyline of shape (n, 2), or (n, 3) in space; its points are marked instead where `marks`. nan interrupts it."""
+
+    points: Array
+    color: str = BLUE
+    label: str = ""
+    width: float = 1.6
+    marks: bool = False
+    dashed: bool = False
+
+
+@dataclass(frozen=True)
+class Area:
+    """What lies between closed polylines of shape (n, 2): the first is the outline, the others are holes."""
+
+    rings: Tuple[Array, ...]
+    color: str = SOLID
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A picture.
+
+    Attributes:
+        kind: "curves" (axes with numbers), "polar" (x are angles of period pi, in radians) or "map" (equal scales and no
+            axes; what is in space is seen from a corner).
+        lines, areas: what it shows; areas lie below.
+        title: one line of text.
+        x_label, y_label: of curves.
+    """
+
+    kind: str
+    lines: Tuple[Line, ...]
+    areas: Tuple[Area, ...] = ()
+    title: str = ""
+    x_label: str = ""
+    y_label: str = ""
+
+    @property
+    def in_space(self) -> bool:
+        """Whether any line leaves a plane z = constant that all of them lie in; if none does, that is seen from above."""
+        points = [line.points for line in self.lines if line.points.shape[1] == 3]
+        every = np.vstack(points) if points else np.empty((0, 3))
+        every = every[np.isfinite(every).all(axis=1)]
+        return len(every) > 0 and bool(np.ptp(every[:, 2]) > FLAT * np.ptp(every, axis=0).max())
+
+
+def curve(x: Any, y: Any, **style: Any) -> Line:
+    """A line from two arrays of shape (n,)."""
+    return Line(np.column_stack([np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)]), **style)
+
+
+def _seen(points: Array) -> Array:
+    """Points of space as they are seen along (-1, -1, -1), with z upwards; points of the plane as they are."""
+    if points.shape[1] == 2:
+        return points
+    x, y, z = points.T
+    return np.column_stack([(y - x) / math.sqrt(2), (2 * z - x - y) / math.sqrt(6)])
+
+
+def _around(angles: Array, values: Array) -> Array:
+    """A curve over half a turn as a closed one over the whole turn, in the plane."""
+    order = np.argsort(angles)
+    turned = np.concatenate([angles[order], angles[order] + np.pi])
+    twice = np.abs(np.concatenate([values[order], values[order]]))
+    around = np.column_stack([twice * np.cos(turned), twice * np.sin(turned)])
+    return np.vstack([around, around[:1]])
+
+
+def _in_plane(drawing: Drawing) -> List[Array]:
+    """The lines as they lie on the paper, before they are scaled."""
+    if drawing.kind == "polar":
+        return [_around(line.points[:, 0], line.points[:, 1]) for line in drawing.lines]
+    return [_seen(line.points) if drawing.in_space else line.points[:, :2] for line in drawing.lines]
+
+
+def _box(points: Sequence[Array]) -> Tuple[Array, Array]:
+    every = np.vstack([*points, np.empty((0, 2))])
+    every = every[np.isfinite(every).all(axis=1)]
+    if len(every) == 0:
+        return np.zeros(2), np.ones(2)
+    low, high = every.min(axis=0), every.max(axis=0)
+    flat = high - low <= 1e-12 * np.maximum(np.abs(low), np.abs(high))
+    return np.where(flat, low - 0.5, low), np.where(flat, high + 0.5, high)
+
+
+def _ticks(low: float, high: float) -> List[float]:
+    """About five round numbers between both ends."""
+    raw = (high - low) / 5
+    power = 10.0 ** math.floor(math.log10(raw))
+    step = next(factor * power for factor in (1, 2, 5, 10) if raw <= factor * power * (1 + 1e-9))
+    return [i * step for i in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
+
+
+def _path(points: Array, closed: bool = False) -> str:
+    parts: List[str] = []
+    pen = "M"
+    for x, y in points:
+        if math.isfinite(x) and math.isfinite(y):
+            parts.append(f"{pen}{x:.1f} {y:.1f}")
+            pen = "L"
+        else:
+            pen = "M"
+    return "".join(parts) + ("Z" if closed and parts else "")
+
+
+def _text(x: float, y: float, text: str, anchor: str = "middle", color: str = "#22313f") -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="11" fill="{color}">{html.escape(text)}</text>'
+
+
+def to_svg(drawing: Drawing) -> str:
+    """The picture as an SVG document."""
+    lines = _in_plane(drawing)
+    rings = [ring for area in drawing.areas for ring in area.rings]
+    low, high = _box(lines + rings)
+    curves = drawing.kind == "curves"
+    left, right, top, bottom = (62.0, 14.0, 28.0, 52.0) if curves else (10.0, 10.0, 28.0, 24.0)
+    if curves:
+        pad = 0.04 * (high - low)
+        low, high = low - pad, high + pad
+    room = np.array([WIDTH - left - right, HEIGHT - top - bottom])
+    scale = room / (high - low)
+    if not curves:
+        scale = np.full(2, scale.min())
+    middle = np.array([left, top]) + room / 2
+
+    def place(points: Array) -> Array:
+        return np.asarray(middle + (points - (low + high) / 2) * scale * [1, -1], dtype=np.float64)
+
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:g}" height="{HEIGHT:g}" '
+           f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}" font-family="sans-serif">',
+           f'<rect width="{WIDTH:g}" height="{HEIGHT:g}" fill="#ffffff"/>', _text(WIDTH / 2, 16, drawing.title)]
+    if curves:
+        for tick in _ticks(low[0], high[0]):
+            x = float(place(np.array([[tick, low[1]]]))[0, 0])
+            out.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{top:g}" y2="{HEIGHT - bottom:g}" stroke="#e3e8ec"/>')
+            out.append(_text(x, HEIGHT - bottom + 14, f"{tick:.6g}"))
+        for tick in _ticks(low[1], high[1]):
+            y = float(place(np.array([[low[0], tick]]))[0, 1])
+            out.append(f'<line x1="{left:g}" x2="{WIDTH - right:g}" y1="{y:.1f}" y2="{y:.1f}" stroke="#e3e8ec"/>')
+            out.append(_text(left - 5, y + 4, f"{tick:.6g}", "end"))
+        out.append(_text(WIDTH / 2, HEIGHT - 20, drawing.x_label))
+        out.append(_text(4, 24, drawing.y_label, "start"))
+    for area in drawing.areas:
+        path = "".join(_path(place(ring), closed=True) for ring in area.rings)
+        out.append(f'<path d="{path}" fill="{area.color}" fill-rule="evenodd"/>')
+    for line, points in zip(drawing.lines, lines):
+        placed = place(points)
+        if line.marks:
+            for x, y in placed[np.isfinite(placed).all(axis=1)]:
+                out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.6" fill="{line.color}"/>')
+        else:
+            dashes = ' stroke-dasharray="5 3"' if line.dashed else ""
+            out.append(f'<path d="{_path(placed)}" fill="none" stroke="{line.color}" stroke-width="{line.width:g}"{dashes}/>')
+    x = left
+    for line in drawing.lines:
+        if line.label:
+            out.append(_text(x, HEIGHT - 2, f"\u25cf {line.label}", "start", line.color))
+            x += 22 + 6.5 * len(line.label)
+    return "\n".join([*out, "</svg>"])
+
+
+def _matplotlib() -> Any:
+    try:
+        import matplotlib.pyplot
+    except ImportError as error:
+        raise ImportError(
+            "plot() needs matplotlib, which is not installed (pip install matplotlib, or Debian's python3-matplotlib); "
+            "notebooks show results without it"
+        ) from error
+    return matplotlib.pyplot
+
+
+def to_matplotlib(drawing: Drawing, ax: Optional[Any]) -> Any:
+    """Draws with matplotlib and returns the axes; new ones where `ax` is None. Raises `ImportError` where it is missing."""
+    pyplot = _matplotlib()
+    if ax is None:
+        projection = "polar" if drawing.kind == "polar" else "3d" if drawing.in_space else None
+        ax = pyplot.figure().add_subplot(projection=projection)
+    for area in drawing.areas:
+        from matplotlib.patches import PathPatch
+        from matplotlib.path import Path
+
+        ax.add_patch(PathPatch(Path.make_compound_path(*[Path(ring, closed=False) for ring in area.rings]),
+                               facecolor=area.color, edgecolor="none"))
+    for line in drawing.lines:
+        points = line.points if drawing.in_space else line.points[:, :2]
+        if drawing.kind == "polar":
+            angles, values = points.T
+            order = np.argsort(angles)
+            angles = np.concatenate([angles[order], angles[order] + np.pi, angles[order][:1] + 2 * np.pi])
+            points = np.column_stack([angles, np.concatenate([values[order], values[order], values[order][:1]])])
+        style = "o" if line.marks else "--" if line.dashed else "-"
+        ax.plot(*points.T, style, color=line.color, linewidth=line.width, markersize=3, label=line.label or None)
+    if drawing.kind == "map":
+        if not drawing.in_space:
+            ax.set_aspect("equal")
+            ax.autoscale_view()
+        ax.set_axis_off()
+    elif drawing.kind == "curves":
+        ax.set_xlabel(drawing.x_label)
+        ax.set_ylabel(drawing.y_label)
+    if any(line.label for line in drawing.lines):
+        ax.legend()
+    ax.set_title(drawing.title)
+    return ax
+
+
+def joined(polylines: Sequence[Array], size: int = 3) -> Array:
+    """Several polylines as one whose parts are separated by rows of nan; shape (n, size)."""
+    gap = np.full((1, size), np.nan)
+    parts = [part for polyline in polylines for part in (polyline, gap)]
+    return np.vstack(parts) if parts else np.empty((0, size))
+
+
+def plot_surface(vertices: Array, faces: Any, ax: Optional[Any], values: Optional[Any]) -> Any:
+    """A surface in three-dimensional axes of matplotlib, its faces coloured by the means of the values at their corners."""
+    pyplot = _matplotlib()
+    if ax is None:
+        ax = pyplot.figure().add_subplot(projection="3d")
+    surface = ax.plot_trisurf(*vertices.T, triangles=faces, color=None if values is not None else SOLID, edgecolor="none")
+    if values is not None:
+        at_vertices = np.asarray(values, dtype=np.float64)
+        if at_vertices.shape != (len(vertices),):
+            raise ValueError(f"values have the shape {at_vertices.shape}; expected ({len(vertices)},), one for each vertex")
+        surface.set_array(np.where(np.isfinite(at_vertices), at_vertices, np.nan)[faces].mean(axis=1))
+    spans = np.ptp(vertices, axis=0)
+    ax.set_box_aspect(np.maximum(spans, 1e-3 * spans.max()))
+    return ax

@@ -1,0 +1,159 @@
+"""How results show themselves in a line, in notebooks and with matplotlib."""
+
+from __future__ import annotations
+
+import builtins
+import xml.etree.ElementTree as ElementTree
+from typing import Any, Dict, List
+
+import matplotlib
+import numpy as np
+import pytest
+
+import supple
+from supple.answers import exponential_map_from_wire, geodesic_from_wire, mesh_info_from_wire
+from supple.design_answers import design_from_wire, profile_from_wire
+from supple.drawing import Drawing, Line, curve, to_svg
+from supple.models import uniaxial_from_wire
+from supple.shown import LONGEST_LINE, short_text
+from supple.weave_answers import layout_from_wire
+
+from test_designs import BILL, design_document, profile_document
+
+matplotlib.use("Agg")
+
+PATH = [{"face": 0, "barycentric": [1, 0, 0], "position": [0, 0, 0]}, {"face": 0, "barycentric": [0, 1, 0], "position": [3, 4, 0]}]
+
+
+def parsed(svg: Any) -> ElementTree.Element:
+    assert isinstance(svg, str)
+    return ElementTree.fromstring(svg)
+
+
+def drawn_paths(svg: Any) -> List[str]:
+    return [path.attrib["d"] for path in parsed(svg).iter("{http://www.w3.org/2000/svg}path") if path.attrib["d"]]
+
+
+def test_values_are_shown_in_a_few_characters() -> None:
+    assert [short_text(value) for value in (None, True, 3, np.int64(4), 1 / 3, np.float32(0.5), "a")] == [
+        "None", "True", "3", "4", "0.333333", "0.5", "'a'"]
+    assert short_text(np.array([0.15, 0.65])) == "[0.15, 0.65]" and short_text(np.zeros((200, 2))) == "array(200, 2)"
+    assert short_text((1.0, 2.0, 3.0)) == "(1, 2, 3)" and short_text(()) == "()"
+    assert short_text(({}, {})) == "2 × dict" and len(short_text("x" * 1000)) < 50
+
+
+def test_a_result_is_one_short_line() -> None:
+    result = design_from_wire({**design_document(), **BILL})
+    line = repr(result)
+    assert line.startswith("DesignResult(name='', family='IH21'") and line.endswith("…)")
+    assert "\n" not in line and len(line) <= LONGEST_LINE + 4
+    assert repr(result.error) == "DesignError(relative_rms=0.02, max=0.3)"
+
+
+def test_text_of_the_server_is_no_markup() -> None:
+    result = design_from_wire({**design_document(family="<script>alert(1)</script>"), **BILL})
+    assert "<script>" not in result._repr_html_() and "&lt;script&gt;" in result._repr_html_()
+    parsed(result._repr_svg_())
+
+
+def test_a_notebook_shows_a_table_and_a_picture_of_a_design() -> None:
+    result = design_from_wire({**design_document(), **BILL})
+    html = result._repr_html_()
+    assert html.startswith("<svg") and "<th style" in html and "IH21" in html and "<table>" in html
+    assert len(drawn_paths(result._repr_svg_())) == 2  # the target and what is achieved
+
+
+def test_what_is_missing_interrupts_a_curve() -> None:
+    svg = to_svg(Drawing("curves", (curve([0, 1, 2, 3, 4], [0, 1, np.nan, 1, 0]),)))
+    assert drawn_paths(svg)[0].count("M") == 2 and "nan" not in svg
+
+
+def test_a_curve_without_values_and_a_single_point_are_drawn_without_fail() -> None:
+    for points in (np.empty((0, 2)), np.zeros((1, 2)), np.full((3, 2), np.nan), np.array([[0.0, 5.0], [1.0, 5.0]])):
+        for kind in ("curves", "polar", "map"):
+            assert "nan" not in to_svg(Drawing(kind, (Line(points), Line(points, marks=True))))
+
+
+def test_a_path_is_seen_from_a_corner_and_plotted_in_space() -> None:
+    climbing = [PATH[0], {**PATH[1], "position": [3, 4, 12]}]
+    geodesic = geodesic_from_wire({"unreachable": False, "distance": 13.0, "path": climbing})
+    assert len(drawn_paths(geodesic._repr_svg_())) == 1
+    axes = geodesic.plot()
+    assert axes.name == "3d"
+    x, y, z = axes.lines[0].get_data_3d()
+    assert (x[-1], y[-1], z[-1]) == (3, 4, 12)
+    without = geodesic_from_wire({"unreachable": False, "distance": 5.0})
+    assert without._repr_svg_() is None and without._repr_html_().startswith("<table>")
+    with pytest.raises(ValueError, match="was not asked for"):
+        without.plot()
+
+
+def test_what_is_flat_is_seen_from_above() -> None:
+    geodesic = geodesic_from_wire({"unreachable": False, "distance": 5.0, "path": PATH})
+    axes = geodesic.plot()
+    assert axes.name == "rectilinear"
+    np.testing.assert_array_equal(axes.lines[0].get_xydata(), [[0, 0], [3, 4]])
+    start, end = (np.array([float(x) for x in pair.split()]) for pair in drawn_paths(geodesic._repr_svg_())[0][1:].split("L"))
+    assert (start - end)[1] / (end - start)[0] == pytest.approx(4 / 3, rel=0.01)  # upwards on the paper
+
+
+def test_a_profile_is_plotted_over_strains_or_directions() -> None:
+    axes = design_from_wire({**design_document(), **BILL}).plot()
+    assert axes.get_xlabel() == "strain along the load" and [line.get_label() for line in axes.lines] == ["target", "achieved"]
+    np.testing.assert_allclose(axes.lines[1].get_xydata(), [[0, 0], [0.1, 1.02]])
+    document = {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "strain": 0.05, "strain_measure": "green",
+                "x": [0, np.pi / 2], "y": [1.0, 2.0], "error_bar": None, "in_range": [True, True], **BILL}
+    assert profile_from_wire({**document, "task": "stiffness"}).plot().name == "polar"
+    over_degrees = profile_from_wire({**document, "task": "poisson", "y": [-0.2, 0.3]}).plot()
+    np.testing.assert_allclose(over_degrees.lines[0].get_xydata(), [[0, -0.2], [90, 0.3]])
+
+
+def test_a_plot_goes_into_axes_that_are_given() -> None:
+    from matplotlib import pyplot
+
+    axes = pyplot.figure().add_subplot()
+    assert design_from_wire({**design_document(), **BILL}).profile.plot(axes) is axes and len(axes.lines) == 2
+
+
+def test_without_matplotlib_plot_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without(name: str, *arguments: Any, **more: Any) -> Any:
+        if name.split(".")[0] == "matplotlib":
+            raise ImportError("no matplotlib")
+        return real(name, *arguments, **more)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    result = design_from_wire({**design_document(), **BILL})
+    with pytest.raises(ImportError, match="plot.. needs matplotlib, which is not installed"):
+        result.plot()
+    assert result._repr_html_()
+
+
+def test_sliding_and_fused_crossings_have_colours_of_their_own() -> None:
+    def member(slides: bool) -> Dict[str, Any]:
+        return {"strand": 0, "coordinate": 0.0, "shift": [0, 0], "slides": slides}
+
+    layout = layout_from_wire({
+        "strands": [{"ends": "open", "translation": [0, 0], "length": 1.0, "radius": 0.1, "polyline": [[0, 0], [1, 1]]}],
+        "crossings": [{"position": [0, 0], "members": [member(False)]}, {"position": [1, 1], "members": [member(True)]}],
+        "lattice": None, "warnings": [], "cost": BILL["cost"]})
+    colours = [circle.attrib["fill"] for circle in parsed(layout._repr_svg_()).iter("{http://www.w3.org/2000/svg}circle")]
+    assert len(colours) == 2 and colours[0] != colours[1]
+
+
+def test_stress_along_the_load_is_drawn_over_the_strain_along_it() -> None:
+    state = {"green_strain": [0.1, 0.3, 0], "stress": [1, 2, 0], "directional_stress": 2, "error_bar": None,
+             "energy_density": 0.05, "in_range": True, "converged": True, "residual": 1e-12, "iterations": 3}
+    line = uniaxial_from_wire({"direction": np.pi / 2, "states": [state], "accuracy": {"tolerance": 1e-10}, "sha256": "0",
+                               "cost": BILL["cost"]}).plot().lines[0]
+    np.testing.assert_allclose(line.get_xydata(), [[0.3, 2]])
+
+
+def test_every_result_of_the_package_is_shown_in_its_own_way() -> None:
+    from supple.shown import Shown
+
+    results = [getattr(supple, name) for name in supple.__all__]
+    answers = [one for one in results if isinstance(one, type) and one.__module__.endswith(("answers", "simulations", "tilings"))]
+    assert len(answers) > 50
+    assert [one.__name__ for one in answers if not issubclass(one, Shown)] == []
