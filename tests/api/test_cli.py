@@ -308,10 +308,11 @@ def test_a_straightest_path_is_traced(supple: Program) -> None:
     (["geodesic", "abc", "v0", "v1", "v2"], 1, "pairs"),
     (["geodesic", "abc", "v0", "x1"], 1, "'x1' is not a surface point"),
     (["geodesic", "abc", "v0", "1:0.5"], 1, "is not a surface point"),
-    (["geodesic", "nosuchfile.obj", "v0", "v1"], 1, "neither a file nor the id"),
+    (["geodesic", "nosuchfile.obj", "v0", "v1"], 5, "no such file"),
+    (["geodesic", "nosuchmesh", "v0", "v1"], 1, "neither a mesh file nor the id"),
     (["geodesic", "0" * 64, "v0", "v1"], 2, "mesh.not_found"),
     (["geodesic", "0000000000", "v0", "v1"], 2, "no mesh of"),
-    (["mesh", "add", "nosuchfile.obj"], 5, "cannot be read"),
+    (["mesh", "add", "nosuchfile.obj"], 5, "no such file"),
     (["job", "show", "0" * 32], 2, "job.not_found"),
     (["--server", "ftp://x", "mesh", "list"], 1, "not a server address"),
 ])

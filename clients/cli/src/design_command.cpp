@@ -164,10 +164,8 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
                       "weight, a fourth a band within which deviations count as none");
   command->add_option("--interpolation", arguments->interpolation, "Between the control points (cubic)")
       ->check(CLI::IsMember({"cubic", "monotone", "linear"}));
-  command
-      ->add_option("--request,--regions", arguments->request_file,
-                   "A request as JSON: further targets, regions; options given besides take their fields' place")
-      ->check(CLI::ExistingFile);
+  command->add_option("--request,--regions", arguments->request_file,
+                      "A request as JSON: further targets, regions; options given besides take their fields' place");
   add_search_options(*command, *arguments);
   command->add_option("--session", arguments->session, "A newer request of the same session replaces one that runs");
   command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")

@@ -8,6 +8,7 @@
 
 #include "cost_output.h"
 #include "csv_cells.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
@@ -122,7 +123,8 @@ void print_design(const nlohmann::json& design) {
   if (design.contains("name")) fmt::print("region      {}\n", text_in(design, "name"));
   fmt::print("design      {} ({}) with the model {}\n", text_in(design, "family"),
              numbers_text(design.at("parameters")), text_in(design, "model"));
-  fmt::print("target      {}\n", design.at("reached").get<bool>() ? "reached" : "not reached");
+  const bool reached = design.at("reached").get<bool>();
+  fmt::print("target      {}\n", reached ? styled("reached", Style::success) : styled("not reached", Style::warning));
   fmt::print("deviation   {} (root mean square), {:.3g}{} at most\n", percent(error), error.at("max").get<double>(),
              profile.at("task") == "poisson" ? "" : " MPa");
   if (const auto& verified = profile.at("verified"); !verified.is_null() && verified.contains("relative_rms")) {
@@ -136,7 +138,7 @@ void print_design(const nlohmann::json& design) {
   for (const auto& shown : profiles_in(design)) print_samples(shown);
   print_ranking(design.at("ranking"));
   std::fflush(stdout);
-  if (const auto message = text_in(design, "message"); !message.empty()) fmt::print(stderr, "supple: {}\n", message);
+  if (const auto message = text_in(design, "message"); !message.empty()) print_notice(message);
 }
 
 }  // namespace

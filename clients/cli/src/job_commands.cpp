@@ -4,12 +4,19 @@
 
 #include "commands.h"
 #include "failure.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
 
 void print_job(const nlohmann::json& job) {
-  fmt::print("{}  {:<10}  {:>3.0f} %  {:<16}  {}", job.at("id").get<std::string>(), job.at("state").get<std::string>(),
+  const auto state = job.at("state").get<std::string>();
+  const bool failed = state == "failed";
+  const auto shown = fmt::format("{:<10}", state);
+  fmt::print("{}  {}  {:>3.0f} %  {:<16}  {}", job.at("id").get<std::string>(),
+             failed                  ? styled(shown, Style::error)
+             : state == "successful" ? styled(shown, Style::success)
+                                     : shown,
              100 * job.at("progress").get<double>(), job.at("kind").get<std::string>(),
              job.at("created").get<std::string>());
   if (const auto error = job.find("error"); error != job.end())

@@ -9,6 +9,7 @@
 
 #include "failure.h"
 #include "session.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
@@ -20,7 +21,7 @@ std::string read_key_file(const std::string& path) {
   text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), blank));
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && (status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-    fmt::print(stderr, "supple: others may read the key in {}; chmod 600 changes that\n", path);
+    print_notice(fmt::format("others may read the key in {}; chmod 600 changes that", path));
   return text;
 }
 

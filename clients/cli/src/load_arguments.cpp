@@ -45,7 +45,7 @@ double parse_direction(const std::string& text) {
 
 std::vector<std::string> parse_rows(const std::string& argument, bool& is_file) {
   std::error_code ignored;
-  is_file = std::filesystem::is_regular_file(argument, ignored);
+  is_file = std::filesystem::is_regular_file(argument, ignored) || looks_like_path(argument);
   std::string text = is_file ? read_file(argument) : argument;
   std::replace(text.begin(), text.end(), ';', '\n');
   std::vector<std::string> rows;

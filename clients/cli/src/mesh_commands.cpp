@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "failure.h"
 #include "numbers.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
@@ -24,7 +25,8 @@ void print_mesh(const nlohmann::json& mesh) {
   fmt::print("area            {:.9g}\n", mesh.at("area").get<double>());
   fmt::print("edge length     {:.4g} to {:.4g}, mean {:.4g}\n", edge.at("min").get<double>(),
              edge.at("max").get<double>(), edge.at("mean").get<double>());
-  for (const auto& warning : mesh.at("warnings")) fmt::print("warning         {}\n", warning.get<std::string>());
+  for (const auto& warning : mesh.at("warnings"))
+    fmt::print("{}         {}\n", styled("warning", Style::warning), warning.get<std::string>());
 }
 
 struct RepairArguments {

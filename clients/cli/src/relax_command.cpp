@@ -11,6 +11,7 @@
 #include "host_arguments.h"
 #include "numbers.h"
 #include "path_output.h"
+#include "style.h"
 #include "surface_point.h"
 #include "weave_arguments.h"
 
@@ -171,7 +172,8 @@ void print_relaxation(const nlohmann::json& answer, bool history) {
              answer.at("accuracy").at("gradient_tolerance").get<double>());
   fmt::print("stopped     {} after {} iterations, {:.4g} s\n", answer.at("stopped").get<std::string>(),
              answer.at("iterations").get<int>(), answer.at("cost").at("seconds").get<double>());
-  for (const auto& warning : answer.at("warnings")) fmt::print("warning     {}\n", warning.get<std::string>());
+  for (const auto& warning : answer.at("warnings"))
+    fmt::print("{}     {}\n", styled("warning", Style::warning), warning.get<std::string>());
   if (history) print_relaxation_history(answer.at("history"));
 }
 

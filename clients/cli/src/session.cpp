@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -28,9 +31,29 @@ constexpr auto longest_poll = std::chrono::milliseconds(1000);
 
 [[noreturn]] void throw_interrupted(const std::string& what) { throw Failure(ExitCode::interrupted, what); }
 
-bool looks_like_file(const std::string& mesh) {
+bool is_file(const std::string& path) {
   std::error_code ignored;
-  return std::filesystem::is_regular_file(mesh, ignored);
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+[[noreturn]] void throw_unreadable(const std::string& path) {
+  const int error = errno;
+  std::error_code ignored;
+  std::string why = std::generic_category().message(error);
+  if (!std::filesystem::exists(path, ignored)) why = "no such file";
+  if (std::filesystem::is_directory(path, ignored)) why = "it is a folder";
+  throw Failure(ExitCode::local_file, fmt::format("{} cannot be read: {}", path, why));
+}
+
+[[noreturn]] void throw_unwritable(const std::string& path) {
+  const int error = errno;
+  std::error_code ignored;
+  const auto folder = std::filesystem::path(path).parent_path();
+  std::string why = std::generic_category().message(error);
+  if (!folder.empty() && !std::filesystem::exists(folder, ignored))
+    why = fmt::format("no such folder: {}", folder.string());
+  if (std::filesystem::is_directory(path, ignored)) why = "it is a folder";
+  throw Failure(ExitCode::local_file, fmt::format("{} cannot be written: {}", path, why));
 }
 
 /// What runs now, with what the job tells of its way: how close the best design so far comes, or how far a network is
@@ -64,13 +87,14 @@ void pause(std::chrono::milliseconds duration) {
 }  // namespace
 
 std::string Session::mesh_id(const std::string& mesh) {
-  if (looks_like_file(mesh)) {
+  if (is_file(mesh)) {
     return http_.post("/v1/meshes", read_file(mesh), "application/octet-stream").json().at("id").get<std::string>();
   }
   const bool hexadecimal = mesh.find_first_not_of("0123456789abcdef") == std::string::npos;
   if (mesh.size() == full_id_length && hexadecimal) return mesh;
   if (mesh.empty() || !hexadecimal) {
-    throw Failure(ExitCode::usage, fmt::format("'{}' is neither a file nor the id of a mesh", mesh));
+    if (looks_like_path(mesh)) throw_unreadable(mesh);
+    throw Failure(ExitCode::usage, fmt::format("'{}' is neither a mesh file nor the id of a mesh: no such file", mesh));
   }
   std::vector<std::string> fitting;
   for_each_entry("/v1/meshes", "meshes", [&](const nlohmann::json& entry) {
@@ -139,10 +163,20 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
 
 void print_json(const nlohmann::json& document) { fmt::print("{}\n", document.dump(2)); }
 
+bool looks_like_path(const std::string& text) {
+  if (text.find_first_of(",;") != std::string::npos) return false;
+  if (text.find('/') != std::string::npos) return true;
+  const auto letter = [](unsigned char c) { return c < 0x80 && std::isalpha(c) != 0; };
+  const auto ending = std::filesystem::path(text).extension().string();
+  return ending.size() > 1 && letter(static_cast<unsigned char>(ending[1]));
+}
+
 std::string read_file(const std::string& path) {
+  if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) throw_unreadable(path);
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw Failure(ExitCode::local_file, fmt::format("{} cannot be read", path));
+  if (!file) throw_unreadable(path);
   return content;
 }
 
@@ -151,10 +185,11 @@ void write_file(const std::string& path, const std::string& content) {
     std::cout.write(content.data(), static_cast<std::streamsize>(content.size())).flush();
     return;
   }
+  errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file.write(content.data(), static_cast<std::streamsize>(content.size()));
   file.close();
-  if (!file) throw Failure(ExitCode::local_file, fmt::format("{} cannot be written", path));
+  if (!file) throw_unwritable(path);
 }
 
 void replace_file(const std::string& path, const std::string& content) {

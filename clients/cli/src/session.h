@@ -58,7 +58,9 @@ class Session {
 
 /// Prints a server's answer for programs.
 void print_json(const nlohmann::json& document);
-/// The content of a file. Throws Failure(local_file).
+/// Whether a text can only be meant as the name of a file: it has a folder or an ending, such as "curves/target.csv".
+bool looks_like_path(const std::string& text);
+/// The content of a file. Throws Failure(local_file) that says why it cannot be read, for example "no such file".
 std::string read_file(const std::string& path);
 /// Writes a file, or standard output where the path is "-". Throws Failure(local_file).
 void write_file(const std::string& path, const std::string& content);

@@ -7,6 +7,7 @@
 
 #include "cost_output.h"
 #include "csv_cells.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
@@ -63,7 +64,7 @@ void print_simulation(const nlohmann::json& answer) {
              accuracy.at("unknowns").get<int>());
   print_cost(answer);
   if (const auto message = answer.at("message").get<std::string>(); !message.empty()) {
-    fmt::print(stderr, "supple: the path ended early: {}\n", message);
+    print_notice("the path ended early: " + message);
   }
 }
 

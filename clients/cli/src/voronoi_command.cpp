@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "failure.h"
 #include "numbers.h"
+#include "style.h"
 #include "surface_point.h"
 #include "weave_arguments.h"
 
@@ -170,7 +171,8 @@ void print_diagram(const nlohmann::json& answer, bool history) {
   if (answer.at("unreached_area").get<double>() > 0)
     fmt::print("no site     on an area of {:.6g}\n", answer.at("unreached_area").get<double>());
   print_statistics(answer);
-  for (const auto& warning : answer.at("warnings")) fmt::print("warning     {}\n", warning.get<std::string>());
+  for (const auto& warning : answer.at("warnings"))
+    fmt::print("{}     {}\n", styled("warning", Style::warning), warning.get<std::string>());
   fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
 }
 

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <optional>
 #include <sstream>
+#include <system_error>
 
 #include "failure.h"
 #include "numbers.h"
 #include "session.h"
+#include "suggestions.h"
 
 namespace supple::cli {
 namespace {
@@ -19,6 +22,8 @@ std::string pattern_of(const std::string& name) {
   if (name == "rings" || name == "actuated_rings") return "actuated_rings";
   return {};
 }
+
+std::vector<std::string> pattern_names() { return {"regular", "squares", "circles", "rings"}; }
 
 std::int64_t index_of(std::string_view text, const char* what) {
   const auto index = integer_in(text);
@@ -131,6 +136,11 @@ void add_weave_options(CLI::App& command, WeaveArguments& arguments) {
 
 nlohmann::json weave_of(const WeaveArguments& arguments) {
   const std::string pattern = pattern_of(arguments.weave);
+  std::error_code ignored;
+  if (pattern.empty() && !looks_like_path(arguments.weave) && !std::filesystem::exists(arguments.weave, ignored))
+    throw Failure(ExitCode::usage,
+                  fmt::format("'{}' is neither a pattern (regular, squares, circles, rings) nor a file{}",
+                              arguments.weave, suggestion(arguments.weave, pattern_names())));
   nlohmann::json weave = pattern.empty() ? object_in_file(arguments.weave) : nlohmann::json{{"pattern", pattern}};
   // A file may hold a whole request.
   if (weave.contains("weave")) weave = weave.at("weave");

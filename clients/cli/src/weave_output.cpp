@@ -10,6 +10,7 @@
 #include "cost_output.h"
 #include "csv_cells.h"
 #include "plot_paper.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
@@ -23,8 +24,7 @@ void print_accuracy(const nlohmann::json& answer) {
 }
 
 void print_message(const nlohmann::json& answer) {
-  if (const auto message = answer.at("message").get<std::string>(); !message.empty())
-    fmt::print(stderr, "supple: {}\n", message);
+  if (const auto message = answer.at("message").get<std::string>(); !message.empty()) print_notice(message);
 }
 
 std::string members_text(const nlohmann::json& crossing) {
@@ -82,7 +82,7 @@ void print_layout(const nlohmann::json& answer, bool crossings) {
                  members_text(list.at(i)));
     }
   }
-  for (const auto& warning : answer.at("warnings")) fmt::print(stderr, "supple: {}\n", warning.get<std::string>());
+  for (const auto& warning : answer.at("warnings")) print_notice(warning.get<std::string>());
 }
 
 std::string homogenization_as_csv(const nlohmann::json& answer) {
