@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <string>
 
 #include "session.h"
 
@@ -25,5 +26,8 @@ void add_design_command(CLI::App& program, const GlobalOptions& options);
 void add_profile_command(CLI::App& program, const GlobalOptions& options);
 void add_weave_commands(CLI::App& program, const GlobalOptions& options);
 void add_job_commands(CLI::App& program, const GlobalOptions& options);
+
+/// `completion` and `man`, which describe the program itself and speak to no server.
+void add_program_commands(CLI::App& program, const std::string& version);
 
 }  // namespace supple::cli

@@ -7,12 +7,12 @@ namespace {
 
 constexpr auto description =
     "Geodesics and elastic networks on triangle meshes; simulations of periodic structures, neural models and designs "
-    "of them; "
-    "weaves of elastic strands; answered by a supple-server";
+    "of them; weaves of elastic strands; answered by a supple-server";
 
 constexpr auto footer =
-    R"(Meshes:   an id, the beginning of one, or a mesh file (OBJ, OFF, PLY, STL), which is uploaded first
-Points:   v17 is vertex 17; 12:0.2,0.3,0.5 is a point of face 12 by its barycentric coordinates
+    R"(Arguments:
+  a mesh    an id, the beginning of one, or a mesh file (OBJ, OFF, PLY, STL), which is uploaded first
+  a point   v17 is vertex 17; 12:0.2,0.3,0.5 is a point of face 12 by its barycentric coordinates
 
 Examples:
   supple mesh add bunny.obj
@@ -30,6 +30,10 @@ Examples:
   supple weave print regular --sheet 20x20 --frame 2 -o sheet.gcode
   supple job list
 
+Environment:
+  SUPPLE_SERVER, SUPPLE_KEY_FILE and SUPPLE_KEY stand for the options --server, --key-file and --key.
+  NO_COLOR, if it is set to anything, turns off the colours on terminals.
+
 Exit status:
   0  done                                     3  the server failed (5xx)
   1  the command line cannot be understood    4  no server answered
@@ -43,6 +47,7 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
   CLI::App& program = *owner;
   program.footer(footer);
   program.require_subcommand(1);
+  program.set_version_flag("--version", "supple " SUPPLE_VERSION, "Print the version");
   program.fallthrough();
   program.add_option("--server", options.server, "Where supple-server answers")
       ->envname("SUPPLE_SERVER")
@@ -73,6 +78,7 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
   add_profile_command(program, options);
   add_weave_commands(program, options);
   add_job_commands(program, options);
+  add_program_commands(program, SUPPLE_VERSION);
   return owner;
 }
 

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+
+namespace supple::cli {
+
+/// The manual page of the program, section 1, in the man macros of roff: every command with its arguments and options,
+/// and what the program's help says besides.
+std::string manual_page(const CLI::App& program, const std::string& version);
+
+}  // namespace supple::cli
