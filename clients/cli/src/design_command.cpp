@@ -55,7 +55,8 @@ nlohmann::json request_of(const DesignArguments& arguments) {
       throw Failure(ExitCode::local_file, fmt::format("{}: {} is no JSON object", arguments.request_file, group));
   }
   request.update(profile_fields(arguments.profile));
-  if (!arguments.target.empty()) request["target"] = parse_target(arguments.target);
+  if (!arguments.target.empty())
+    request["target"] = parse_target(arguments.target, is_over_directions(request.value("task", "")));
   if (arguments.request_file.empty() && !(request.contains("task") && request.contains("target")))
     throw Failure(ExitCode::usage, "no problem: give --task and --target, or a file with --request");
   const auto set_text = [](nlohmann::json& in, const char* name, const std::string& value) {
@@ -160,7 +161,7 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
   add_profile_options(*command, arguments->profile);
   command->get_option("--family")->description("Family to search, or any for all that have a model (any)");
   command->add_option("--target", arguments->target,
-                      "Control points x,y;x,y or the lines of a file: strains or rad, and MPa; a third number is a "
+                      "Control points x,y;x,y or the lines of a file: strains or angles, and MPa; a third number is a "
                       "weight, a fourth a band within which deviations count as none");
   command->add_option("--interpolation", arguments->interpolation, "Between the control points (cubic)")
       ->check(CLI::IsMember({"cubic", "monotone", "linear"}));
@@ -177,7 +178,7 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
   command->footer(
       "Examples:\n"
       "  supple design --task stress_strain --family IH67 --target \"0,0;0.1,0.6;0.2,0.9\" --plot curve.svg\n"
-      "  supple design --task poisson --target \"0,-0.2;1.571,0.4\" --strain 0.1 --svg structure.svg\n"
+      "  supple design --task poisson --target \"0deg,-0.2;90deg,0.4\" --strain 0.1 --svg structure.svg\n"
       "  supple design --task stiffness --family IH67 --target target.csv --fixed 0.2,free --verify\n"
       "  supple design --request sole.json --plot regions.svg");
   command->callback([&options, arguments] { run(options, *arguments); });

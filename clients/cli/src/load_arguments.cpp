@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "angles.h"
 #include "failure.h"
 #include "numbers.h"
 #include "session.h"
@@ -34,14 +35,6 @@ nlohmann::json biaxial_stretches(const LoadArguments& arguments) {
 }
 
 }  // namespace
-
-double parse_direction(const std::string& text) {
-  const auto numbers = numbers_in(text);
-  if (!numbers || numbers->size() != 1) {
-    throw Failure(ExitCode::usage, fmt::format("'{}' is no direction: write an angle in radians", text));
-  }
-  return numbers->front();
-}
 
 std::vector<std::string> parse_rows(const std::string& argument, bool& is_file) {
   std::error_code ignored;
@@ -74,10 +67,11 @@ nlohmann::json parse_green_strains(const std::string& argument) {
 }
 
 void add_load_options(CLI::App& command, LoadArguments& arguments) {
-  auto* const uniaxial = command.add_option("--uniaxial", arguments.uniaxial,
-                                            "Stretch along this direction (rad); lateral strain and shear are free");
-  auto* const biaxial =
-      command.add_option("--biaxial", arguments.biaxial, "Stretch along this direction (rad) and orthogonal to it");
+  auto* const uniaxial =
+      command.add_option("--uniaxial", arguments.uniaxial,
+                         "Stretch along this direction, for example 45deg; lateral strain and shear are free");
+  auto* const biaxial = command.add_option("--biaxial", arguments.biaxial,
+                                           "Stretch along this direction, for example 45deg, and orthogonal to it");
   command.add_option("--stretches", arguments.stretches,
                      "Stretches along the direction in their order: 1.05,1.1 or first:last:n");
   command.add_option("--orthogonal", arguments.orthogonal, "Stretches orthogonal to it, as many or one");
@@ -93,14 +87,16 @@ void add_load_options(CLI::App& command, LoadArguments& arguments) {
 
 nlohmann::json load_of(const LoadArguments& arguments) {
   if (!arguments.uniaxial.empty()) {
-    nlohmann::json load = {{"direction", parse_direction(arguments.uniaxial)}, {"stretches", stretches_of(arguments)}};
+    nlohmann::json load = {{"direction", parse_angle(arguments.uniaxial, "--uniaxial")},
+                           {"stretches", stretches_of(arguments)}};
     if (!arguments.frame.empty()) load["frame"] = arguments.frame;
     return {{"uniaxial", std::move(load)}};
   }
   if (!arguments.frame.empty()) throw Failure(ExitCode::usage, "--frame belongs to --uniaxial");
   if (!arguments.biaxial.empty()) {
     return {
-        {"biaxial", {{"direction", parse_direction(arguments.biaxial)}, {"stretches", biaxial_stretches(arguments)}}}};
+        {"biaxial",
+         {{"direction", parse_angle(arguments.biaxial, "--biaxial")}, {"stretches", biaxial_stretches(arguments)}}}};
   }
   if (!arguments.green_strain.empty()) return {{"green_strain", parse_green_strains(arguments.green_strain)}};
   throw Failure(ExitCode::usage, "no load: give --uniaxial, --biaxial or --green-strain");

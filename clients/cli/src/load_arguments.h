@@ -9,9 +9,9 @@ namespace supple::cli {
 
 /// The options that say how a structure is loaded.
 struct LoadArguments {
-  std::string uniaxial;      ///< direction in rad
+  std::string uniaxial;      ///< direction, an angle
   std::string frame;         ///< of the uniaxial direction: space or material
-  std::string biaxial;       ///< direction in rad
+  std::string biaxial;       ///< direction, an angle
   std::string stretches;     ///< along the direction
   std::string orthogonal;    ///< stretches orthogonal to it, or one for all
   std::string green_strain;  ///< a file, or "xx,yy,xy;xx,yy,xy"
@@ -21,9 +21,6 @@ void add_load_options(CLI::App& command, LoadArguments& arguments);
 
 /// The load as the wire has it. Throws Failure(usage) where the options do not say one, Failure(local_file).
 nlohmann::json load_of(const LoadArguments& arguments);
-
-/// An angle in radians. Throws Failure(usage).
-double parse_direction(const std::string& text);
 
 /// The lines of a file, or what stands between semicolons, without blanks; empty ones and those that begin with # are
 /// skipped. `is_file` says which it was. Throws Failure(local_file).

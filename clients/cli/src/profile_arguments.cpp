@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
+#include "angles.h"
 #include "failure.h"
 #include "load_arguments.h"
 #include "numbers.h"
@@ -16,6 +19,17 @@ namespace {
 constexpr std::size_t fewest_columns = 2;
 constexpr std::size_t most_columns = 4;
 
+/// The numbers of a control point; over directions the first is an angle, which may have a unit.
+std::optional<std::vector<double>> point_in(const std::string& row, bool over_directions) {
+  if (!over_directions) return numbers_in(row);
+  const std::size_t comma = row.find(',');
+  const auto angle = angle_in(std::string_view(row).substr(0, comma));
+  auto numbers = comma == std::string::npos ? std::nullopt : numbers_in(std::string_view(row).substr(comma + 1));
+  if (!angle || !numbers) return std::nullopt;
+  numbers->insert(numbers->begin(), *angle);
+  return numbers;
+}
+
 }  // namespace
 
 void add_profile_options(CLI::App& command, ProfileArguments& arguments) {
@@ -23,7 +37,8 @@ void add_profile_options(CLI::App& command, ProfileArguments& arguments) {
       ->check(CLI::IsMember({"stress_strain", "stiffness", "poisson"}));
   auto* const family = command.add_option("-f,--family", arguments.family, "Family of the tiling, see supple models");
   command.add_option("-m,--model", arguments.model, "Or one of the models, see supple models")->excludes(family);
-  command.add_option("-d,--direction", arguments.direction, "Direction of the load in rad (0); of stress_strain");
+  command.add_option("-d,--direction", arguments.direction,
+                     "Direction of the load, for example 45deg (0); of stress_strain");
   command.add_option("-s,--strain", arguments.strain, "Strain along the load (0.05); of stiffness and poisson");
   command
       .add_option("--strain-measure", arguments.strain_measure,
@@ -41,17 +56,19 @@ nlohmann::json profile_fields(const ProfileArguments& arguments) {
   set_text("family", arguments.family);
   set_text("model", arguments.model);
   set_text("strain_measure", arguments.strain_measure);
-  if (!arguments.direction.empty()) fields["direction"] = parse_direction(arguments.direction);
+  if (!arguments.direction.empty()) fields["direction"] = parse_angle(arguments.direction, "--direction");
   if (!arguments.strain.empty()) fields["strain"] = parse_number(arguments.strain, "strain");
   return fields;
 }
 
-nlohmann::json parse_target(const std::string& argument) {
+bool is_over_directions(const std::string& task) { return task == "stiffness" || task == "poisson"; }
+
+nlohmann::json parse_target(const std::string& argument, bool over_directions) {
   bool is_file = false;
   const auto rows = parse_rows(argument, is_file);
   std::vector<std::vector<double>> points;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    auto numbers = numbers_in(rows[i]);
+    auto numbers = point_in(rows[i], over_directions);
     if (!numbers && is_file && i == 0) continue;
     if (!numbers || numbers->size() < fewest_columns || numbers->size() > most_columns) {
       throw Failure(is_file ? ExitCode::local_file : ExitCode::usage,

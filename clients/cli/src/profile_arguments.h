@@ -11,7 +11,7 @@ struct ProfileArguments {
   std::string task;
   std::string family;
   std::string model;
-  std::string direction;  ///< rad
+  std::string direction;  ///< an angle
   std::string strain;
   std::string strain_measure;
 };
@@ -22,8 +22,12 @@ void add_profile_options(CLI::App& command, ProfileArguments& arguments);
 nlohmann::json profile_fields(const ProfileArguments& arguments);
 
 /// A target spline from control points "x,y;x,y" or the lines of a file, whose first may be a heading. A third number
-/// for each is its weight, a fourth its band. Throws Failure(usage), Failure(local_file).
-nlohmann::json parse_target(const std::string& argument);
+/// for each is its weight, a fourth its band. Where the task is over directions each x is an angle, in radians or with
+/// a unit. Throws Failure(usage), Failure(local_file).
+nlohmann::json parse_target(const std::string& argument, bool over_directions);
+
+/// Whether the x of a task's profile are directions.
+bool is_over_directions(const std::string& task);
 
 /// Parameters of which some are "free": numbers and nulls. Throws Failure(usage).
 nlohmann::json parse_fixed(const std::string& text);

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "angles.h"
 #include "commands.h"
 #include "design_output.h"
 #include "failure.h"
@@ -28,7 +29,9 @@ nlohmann::json request_of(const ProfileCommandArguments& arguments) {
   if (!request.contains("family") && !request.contains("model"))
     throw Failure(ExitCode::usage, "whose profile: give --family or --model");
   request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
-  if (!arguments.x.empty()) request["x"] = parse_series(arguments.x, "list of strains or directions");
+  if (!arguments.x.empty())
+    request["x"] = is_over_directions(arguments.profile.task) ? parse_angles(arguments.x, "-x")
+                                                              : parse_series(arguments.x, "list of strains");
   if (arguments.samples > 0) request["samples"] = arguments.samples;
   if (arguments.equilibrium_tolerance > 0)
     request["accuracy"]["equilibrium_tolerance"] = arguments.equilibrium_tolerance;
@@ -57,7 +60,7 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("-p,--parameters", arguments->parameters, "Parameters, separated by commas")->required();
   auto* const x = command->add_option(
       "-x", arguments->x,
-      "Strains (-0.1:0.2:31), or directions in rad (50 over half a turn): 0.05,0.1 or first:last:n");
+      "Strains (-0.1:0.2:31), or directions (50 over half a turn), for example 0deg,45deg: 0.05,0.1 or first:last:n");
   command->add_option("--samples", arguments->samples, "Number of evenly spaced samples")
       ->check(CLI::PositiveNumber)
       ->excludes(x);
@@ -70,7 +73,7 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--csv", arguments->csv_file, "Write the profile to this file, - for the terminal");
   command->add_option("--plot", arguments->plot_file, "Draw the profile as SVG, - for the terminal");
   command->footer(
-      "Examples:\n  supple profile --task stress_strain --family IH67 --parameters 0.2,0.9 --direction 0.785 --csv -\n"
+      "Examples:\n  supple profile --task stress_strain --family IH67 --parameters 0.2,0.9 --direction 45deg --csv -\n"
       "  supple profile --task poisson --family IH67 --parameters 0.2,0.9 --strain -0.1 --plot poisson.svg");
   command->callback([&options, arguments] { run(options, *arguments); });
 }

@@ -13,6 +13,7 @@ constexpr auto footer =
     R"(Arguments:
   a mesh    an id, the beginning of one, or a mesh file (OBJ, OFF, PLY, STL), which is uploaded first
   a point   v17 is vertex 17; 12:0.2,0.3,0.5 is a point of face 12 by its barycentric coordinates
+  an angle  45deg, 0.785rad, or a number, which is in radians
 
 Examples:
   supple mesh add bunny.obj

@@ -114,7 +114,7 @@ void add_simulate_command(CLI::App& program, const GlobalOptions& options) {
   add_options(*command, *arguments);
   command->footer(
       "Examples:\n  supple simulate IH01 --uniaxial 0 --stretches 1.02:1.3:15 --csv curve.csv\n"
-      "  supple simulate IH22 --biaxial 0.785 --stretches 0.98:0.9:5 --orthogonal 1 --vtu state.vtu\n"
+      "  supple simulate IH22 --biaxial 45deg --stretches 0.98:0.9:5 --orthogonal 1 --vtu state.vtu\n"
       "  supple simulate IH21 --green-strain \"0.05,0,0;0.1,0,0\" --mesh-size 0.5 --contact off");
   command->callback([&options, arguments] { run(options, *arguments); });
 }

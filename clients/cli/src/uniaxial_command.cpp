@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "angles.h"
 #include "commands.h"
 #include "failure.h"
 #include "load_arguments.h"
@@ -24,7 +25,7 @@ struct UniaxialArguments {
 
 nlohmann::json request_of(const UniaxialArguments& arguments) {
   nlohmann::json request = {{"parameters", parse_numbers(arguments.parameters, "list of parameters")},
-                            {"direction", parse_direction(arguments.direction)}};
+                            {"direction", parse_angle(arguments.direction, "--direction")}};
   if (arguments.stretches.empty() == arguments.green_strains.empty())
     throw Failure(ExitCode::usage, "no load: give --stretches or --green-strains");
   if (!arguments.stretches.empty())
@@ -53,7 +54,7 @@ void add_uniaxial_command(CLI::App& program, const GlobalOptions& options) {
       program.add_subcommand("uniaxial", "A neural model's stress along a direction, lateral strain and shear free");
   command->add_option("model", arguments->model, "Model, see supple models")->required();
   command->add_option("-p,--parameters", arguments->parameters, "Parameters, separated by commas")->required();
-  command->add_option("-d,--direction", arguments->direction, "Direction of the load (rad)")->required();
+  command->add_option("-d,--direction", arguments->direction, "Direction of the load, for example 45deg")->required();
   auto* const stretches = command->add_option("--stretches", arguments->stretches,
                                               "Stretches along it in their order: 1.05,1.1 or first:last:n");
   command->add_option("--green-strains", arguments->green_strains, "Or Green strains along it, written likewise")
@@ -65,7 +66,7 @@ void add_uniaxial_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--csv", arguments->csv_file, "Write the states to this file, - for the terminal");
   command->footer(
       "Examples:\n  supple uniaxial ih21 --parameters 0.15,0.65 --direction 0 --stretches 1.02:1.2:10\n"
-      "  supple uniaxial ih21 --parameters 0.15,0.65 --direction 0.785 --green-strains -0.05,-0.1 --csv curve.csv");
+      "  supple uniaxial ih21 --parameters 0.15,0.65 --direction 45deg --green-strains -0.05,-0.1 --csv curve.csv");
   command->callback([&options, arguments] { run(options, *arguments); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "angles.h"
 #include "commands.h"
 #include "design_output.h"
 #include "failure.h"
@@ -59,7 +60,7 @@ nlohmann::json request_of(const HomogenizeArguments& arguments) {
   if (const auto count = integer_in(arguments.directions)) {
     request["directions"] = *count;
   } else if (!arguments.directions.empty()) {
-    request["directions"] = parse_series(arguments.directions, "number or list of directions");
+    request["directions"] = parse_angles(arguments.directions, "--directions");
   }
   if (!arguments.shear.empty()) request["shear"] = arguments.shear;
   if (arguments.thickness > 0) request["thickness"] = arguments.thickness;
@@ -92,7 +93,7 @@ void add_weave_homogenize_command(CLI::App& weave, const GlobalOptions& options)
   add_weave_options(*command, arguments->weave);
   command->add_option("-s,--strain", arguments->strain, "Stretch minus one along each direction (0.1)");
   command->add_option("-d,--directions", arguments->directions,
-                      "How many over half a turn (200), or angles in rad: 0.0,0.785 or first:last:n");
+                      "How many over half a turn (200), or angles: 0deg,45deg or first:last:n");
   command->add_option("--shear", arguments->shear, "Shear relative to the direction (free)")
       ->check(CLI::IsMember({"free", "suppressed"}));
   command->add_option("--thickness", arguments->thickness, "In mm, for moduli in MPa")->check(CLI::PositiveNumber);
@@ -103,7 +104,7 @@ void add_weave_homogenize_command(CLI::App& weave, const GlobalOptions& options)
   command->add_option("--obj", arguments->obj_file, "Write the deformed cells; several become name-1.obj and so on");
   command->footer(
       "Examples:\n  supple weave homogenize squares --type 2 --strain 0.3 --plot squares.svg\n"
-      "  supple weave homogenize regular --connections \"fused,slides_x;slides_y,fused\" --directions 0.785,0.0");
+      "  supple weave homogenize regular --connections \"fused,slides_x;slides_y,fused\" --directions 45deg,0deg");
   command->callback([&options, arguments] { homogenize(options, *arguments); });
 }
 

@@ -1,0 +1,73 @@
+#include "angles.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "failure.h"
+#include "numbers.h"
+#include "style.h"
+
+namespace supple::cli {
+namespace {
+
+using std::numbers::pi;
+
+struct Unit {
+  std::string_view name;
+  double radians = 1;
+};
+constexpr Unit units[] = {{"deg", pi / 180}, {"\u00b0", pi / 180}, {"rad", 1}};
+
+constexpr auto how_to_write = "write for example 45deg, 0.785rad, or a number of radians";
+
+std::optional<double> number_in(std::string_view text) {
+  const auto numbers = numbers_in(text);
+  return numbers && numbers->size() == 1 ? std::optional(numbers->front()) : std::nullopt;
+}
+
+/// Says so where a number without a unit is more than a whole turn.
+double checked(double angle, std::string_view text, const char* option) {
+  if (std::abs(angle) > 2 * pi && number_in(text))
+    print_notice(fmt::format("{} {}: this is in radians and more than a whole turn; {} degrees are written {}deg",
+                             option, text, text, text));
+  return angle;
+}
+
+}  // namespace
+
+std::optional<double> angle_in(std::string_view text) {
+  for (const auto& unit : units) {
+    if (!text.ends_with(unit.name)) continue;
+    const auto number = number_in(text.substr(0, text.size() - unit.name.size()));
+    return number ? std::optional(unit.radians * *number) : std::nullopt;
+  }
+  return number_in(text);
+}
+
+double parse_angle(const std::string& text, const char* option) {
+  const auto angle = angle_in(text);
+  if (!angle) throw Failure(ExitCode::usage, fmt::format("{}: '{}' is no angle: {}", option, text, how_to_write));
+  return checked(*angle, text, option);
+}
+
+std::vector<double> parse_angles(const std::string& text, const char* option) {
+  const std::size_t first_colon = text.find(':');
+  const std::size_t second_colon = first_colon == std::string::npos ? first_colon : text.find(':', first_colon + 1);
+  if (second_colon != std::string::npos) {
+    const double first = parse_angle(text.substr(0, first_colon), option);
+    const double last = parse_angle(text.substr(first_colon + 1, second_colon - first_colon - 1), option);
+    return parse_series(fmt::format("{:.17g}:{:.17g}{}", first, last, text.substr(second_colon)), "list of angles");
+  }
+  std::vector<double> angles;
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t comma = text.find(',', begin);
+    angles.push_back(parse_angle(text.substr(begin, comma - begin), option));
+    if (comma == std::string::npos) return angles;
+    begin = comma + 1;
+  }
+}
+
+}  // namespace supple::cli

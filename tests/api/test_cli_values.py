@@ -1,0 +1,77 @@
+"""Values on the command line: angles with units."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+from pathlib import Path
+from typing import Any, Tuple
+
+import pytest
+
+from harness import Api, CLI
+from shapes import flat_grid, obj_text
+
+CURVE = ("profile", "--task", "stress_strain", "--family", "IH67", "--parameters", "0.2,0.9", "--samples", "3")
+POISSON = ("profile", "--task", "poisson", "--family", "IH67", "--parameters", "0.2,0.9")
+
+
+class Program:
+    """Runs `supple` with a server and a folder of its own."""
+
+    def __init__(self, url: str, folder: Path) -> None:
+        self.url = url
+        self.folder = folder
+        (folder / "grid.obj").write_text(obj_text(flat_grid(3)))
+
+    def run(self, *arguments: str, **environment: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run([str(CLI), *arguments], cwd=self.folder, env={**os.environ, "SUPPLE_SERVER": self.url, **environment},
+                              capture_output=True, text=True, timeout=60, check=False)
+
+    def json(self, *arguments: str) -> Any:
+        finished = self.run("--json", *arguments)
+        assert finished.returncode == 0, finished.stderr
+        return json.loads(finished.stdout)
+
+
+@pytest.fixture
+def supple(designs: Api, tmp_path: Path) -> Program:
+    return Program(designs.server.url, tmp_path)
+
+
+@pytest.mark.parametrize("text, radians", [
+    ("45deg", math.pi / 4), ("-45deg", -math.pi / 4), ("45\u00b0", math.pi / 4), ("0.5rad", 0.5), ("0.5", 0.5), ("1e1deg", math.pi / 18),
+])
+def test_an_angle_may_have_a_unit(supple: Program, text: str, radians: float) -> None:
+    assert supple.json(*CURVE, f"--direction={text}")["direction"] == pytest.approx(radians, abs=1e-15)
+
+
+def test_lists_and_series_of_angles_may_have_units(supple: Program) -> None:
+    assert supple.json(*POISSON, "-x", "0deg,45deg,1.5")["x"] == pytest.approx([0, math.pi / 4, 1.5])
+    assert supple.json(*POISSON, "-x", "0deg:90deg:3")["x"] == pytest.approx([0, math.pi / 4, math.pi / 2])
+    weave = supple.json("weave", "homogenize", "regular", "--strain", "0.02", "--directions", "0,30deg")
+    assert weave["directions"] == pytest.approx([0, math.pi / 6])
+    load = ("IH21", "--stretches", "1.01", "--mesh-size", "1", "--no-tangents")
+    along = supple.json("simulate", *load, "--uniaxial", "90deg", "--frame", "material")["states"][0]["green_strain"]
+    assert along[1] == pytest.approx((1.01**2 - 1) / 2, rel=1e-6)
+
+
+def test_control_points_over_directions_may_be_in_degrees(supple: Program) -> None:
+    wanted = ("design", "--task", "poisson", "--family", "IH67", "--starts", "1", "--target")
+    assert supple.json(*wanted, "0deg,0.1;90deg,0.1")["profile"]["target"]
+    (supple.folder / "target.csv").write_text("direction,ratio\n0deg,0.1\n90deg,0.1\n")
+    assert supple.json(*wanted, "target.csv")["profile"]["target"] == supple.json(*wanted, f"0,0.1;{math.pi / 2!r},0.1")["profile"]["target"]
+    # Strains have no unit.
+    refused = supple.run("design", "--task", "stress_strain", "--family", "IH67", "--target", "0deg,0;1deg,1")
+    assert refused.returncode == 1 and "is no control point" in refused.stderr
+
+
+def test_what_is_no_angle_is_refused_and_degrees_without_a_unit_are_noticed(supple: Program) -> None:
+    for text in ("45grad", "deg", "x", "45deg,3", "infdeg"):
+        refused = supple.run(*CURVE, "--direction", text)
+        assert refused.returncode == 1 and f"--direction: '{text}' is no angle" in refused.stderr and "45deg" in refused.stderr
+    noticed = supple.run(*CURVE, "--direction", "45")
+    assert noticed.returncode == 0 and "45 degrees are written 45deg" in noticed.stderr
+    assert supple.run(*CURVE, "--direction", "400deg").stderr == "" == supple.run(*CURVE, "--direction", "6.28").stderr
