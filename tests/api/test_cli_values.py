@@ -1,10 +1,11 @@
-"""Values on the command line: angles with units."""
+"""Values on the command line: angles with units, and plots by the endings of files."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
+import struct
 import subprocess
 from pathlib import Path
 from typing import Any, Tuple
@@ -75,3 +76,39 @@ def test_what_is_no_angle_is_refused_and_degrees_without_a_unit_are_noticed(supp
     noticed = supple.run(*CURVE, "--direction", "45")
     assert noticed.returncode == 0 and "45 degrees are written 45deg" in noticed.stderr
     assert supple.run(*CURVE, "--direction", "400deg").stderr == "" == supple.run(*CURVE, "--direction", "6.28").stderr
+
+
+def png_size(path: Path) -> Tuple[int, int]:
+    content = path.read_bytes()
+    assert content[:8] == b"\x89PNG\r\n\x1a\n" and content[12:16] == b"IHDR"
+    width, height = struct.unpack(">II", content[16:24])
+    return width, height
+
+
+@pytest.mark.parametrize("arguments", [
+    CURVE, ("design", "--task", "poisson", "--family", "IH67", "--starts", "1", "--target", "0,0.1;1,0.1"),
+    ("weave", "homogenize", "regular", "--strain", "0.02", "--directions", "4"),
+    ("relax", "grid.obj", "v0", "v5", "--spring", "0,1", "--fixed", "0"),
+], ids=lambda arguments: arguments[0] if isinstance(arguments, tuple) else arguments)
+def test_a_plot_is_what_the_ending_of_its_file_says(supple: Program, arguments: Tuple[str, ...]) -> None:
+    assert supple.run(*arguments, "--plot", "plot.PNG").returncode == 0
+    assert supple.run(*arguments, "--plot", "plot.svg").returncode == 0
+    svg = (supple.folder / "plot.svg").read_text()
+    width, height = png_size(supple.folder / "plot.PNG")
+    assert svg.startswith("<svg") or svg.startswith("<?xml")
+    assert f'width="{width // 2}"' in svg and f'height="{height // 2}"' in svg  # two pixels for each
+
+
+def test_plots_of_other_kinds_are_refused_before_anything_is_computed(supple: Program) -> None:
+    for ending in ("pdf", "jpg", "PNG.gz"):
+        refused = supple.run("--server", "http://127.0.0.1:1", *CURVE, "--plot", f"plot.{ending}")
+        assert refused.returncode == 1 and "plots are written as .svg or .png" in refused.stderr
+
+
+def test_where_nothing_makes_png_files_they_are_refused_with_the_reason(supple: Program, tmp_path: Path) -> None:
+    (tmp_path / "libraries").mkdir()
+    (tmp_path / "libraries" / "librsvg-2.so.2").write_bytes(b"")  # found first, and no library
+    hidden = {"LD_LIBRARY_PATH": str(tmp_path / "libraries")}
+    refused = supple.run("--server", "http://127.0.0.1:1", *CURVE, "--plot", "plot.png", **hidden)
+    assert refused.returncode == 5 and "librsvg" in refused.stderr and "write the plot as .svg" in refused.stderr
+    assert supple.run(*CURVE, "--plot", "plot.svg", **hidden).returncode == 0

@@ -6,6 +6,7 @@
 #include "design_output.h"
 #include "failure.h"
 #include "numbers.h"
+#include "picture.h"
 #include "profile_arguments.h"
 #include "profile_plot.h"
 
@@ -102,7 +103,7 @@ void run(const GlobalOptions& options, const DesignArguments& arguments) {
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/designs", request).json();
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, designs_as_csv(answer));
-  if (!arguments.plot_file.empty()) write_file(arguments.plot_file, plot_svg(plots_of_designs(answer)));
+  if (!arguments.plot_file.empty()) write_picture(arguments.plot_file, plot_svg(plots_of_designs(answer)));
   if (!arguments.svg_file.empty()) write_structures(session, arguments.svg_file, answer);
   if (arguments.csv_file == "-" || arguments.plot_file == "-" || arguments.svg_file == "-") return;
   session.json() ? print_json(answer) : print_designs(answer);
@@ -172,7 +173,9 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
       ->check(CLI::PositiveNumber);
   command->add_option("--csv", arguments->csv_file, "Write target and profiles to this file, - for the terminal");
-  command->add_option("--plot", arguments->plot_file, "Draw target and profiles as SVG, - for the terminal");
+  command
+      ->add_option("--plot", arguments->plot_file, "Draw target and profiles as SVG or PNG, - for the terminal (SVG)")
+      ->check(plot_file());
   command->add_option("--svg", arguments->svg_file,
                       "Write the structure found as SVG, - for the terminal; several become name-1.svg and so on");
   command->footer(

@@ -7,6 +7,7 @@
 #include "design_output.h"
 #include "failure.h"
 #include "numbers.h"
+#include "picture.h"
 #include "profile_arguments.h"
 #include "profile_plot.h"
 
@@ -44,7 +45,7 @@ void run(const GlobalOptions& options, const ProfileCommandArguments& arguments)
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/profiles", request).json();
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, profile_as_csv(answer));
-  if (!arguments.plot_file.empty()) write_file(arguments.plot_file, plot_svg({plot_of_profile(answer)}));
+  if (!arguments.plot_file.empty()) write_picture(arguments.plot_file, plot_svg({plot_of_profile(answer)}));
   if (arguments.csv_file == "-" || arguments.plot_file == "-") return;
   session.json() ? print_json(answer) : print_profile(answer);
 }
@@ -71,7 +72,8 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
       ->check(CLI::PositiveNumber);
   command->add_option("--csv", arguments->csv_file, "Write the profile to this file, - for the terminal");
-  command->add_option("--plot", arguments->plot_file, "Draw the profile as SVG, - for the terminal");
+  command->add_option("--plot", arguments->plot_file, "Draw the profile as SVG or PNG, - for the terminal (SVG)")
+      ->check(plot_file());
   command->footer(
       "Examples:\n  supple profile --task stress_strain --family IH67 --parameters 0.2,0.9 --direction 45deg --csv -\n"
       "  supple profile --task poisson --family IH67 --parameters 0.2,0.9 --strain -0.1 --plot poisson.svg");

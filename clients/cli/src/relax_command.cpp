@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "host_arguments.h"
 #include "numbers.h"
 #include "path_output.h"
+#include "picture.h"
 #include "style.h"
 #include "surface_point.h"
 #include "weave_arguments.h"
@@ -196,10 +196,10 @@ void run(const GlobalOptions& options, const RelaxArguments& arguments) {
       write_spring_paths(arguments.obj_file, answer.at("springs"));
     }
   }
-  const std::array<std::pair<const std::string*, const char*>, 2> files{
-      {{&arguments.vtu_file, "application/x-vtu+xml"}, {&arguments.plot_file, "image/svg+xml"}}};
-  for (const auto& [file, media_type] : files)
-    if (!file->empty()) write_file(*file, session.compute(networks_path, request, media_type).body);
+  if (!arguments.vtu_file.empty())
+    write_file(arguments.vtu_file, session.compute(networks_path, request, "application/x-vtu+xml").body);
+  if (!arguments.plot_file.empty())
+    write_picture(arguments.plot_file, session.compute(networks_path, request, "image/svg+xml").body);
   if (arguments.obj_file == "-" || arguments.vtu_file == "-" || arguments.plot_file == "-") return;
   session.json() ? print_json(answer) : print_relaxation(answer, arguments.history);
 }
@@ -276,7 +276,10 @@ void add_relax_command(CLI::App& program, const GlobalOptions& options) {
       "it once more), - for the terminal");
   command->add_option("--vtu", arguments->vtu_file,
                       "Write the network and a host that gives way for ParaView; computes it once more");
-  command->add_option("--plot", arguments->plot_file, "Write the convergence as SVG; computes it once more");
+  command
+      ->add_option("--plot", arguments->plot_file,
+                   "Draw the convergence as SVG or PNG, - for the terminal (SVG); computes it once more")
+      ->check(plot_file());
   command->footer(
       "Examples:\n  supple relax bunny.obj v0 v300 v900 --spring 0,1 --spring 1,2 --fixed 0,2 --history\n"
       "  supple relax bunny.obj --poisson-disk 0.2 --voronoi-dual --rest-length 0.15 --obj network.obj\n"

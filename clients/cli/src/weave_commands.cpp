@@ -7,6 +7,7 @@
 #include "design_output.h"
 #include "failure.h"
 #include "numbers.h"
+#include "picture.h"
 #include "simulation_output.h"
 #include "weave_arguments.h"
 #include "weave_output.h"
@@ -78,7 +79,7 @@ void homogenize(const GlobalOptions& options, const HomogenizeArguments& argumen
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/weave-homogenizations", request).json();
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, homogenization_as_csv(answer));
-  if (!arguments.plot_file.empty()) write_file(arguments.plot_file, plot_svg(plots_of_homogenization(answer)));
+  if (!arguments.plot_file.empty()) write_picture(arguments.plot_file, plot_svg(plots_of_homogenization(answer)));
   const auto& cells = answer.at("cells");
   for (std::size_t i = 0; i < cells.size() && !arguments.obj_file.empty(); ++i)
     write_file(numbered_file(arguments.obj_file, i, cells.size()), strands_as_obj(cells.at(i).at("strands")));
@@ -100,7 +101,10 @@ void add_weave_homogenize_command(CLI::App& weave, const GlobalOptions& options)
   command->add_option("--deformed", arguments->deformed, "Numbers of directions whose deformed cells are wanted");
   add_equilibrium_options(*command, arguments->equilibrium);
   command->add_option("--csv", arguments->csv_file, "Write a line for each direction to this file, - for the terminal");
-  command->add_option("--plot", arguments->plot_file, "Draw both over the direction as SVG, - for the terminal");
+  command
+      ->add_option("--plot", arguments->plot_file,
+                   "Draw both over the direction as SVG or PNG, - for the terminal (SVG)")
+      ->check(plot_file());
   command->add_option("--obj", arguments->obj_file, "Write the deformed cells; several become name-1.obj and so on");
   command->footer(
       "Examples:\n  supple weave homogenize squares --type 2 --strain 0.3 --plot squares.svg\n"
