@@ -1,4 +1,4 @@
-"""Values on the command line: angles with units, and plots by the endings of files."""
+"""Values on the command line: angles with units, plots by the endings of files, and refusals that name options."""
 
 from __future__ import annotations
 
@@ -112,3 +112,46 @@ def test_where_nothing_makes_png_files_they_are_refused_with_the_reason(supple: 
     refused = supple.run("--server", "http://127.0.0.1:1", *CURVE, "--plot", "plot.png", **hidden)
     assert refused.returncode == 5 and "librsvg" in refused.stderr and "write the plot as .svg" in refused.stderr
     assert supple.run(*CURVE, "--plot", "plot.svg", **hidden).returncode == 0
+
+
+@pytest.mark.parametrize("arguments, named", [
+    ((*POISSON, "--strain", "9"), "--strain: must be"),
+    (("profile", "--task", "poisson", "--family", "IH67", "--parameters", "0.2"), "--parameters"),
+    (("geodesic", "grid.obj", "v0", "v1", "v2", "v999"), "points 'v999'"),
+    (("karcher", "grid.obj", "v0", "v999", "v1"), "points 'v999'"),
+    (("field", "grid.obj", "v999"), "sources 'v999'"),
+    (("karcher", "grid.obj", "v0", "v1", "--weights", "1"), "--weights"),
+    (("relax", "grid.obj", "v0", "v5", "--spring", "0,7"), "--spring"),
+    (("relax", "grid.obj", "v0", "v5", "--spring", "0,1", "--fixed", "9"), "--fixed"),
+    (("voronoi", "grid.obj", "v0", "v5", "--optimize", "centroid"), "--optimize"),
+    (("simulate", "IH01", "--uniaxial", "0", "--stretches", "-1"), "--stretches: must be"),
+    (("simulate", "IH01", "-p", "9,9,9,9", "--uniaxial", "0", "--stretches", "1.1"), "--parameters: must lie between"),
+    (("design", "--task", "stress_strain", "--target", "0,0;1,1", "--polish-tolerance", "7"), "--polish-tolerance: must be"),
+    (("weave", "layout", "regular", "--sheet", "99999x3"), "--sheet: must be"),
+    (("weave", "simulate", "regular", "--sheet", "4x4", "--hold", "c999"), "--hold or --move"),
+    (("structure", "IH21", "--cells", "1000x1000", "--svg", "x.svg"), "--cells: must be"),
+])
+def test_a_refusal_names_the_option_and_not_the_field(supple: Program, arguments: Tuple[str, ...], named: str) -> None:
+    refused = supple.run(*arguments)
+    assert refused.returncode == 2 and named in refused.stderr, refused.stderr
+    for word in ("/strain", "/parameters", "/pairs", "springs/", "/accuracy", "/weave/", "supports/", "openapi", "/v1/"):
+        assert word not in refused.stderr
+
+
+def test_a_sentence_is_said_once(supple: Program) -> None:
+    assert supple.run(*POISSON, "--strain", "9").stderr.count("must be") == 1
+    assert supple.run("karcher", "grid.obj", "v0", "v999").stderr.count("A point names a vertex") == 1
+
+
+def test_what_is_refused_in_a_file_is_named_as_its_field(supple: Program) -> None:
+    request = {"task": "poisson", "target": {"control_points": [[0, 0.1], [1, 0.2]]}, "accuracy": {"tolerance": -1}}
+    (supple.folder / "request.json").write_text(json.dumps(request))
+    assert "the field accuracy.tolerance: must be" in supple.run("design", "--request", "request.json").stderr
+    # What is given besides takes the field's place, and the option is to blame.
+    assert "--tolerance: must be" in supple.run("design", "--request", "request.json", "--tolerance", "5").stderr
+
+
+def test_what_to_do_next_is_said_in_commands(supple: Program) -> None:
+    assert "supple mesh list" in supple.run("mesh", "show", "0" * 64).stderr
+    assert "supple job list" in supple.run("job", "show", "0" * 32).stderr
+    assert "supple models" in supple.run("model", "ih99").stderr

@@ -51,7 +51,7 @@ struct HttpClient::Connection {
     }
     Answer answer{result->status, result->get_header_value("Content-Type"), result->get_header_value("Location"),
                   seconds_in(result->get_header_value("Retry-After")), result->body};
-    if (answer.status >= 400) throw problem_failure(answer.status, answer.body);
+    if (answer.status >= 400) throw_problem(answer.status, answer.body);
     return answer;
   }
 

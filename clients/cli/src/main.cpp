@@ -9,6 +9,7 @@
 #include "exit_code.h"
 #include "failure.h"
 #include "interrupt.h"
+#include "problem_message.h"
 #include "program.h"
 #include "style.h"
 #include "suggestions.h"
@@ -28,6 +29,9 @@ int run(int argument_count, char** arguments) {
     if (error.get_exit_code() == 0) return program->exit(error);
     supple::cli::print_failure(supple::cli::usage_message(*program, error));
     return static_cast<int>(ExitCode::usage);
+  } catch (const supple::cli::Problem& problem) {
+    supple::cli::print_failure(supple::cli::problem_message(problem, *program));
+    return static_cast<int>(problem.code());
   } catch (const supple::cli::Failure& failure) {
     supple::cli::print_failure(failure.what());
     return static_cast<int>(failure.code());

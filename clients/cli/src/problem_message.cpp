@@ -1,0 +1,186 @@
+#include "problem_message.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "command_tree.h"
+#include "numbers.h"
+#include "suggestions.h"
+
+namespace supple::cli {
+namespace {
+
+/// Fields whose options have another name, by the command; a field within one of these belongs to the same option.
+struct FieldName {
+  std::string_view command;
+  std::string_view pointer;
+  std::string_view name;
+};
+constexpr std::array<FieldName, 24> field_names{{
+    {"evaluate", "/green_strain", "--strain"},
+    {"simulate", "/load/uniaxial/direction", "--uniaxial"},
+    {"simulate", "/load/biaxial/direction", "--biaxial"},
+    {"simulate", "/load/biaxial/stretches", "--stretches or --orthogonal"},
+    {"relax", "/points/barycentric", "--per-face"},
+    {"relax", "/points/radius", "--poisson-disk"},
+    {"relax", "/fixed_points", "--fixed"},
+    {"relax", "/spring_length", "--euclidean"},
+    {"relax", "/host/fixed_vertices", "--fix-vertex"},
+    {"relax", "/host/moved_vertices", "--move-vertex"},
+    {"relax", "/host/kind", "--host-kind"},
+    {"relax", "/host/thickness", "--host-thickness"},
+    {"relax", "/host/youngs_modulus", "--host-youngs-modulus"},
+    {"relax", "/host/poisson_ratio", "--host-poisson-ratio"},
+    {"voronoi", "/sites/count", "--random"},
+    {"voronoi", "/objectives", "--optimize"},
+    {"voronoi", "/fixed_sites", "--fixed"},
+    {"simulate", "/supports", "--hold or --move"},
+    {"simulate", "/forces", "--pull"},
+    {"print", "/printer", "--profile"},
+    {"print", "/overruns", "--overrun-of"},
+    {"check", "/gcode", "file"},
+    {"", "/weave/overrides", "--fuse or --slide"},
+    {"", "/weave/pattern", "weave"},
+}};
+
+/// Options that name files of whole requests or of parts of them.
+constexpr std::array<const char*, 6> request_files{"request", "network", "options", "load", "profile", "limits"};
+
+/// What to do next where the server's own words are for those who write requests.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> hints{{
+    {"mesh.not_found", "See 'supple mesh list', or name a mesh file, which is uploaded."},
+    {"point.vertex_out_of_range", "Vertices are numbered from 0; 'supple mesh show' says how many there are."},
+    {"point.face_out_of_range", "Faces are numbered from 0; 'supple mesh show' says how many there are."},
+    {"job.not_found", "See 'supple job list'."},
+    {"model.not_found", "See 'supple models'."},
+    {"tiling.family_not_found", "See 'supple families'."},
+    {"design.no_model", "See 'supple models'."},
+}};
+
+std::vector<std::string> parts_of(const std::string& pointer) {
+  std::vector<std::string> parts;
+  std::istringstream text(pointer);
+  for (std::string part; std::getline(text, part, '/');)
+    if (!part.empty()) parts.push_back(replaced(replaced(part, "~1", "/"), "~0", "~"));
+  return parts;
+}
+
+bool lies_within(const std::string& pointer, std::string_view field) {
+  return pointer.starts_with(field) && (pointer.size() == field.size() || pointer[field.size()] == '/');
+}
+
+const CLI::Option* option_named(const CLI::App& app, const std::string& part) {
+  const std::string name = replaced(part, "_", "-");
+  std::vector<std::string> spelt{name};
+  // One option for each entry: --spring for springs.
+  if (name.ends_with('s')) spelt.push_back(name.substr(0, name.size() - 1));
+  for (const auto& one : spelt)
+    for (const CLI::Option* option : app.get_options())
+      if (option->check_lname(one) || (one.size() == 1 && option->check_sname(one)) ||
+          option->get_name(/*positional=*/true) == one)
+        return option;
+  return nullptr;
+}
+
+std::string shown_name(const CLI::Option& option) {
+  return option.nonpositional() ? spellings(option).back() : option.get_name(/*positional=*/true);
+}
+
+/// The value of an argument with several that an entry of a list came from: " 'v9'".
+std::string quoted_value(const CLI::Option& option, const std::vector<std::string>& parts, std::size_t at) {
+  if (at + 1 >= parts.size() || option.get_items_expected_max() <= 1) return {};
+  const auto index = integer_in(parts[at + 1]);
+  const auto& values = option.results();
+  if (!index || *index < 0 || static_cast<std::size_t>(*index) >= values.size()) return {};
+  return fmt::format(" '{}'", values[static_cast<std::size_t>(*index)]);
+}
+
+/// Both ends of geodesics are told in turn.
+std::string name_of_end(const CLI::App& command, const std::vector<std::string>& parts) {
+  const CLI::Option* points = option_named(command, "points");
+  const auto pair = parts.size() > 2 ? integer_in(parts[1]) : std::nullopt;
+  if (points == nullptr || !pair) return "points";
+  const auto at = static_cast<std::size_t>(2 * *pair + (parts[2] == "to" ? 1 : 0));
+  return at < points->results().size() ? fmt::format("points '{}'", points->results()[at]) : "points";
+}
+
+bool reads_request_file(const CLI::App& command) {
+  return std::any_of(request_files.begin(), request_files.end(), [&](const char* name) {
+    const CLI::Option* option = command.get_option_no_throw("--" + std::string(name));
+    return option != nullptr && option->count() > 0;
+  });
+}
+
+/// The server's sentence with the option in the place of a field that it names, with its first slash or without.
+std::string with_name_of_field(const std::string& sentence, const std::string& pointer, const std::string& name) {
+  const std::string text = replaced(sentence, pointer, name);
+  const std::string bare = pointer.substr(1);
+  // A single word may be meant as such elsewhere in the sentence.
+  if (bare.find('/') != std::string::npos) return replaced(text, bare, name);
+  return text.starts_with(bare + ":") ? name + text.substr(bare.size()) : text;
+}
+
+std::string hint_of(const nlohmann::json& document) {
+  const auto code = member_text(document, "code");
+  for (const auto& [known, hint] : hints)
+    if (code == known) return std::string(hint);
+  auto hint = member_text(document, "hint");
+  // Such hints are for those who write requests by hand.
+  for (const char* const word : {"/openapi.yaml", "/v1/", "entries of errors", "entry of errors", "The message names"})
+    if (hint.find(word) != std::string::npos) return {};
+  return hint;
+}
+
+}  // namespace
+
+std::string name_of_field(const std::string& pointer, const std::vector<const CLI::App*>& commands) {
+  const auto parts = parts_of(pointer);
+  const CLI::App& command = *commands.back();
+  if (parts.empty()) return "the request";
+  auto field = "the field " + joined(parts, ".");
+  const bool from_file = reads_request_file(command);
+  if (command.get_name() == "geodesic" && parts.front() == "pairs") return name_of_end(command, parts);
+  for (const auto& known : field_names) {
+    const bool here = known.command.empty() || known.command == command.get_name();
+    if (here && lies_within(pointer, known.pointer)) return from_file ? field : std::string(known.name);
+  }
+  for (std::size_t at = parts.size(); at-- > 0;) {
+    const CLI::Option* option = option_named(command, parts[at]);
+    if (option == nullptr) continue;
+    if (from_file && option->count() == 0) return field;
+    return shown_name(*option) + quoted_value(*option, parts, at);
+  }
+  return field;
+}
+
+std::string problem_message(const Problem& problem, const CLI::App& program) {
+  const auto commands = given_commands(program);
+  const auto& document = problem.document();
+  std::string sentence = problem.what();
+  std::vector<std::pair<std::string, std::string>> faults;
+  if (const auto errors = document.find("errors"); errors != document.end() && errors->is_array()) {
+    for (const auto& entry : *errors) {
+      if (!entry.is_object()) continue;
+      const auto pointer = member_text(entry, "pointer");
+      const bool is_field = pointer.starts_with('/');
+      faults.emplace_back(is_field ? name_of_field(pointer, commands) : pointer, member_text(entry, "detail"));
+      if (is_field) sentence = with_name_of_field(sentence, pointer, faults.back().first);
+    }
+  }
+  if (faults.size() == 1 && faults.front().second == sentence)
+    sentence = fmt::format("{}: {}", faults.front().first, sentence);
+  std::string message = fmt::format("{} [{}, HTTP {}]", sentence, member_text(document, "code"), problem.status());
+  for (const auto& [place, detail] : faults) {
+    const bool said = sentence.find(place) != std::string::npos && sentence.find(detail) != std::string::npos;
+    if (!said) message += fmt::format("\n  {}{}{}", place, place.empty() ? "" : ": ", detail);
+  }
+  if (const auto hint = hint_of(document); !hint.empty()) message += "\n" + hint;
+  return message;
+}
+
+}  // namespace supple::cli
