@@ -143,11 +143,11 @@ def test_sliding_and_fused_crossings_have_colours_of_their_own() -> None:
 
 
 def test_stress_along_the_load_is_drawn_over_the_strain_along_it() -> None:
-    state = {"green_strain": [0.1, 0.3, 0], "stress": [1, 2, 0], "directional_stress": 2, "error_bar": None,
+    state = {"green_strain": [0.1, 0.3, 0.05], "stress": [1, 2, 0], "directional_stress": 2, "error_bar": None,
              "energy_density": 0.05, "in_range": True, "converged": True, "residual": 1e-12, "iterations": 3}
-    line = uniaxial_from_wire({"direction": np.pi / 2, "states": [state], "accuracy": {"tolerance": 1e-10}, "sha256": "0",
+    line = uniaxial_from_wire({"direction": np.pi / 4, "states": [state], "accuracy": {"tolerance": 1e-10}, "sha256": "0",
                                "cost": BILL["cost"]}).plot().lines[0]
-    np.testing.assert_allclose(line.get_xydata(), [[0.3, 2]])
+    np.testing.assert_allclose(line.get_xydata(), [[0.25, 2]])
 
 
 def test_every_result_of_the_package_is_shown_in_its_own_way() -> None:
