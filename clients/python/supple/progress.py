@@ -40,7 +40,7 @@ class _Tqdm:
     """A bar of tqdm, in percent."""
 
     def __init__(self, tqdm: Any) -> None:
-        self._bar = tqdm(total=100, unit="%", leave=False, bar_format="{l_bar}{bar}| {elapsed} {desc}")
+        self._bar = tqdm(total=100, leave=False, bar_format="{percentage:3.0f} %|{bar}| {elapsed}  {desc}")
 
     def show(self, fraction: float, stage: str) -> None:
         self._bar.set_description_str(stage, refresh=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -73,6 +74,18 @@ def test_meshes_are_handed_to_libraries_as_they_want_them(monkeypatch: pytest.Mo
     assert conversion.to_meshio(VERTICES, FACES)[0][1] == [("triangle", FACES)]
     (points, corners), _ = conversion.to_pyvista(VERTICES, FACES)
     assert points is VERTICES and corners.tolist() == [3, 0, 1, 2, 3, 0, 2, 3]
+
+
+def test_a_mesh_of_meshio_itself_comes_back_as_it_went(tmp_path: Path) -> None:
+    import meshio
+
+    mesh = conversion.to_meshio(VERTICES, FACES)
+    mesh.write(tmp_path / "square.obj")
+    for one in (mesh, meshio.read(tmp_path / "square.obj")):
+        arrays = arrays_of(one)
+        assert arrays is not None
+        np.testing.assert_array_equal(arrays[0], VERTICES)
+        np.testing.assert_array_equal(arrays[1], FACES)
 
 
 @pytest.mark.parametrize("position, face, weights, distance", [
