@@ -11,17 +11,19 @@
 
 namespace supple::design {
 
-/// Whether parameters give a structure that can be built: bounds are a box, and not all of it does. Empty: all do.
+/// Whether parameters give a structure that can be built. The bounds are a box, and some of its corners hold no
+/// structure. An empty function means that every point of the box can be built.
 using Buildable = std::function<bool(const Eigen::VectorXd& parameters)>;
 
-/// 16 for one free parameter, 16 more for each further one.
+/// How many candidates are evaluated unless the caller says otherwise: 16 for one free parameter, and 16 more for each
+/// further one.
 int default_candidates(int free_parameters);
 
-/// The corners of a model's bounds and designs spread evenly between them, and their profiles: where searches start,
-/// and what a family can do.
+/// The corners of a model's bounds and designs that are spread evenly between them, with their profiles. Searches start
+/// from these candidates, and their profiles show what a family can do.
 ///
-/// Profiles are evaluated in single precision, to a hundredth, and those of the latest sets of samples are kept, so
-/// that an editor that drags a target does not pay for them again. Any thread may call.
+/// Profiles are evaluated in single precision, to a hundredth. The profiles at the latest sets of samples are kept, so
+/// that an editor that drags a target does not pay for them again. Any thread may call the members.
 class Candidates {
  public:
   explicit Candidates(const neural::Network& network);
@@ -33,9 +35,9 @@ class Candidates {
     Eigen::MatrixXd parameters;  ///< a column for each candidate
     Eigen::MatrixXd y;           ///< samples x candidates; NaN where there is no equilibrium
   };
-  /// Candidates whose parameters lie between `lower` and `upper` (equal for those that are held), with their values at
-  /// the samples of all `profiles`, one list after the other; NaN for those that cannot be built. The same `buildable`
-  /// in every call. Bills the stage "candidates".
+  /// The candidates whose parameters lie between `lower` and `upper`, which are equal for parameters that are held. The
+  /// table has their values at the samples of all `profiles`, one list after the other, and NaN for candidates that
+  /// cannot be built. Every call must pass the same `buildable`. Bills the stage "candidates".
   std::shared_ptr<const Table> table(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, int count,
                                      const std::vector<ProfileSamples>& profiles, const Buildable& buildable,
                                      const Execution& execution) const;

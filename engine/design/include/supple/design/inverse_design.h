@@ -16,37 +16,39 @@
 
 namespace supple::design {
 
-/// A model and what belongs to it; all outlive the computation.
+/// A model and what belongs to it. All of them must outlive the computation.
 struct DesignSpace {
   const neural::Model& model;
   const neural::Evaluator& evaluator;
   const Candidates& candidates;
-  Buildable buildable{};  ///< searches keep to parameters that are; any thread may call it
+  Buildable buildable{};  ///< searches keep to parameters that can be built; any thread may call it
 };
 
 /// What one design is to do.
 struct DesignProblem {
   std::vector<Target> targets;             ///< at least one; the first is the main one
   std::optional<Eigen::VectorXd> initial;  ///< where to start, within the bounds
-  /// Values of parameters that are held, none for those to be found; empty, or one entry for each parameter.
+  /// The values of parameters that are held, and none for those that are to be found. Either empty, or one entry for
+  /// each parameter.
   std::vector<std::optional<double>> fixed;
-  /// What is added to the model's values before they are compared, an entry for each sample of each target; empty:
-  /// nothing. Profiles are told without it.
+  /// What is added to the model's values before they are compared with the targets: one entry for each sample of each
+  /// target, or empty for nothing. The profiles of the answer do not include it.
   std::vector<Eigen::VectorXd> corrections{};
 };
 
 struct DesignOptions {
   /// The search ends once a step promises to lessen the relative root mean square deviation by at most this.
   double tolerance = 1e-6;
-  double equilibrium_tolerance = 1e-10;  ///< of neural::uniaxial_residual
+  double equilibrium_tolerance = 1e-10;  ///< limit of neural::uniaxial_residual
   int max_iterations = 200;              ///< from one starting point
-  /// Starting points that are followed at most. 0: 24 in one space, 4 in each of several.
+  /// How many starting points are followed at most. 0 means 24 in one space, or 4 in each of several spaces.
   int starts = 0;
-  int candidates = 0;  ///< designs from which they are chosen; 0: default_candidates
-  /// Further starting points. automatic: where the design found from `initial` does not reach the target or deviates by
-  /// more than 0.1 %, and without `initial`.
+  int candidates = 0;  ///< number of designs among which starting points are chosen; 0 means default_candidates
+  /// Whether there are further starting points. automatic uses them if there is no `initial`, or if the design found
+  /// from `initial` does not reach the target or deviates by more than 0.1 %.
   Switch multi_start = Switch::automatic;
-  /// Least and greatest values over the candidates. automatic: where candidates were evaluated anyway.
+  /// Whether the answer has the least and greatest values over the candidates. automatic gives them if candidates were
+  /// evaluated anyway.
   Switch envelope = Switch::automatic;
 };
 
@@ -54,43 +56,45 @@ enum class DesignStop {
   converged,           ///< no step lessens the deviation by more than the tolerance
   reached,             ///< within the bands, or below 1e-9
   iteration_limit,     ///< max_iterations
-  step_too_small,      ///< steps became shorter than rounding, or led where there is no equilibrium or no structure
+  step_too_small,      ///< steps became shorter than rounding, or led to places without equilibrium or structure
   no_free_parameters,  ///< all are fixed
 };
 std::string_view to_string(DesignStop stop);
 
 struct DesignError {
-  /// Weighted root mean square of the deviations beyond the bands, over SampledTarget::scale; over all targets.
+  /// The weighted root mean square, over all targets, of the deviations beyond the bands divided by
+  /// SampledTarget::scale.
   double relative_rms = 0;
   double max = 0;  ///< largest deviation of the main target, in its unit
 };
 
-/// A target and what designs do, an entry for each sample.
+/// A target and the profiles of designs at its samples. The vectors have one entry for each sample.
 struct DesignProfile {
   SampledTarget target;
-  Eigen::VectorXd initial;  ///< at the first starting point; NaN where it has no equilibrium
+  Eigen::VectorXd initial;  ///< profile of the first starting point; NaN where it has no equilibrium
   Eigen::VectorXd achieved;
-  std::vector<std::uint8_t> in_range;  ///< of the design found
-  Eigen::VectorXd error_bar;           ///< of `achieved`, as Profile::error_bar
+  std::vector<std::uint8_t> in_range;  ///< whether the design that was found is in range
+  Eigen::VectorXd error_bar;           ///< error bars of `achieved`, as Profile::error_bar
   std::vector<std::uint8_t> reached;   ///< within the band, or within 1 % of the target's scale beyond it
-  Eigen::VectorXd lowest;              ///< over the candidates; empty where they were not evaluated
-  Eigen::VectorXd highest;
+  Eigen::VectorXd lowest;              ///< least values over the candidates; empty if those were not evaluated
+  Eigen::VectorXd highest;             ///< greatest values, likewise
 };
 
 struct Design {
-  std::size_t space = 0;  ///< index of its design space
+  std::size_t space = 0;  ///< index of the design space in which it was found
   Eigen::VectorXd parameters;
   std::vector<DesignProfile> profiles;  ///< one for each target
   DesignError error;
-  /// All samples of all targets: by the simulation where one has got to all of them, by the model otherwise.
+  /// Whether all samples of all targets are reached. The simulation decides if one has got to all samples, and the
+  /// model decides otherwise.
   bool reached = false;
   int iterations = 0;  ///< over all starting points
-  int starts = 0;      ///< that were followed
-  /// Strains at which the network was evaluated for the search, those of the candidates not counted.
+  int starts = 0;      ///< number of starting points that were followed
+  /// The number of strains at which the search evaluated the network. Those of the candidates are not counted.
   std::int64_t evaluations = 0;
   DesignStop stopped = DesignStop::converged;
-  std::string message;                ///< what to know about the result; empty where there is nothing
-  double residual = 0;                ///< largest of the equilibria
+  std::string message;                ///< what the user should know about the result; may be empty
+  double residual = 0;                ///< the largest residual of the equilibria
   std::optional<double> model_error;  ///< neural::mean_stress_error
 };
 
@@ -98,29 +102,30 @@ struct Design {
 struct DesignProgress {
   std::size_t space = 0;
   const Eigen::VectorXd& parameters;
-  const ProfileSamples& samples;    ///< of the main target
-  const Eigen::VectorXd& achieved;  ///< there
+  const ProfileSamples& samples;    ///< samples of the main target
+  const Eigen::VectorXd& achieved;  ///< the design's profile at these samples
   DesignError error;
   int iteration = 0;
 };
 using OnProgress = std::function<void(const DesignProgress&)>;
 
-/// Tiling parameters whose response follows the targets: the bi-level problems of thesis 4.9, 4.10 and 4.12, several
-/// at once. The outer problem is solved by numerics::minimize_least_squares with the total derivatives of all samples
-/// (4.14 to 4.18), the inner ones for all samples together, warm started. The design that is returned is the best of
-/// all starting points; its profiles are worked out from rest, so that they do not depend on the way there.
+/// Finds tiling parameters whose response follows the targets. These are the bi-level problems of thesis 4.9, 4.10 and
+/// 4.12, several of them at once. The outer problem is solved by numerics::minimize_least_squares with the total
+/// derivatives of all samples (4.14 to 4.18). The inner problems are solved for all samples together, starting from the
+/// equilibria of the previous design. The result is the best design of all starting points. Its profiles are computed
+/// from rest, so that they do not depend on the path of the search.
 ///
 /// Throws "design.invalid_target", "design.parameter_count", "design.parameter_out_of_bounds", "model.invalid_load",
-/// and "design.no_equilibrium" where no design that was tried can be built and has an equilibrium at every sample. A
+/// and "design.no_equilibrium" if no design that was tried can be built and has an equilibrium at every sample. A
 /// target out of reach is no error. Bills the stages "candidates" and "optimization", the effects "multi_start" and
 /// "envelope", and the quantities "evaluations", "iterations" and "restarts".
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options = {},
                    const Execution& execution = {}, const OnProgress& progress = {});
 
-/// The best design of each space, best first by what is to be expected of the structure: the root of the squares of its
-/// relative root mean square deviation and of the model's error, which is 1 where it is unknown. Problems with
-/// `initial` or `fixed` have one space. Spaces without any equilibrium are left out; "design.no_equilibrium" is thrown
-/// where none remains.
+/// Finds the best design of each space and ranks them by the deviation that is to be expected of the structure. This is
+/// sqrt(d^2 + m^2), where d is the relative root mean square deviation of the design and m the error of its model,
+/// which is taken for 1 if it is unknown. Problems with `initial` or `fixed` must have one space. Spaces without any
+/// equilibrium are left out, and "design.no_equilibrium" is thrown if none remains.
 std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const DesignProblem& problem,
                                  const DesignOptions& options = {}, const Execution& execution = {},
                                  const OnProgress& progress = {});

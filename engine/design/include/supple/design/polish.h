@@ -15,11 +15,11 @@ namespace supple::design {
 struct PolishOptions {
   /// Polishing ends once the simulated relative root mean square deviation is at most this.
   double tolerance = 2e-3;
-  /// Samples of each target that are simulated, at most; evenly spaced.
+  /// How many samples of each target are simulated at most. They are evenly spaced.
   int samples = 12;
-  /// Structures that are simulated, at most, beyond the design that the search found.
+  /// How many structures are simulated at most, in addition to the design that the search found.
   int max_rounds = 30;
-  /// A round that would end after so many seconds, by the longest one so far, is not begun.
+  /// A round is not begun if it would end later than this, judging by the longest round so far.
   double max_seconds = 120;
   double equilibrium_tolerance = 1e-10;  ///< as in DesignOptions
 };
@@ -29,7 +29,7 @@ enum class PolishStop {
   no_improvement,  ///< no proposal lessened the simulated deviation
   round_limit,     ///< max_rounds
   time_limit,      ///< max_seconds
-  deadline,        ///< the computation's deadline passed: what stands is the best so far
+  deadline,        ///< the computation's deadline passed, and the result is the best design so far
   not_simulated,   ///< no design that was tried has a structure whose simulation reaches every sample
 };
 std::string_view to_string(PolishStop stop);
@@ -40,7 +40,7 @@ enum class Proposal {
   step,        ///< a step of the corrected network within a trust region
   probe,       ///< a short move along a singular vector, to learn how the network's error changes
   new_search,  ///< another minimum of the corrected network
-  survey       ///< of places all over the box, where the network's error bar leaves the most open
+  survey       ///< a survey of the whole box, at the place where the network's error bar leaves most hope
 };
 std::string_view to_string(Proposal proposal);
 
@@ -48,18 +48,18 @@ std::string_view to_string(Proposal proposal);
 struct PolishRound {
   Proposal proposal = Proposal::search;
   Eigen::VectorXd parameters;
-  std::optional<double> target_error;  ///< simulated, as DesignError::relative_rms; none where simulation failed
+  std::optional<double> target_error;  ///< simulated, as DesignError::relative_rms; none if the simulation failed
   bool accepted = false;
   std::string reason;  ///< why it was not accepted; empty if it was
   double seconds = 0;
 };
 
 struct Polished {
-  Eigen::VectorXd parameters;              ///< of the best design that was simulated
-  std::vector<SampledTarget> targets;      ///< at the samples that were simulated
-  std::vector<Eigen::VectorXd> simulated;  ///< of the best design, for each target; NaN where simulation did not get
-  std::vector<Eigen::VectorXd> model;      ///< the network's values there
-  std::optional<double> target_error;      ///< simulated, of the best design
+  Eigen::VectorXd parameters;              ///< parameters of the best design that was simulated
+  std::vector<SampledTarget> targets;      ///< the targets at the samples that were simulated
+  std::vector<Eigen::VectorXd> simulated;  ///< the best design's profile for each target; NaN if not reached
+  std::vector<Eigen::VectorXd> model;      ///< the network's values at the same samples
+  std::optional<double> target_error;      ///< simulated deviation of the best design
   std::vector<PolishRound> rounds;         ///< the first is the design that the search found
   PolishStop stopped = PolishStop::reached;
 };
@@ -68,31 +68,33 @@ using OnPolishRound = std::function<void(const PolishRound& round)>;
 /// Simulates a design that the network's search has found, and corrects it by what the simulation says until the
 /// *simulated* response is within the tolerance of the targets.
 ///
-/// The network is a cheap model of the simulation that is off by c(x) = S(x) - N(x). Near the best design x_k so far
-/// it is taken for N(x) + c(x_k) + A (x - x_k), whose best parameters within a trust region are simulated next; A
-/// learns from every simulation by Broyden's rank-one update, so that for few parameters the model's slope becomes the
-/// simulation's (manifold mapping, Echeverría and Hemker 2005). Only a simulated deviation that is less is accepted;
-/// the trust region shrinks otherwise, also where parameters have no structure or no path to every sample. Where steps
-/// fail twice or promise nothing, short moves along the singular vectors of the Jacobian give A by differences; where
-/// these do not help either, the best other minima of N(x) + c(x_k) are tried, each with a region of its own. Where the
-/// network is off by more than its minima deviate, no minimum leads to the target: then places all over the box are
-/// surveyed, by N(x) + c(x) with c interpolated between all simulations, less what the network's error bars leave open
-/// where nothing was simulated (a lower confidence bound, Cox and John 1992), until none may be better.
+/// The network N is a cheap model of the simulation S, with the error c(x) = S(x) - N(x). Near the best design x_k so
+/// far the simulation is approximated by N(x) + c(x_k) + A (x - x_k). The best parameters of this approximation within
+/// a trust region are simulated next. A learns from every simulation by Broyden's rank-one update, so that for few
+/// parameters the slope of the model becomes that of the simulation (manifold mapping, Echeverría and Hemker 2005).
+/// Only a smaller simulated deviation is accepted. Otherwise the trust region shrinks, also if the parameters have no
+/// structure or no path to every sample.
 ///
-/// max_rounds = 0 simulates the design alone. Costs a simulation of every target a round; the searches of the network
-/// are little beside that. Bills what the simulations bill.
+/// If steps fail twice or promise nothing, short moves along the singular vectors of the Jacobian determine A by
+/// differences. If these do not help either, the best other minima of N(x) + c(x_k) are tried, each with a region of
+/// its own. If the network's error exceeds the deviation of its minima, no minimum leads to the target. Then the whole
+/// box is surveyed by N(x) + c(x), with c interpolated between all simulations, less what the network's error bars
+/// leave open where nothing was simulated (a lower confidence bound, Cox and John 1992), until no place can be better.
+///
+/// max_rounds = 0 only simulates the design. Each round costs a simulation of every target. The searches of the network
+/// cost little compared with that. Bills what the simulations bill.
 Polished polish(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
                 const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution = {},
                 const OnPolishRound& on_round = {});
 
-/// Goes on where `before`, of the same problem and options but for its limits, ended: what it simulated is not
-/// simulated again, and its rounds count.
+/// Goes on where `before` ended. It must be of the same problem and of the same options, except for the limits. What it
+/// simulated is not simulated again, and its rounds count.
 Polished polish(const DesignSpace& space, const DesignProblem& problem, const Polished& before,
                 const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution = {},
                 const OnPolishRound& on_round = {});
 
-/// The design at given parameters, as `find_design` tells of the one that it finds: for a polished one. It keeps the
-/// counts, the envelope and the first profile of `found`.
+/// Describes the design at given parameters in the way in which `find_design` describes the one that it finds. It
+/// serves for polished designs. The counts, the envelope and the first profile are those of `found`.
 Design design_at(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
                  const Design& found, const DesignOptions& options);
 

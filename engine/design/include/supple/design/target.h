@@ -13,23 +13,23 @@ namespace supple::design {
 /// One profile that is wanted: a curve through control points, sampled by the solver.
 struct Target {
   Task task = Task::stress_strain;
-  double direction = 0;                          ///< rad; of stress_strain
-  double strain = 0.05;                          ///< of the measure; of stiffness and poisson
-  StrainMeasure measure = StrainMeasure::green;  ///< of strains, and of stresses in stress_strain
+  double direction = 0;                          ///< rad; used by stress_strain only
+  double strain = 0.05;                          ///< in the measure; used by stiffness and poisson only
+  StrainMeasure measure = StrainMeasure::green;  ///< how strains, and stresses in stress_strain, are measured
   /// x: strains of the measure, or directions in rad with period pi. y: MPa, or dimensionless for poisson.
   std::vector<Eigen::Vector2d> control_points;
   numerics::Interpolation interpolation = numerics::Interpolation::cubic;
-  std::vector<double> weights;  ///< of deviations, one for each control point, linear between them; none: 1
-  std::vector<double> bands;    ///< deviations that count as none, likewise in the unit of y; none: 0
-  int samples = 0;              ///< evenly spaced; 0: 10, and 50 over directions
-  double weight = 1;            ///< of this target beside others
+  std::vector<double> weights;  ///< one for each control point, linear between them; an empty list means 1
+  std::vector<double> bands;    ///< tolerated deviations in the unit of y, likewise; an empty list means 0
+  int samples = 0;              ///< evenly spaced; 0 means 10, or 50 over directions
+  double weight = 1;            ///< how much this target counts beside others
 };
 
-/// What the solver compares with; the vectors have an entry for each sample.
+/// What the solver compares a profile with. The vectors have one entry for each sample.
 struct SampledTarget {
   ProfileSamples samples;
   Eigen::VectorXd y;
-  Eigen::VectorXd weights;  ///< of sum 1
+  Eigen::VectorXd weights;  ///< their sum is 1
   Eigen::VectorXd bands;
   double scale = 1;  ///< weighted root mean square of y, at least least_scale of the task
   /// Deviations of a profile beyond the bands, signed, in the unit of y.
@@ -40,16 +40,16 @@ struct SampledTarget {
   std::vector<std::uint8_t> reached(const Eigen::VectorXd& profile) const;
 };
 
-/// What deviations are measured against at least, where a target is small: of Poisson's ratio 0.1, of stresses and
-/// stiffnesses 1e-6 MPa.
+/// The least scale by which deviations are divided if a target is small: 0.1 for Poisson's ratio, 1e-6 MPa for stresses
+/// and stiffnesses.
 double least_scale(Task task);
 
-/// Throws "design.invalid_target": x does not increase strictly, spans a period of directions, a strain
-/// is beyond strain_limits, or a list of weights or bands is not as long as the control points; each with its place as
-/// the contract names it, e.g. "target/control_points/3/0".
+/// Samples the curve through the control points. Throws "design.invalid_target" if x does not increase strictly or
+/// spans a period of directions, if a strain is beyond strain_limits, or if a list of weights or bands is not as long
+/// as the list of control points. Each detail names the place as the contract does, e.g. "target/control_points/3/0".
 SampledTarget sample_target(const Target& target);
 
-/// The same target where only a few samples (at least 2) are compared; for choosing among many designs.
+/// The same target, compared at only a few samples (at least 2). It serves to choose among many designs.
 SampledTarget coarsened(const SampledTarget& target, int samples);
 
 }  // namespace supple::design
