@@ -10,9 +10,9 @@
 
 namespace supple::neural {
 
-/// Strains of one design, or each of a design of its own.
+/// Strains of one design, or strains that each belong to a design of their own.
 struct Batch {
-  std::span<const std::vector<double>> designs;  ///< parameters: of one design, or of one for each strain
+  std::span<const std::vector<double>> designs;  ///< parameters of one design, or of one design for each strain
   const Eigen::Matrix3Xd& strains;               ///< columns (E_xx, E_yy, 2 E_xy)
   Order order = Order::stress;
 };
@@ -23,18 +23,19 @@ struct BatchResult {
   std::vector<Trust> trust;
 };
 
-/// Throws "model.parameter_count" unless each design has as many numbers as the model has parameters, with a detail for
-/// each of the first 20 that have not: `field`, followed by "/" and their index where `several`.
+/// Throws "model.parameter_count" unless each design has as many numbers as the model has parameters. There is one
+/// detail for each of the first 20 designs at fault. It names `field`, followed by "/" and the index of the design if
+/// there are `several`.
 void check_designs(const Model& model, std::span<const std::vector<double>> designs, const std::string& field,
                    bool several);
 
-/// Throws what `check_designs` throws of "parameters", and "model.design_count" unless there is one design, or one for
-/// each strain.
+/// Throws what `check_designs` throws for the field "parameters", and "model.design_count" unless there is one design,
+/// or one for each strain.
 void check_batch(const Model& model, const Batch& batch);
 
-/// Evaluates a batch that has passed `check_batch`, in parallel; equal designs that follow one another are prepared
-/// once. Throws "model.not_finite" with the detail "green_strain/7". Bills the stages "designs" and "evaluation" and
-/// the quantities "designs" and "strains".
+/// Evaluates a batch that has passed `check_batch`, in parallel. Equal designs that follow one another are prepared
+/// only once. Throws "model.not_finite" with a detail such as "green_strain/7". Bills the stages "designs" and
+/// "evaluation" and the quantities "designs" and "strains".
 BatchResult evaluate_batch(const Model& model, const Evaluator& evaluator, const Batch& batch,
                            const Execution& execution = {});
 

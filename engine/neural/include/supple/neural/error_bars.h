@@ -10,30 +10,30 @@
 
 namespace supple::neural {
 
-/// How far an answer is to be trusted.
+/// How far an answer can be trusted.
 struct Trust {
-  /// Within the ranges of training (neural::in_range) and, where the model has error bars, with one of at most
-  /// trusted_error.
+  /// Whether the state lies within the ranges of training (neural::in_range) and, if the model has error bars, its bar
+  /// is at most trusted_error.
   bool in_range = false;
-  /// As in Quantity; none where the model has no calibration or the state lies outside of the ranges of training, of
-  /// which no simulation can tell.
+  /// The error bar, as in Quantity. None if the model has no calibration, or if the state lies outside of the ranges of
+  /// training, where there are no simulations to compare with.
   std::optional<double> error;
 };
 
-/// The error bars of one design of a model. Both outlive it; any number of threads may ask at once.
+/// The error bars of one design of a model. Model and design must outlive it. Several threads may use it at once.
 class ErrorBars {
  public:
-  /// `with_uniaxial` makes it ready for `uniaxial`, at one evaluation with the tangent where the model has a
+  /// `with_uniaxial` prepares it for `uniaxial`. This costs one evaluation with the tangent if the model has a
   /// calibration.
   ErrorBars(const Model& model, const Evaluator& evaluator, const Evaluator::Design& design,
             std::span<const double> parameters, bool with_uniaxial);
 
-  /// At a uniaxial equilibrium: `given` is d^T E d, `strain` the whole strain there, `point` the network's answer.
-  /// `quantity` is not stress_at_strain. About 2 microseconds.
+  /// The error bar of a quantity at a uniaxial equilibrium. `given` is d^T E d, `strain` the whole strain there, and
+  /// `point` the network's answer. `quantity` must not be stress_at_strain. Takes about 2 microseconds.
   Trust uniaxial(Quantity quantity, const UniaxialFrame& frame, double given, const Eigen::Vector3d& strain,
                  const UniaxialPoint& point) const;
 
-  /// Of the stress at a strain (E_xx, E_yy, 2 E_xy). About a microsecond.
+  /// The error bar of the stress at a strain (E_xx, E_yy, 2 E_xy). Takes about a microsecond.
   Trust at_strain(const Eigen::Vector3d& strain, double energy_density, const Eigen::Vector3d& stress) const;
 
  private:

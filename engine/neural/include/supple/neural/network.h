@@ -8,7 +8,7 @@
 
 namespace supple::neural {
 
-/// Nonlinearity of every hidden layer: z sigmoid(z), tanh z or sin z.
+/// The activation function of every hidden layer: z sigmoid(z), tanh z or sin z.
 enum class Activation { swish, tanh, sine };
 std::string_view to_string(Activation activation);
 /// Throws "model.unknown_activation", which lists the known ones.
@@ -18,7 +18,7 @@ Activation activation_of(std::string_view name);
 ///
 /// Throughout, p are the tiling parameters, mapped linearly from their bounds to [-1, 1], e = (E_xx, E_yy, 2 E_xy) is
 /// the Green strain, L(p) the lower triangular factor that the stiffness branch returns, s = tr(L L^T) / 3 a stiffness
-/// in MPa and y = L^T e / sqrt(s) the strain measured by what it costs.
+/// in MPa, and y = L^T e / sqrt(s) the strain measured by its energy.
 enum class EnergyForm {
   /// Phi = s/2 sum_k r_k^2 with r_k = N_k(p, e) - N_k(p, 0) + y_k, where y_k = 0 for k > 3. Energy and stress vanish at
   /// rest, energies are never negative, and stiffnesses that span decades span half as many in what is learned.
@@ -29,9 +29,9 @@ enum class EnergyForm {
 std::string_view to_string(EnergyForm form);
 EnergyForm energy_form_of(std::string_view name);
 
-/// What rules the stiffness at rest in the sum of squares.
+/// What determines the stiffness at rest in the sum of squares.
 enum class RestForm {
-  /// Residuals as above: the slope N'(p, 0) adds to L^T / sqrt(s).
+  /// The residuals are those above, so that the slope N'(p, 0) adds to L^T / sqrt(s).
   free,
   /// r_k = N_k(p, e) - N_k(p, 0) - N_k'(p, 0) e + y_k: the Hessian of Phi at rest is L L^T and nothing else, so that a
   /// better L is a better stiffness.
@@ -44,13 +44,13 @@ RestForm rest_form_of(std::string_view name);
 struct NetworkShape {
   int parameters = 1;        ///< 1 to max_parameters
   int width = 256;           ///< neurons of each hidden layer; a multiple of 8
-  int strain_layers = 3;     ///< of the branch that reads the strain
-  int parameter_layers = 3;  ///< of the branch that reads the parameters
+  int strain_layers = 3;     ///< layers of the branch that reads the strain
+  int parameter_layers = 3;  ///< layers of the branch that reads the parameters
   int trunk_layers = 5;      ///< hidden layers after both branches meet
-  int residuals = 8;         ///< outputs of the sum of squares, at least 3; softplus has one
+  int residuals = 8;         ///< outputs of the sum of squares, at least 3; softplus has one output
   int stiffness_width = 64;  ///< neurons of each hidden layer of the stiffness branch
   int stiffness_layers = 2;  ///< hidden layers of the stiffness branch
-  int features = 0;          ///< of the tile, inputs of the parameter and stiffness branches beside the parameters
+  int features = 0;          ///< features of the tile, which the parameter and stiffness branches read too
   Activation activation = Activation::swish;
   EnergyForm form = EnergyForm::sum_of_squares;
   RestForm rest = RestForm::free;
@@ -76,16 +76,17 @@ struct Layer {
 /// and has a swish in its hidden layers.
 struct Network {
   NetworkShape shape;
-  Eigen::VectorXd lower;  ///< bounds of the parameters, that become -1
-  Eigen::VectorXd upper;  ///< and +1
+  Eigen::VectorXd lower;  ///< lower bounds of the parameters, which are mapped to -1
+  Eigen::VectorXd upper;  ///< upper bounds, which are mapped to +1
   std::vector<Layer> strain;
   std::vector<Layer> parameter;
   std::vector<Layer> trunk;
   std::vector<Layer> stiffness;  ///< empty for softplus
-  TileGeometry geometry;         ///< the tile and `shape.features` features of it; unused where there are none
-  /// Maps T of strains e that leave the family's energies as they are: rotations of the structure onto itself, without
-  /// the identity. The energy density is the mean of Phi(p, e) and all Phi(p, T e), so that it has their symmetry
-  /// exactly, at as many more evaluations. Empty: Phi(p, e).
+  TileGeometry geometry;         ///< the tile and `shape.features` features of it; unused if there are none
+  /// Maps T of strains e that do not change the family's energies. They belong to the rotations of the structure onto
+  /// itself, without the identity. The energy density is the mean of Phi(p, e) and all Phi(p, T e), so that it has
+  /// these symmetries exactly. Each map costs one more evaluation. If the list is empty, the energy density is Phi(p,
+  /// e).
   std::vector<Eigen::Matrix3d> symmetries;
 
   /// Number of weights and biases.

@@ -17,9 +17,9 @@ enum class FeatureKind {
   direction_sin,  ///< sin 2t, likewise
   corner_cos,     ///< scalar product of the edges at a vertex over the product of their smooth lengths
   corner_sin,     ///< their cross product, likewise
-  log_gap,        ///< ln (|d|_w / w) with d from an edge's nearest point to a vertex; the place on the edge is cut off
+  log_gap,        ///< ln (|d|_w / w) with d from an edge's nearest point to a vertex; the place on the edge is clamped
                   ///< smoothly
-  side,           ///< on which side of the edge that vertex is: sine of the angle to it, smoothly through zero
+  side,           ///< the side of the edge on which the vertex lies: sine of the angle to it, smooth through zero
   density,      ///< area of the beams over that of the cell, overlaps counted twice: w tiles sum |edge|_w / (2 |cell|)
   log_density,  ///< its logarithm
 };
@@ -30,31 +30,33 @@ FeatureKind feature_kind_of(std::string_view name);
 /// One input of a network: (measure - mean) / scale.
 struct TileFeature {
   FeatureKind kind = FeatureKind::length;
-  int edge = 0;    ///< of length, direction, gap and side
-  int vertex = 0;  ///< of corner, gap and side
+  int edge = 0;    ///< used by length, direction, gap and side
+  int vertex = 0;  ///< used by corner, gap and side
   double mean = 0;
   double scale = 1;
 };
 
-/// The tile of a family as far as features need it. A point is affine in the tiling parameters: 2 x (1 + parameters),
-/// its place at zero parameters and its derivative by each. Lengths are in tiling units.
+/// What features need to know about the tile of a family. A point is an affine function of the tiling parameters. It is
+/// a matrix of 2 x (1 + parameters): its place at zero parameters, and its derivative with respect to each of them.
+/// Lengths are in tiling units.
 struct TileGeometry {
   std::vector<Eigen::Matrix2Xd> vertices;          ///< in order around the tile
-  std::array<Eigen::Matrix2Xd, 2> translations{};  ///< of the lattice
-  int tiles = 1;                                   ///< of one cell
+  std::array<Eigen::Matrix2Xd, 2> translations{};  ///< translations of the lattice
+  int tiles = 1;                                   ///< number of tiles in one cell
   double beam_width = 1;
   std::vector<TileFeature> features;
 
   bool empty() const { return features.empty(); }
 };
 
-/// The features at these tiling parameters in the first column and, if asked for, their derivatives by each parameter
-/// in further ones: features x (1 or 1 + parameters). About 300 flops a feature.
+/// Evaluates the features at these tiling parameters. The result is features x (1 or 1 + parameters): the first column
+/// has the features and, if asked for, the others have their derivatives with respect to each parameter. About 300
+/// flops for each feature.
 Eigen::MatrixXd evaluate_features(const TileGeometry& geometry, std::span<const double> parameters,
                                   bool with_derivatives);
 
-/// Throws "model.invalid_network" unless points have `parameters` + 1 columns, features name edges and vertices that
-/// there are, and all numbers are finite.
+/// Throws "model.invalid_network" unless all points have `parameters` + 1 columns, features name edges and vertices
+/// that exist, and all numbers are finite.
 void validate(const TileGeometry& geometry, int parameters);
 
 }  // namespace supple::neural

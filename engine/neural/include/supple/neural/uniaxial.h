@@ -10,7 +10,8 @@
 
 namespace supple::neural {
 
-/// Equilibrium under a uniaxial load: the Green strain along d is given, and the stress does no work on the others.
+/// An equilibrium under a uniaxial load: the Green strain along d is given, and the stress does no work on the other
+/// strains.
 struct UniaxialState {
   Eigen::Vector3d strain = Eigen::Vector3d::Zero();   ///< E_xx, E_yy, 2 E_xy
   Eigen::Vector3d stress = Eigen::Vector3d::Zero();   ///< S_xx, S_yy, S_xy, MPa
@@ -18,22 +19,22 @@ struct UniaxialState {
   double energy_density = 0;                          ///< MPa
   Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero();  ///< MPa
   bool converged = false;
-  double residual = 0;  ///< the left side of UniaxialOptions::tolerance over what multiplies it on the right
+  double residual = 0;  ///< uniaxial_residual, which UniaxialOptions::tolerance bounds
   int iterations = 0;   ///< Newton iterations of this state
 };
 
-/// States of least energy with E_dd = d^T E d given, d = (cos, sin) of `direction` (rad), each followed from the one
-/// before it in `green_strains` (thesis 4.8 to 4.10), as UniaxialNewton does; about 3 to 6 evaluations with tangents a
-/// state. The strains along d must be > -1/2 (a
-/// stretch > 0), else "model.invalid_load" is thrown. A state that is not reached has converged = false, and numbers
-/// that are not finite where the energy overflowed.
+/// The states of least energy for given strains E_dd = d^T E d, where d = (cos, sin) of `direction` (rad). Each state
+/// is followed from the one before it in `green_strains` (thesis 4.8 to 4.10), as UniaxialNewton does. A state takes
+/// about 3 to 6 evaluations with tangents. The strains along d must be > -1/2 (a stretch > 0), otherwise
+/// "model.invalid_load" is thrown. A state that is not reached has converged = false, and its numbers are not finite if
+/// the energy overflowed.
 template <class Real>
 std::vector<UniaxialState> uniaxial_path(const BasicEvaluator<Real>& evaluator,
                                          const typename BasicEvaluator<Real>::Design& design, double direction,
                                          std::span<const double> green_strains, const UniaxialOptions& options = {},
                                          const Execution& execution = {});
 
-/// E_dd of a stretch.
+/// The Green strain E_dd that belongs to a stretch.
 inline double green_strain_of_stretch(double stretch) { return 0.5 * (stretch * stretch - 1); }
 
 }  // namespace supple::neural

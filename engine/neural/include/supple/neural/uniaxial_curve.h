@@ -9,14 +9,15 @@
 
 namespace supple::neural {
 
-/// A model's states under a uniaxial load and how far each is to be trusted.
+/// The states of a model under a uniaxial load, and how far each of them can be trusted.
 struct UniaxialCurve {
   std::vector<UniaxialState> states;
-  std::vector<Trust> trust;  ///< of the stress; no error bar where the state is no equilibrium
+  std::vector<Trust> trust;  ///< trust in the stress; without an error bar if the state is no equilibrium
 };
 
-/// `parameters` is as long as the model's. Throws what `uniaxial_path` throws, and "model.not_finite" where a state has
-/// numbers that are none (residuals may have). Bills the stage "equilibrium" and the quantity "iterations".
+/// Follows a uniaxial load. `parameters` must have as many entries as the model has parameters. Throws what
+/// `uniaxial_path` throws, and "model.not_finite" if a number of a state other than its residual is not finite. Bills
+/// the stage "equilibrium" and the quantity "iterations".
 UniaxialCurve uniaxial_curve(const Model& model, const Evaluator& evaluator, const std::vector<double>& parameters,
                              double direction, std::span<const double> green_strains,
                              const UniaxialOptions& options = {}, const Execution& execution = {});

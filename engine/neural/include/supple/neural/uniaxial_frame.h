@@ -13,7 +13,7 @@ struct UniaxialFrame {
   UniaxialFrame() : UniaxialFrame(0) {}
 
   Eigen::Vector3d strain(double given, const Eigen::Vector2d& x) const { return along * given + free * x; }
-  /// d^T S d: in it S_xy counts twice, as 2 E_xy does in `along`.
+  /// The stress d^T S d. S_xy counts twice in it, as 2 E_xy does in `along`.
   double directional(const Eigen::Vector3d& stress) const { return along.dot(stress); }
 
   Eigen::Vector3d along;
@@ -23,11 +23,11 @@ struct UniaxialFrame {
 /// The symmetric matrix of (11, 12, 13, 22, 23, 33).
 Eigen::Matrix3d symmetric_matrix(const Eigen::Matrix<double, 6, 1>& components);
 
-/// What the stress leaves of equilibrium, |free^T S| / max(|S|, |C| / 1000); UniaxialOptions::tolerance bounds it.
+/// How far a state is from equilibrium: |free^T S| / max(|S|, |C| / 1000). UniaxialOptions::tolerance bounds it.
 double uniaxial_residual(const UniaxialFrame& frame, const Eigen::Vector3d& stress, const Eigen::Matrix3d& tangent);
 
-/// |H|^-1 b: eigenvalues of the symmetric H by their absolute value, none below a share of the largest, so that
-/// -|H|^-1 gradient is a descent direction.
+/// Computes |H|^-1 b. |H| has the absolute values of the eigenvalues of the symmetric H, none below a share of the
+/// largest, so that -|H|^-1 gradient is a descent direction.
 Eigen::Vector2d convex_solve(const Eigen::Matrix2d& h, const Eigen::Vector2d& b);
 
 }  // namespace supple::neural

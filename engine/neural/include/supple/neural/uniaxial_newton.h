@@ -6,7 +6,7 @@
 
 namespace supple::neural {
 
-/// Energy density, stress and tangent at a strain; MPa.
+/// Energy density, stress and tangent at a strain, all in MPa.
 struct UniaxialPoint {
   double energy_density = 0;
   Eigen::Vector3d stress = Eigen::Vector3d::Zero();
@@ -19,38 +19,39 @@ struct UniaxialOptions {
   /// stress and tangent as three components and their matrix, their Frobenius norms.
   double tolerance = 1e-10;
   int max_iterations = 50;  ///< Newton iterations after one increment of the load
-  int max_halvings = 40;    ///< of one Newton step
+  int max_halvings = 40;    ///< how often one Newton step is halved at most
 };
 
-/// The search for equilibria under one uniaxial load, without the evaluations: whoever has it evaluates the energy at
-/// `trial` and hands in what was found, for one load or for many of them at a time. Newton's method on the two free
-/// components of strain with a positive definite model and a line search (sequential quadratic programming in the null
-/// space of the constraint; thesis 4.9c and 4.15 to 4.18). A given strain is reached in increments of at most 0.1 along
-/// the path's tangent, so that the branch that goes through rest is followed.
+/// The search for equilibria under one uniaxial load. It does not evaluate the energy itself: the caller evaluates it
+/// at `trial` and hands in the result, for one load or for many loads at a time. The search is Newton's method on the
+/// two free components of strain, with a positive definite model and a line search (sequential quadratic programming in
+/// the null space of the constraint; thesis 4.9c and 4.15 to 4.18). A given strain is reached in increments of at most
+/// 0.1 along the tangent of the path, so that the search follows the branch that goes through rest.
 class UniaxialNewton {
  public:
   explicit UniaxialNewton(const UniaxialFrame& frame, const UniaxialOptions& options = {});
 
-  /// Stands at rest, where energy and stress are those of `rest`.
+  /// Begins at rest, where energy and stress are those of `rest`.
   void start_from_rest(const UniaxialPoint& rest);
-  /// Sets out for a given strain from where it stands.
+  /// Begins the way from the present state to a given strain.
   void go_to(double given);
-  /// Sets out for a given strain at once, with free strains that differ by `step` (as far as one step may go): after
-  /// the energy has changed a little.
+  /// Goes to a given strain in one increment, with free strains that change by `step` (as far as one step may go). This
+  /// suits an energy that has changed a little.
   void go_straight_to(double given, const Eigen::Vector2d& step);
 
   bool working() const { return phase_ == Phase::predicting || phase_ == Phase::searching; }
   bool converged() const { return phase_ == Phase::done; }
-  /// Where the energy is wanted next, while working.
+  /// The strain at which the energy has to be evaluated next, while `working()`.
   Eigen::Vector3d trial() const { return frame_.strain(trial_given_, trial_x_); }
-  /// What was found there. True if it is where the search now stands; if not, a shorter step comes next, or the end.
+  /// Takes the evaluation at `trial()`. Returns true if the search has moved there. Otherwise a shorter step is tried
+  /// next, or the search has ended.
   bool receive(const UniaxialPoint& trial);
 
   const UniaxialFrame& frame() const { return frame_; }
   const UniaxialPoint& point() const { return point_; }
   Eigen::Vector3d strain() const { return frame_.strain(given_, x_); }
   double residual() const { return residual_; }   ///< uniaxial_residual at `point`
-  int iterations() const { return iterations_; }  ///< Newton iterations since it last set out
+  int iterations() const { return iterations_; }  ///< Newton iterations since the present way began
 
  private:
   enum class Phase { done, failed, predicting, searching };
