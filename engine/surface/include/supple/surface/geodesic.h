@@ -30,32 +30,33 @@ struct GeodesicDerivatives {
   Eigen::Matrix4d tangent_hessian = Eigen::Matrix4d::Zero();
 };
 
-/// A shortest path between two points of the surface and what is known of it.
+/// A shortest path between two points of the surface, and what is known about it.
 struct Geodesic {
   double distance = std::numeric_limits<double>::infinity();
   bool unreachable = true;  ///< the ends lie on different components
-  /// Whether no other shortest path was found: none of a different direction at the second end whose length is within
-  /// 1e-9 relative.
+  /// Whether no other shortest path was found. Another one arrives at the second end from a different direction, and
+  /// its relative difference in length is at most 1e-9.
   bool unique = true;
-  /// Length by which the best competing path (one that arrives from another direction) exceeds the distance: near 0 at
-  /// the cut locus, where the distance has no derivative. Infinity where no competitor was met.
+  /// The length by which the best competing path (one that arrives from another direction) exceeds the distance. It is
+  /// near 0 at the cut locus, where the distance has no derivative. Infinity if the search met no competitor.
   double competing_excess = std::numeric_limits<double>::infinity();
   /// Saddle or boundary vertices that pin the path, from the first end to the second.
   std::vector<VertexId> pinned_at;
   std::vector<PathPoint> path;  ///< from the first end to the second; empty unless asked for
   /// Empty unless asked for, and at coincident ends, where the distance has no derivative.
   std::optional<GeodesicDerivatives> derivatives;
-  /// The path's length with mollified crossings, whose derivatives `derivatives` are; empty without mollifier.
+  /// The length of the path with mollified crossings. `derivatives` are those of this length. Empty without a
+  /// mollifier.
   std::optional<double> mollified_distance;
 };
 
 struct GeodesicOptions {
   int derivatives = 0;  ///< 0 distance, 1 gradient, 2 gradient and Hessian
   bool path = false;
-  /// Smoothing length of the mollifier (thesis eq. 3.12) as a fraction of an edge, in (0, 0.5]; 0 leaves it out.
+  /// The smoothing length of the mollifier (thesis eq. 3.12) as a fraction of an edge, in (0, 0.5]. 0 leaves it out.
   double mollifier = 0;
-  /// Whether the mollifier acts on the ends' barycentric coordinates as well, as the thesis has it: see
-  /// mollified_length for why it is left out unless asked for. Without `mollifier` nothing.
+  /// Whether the mollifier also acts on the barycentric coordinates of the ends, as in the thesis. mollified_length
+  /// explains why this is off by default. It has no effect without `mollifier`.
   bool mollified_ends = false;
 };
 

@@ -8,8 +8,8 @@
 
 namespace supple::surface {
 
-/// The mollifier of thesis eq. 3.12: t at least `epsilon` from 0 and 1, a cubic blend nearer, with zero slope at 0
-/// and 1. C1 on [0, 1]. Needs 0 < epsilon <= 0.5.
+/// The mollifier of thesis eq. 3.12. It is t at a distance of at least `epsilon` from 0 and 1, and a cubic blend with
+/// zero slope at 0 and 1 nearer to them. It is C1 on [0, 1]. Needs 0 < epsilon <= 0.5.
 struct Mollified {
   double value;
   double slope;
@@ -23,46 +23,47 @@ struct PathLength {
   GeodesicDerivatives derivatives;
 };
 
-/// First and second derivatives of a shortest path's length from the path alone, by implicit differentiation of the
-/// conditions that make it shortest (thesis eq. 3.7 to 3.11).
+/// Computes the length of a shortest path and its first and second derivatives from the path alone, by implicit
+/// differentiation of the conditions that make it shortest (thesis eq. 3.7 to 3.11).
 ///
-/// The crossings' system is symmetric tridiagonal: O(points). `path` starts and ends at the ends and holds every edge
-/// crossing; vertices that it passes stay where they are. Agrees with the closed forms of Geodesic::derivatives.
+/// The system of the crossings is symmetric and tridiagonal, so that this takes O(points). `path` starts and ends at
+/// the ends and holds every edge crossing. Vertices that it passes stay where they are. The result agrees with the
+/// closed forms of Geodesic::derivatives.
 PathLength path_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path);
 
-/// The length of a shortest path whose crossings t of edges are replaced by mollified ones, with its exact first and
-/// second derivatives. Needs 0 < epsilon <= 0.5; `path` as for path_length, in full.
+/// Computes the length of a shortest path whose edge crossings t are replaced by mollified ones, with its exact first
+/// and second derivatives. Needs 0 < epsilon <= 0.5. `path` is complete, as for path_length.
 ///
-/// Mollified crossings do not make the length least, so that what the thesis leaves out because of that (eq. 3.6)
-/// counts here: the motion of the crossings with the ends, to second order. Between vertices the path is straight in
-/// unfolded faces, which gives t and its derivatives in closed form. O(points).
+/// Mollified crossings do not make the length least. Therefore the motion of the crossings with the ends counts here,
+/// to second order, while the thesis leaves it out (eq. 3.6). Between vertices the path is straight in unfolded faces,
+/// which gives t and its derivatives in closed form. O(points).
 ///
-/// With `ends` the mollifier acts on the barycentric coordinates w of both ends as well (the paragraph before thesis
-/// eq. 3.12): the path then begins and ends at sum m(w_i) v_i / sum m(w_i), m the mollifier. The division, which the
-/// thesis does not have, keeps the point in its face. An end that lies on an edge then feels no pull off it, towards
-/// the corner opposite, whatever pulls, and the Hessian jumps by 2 / epsilon of the gradient where a coordinate passes
-/// epsilon: minimizers stop at edges that are no equilibria. Hence off; numbers are in
+/// With `ends` the mollifier also acts on the barycentric coordinates w of both ends (the paragraph before thesis eq.
+/// 3.12). With the mollifier m, the path then begins and ends at sum m(w_i) v_i / sum m(w_i). The division, which the
+/// thesis does not have, keeps the point in its face. An end that lies on an edge then feels no pull off the edge,
+/// towards the opposite corner. The Hessian jumps by 2 / epsilon times the gradient where a coordinate passes epsilon.
+/// Minimizers then stop at edges that are no equilibria. This is why `ends` is off by default. Numbers are in
 /// docs/bench/geodesics-mollifier.md.
 PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon,
                             bool ends = false);
 
-/// A shortest path's length and its derivatives by its ends and by the vertices of the surface that carries it.
+/// The length of a shortest path, and its derivatives with respect to its ends and to the vertices of the surface.
 ///
 /// The variables are the three barycentric coordinates of the first end and the three of the second, as in
-/// GeodesicDerivatives, then x, y and z of each of `vertices`. The ends are material: their barycentric coordinates
-/// stay what they are while vertices move, c = sum of w_i v_i. Only variations of barycentric coordinates that sum to
-/// zero at either end stay on the surface; for them, and for all motions of vertices, these are the derivatives.
+/// GeodesicDerivatives, then x, y and z of each of `vertices`. The ends are material points: their barycentric
+/// coordinates stay the same while vertices move, c = sum of w_i v_i. Only variations of barycentric coordinates that
+/// sum to zero at either end stay on the surface; for them, and for all motions of vertices, these are the derivatives.
 /// Units: mesh units per barycentric coordinate, 1 for vertices, and their quotients.
 struct HostDerivatives {
   double length = 0;                   ///< mesh units
-  std::vector<std::int32_t> vertices;  ///< of every face that the path passes, ascending, each once
-  Eigen::VectorXd gradient;            ///< 6 + 3 vertices
-  Eigen::MatrixXd hessian;             ///< square of that size, symmetric; empty for order 1
+  std::vector<std::int32_t> vertices;  ///< vertices of every face that the path passes, ascending, each once
+  Eigen::VectorXd gradient;            ///< 6 + 3 vertices.size() entries
+  Eigen::MatrixXd hessian;             ///< a square of that size, symmetric; empty for order 1
 };
 
-/// First and, for `order` 2, second derivatives of a shortest path's length on a surface whose vertices move: thesis
-/// eq. 3.21 and appendix A.1 to A.19. `path` as for path_length, in full; a path of length zero has no derivatives,
-/// and gets ones of zero.
+/// Computes the first and, for `order` 2, second derivatives of the length of a shortest path on a surface whose
+/// vertices move: thesis eq. 3.21 and appendix A.1 to A.19. `path` is complete, as for path_length. A path of length
+/// zero has no derivatives, and zeros are returned for it.
 ///
 /// Vertices that bend the path (saddle and boundary vertices) stay on it as they move. Where it runs straight through
 /// another vertex, these are the derivatives on one side of it, and where an end lies on an edge or a vertex, those
@@ -75,15 +76,15 @@ struct HostDerivatives {
 /// the Hessian, the size of what is returned.
 HostDerivatives host_derivatives(const TriangleMesh& mesh, const std::vector<PathPoint>& path, int order = 2);
 
-/// A positive semidefinite matrix near the Hessian of host_derivatives, in the same variables, without which nothing
-/// stops a step that bends a path sideways: the second derivatives of the segments' lengths by the places of their
-/// ends, with these as linear functions of all variables, and the crossings where they make the sum least. What is left
-/// out is that a crossing which moves along its edge turns it another share of the way. `vertices` and its order are
-/// those of host_derivatives. O(m^3) for m segments.
+/// Computes a positive semidefinite matrix near the Hessian of host_derivatives, in the same variables. Without it
+/// nothing stops a step that bends a path sideways. It consists of the second derivatives of the segments' lengths with
+/// respect to the places of their ends. These places are linear functions of all variables, and the crossings are where
+/// they make the sum least. The matrix leaves out that a crossing which moves along its edge changes the share by which
+/// the edge's vertices move it. `vertices` and its order are those of host_derivatives. O(m^3) for m segments.
 Eigen::MatrixXd convex_host_hessian(const TriangleMesh& mesh, const std::vector<PathPoint>& path,
                                     const std::vector<std::int32_t>& vertices);
 
-/// Fills the barycentric derivatives from the tangent ones.
+/// Computes the barycentric derivatives from the tangent ones.
 void express_in_barycentrics(const TriangleMesh& mesh, const SurfacePoint& from, const SurfacePoint& to,
                              GeodesicDerivatives& derivatives);
 

@@ -11,13 +11,14 @@
 
 namespace supple::surface {
 
-/// What is already known of a pair and spares the search work. Never changes the answer.
+/// What is already known about a pair. It saves work of the search and never changes the answer.
 struct PairHints {
   /// A path between the same ends: its length bounds the search.
   const std::vector<PathPoint>* known_path = nullptr;
   /// An exact field from a point near the second end, and the distance between that point and the second end (or more).
-  /// By the triangle inequality it tells how far the second end is from every vertex; on shapes that wind, where
-  /// straight distances tell little, a search then looks at a strip round the path instead of half the surface.
+  /// By the triangle inequality the field says how far the second end is from every vertex. On shapes that wind,
+  /// straight distances say little. With the field a search looks only at a strip around the path instead of half the
+  /// surface.
   const GeodesicField* landmark = nullptr;
   double landmark_distance = 0;
 };
@@ -29,11 +30,12 @@ struct PointPair {
   const std::vector<PathPoint>* known_path = nullptr;  ///< see PairHints
 };
 
-/// Exact geodesics of one mesh. Keeps what depends on the mesh alone and a pool of search states, so that a local query
-/// costs nothing that grows with the mesh. All members may be called from several threads at once.
+/// Computes exact geodesics of one mesh. It keeps what depends on the mesh alone and a pool of search states, so that
+/// the cost of a local query does not grow with the mesh. All members may be called from several threads at once.
 ///
-/// Memory: about 270 bytes per face, and 100 bytes per face for each search that runs at the same time. Both stay; what
-/// a search needs besides, for the windows that wait at its front, is given back when it ends but for some megabytes.
+/// Memory: about 270 bytes per face, and 100 bytes per face for each search that runs at the same time. Both are kept.
+/// What a search needs in addition, for the windows that wait at its front, is given back when it ends, except for some
+/// megabytes.
 class GeodesicSolver {
  public:
   explicit GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh);
@@ -44,32 +46,33 @@ class GeodesicSolver {
   const TriangleMesh& mesh() const;
   const std::shared_ptr<const TriangleMesh>& shared_mesh() const;
 
-  /// What the solver holds besides the mesh: what it has computed of the mesh, and the searches that are idle now.
+  /// The memory that the solver holds in addition to the mesh: what it has computed from the mesh, and idle searches.
   std::int64_t memory_bytes() const;
 
-  /// Length of the shortest path; infinity where there is none. Goal-directed: the work grows with the windows near the
-  /// path. The points must be valid (checked_point).
+  /// The length of the shortest path, or infinity if there is none. The search is directed at its goal: the work grows
+  /// with the number of windows near the path. The points must be valid (checked_point).
   double distance(const SurfacePoint& from, const SurfacePoint& to, const Execution& execution = {}) const;
 
-  /// The shortest path with what `options` asks for.
+  /// The shortest path, with everything that `options` asks for.
   Geodesic geodesic(const SurfacePoint& from, const SurfacePoint& to, const GeodesicOptions& options = {},
                     const Execution& execution = {}, const PairHints& hints = {}) const;
 
-  /// One search for many targets, stopped once all are certain.
+  /// The shortest paths to many targets, by one search that stops when all of them are certain.
   std::vector<Geodesic> geodesics(const SurfacePoint& from, std::span<const SurfacePoint> to,
                                   const GeodesicOptions& options = {}, const Execution& execution = {}) const;
 
-  /// Many pairs, in parallel, into memory that the caller owns: results[i] is that of pairs[i]. Pairs with the same
-  /// first point share a search where that is less work than one for each. Throws what `geodesic` throws.
+  /// The shortest paths of many pairs, computed in parallel into memory that the caller owns: results[i] belongs to
+  /// pairs[i]. Pairs with the same first point share a search if that is less work than one search for each. Throws
+  /// what `geodesic` throws.
   void pairs(std::span<const PointPair> pairs, std::span<Geodesic> results, const GeodesicOptions& options = {},
              const Execution& execution = {}) const;
 
-  /// Many pairs again and again while their points move a little, in parallel, into memory that the caller owns: what
-  /// springs between them need. found[i].strip, where `strips_known`, is the strip of pairs[i] before its ends moved:
-  /// it is unfolded and kept where no other path can be as short, which takes a fraction of a search. Never changes
-  /// the answer. A few numbers for each pair that was not searched: about 0.3 microseconds. With `paths`, one for each
-  /// pair, these receive the paths themselves, and every pair between two faces is searched; that of ends in one place
-  /// is empty. Throws what `geodesic` throws.
+  /// The shortest paths of many pairs whose points move a little from call to call, computed in parallel into memory
+  /// that the caller owns. This is what springs between the points need. If `strips_known`, found[i].strip is the strip
+  /// of pairs[i] before its ends moved. The strip is unfolded, and kept if no other path can be as short, which takes a
+  /// fraction of a search (about 0.3 microseconds for each pair) and never changes the answer. With `paths`, one for
+  /// each pair, these receive the paths themselves, and every pair between two faces is searched for. The path of two
+  /// ends in one place is empty. Throws what `geodesic` throws.
   PathsFound tangent_geodesics(std::span<const PointPair> pairs, std::span<TangentGeodesic> found, bool strips_known,
                                const Execution& execution = {}, std::span<std::vector<PathPoint>> paths = {}) const;
 

@@ -15,23 +15,24 @@ struct KarcherProblem {
   std::vector<SurfacePoint> points;  ///< at least one
   std::vector<double> weights;       ///< nonnegative, not all zero; empty for equal weights
   MinimizationMethod method = MinimizationMethod::newton;
-  /// Stops once |grad E| <= tolerance * mesh diagonal: E has the unit of a squared length, its gradient of a length.
+  /// The search stops when |grad E| <= tolerance * mesh diagonal. E has the unit of a squared length, and its gradient
+  /// that of a length.
   double tolerance = 1e-9;
   int max_iterations = 200;
-  /// Without it: the given point of smallest objective; of more than five, among the five nearest in space to the
-  /// weighted centroid.
+  /// The point where the search starts. Without it, the search starts from the given point with the smallest objective.
+  /// If there are more than five points, only the five nearest in space to the weighted centroid are considered.
   std::optional<SurfacePoint> start;
-  /// Searches that are made, at least one: those after the first begin at vertices far in space from all starts and
-  /// minima before, and the lowest minimum is the answer. Each costs as much as the first.
+  /// The number of searches, at least one. Each search after the first begins at a vertex that is far in space from all
+  /// previous starts and minima, and costs as much as the first. The lowest minimum is the answer.
   int starts = 1;
-  /// Whether a kept distance field per point is used ("on"), pair searches ("off"), or the cheaper by the mesh's size
-  /// and the number of points ("automatic").
+  /// "on" keeps a distance field for each point, and "off" searches for pairs. "automatic" chooses the cheaper one,
+  /// judging by the size of the mesh and the number of points.
   enum class KeptFields { automatic, on, off } kept_fields = KeptFields::automatic;
 };
 
 struct KarcherStep {
   double objective = 0;
-  double gradient_norm = 0;   ///< |grad E|; at a vertex the slope of steepest descent. Mesh units.
+  double gradient_norm = 0;   ///< |grad E| in mesh units; at a vertex the slope of steepest descent
   double step_length = 0;     ///< length moved on the surface to reach this state; 0 for the start
   double regularization = 0;  ///< added to the Hessian's diagonal
 };
@@ -42,16 +43,17 @@ struct KarcherMean {
   /// E = sum w_i g_i^2 / (2 sum w_i) (thesis eq. 3.16, weighted). Mesh units squared.
   double objective = 0;
   double gradient_norm = 0;
-  int iterations = 0;                ///< of the search that led here
-  std::vector<KarcherStep> history;  ///< its start and every iteration
-  int start = 0;                     ///< which of the searches that is, from 0
+  int iterations = 0;                ///< iterations of the search that found this mean
+  std::vector<KarcherStep> history;  ///< the start of that search and every iteration
+  int start = 0;                     ///< the number of that search, counted from 0
   /// "converged"; "kink" (a minimum at a saddle or boundary vertex where E has no derivative: no direction descends,
   /// and gradient_norm, there the slope of steepest descent, is 0); "step_too_small"; or "iteration_limit".
   std::string stopped;
 };
 
-/// The point of least weighted mean squared geodesic distance. A local minimum: the problem may have several, among
-/// which `starts` looks for a lower one. Bills the effects "kept_fields", "guided_searches" and "multi_start".
+/// Finds the point of least weighted mean squared geodesic distance. It is a local minimum. The problem may have
+/// several minima, and `starts` looks for a lower one. Bills the effects "kept_fields", "guided_searches" and
+/// "multi_start".
 /// Throws "karcher.no_points", "karcher.weights" (count, sign, sum, non-finite), "karcher.invalid_option"
 /// (tolerance, iterations, starts), "karcher.unreachable" (points on different components, each named), "point.*".
 KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution = {});

@@ -18,7 +18,7 @@ struct MeshLimits {
 struct TriangleSoup {
   std::vector<Eigen::Vector3d> positions;
   std::vector<Triangle> faces;
-  std::vector<std::string> warnings;  ///< e.g. polygons that were cut into triangles, elements that were skipped
+  std::vector<std::string> warnings;  ///< for example about polygons that were cut, or elements that were skipped
 };
 
 /// The format that the first bytes show ("ply\n", "OFF", "solid"/binary STL by its size, otherwise OBJ).
@@ -38,7 +38,7 @@ MeshFormat detect_format(std::string_view bytes);
 TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits = {},
                        const Execution& execution = {});
 
-/// read_mesh of the detected format, then TriangleMesh::build, with both's warnings.
+/// Reads a mesh of the detected format (read_mesh) and builds it (TriangleMesh::build), with the warnings of both.
 TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits = {}, const Execution& execution = {});
 
 std::string write_obj(const TriangleMesh& mesh, const Execution& execution = {});

@@ -9,14 +9,15 @@
 
 namespace supple::surface {
 
-/// What a user wants to know of a mesh before working on it. Lengths in mesh units.
+/// What a user wants to know about a mesh before working on it. Lengths are in mesh units.
 struct MeshReport {
   std::int64_t vertices = 0;
   std::int64_t faces = 0;
   std::int64_t edges = 0;
   std::int64_t components = 0;
   std::int64_t boundary_loops = 0;
-  /// Sum over the components of their genus, from V - E + F = sum (2 - 2 g) - boundary loops; unused vertices excluded.
+  /// The sum of the genus g of all components, from V - E + F = sum (2 - 2 g) - boundary loops, without unused
+  /// vertices.
   std::int64_t genus = 0;
   std::int64_t saddle_vertices = 0;                 ///< interior vertices of total angle above 2 pi (1 + 1e-12)
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();  ///< corner of the bounding box
@@ -30,7 +31,7 @@ struct MeshReport {
   std::vector<std::string> warnings;
 };
 
-/// O(n).
+/// Describes a mesh. O(n).
 MeshReport report(const TriangleMesh& mesh, const Execution& execution = {});
 
 }  // namespace supple::surface

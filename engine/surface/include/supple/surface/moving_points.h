@@ -8,8 +8,8 @@
 
 namespace supple::surface {
 
-/// Points that move on a surface, two tangent coordinates each: of tangent_frame of the point's face or, on the tip of
-/// a cone (a vertex), of cone_coordinates. The part of a numerics::State that is made of such points.
+/// Points that move on a surface, as a part of a numerics::State. Each point has two tangent coordinates. They are
+/// those of tangent_frame of the point's face or, on the tip of a cone (a vertex), those of cone_coordinates.
 class MovingPoints {
  public:
   MovingPoints() = default;
@@ -17,24 +17,24 @@ class MovingPoints {
 
   const std::vector<SurfacePoint>& points() const { return points_; }
   bool on_tip(std::size_t point) const { return on_tip_[point] != 0; }
-  /// The vertex that a point on a tip is at.
+  /// The vertex at which a point on a tip lies.
   std::int32_t vertex_of(const TriangleMesh& mesh, std::size_t point) const;
 
-  /// Radians by which the last way turned a point's coordinates; 0 where it was no isometry.
+  /// The angle in radians by which the last move turned a point's coordinates; 0 if the move was no isometry.
   double turn(std::size_t point) const { return turns_[point]; }
 
   Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
-  /// Each point walks its own straightest path, and is stopped by a boundary by itself; in parallel. `step` has
-  /// dimension() entries or more, of which the first are the points'. Returns what was travelled.
+  /// Moves each point along its own straightest path, in parallel. A boundary stops only the point that meets it.
+  /// `step` has at least dimension() entries, of which the first belong to the points. Returns the step that was made.
   Eigen::VectorXd move(const TriangleMesh& mesh, const Eigen::VectorXd& step);
-  /// Turns each point's part of a tangent vector as its last way turned it. The way to or from a tip has no transport:
-  /// there coordinates stay, which is an isometry too, and one point at a vertex does not make the others forget their
-  /// curvature.
+  /// Turns each point's part of a tangent vector in the way in which its last move turned the coordinates. A move to or
+  /// from a tip has no transport. There the coordinates stay as they are, which is an isometry too, so that one point
+  /// at a vertex does not make the others forget their curvature.
   void transport(Eigen::VectorXd& tangent) const;
 
-  /// One point is elsewhere.
+  /// Puts one point in another place.
   void place(const TriangleMesh& mesh, std::size_t point, const SurfacePoint& at);
-  /// The surface has moved under the points: which of them are on tips may have changed.
+  /// Has to be called after the surface has moved under the points: it looks again which of them are on tips.
   void look_at(const TriangleMesh& mesh);
 
  private:
