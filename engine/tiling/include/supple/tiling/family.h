@@ -12,7 +12,8 @@ namespace supple::tiling {
 /// Vertices of a closed polygon in order; the last is joined to the first.
 using Polygon = std::vector<Eigen::Vector2d>;
 
-/// Where a copy of a tile lies: x -> linear * x + offset. `linear` is orthogonal (a rotation or a reflection).
+/// Where a copy of a tile lies: a point x of the tile goes to linear * x + offset. `linear` is orthogonal (a rotation
+/// or a reflection).
 struct Placement {
   int tile = 0;  ///< index into Tiling::tiles
   Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
@@ -22,7 +23,7 @@ struct Placement {
 /// A periodic tiling of the plane, in tiling units: the placed tiles make one cell, and the cell's translates by the
 /// columns of `lattice` fill the plane without gaps or overlaps. Tiles meet edge to edge.
 struct Tiling {
-  std::vector<Polygon> tiles;         ///< counterclockwise; one, unless the family is not isohedral
+  std::vector<Polygon> tiles;         ///< counterclockwise; isohedral families have one tile
   std::vector<Placement> placements;  ///< the tiles of one cell
   Eigen::Matrix2d lattice;            ///< columns: the two translations
 };
@@ -40,12 +41,12 @@ struct Family {
   std::string description;
   std::vector<Parameter> parameters;
   double beam_width = 0;  ///< in tiling units; printed_beam_width millimetres at scale
-  /// Whether tiles whose hole closes are part of the family (the family with a topological singularity).
+  /// Whether tiles whose hole closes are part of the family. This is so for the family with a topological singularity.
   bool holes_may_close = false;
-  std::function<Tiling(std::span<const double>)> shape;  ///< unchecked: use `tiling_of`
+  std::function<Tiling(std::span<const double>)> shape;  ///< does not check its input; use `tiling_of`
 };
 
-/// Width of a printed beam at scale, in millimetres.
+/// The width of a beam at scale, as it is printed, in millimetres.
 inline constexpr double printed_beam_width = 0.3;
 
 /// All families: IH01, IH21, IH22, IH28, IH29, IH50, IH67 and "square", whose topology changes at p = 0 (thesis 4.4.3).
@@ -54,10 +55,11 @@ const std::vector<Family>& families();
 /// Throws "tiling.family_not_found" (which lists the known ones).
 const Family& family(std::string_view id);
 
-/// The checked tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (each parameter named, with
-/// its bounds and value) and "tiling.cell_too_small" (a tile of less than 10 % of the area of the default's, unless the
-/// family's holes may close). `box_margin` widens the bounds by that share of their width on either side: training data
-/// surround the box. A tile's outline may cross itself; see `make_structure`.
+/// Checks the parameters and makes the tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (which
+/// names each parameter with its bounds and value) and "tiling.cell_too_small" (a tile has less than 10 % of the area
+/// of the default tile, and the family's holes may not close). `box_margin` widens the bounds by that share of their
+/// width on either side, because training data surround the box. A tile's outline may cross itself; see
+/// `make_structure`.
 Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin = 0);
 
 }  // namespace supple::tiling

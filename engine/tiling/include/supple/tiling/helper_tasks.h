@@ -4,7 +4,7 @@
 
 namespace supple::tiling {
 
-/// What a helper process does for this room: meshes of structures, and their files.
+/// The tasks that a helper process does for this room: it makes meshes of structures, and their files.
 HelperTasks helper_tasks();
 
 }  // namespace supple::tiling

@@ -39,24 +39,24 @@ struct PeriodicMesh {
   double mesh_size = 0;   ///< target length of a side away from corners, mm
   double beam_width = 0;  ///< mm
 
-  double cell_area() const;   ///< of the whole patch, holes included, mm^2
-  double solid_area() const;  ///< mm^2
+  double cell_area() const;   ///< area of the whole patch, including holes, mm^2
+  double solid_area() const;  ///< area covered by material, mm^2
   /// Rest position of node k of triangle t.
   Eigen::Vector2d corner(int t, int k) const;
 };
 
-/// What gmsh is given at a time.
+/// Which region gmsh meshes at a time.
 enum class Region {
-  automatic,  ///< tile; if a triangle has an angle below 20 degrees, the better of tile and cell
-  tile,  ///< a tile between its outline (the beams' centre lines) and its holes, once for each kind, and placed copies
+  automatic,  ///< by tile; if a triangle has an angle below 20 degrees, the better of tile and cell
+  tile,  ///< each kind of tile once, between its outline (the beams' centre lines) and its holes; it is then copied
   cell   ///< a parallelogram of the solid: sides of triangles need not follow the beams' centre lines
 };
 
 struct MeshOptions {
-  /// Length of a side divided by the beam width, > 0. The defaults of this and of `corner_size` keep stress within 1 %
-  /// (docs/bench/simulations-refinement.md); published data used 1/3 and 1.
+  /// Length of a triangle's side divided by the beam width, > 0. The defaults of this and of `corner_size` keep the
+  /// error of the stress within 1 % (docs/bench/simulations-refinement.md). Published data used 1/3 and 1.
   double mesh_size = 0.5;
-  /// Size at re-entrant corners of the solid divided by the size elsewhere, from 0.001 to 1; 1 for a uniform mesh.
+  /// Size at re-entrant corners of the solid divided by the size elsewhere, from 0.001 to 1. 1 gives a uniform mesh.
   /// Grading acts within half a beam width of corners where the hole's angle is below 165 degrees.
   double corner_size = 0.1;
   /// Structures whose tiles cross themselves are meshed by cells in any case.
@@ -65,19 +65,21 @@ struct MeshOptions {
   int max_nodes = 2'000'000;
 };
 
-/// Meshes one cell. By tiles, every tile of a kind has the same mesh, so that the symmetries that carry tiles to other
-/// tiles hold exactly. By cells, the parallelogram of the shortest translations is cut where the cuts leave the best
-/// angles and lengths. Deterministic.
-/// Throws "tiling.mesh_option" (an option out of range, named), "tiling.meshing_failed" (gmsh's message),
-/// "tiling.mesh_not_periodic" (sides of tiles that do not match), "tiling.mesh_too_large" (limit and estimate).
-/// Safe to call from several threads. Where this process has helpers (`helper_processes`), the mesh is made there, a
-/// stop ends it at once, and what `HelperProcesses` throws is thrown; else gmsh has one owner, calls wait for each
-/// other, and a stop is noticed once gmsh has ended. Both give the same mesh, bit by bit.
+/// Meshes one cell. When it is meshed by tiles, every tile of a kind has the same mesh, so that the symmetries that map
+/// tiles to other tiles hold exactly. When it is meshed by cells, the parallelogram of the shortest translations is cut
+/// where the cuts leave the best angles and lengths. Equal input gives equal meshes.
+///
+/// Throws "tiling.mesh_option" (which names an option out of range), "tiling.meshing_failed" (with gmsh's message),
+/// "tiling.mesh_not_periodic" (sides of tiles do not match) and "tiling.mesh_too_large" (with the limit and an
+/// estimate). Several threads may call it. If this process has helpers (`helper_processes`), the mesh is made in one of
+/// them: a stop request ends it at once, and what `HelperProcesses` throws is thrown. Otherwise calls wait for each
+/// other, because gmsh has one owner, and a stop request is noticed when gmsh has ended. Both ways give the same mesh,
+/// bit by bit.
 PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options = {},
                             const Execution& execution = {});
 
-/// The same mesh over first x second cells (both 1 to 100, else "tiling.mesh_option"). Node i of the copy (a, b) is
-/// node i + n (a + first b), n the number of nodes of `mesh`.
+/// The same mesh over first x second cells. Both numbers lie between 1 and 100, otherwise "tiling.mesh_option" is
+/// thrown. Node i of the copy (a, b) is node i + n (a + first b), where n is the number of nodes of `mesh`.
 PeriodicMesh repeat(const PeriodicMesh& mesh, int first, int second);
 
 struct MeshStatistics {

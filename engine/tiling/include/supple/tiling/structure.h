@@ -15,11 +15,11 @@ struct Structure {
   double beam_width = printed_beam_width;  ///< mm
   double scale = 1;                        ///< mm per tiling unit
   Tiling tiling;                           ///< scaled to mm
-  /// For each placed tile of the cell the holes within it (counterclockwise), where they lie: together the pieces of
-  /// the plane outside all beams, one of each class of translates. A beam is what lies within half a beam width beside
-  /// a side of a tile; where sides meet at a re-entrant corner of a tile, a square joint closes the gap. Tiles may have
-  /// several holes. Holes narrower than 0.5 % of the beam width are left out and sides of holes shorter than that are
-  /// points.
+  /// For each placed tile of the cell the holes within it (counterclockwise), in their places. Together they are the
+  /// pieces of the plane outside all beams, one for each class of translates. A beam consists of the points within half
+  /// a beam width of a side of a tile. Where sides meet at a re-entrant corner of a tile, a square joint closes the
+  /// gap. A tile may have several holes. Holes narrower than 0.5 % of the beam width are left out, and sides of holes
+  /// shorter than that become points.
   std::vector<std::vector<Polygon>> holes;
   /// Whether a tile's outline crosses or touches itself. Then tiles overlap, and each hole is listed with one of the
   /// tiles around it.
@@ -28,15 +28,15 @@ struct Structure {
   double solid_area = 0;  ///< mm^2 of the cell covered by material
 };
 
-/// Checks the parameters (see `tiling_of`) and makes the beams. The solid is continuous in the parameters: area, holes
-/// and stiffness change by jumps only where a hole closes. Throws what `tiling_of` throws, and "tiling.hole_closed"
-/// where the beams swallow the holes of a tile of a family that has none closed. O(n log n) for n sides of the tiles
-/// around a cell: some milliseconds.
+/// Checks the parameters (see `tiling_of`) and makes the beams. The solid depends continuously on the parameters: its
+/// area, holes and stiffness jump only where a hole closes. Throws what `tiling_of` throws, and "tiling.hole_closed" if
+/// the beams close all holes of a tile in a family that does not allow it. O(n log n) for n sides of the tiles around a
+/// cell, which is some milliseconds.
 Structure make_structure(const Family& family, std::span<const double> parameters, double box_margin = 0);
 
-/// Whether `make_structure` makes a structure of the parameters, within the family's box: for searches, which ask it of
-/// every design that they look at. Some microseconds where tiles have a point far from every beam, as nearly all have;
-/// otherwise as long as `make_structure`.
+/// Whether the parameters lie within the family's box and `make_structure` makes a structure of them. Searches ask this
+/// for every design that they look at. It takes some microseconds if each tile has a point far from every beam, as
+/// nearly all tiles have. Otherwise it takes as long as `make_structure`.
 bool can_be_built(const Family& family, std::span<const double> parameters);
 
 }  // namespace supple::tiling
