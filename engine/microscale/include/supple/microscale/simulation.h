@@ -16,53 +16,58 @@
 
 namespace supple::microscale {
 
-/// Macroscopic loads; a list is one path from rest, followed in its order. Stretches are lengths over rest lengths, >
-/// 0.
+/// Macroscopic loads. A list of strains or stretches is one path from rest, which is followed in its order. A stretch
+/// is a length divided by the length at rest, > 0.
 ///
-/// The Green strain (E_xx, E_yy, E_xy; tensor components) imposed exactly; the macroscopic rotation is the identity.
+/// This load imposes the Green strain (E_xx, E_yy, E_xy; tensor components) exactly. The macroscopic rotation is the
+/// identity.
 struct GreenStrainLoad {
   std::vector<Eigen::Vector3d> strains;
 };
-/// What the direction of a uniaxial load is a direction of.
+/// In which frame the direction of a uniaxial load is fixed.
 enum class LoadFrame {
   space,     ///< F^T d = s d, as in the thesis's simulations: the stress is uniaxial along F^-1 d of the material
   material,  ///< F d = s d, as in inverse design (thesis 4.9): the stress is uniaxial along d
 };
-/// Stretch s along the direction d = (cos, sin), the rest of F free (lateral strain and shear at least energy).
+/// This load imposes the stretch s along the direction d = (cos, sin). The rest of F is free: lateral strain and shear
+/// have the least energy.
 struct UniaxialLoad {
   double direction = 0;  ///< rad
   std::vector<double> stretches;
   LoadFrame frame = LoadFrame::space;
 };
-/// F = s d d^T + s0 n n^T, n orthogonal to d.
+/// This load imposes F = s d d^T + s0 n n^T, where n is orthogonal to d.
 struct BiaxialLoad {
   double direction = 0;                    ///< rad
   std::vector<Eigen::Vector2d> stretches;  ///< (s, s0)
 };
 using Load = std::variant<GreenStrainLoad, UniaxialLoad, BiaxialLoad>;
 
-/// Number of states of a load's path.
+/// The number of states of a load's path.
 int size(const Load& load);
 
 using supple::Switch;
 
 struct SimulationOptions {
   Material material{};
-  /// Side length over beam width and grading; see tiling::MeshOptions. The default is the mesh of the data sets.
+  /// Size and grading of the mesh; see tiling::MeshOptions. The default is the mesh of the data sets.
   tiling::MeshOptions mesh{};
-  /// A state is an equilibrium once |g| <= tolerance * f: g the energy's gradient with respect to the nodes and free
-  /// strain components, f the sum in squares of what the single terms add to it (MPa mm per mm of thickness).
+  /// A state is an equilibrium if |g| <= tolerance * f. Here g is the gradient of the energy with respect to the nodes
+  /// and the free strain components, and f is the root of the sum of squares of what the single terms add to it (MPa mm
+  /// per mm of thickness).
   double tolerance = 1e-8;
   int max_iterations = 60;  ///< Newton iterations for one load step before it is halved
-  /// Largest change of any component of F in one internal load step; longer ones are divided.
+  /// The largest change of any component of F in one internal load step. Longer steps are divided.
   double max_load_step = 0.05;
-  /// Self-contact. automatic and on: looked for in every step, assembled while a pair of boundary points is within the
-  /// barrier's range (the energy of the others is exactly zero). off: beams pass through each other.
+  /// Self-contact. automatic and on look for it in every step, and assemble it while a pair of boundary points is
+  /// within the barrier's range (the energy of all other pairs is exactly zero). off lets beams pass through each
+  /// other.
   Switch contact = Switch::automatic;
-  /// 2x2 cells. automatic: one cell until an equilibrium of it is unstable against a mode that alternates from cell to
-  /// cell (the three other Bloch phases of the 2x2 patch), then two by two. on: from the start. off: never.
+  /// 2x2 cells. automatic simulates one cell until one of its equilibria is unstable against a mode that alternates
+  /// from cell to cell (the three other Bloch phases of the 2x2 patch), and then two by two cells. on uses them from
+  /// the start, and off never.
   Switch patch = Switch::automatic;
-  /// A deliberate step along the least stable mode where the tangent is not positive definite. automatic is on; off
+  /// A deliberate step along the least stable mode if the tangent is not positive definite. automatic means on. off
   /// reports the unstable state.
   Switch buckling = Switch::automatic;
   bool tangents = true;          ///< compute the tangent stiffness of each state
@@ -72,7 +77,7 @@ struct SimulationOptions {
 enum class Stop {
   converged,
   iteration_limit,  ///< the smallest load step did not converge
-  step_too_small,   ///< no descent was found: barrier or element at its limit
+  step_too_small,   ///< no descent was found, because a barrier or an element was at its limit
 };
 std::string_view to_string(Stop stop);
 
@@ -82,11 +87,11 @@ struct DeformedMesh {
   Eigen::Matrix2Xd nodes;                            ///< deformed positions, mm
 };
 
-/// One equilibrium. Everything is per rest area of the whole cell, holes included.
+/// One equilibrium. Everything is per area of the whole cell at rest, including its holes.
 struct State {
   Eigen::Vector3d green_strain = Eigen::Vector3d::Zero();  ///< E_xx, E_yy, E_xy
   Eigen::Vector3d stress = Eigen::Vector3d::Zero();        ///< second Piola-Kirchhoff S_xx, S_yy, S_xy, MPa
-  double energy_density = 0;                               ///< MPa, contact included
+  double energy_density = 0;                               ///< MPa, including contact
   /// d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), MPa, symmetric. NaN where it was not asked for or is singular.
   Eigen::Matrix3d tangent = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::Matrix2d deformation_gradient = Eigen::Matrix2d::Identity();
@@ -94,38 +99,44 @@ struct State {
   double residual = 0;  ///< |g| / f as in SimulationOptions::tolerance
   int iterations = 0;   ///< Newton iterations since the previous state
   int load_steps = 0;   ///< internal load steps since the previous state
-  /// Pairs of boundary points and sides within the barrier's range, which was made less until they touch or it no
-  /// longer matters.
+  /// The number of pairs of boundary points and sides within the barrier's range. The range was reduced until the pairs
+  /// touch or until it no longer matters.
   int contacts = 0;
-  /// mm, between sides that are not neighbours; infinity where none was looked for
+  /// The smallest gap between sides that are not neighbours, mm; infinity if it was not looked for.
   double smallest_gap = std::numeric_limits<double>::infinity();
-  bool stable = true;  ///< positive definite against all modes of the patch, two-by-two ones included if looked for
-  int branch = 0;      ///< how many times the path has left an unstable branch
-  int cells = 1;       ///< cells along each side of the patch: 1 or 2
-  double smallest_jacobian = 1;  ///< least det F over all elements, their whole area
+  /// Whether the state is positive definite against all modes of the patch, including two-by-two modes if those were
+  /// looked for.
+  bool stable = true;
+  int branch = 0;                ///< how many times the path has left an unstable branch
+  int cells = 1;                 ///< cells along each side of the patch: 1 or 2
+  double smallest_jacobian = 1;  ///< least det F over the whole area of all elements
   std::optional<DeformedMesh> deformed;
 };
 
 struct SimulationResult {
-  std::vector<State> states;  ///< one per state of the load, unless it stopped early: then the last has stopped
-  std::string message;        ///< why it stopped early; empty if it did not
-  int nodes = 0;              ///< of one cell's mesh
-  int unknowns = 0;           ///< of the largest system solved
+  /// One state for each state of the load. If the path stopped early there are fewer, and the last one says why.
+  std::vector<State> states;
+  std::string message;  ///< why it stopped early; empty if it did not
+  int nodes = 0;        ///< number of nodes of one cell's mesh
+  int unknowns = 0;     ///< number of unknowns of the largest system that was solved
 };
 
-/// A meshed structure ready for loads; keeps factorization patterns and the rest stiffness. Not shared between threads.
+/// A meshed structure that is ready for loads. It keeps factorization patterns and the stiffness at rest. Threads must
+/// not share it.
 class Simulator {
  public:
-  /// Meshes one cell. Throws what tiling::mesh_structure throws and "simulation.invalid_option" (named, with limits).
+  /// Meshes one cell. Throws what tiling::mesh_structure throws, and "simulation.invalid_option", which names the
+  /// option and its limits.
   Simulator(const tiling::Structure& structure, const SimulationOptions& options, const Execution& execution = {});
-  /// For a mesh at hand, e.g. a solid cell.
+  /// Takes a mesh that exists already, for example that of a solid cell.
   Simulator(tiling::PeriodicMesh one_cell, const SimulationOptions& options, const Execution& execution = {});
   ~Simulator();
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
-  /// Follows the load's path from rest. Throws "simulation.invalid_load" (a stretch or strain out of range, a state
-  /// named; F must have det > 0). A path that cannot be followed to its end is no error: the last state says why.
+  /// Follows the load's path from rest. Throws "simulation.invalid_load", which names the state, if a stretch or strain
+  /// is out of range; F must have det > 0. A path that cannot be followed to its end is no error: the last state says
+  /// why.
   /// Bills the stages "assembly", "factorization", "solve", "contact search" and "patch stability"; reports progress by
   /// states.
   SimulationResult run(const Load& load, const Execution& execution = {});
