@@ -11,61 +11,61 @@
 
 namespace supple::weave {
 
-/// A place of a strand that is held or moved. Places that are crossings hold the crossing.
+/// A place of a strand that is held or moved. If the place is a crossing, the crossing is held.
 struct Support {
   int strand = 0;
   double coordinate = 0;                       ///< arc length, mm
   std::array<bool, 3> held{true, true, true};  ///< x, y, z
-  /// Of the held components at the end of the path, mm.
+  /// The displacement of the held components at the end of the path, mm.
   Eigen::Vector3d displacement{0, 0, 0};
-  /// Its direction is held too, and turned about `rotation` (rad; in the plane its z component alone). Not possible
-  /// where the strand slides through a crossing.
+  /// Whether the strand's direction is held too, and turned about `rotation` (rad; in the plane only its z component
+  /// counts). This is not possible where the strand slides through a crossing.
   bool clamped = false;
   Eigen::Vector3d rotation{0, 0, 0};
 };
 
-/// A dead load on a place of a strand.
+/// A force of constant direction (a dead load) on a place of a strand.
 struct PointForce {
   int strand = 0;
   double coordinate = 0;           ///< mm
   Eigen::Vector3d force{0, 0, 0};  ///< N, at the end of the path
 };
 
-/// From rest, all loads in proportion. A strand that is pushed is one whose end has a support that moves.
+/// A load path from rest, along which all loads grow in proportion. To push a strand, move a support at its end.
 struct SheetLoad {
   std::vector<Support> supports;
   std::vector<PointForce> forces;
-  int states = 1;  ///< reported, evenly along the path
+  int states = 1;  ///< number of reported states, which are spaced evenly along the path
 };
 
 struct SheetState {
-  double share = 0;                                   ///< of the loads, (0, 1]
+  double share = 0;                                   ///< share of the loads, (0, 1]
   double energy = 0;                                  ///< N mm, without the forces' potential
   std::vector<std::vector<Eigen::Vector3d>> strands;  ///< deformed polylines, mm
   std::vector<Eigen::Vector3d> crossings;             ///< positions, mm
   std::vector<double> sliding;             ///< displacement of every member that slides, crossing by crossing; mm
-  std::vector<Eigen::Vector3d> reactions;  ///< at each support's held components, N: what holds the sheet there
+  std::vector<Eigen::Vector3d> reactions;  ///< forces that hold the sheet at each support's held components, N
   bool out_of_plane = false;
   bool stable = true;
   Stop stopped = Stop::converged;
-  double residual = 0;   ///< |g|, N; at most `tolerance` where converged
+  double residual = 0;   ///< |g|, N; at most `tolerance` if it converged
   double tolerance = 0;  ///< N
-  int iterations = 0;    ///< since the state before
+  int iterations = 0;    ///< Newton iterations since the state before
   int load_steps = 0;
   int branches = 0;  ///< unstable equilibria that were left since the state before
 };
 
 struct SimulationResult {
-  std::vector<SheetState> states;  ///< one per state asked for, unless the path ended early: then the last says why
+  std::vector<SheetState> states;  ///< one for each requested state; fewer if the path ended early: the last says why
   std::string message;             ///< why it ended early; empty if it did not
-  int unknowns = 0;                ///< of the largest system
+  int unknowns = 0;                ///< number of unknowns of the largest system
 };
 
-/// Equilibria of a weave without a lattice along a load path, each from the one before with all of its state. A path
-/// that cannot be followed to its end is no error. Throws what `validate` throws, "weave.invalid_load" (a place that is
-/// on no strand or held twice, a clamp on a sliding strand, numbers that are not finite, no supports), and
-/// "weave.invalid_option". Some Newton iterations per load step, each O(n^1.5) for n crossings. Bills every term and
-/// the effects.
+/// Computes the equilibria of a weave without a lattice along a load path. Each equilibrium starts from the whole state
+/// of the one before. A path that cannot be followed to its end is no error. Throws what `validate` throws,
+/// "weave.invalid_load" (a place that is on no strand or held twice, a clamp on a sliding strand, numbers that are not
+/// finite, no supports), and "weave.invalid_option". Each load step takes some Newton iterations, each of which takes
+/// O(n^1.5) for n crossings. Bills every term and the effects.
 SimulationResult simulate(const Weave& weave, const SheetLoad& load, const EquilibriumOptions& options = {},
                           const Execution& execution = {});
 

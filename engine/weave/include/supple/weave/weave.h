@@ -16,13 +16,13 @@ struct Material {
   double poisson_ratio = 0.42;
 };
 
-/// What resists deformation of a strand.
+/// The stiffnesses with which a strand resists deformation.
 struct Stiffness {
   double stretch = 0;  ///< EA, N
   double bend = 0;     ///< EI, N mm^2
   double twist = 0;    ///< GJ, N mm^2
 };
-/// Of a circular section: EA = E pi r^2, EI = E pi r^4 / 4, GJ = E / (2 (1 + nu)) pi r^4 / 2.
+/// The stiffnesses of a circular section: EA = E pi r^2, EI = E pi r^4 / 4, GJ = E / (2 (1 + nu)) pi r^4 / 2.
 Stiffness circular(double radius, const Material& material);
 
 struct Strand {
@@ -34,24 +34,24 @@ struct Strand {
 struct CrossingMember {
   int strand = 0;
   double coordinate = 0;        ///< arc length along the strand where the crossing is at rest, mm
-  Eigen::Vector2i shift{0, 0};  ///< the strand's copy, moved by lattice * shift, that is meant
-  bool slides = false;          ///< the strand moves through the crossing along itself
+  Eigen::Vector2i shift{0, 0};  ///< the member is the strand's copy that is moved by lattice * shift
+  bool slides = false;          ///< whether the strand moves through the crossing along itself
   double backward = std::numeric_limits<double>::infinity();  ///< how far the coordinate may fall, mm
   double forward = std::numeric_limits<double>::infinity();   ///< how far it may rise, mm
 };
 
-/// Where strands meet. Members that do not slide are fused: from two on, they turn together as one rigid joint. Members
-/// that slide stay at the crossing and turn freely.
+/// A place where strands meet. Members that do not slide are fused: two or more of them turn together as one rigid
+/// joint. Members that slide stay at the crossing and turn freely.
 struct Crossing {
   std::vector<CrossingMember> members;
 };
 
-/// A layout of strands in the plane, at rest; of infinitely many copies where it has a lattice.
+/// A layout of strands in the plane, at rest. If it has a lattice, it stands for infinitely many copies.
 struct Weave {
   Material material{};
   std::vector<Strand> strands{};
   std::vector<Crossing> crossings{};
-  /// Columns are the translations to the neighbouring cells, mm; of positive determinant.
+  /// The columns are the translations to the neighbouring cells, mm. The determinant is positive.
   std::optional<Eigen::Matrix2d> lattice{};
 };
 
@@ -60,20 +60,21 @@ struct Weave {
 /// without a lattice; numbers out of range. O(crossings log crossings).
 void validate(const Weave& weave, const Execution& execution = {});
 
-/// The position of a member at rest, its shift included; mm.
+/// The position of a member at rest, including its shift; mm.
 Eigen::Vector2d rest_position(const Weave& weave, const CrossingMember& member);
 
-/// Crossings that are found at most, as many as a request may list.
+/// How many crossings are found at most, which is as many as a request may list.
 inline constexpr std::size_t most_crossings = 1'000'000;
-/// Pieces of strands that are compared at most, in pairs: a minute's work or so.
+/// How many pairs of pieces of strands are compared at most, which takes about a minute.
 inline constexpr std::size_t most_near_pieces = 50'000'000;
 
-/// All crossings of the weave's strands with each other (self-crossings are not looked for), every member fused; where
-/// more than two meet in one point, they are one crossing. Sorted by strands and coordinates.
+/// Finds all crossings of the strands with each other, with every member fused. Crossings of a strand with itself are
+/// not looked for. If more than two strands meet in one point, they form one crossing. The result is sorted by strands
+/// and coordinates.
 ///
-/// Of the curves' pieces, those whose boxes meet are compared, which a hierarchy of boxes finds:
-/// O((n + k) log n) for n pieces, of which k pairs lie near each other, and for each copy of the cell that the strands
-/// reach. Looks for a stop request every few pieces, and reports progress.
+/// Those pieces of the curves are compared whose boxes meet, which a hierarchy of boxes finds. For n pieces, of which k
+/// pairs lie near each other, this takes O((n + k) log n) for each copy of the cell that the strands reach. The search
+/// looks for a stop request every few pieces, and reports progress.
 ///
 /// Throws "weave.invalid_layout" with the detail "strands" as soon as more than `most_crossings` are found or more than
 /// `most_near_pieces` pairs of pieces were compared.
