@@ -29,6 +29,7 @@ ROOMS = {
     "engine/design": {"base", "numerics", "tiling", "microscale", "neural", "design"},
     "engine/helper": {"base", "numerics", "meshing", "tiling"},
     "engine/lab": {"base", "files", "numerics", "tiling", "microscale", "dataset", "neural", "training", "lab"},
+    "engine/examples": {"base", "surface", "tiling", "microscale", "neural", "design"},
     "server/problem": {"base", "problem"},
     "server/budget": {"base", "problem", "budget"},
     "server/access": {"base", "problem", "access"},
