@@ -24,6 +24,7 @@ declare -A about=(
   [stability]="the named hard cases"
   [python]="the Python package: mypy --strict and its own tests"
   [api]="black box over HTTP: contract, examples, jobs, faults, restart, kill -9, clients"
+  [docs]="the pages: links, spelling, and every block of code that can run, against a real server"
   [hostile]="hostile requests: deadlines, hang-ups, budgets"
   [bench]="the benchmarks' short runs: that they work, not what they measure"
   [web]="the web editor: types, unit tests, build"
@@ -33,8 +34,8 @@ declare -A about=(
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
-order=(arrows format build unit stability python api hostile web browser bench tidy asan tsan fuzz)
-usual=(arrows format build unit stability python api web)
+order=(arrows format build unit stability python api docs hostile web browser bench tidy asan tsan fuzz)
+usual=(arrows format build unit stability python api docs web)
 
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
@@ -57,6 +58,7 @@ part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" 
 part_stability() { build_preset release && ctest --test-dir build/release -j "$jobs" -L stability --output-on-failure --no-tests=error; }
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
 part_api() { build_preset release --target supple supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/api; }
+part_docs() { build_preset release --target supple supple-server engine_examples && "$python" -m pytest -q -p no:cacheprovider tests/docs; }
 part_hostile() { build_preset release --target supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/hostile; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
 part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
