@@ -7,18 +7,19 @@
 namespace supple::dataset {
 
 struct FileOptions {
-  /// Strains, stresses and the other real columns of the rows in single precision; designs stay in double.
+  /// Whether strains, stresses and the other real columns of the rows are in single precision. Designs stay in double.
   bool single_precision = false;
-  bool compressed = false;  ///< columns in chunks, bytes shuffled, deflated
+  bool compressed = false;  ///< whether columns are written in chunks whose bytes are shuffled and deflated
 };
 
-/// Writes one HDF5 file (layout: docs/datasets.md). The file appears whole or not at all: it is written beside its
+/// Writes one HDF5 file (layout: docs/datasets.md). The file appears completely or not at all: it is written beside its
 /// place, synchronized and renamed. The same data give the same bytes. Throws "file.write_failed".
 void write_dataset(const std::filesystem::path& path, const Dataset& data, const FileOptions& options = {});
 
-/// Throws "file.unreadable": no such file, no HDF5, not of this layout, or columns that contradict each other.
+/// Reads a data set. Throws "file.unreadable" if there is no such file, if it is no HDF5 file or has another layout, or
+/// if its columns contradict each other.
 Dataset read_dataset(const std::filesystem::path& path);
 
-// HDF5's library is not made for several threads: one at a time may be in these functions.
+// HDF5's library is not made for several threads: only one thread at a time may be in these functions.
 
 }  // namespace supple::dataset

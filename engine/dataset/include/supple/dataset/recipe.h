@@ -8,8 +8,9 @@
 
 namespace supple::dataset {
 
-/// Everything that decides what a data set holds, as named values in a fixed order: two data sets of the same recipe
-/// can be merged, and an interrupted one goes on only with its own. It names no machine, no time and no thread count.
+/// Everything that decides the content of a data set, as named values in a fixed order. Two data sets with the same
+/// recipe can be merged, and an interrupted one goes on only with its own recipe. A recipe names no machine, no time
+/// and no number of threads.
 class Recipe {
  public:
   using Value = std::variant<std::int64_t, double, std::string, std::vector<double>>;
@@ -37,10 +38,10 @@ class Recipe {
   std::vector<Setting> settings_;
 };
 
-/// As it is read back as the same value: 17 digits, lists separated by commas.
+/// Writes a value so that it is read back as the same value: 17 digits, lists separated by commas.
 std::string to_string(const Recipe::Value& value);
 
-/// A sentence for each setting in which the two differ.
+/// Returns a sentence for each setting in which the two recipes differ.
 std::vector<std::string> differences(const Recipe& first, const Recipe& second);
 
 }  // namespace supple::dataset
