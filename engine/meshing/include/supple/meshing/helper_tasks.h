@@ -4,7 +4,7 @@
 
 namespace supple::meshing {
 
-/// What a helper process does for this room: tetrahedra that fill surfaces.
+/// The tasks that a helper process does for this room: it fills surfaces with tetrahedra.
 HelperTasks helper_tasks();
 
 }  // namespace supple::meshing

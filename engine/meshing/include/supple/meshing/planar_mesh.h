@@ -8,19 +8,19 @@
 namespace supple::meshing {
 
 struct PlanarMesh {
-  std::vector<Eigen::Vector2d> points;        ///< first the boundary's, in the order given, then those inside
+  std::vector<Eigen::Vector2d> points;        ///< first those of the boundary, in the given order, then those inside
   std::vector<std::array<int, 3>> triangles;  ///< counterclockwise
 };
 
 /// A connected part of the plane: its outline, then the outlines of its holes, as polygons.
 using PlanarFace = std::vector<std::vector<Eigen::Vector2d>>;
 
-/// Triangulates faces, every vertex a node and every side a triangle's, by gmsh: frontal Delaunay, plain Delaunay or
-/// adaption of an initial mesh, whichever first gives triangles that fill the face. `size` is the wanted length of
-/// sides at a point, in the unit of the coordinates, which is 1 mm or so: points inside are rounded to 2^-32 of it.
-/// Faces that touch have nodes of their own.
+/// Triangulates faces with gmsh. Every vertex becomes a node, and every side is the side of a triangle. The method is
+/// frontal Delaunay, plain Delaunay or adaption of an initial mesh, whichever first gives triangles that fill the face.
+/// `size` is the wanted length of sides at a point, in the unit of the coordinates. This unit should be about 1 mm,
+/// because points inside are rounded to 2^-32 of it. Faces that touch have nodes of their own.
 ///
-/// gmsh is one global state: the process has one owner of it, whose callers wait for each other. It prints nothing,
+/// gmsh has one global state. The process has one owner of it, whose callers wait for each other. gmsh prints nothing,
 /// reads no file and installs no signal handler. Throws "tiling.meshing_failed" with gmsh's message.
 PlanarMesh triangulate(const std::vector<PlanarFace>& faces, const std::function<double(const Eigen::Vector2d&)>& size);
 

@@ -15,23 +15,24 @@ using Tetrahedron = std::array<std::int32_t, 4>;
 
 /// Linear tetrahedra inside a closed surface.
 struct TetrahedralMesh {
-  std::vector<Eigen::Vector3d> nodes;     ///< first the surface's vertices, in their order, then those inside
+  std::vector<Eigen::Vector3d> nodes;     ///< first the surface's vertices in their order, then those inside
   std::vector<Tetrahedron> tetrahedra{};  ///< positive: (b - a, c - a, d - a) is a right-handed frame
-  std::int32_t surface_vertices = 0;      ///< nodes that are vertices of the surface
+  std::int32_t surface_vertices = 0;      ///< number of nodes that are vertices of the surface
 
-  /// Sum of the tetrahedra's volumes.
+  /// The sum of the volumes of the tetrahedra.
   double volume() const;
 };
 
-/// One sixth of det(b - a, c - a, d - a): a tetrahedron's volume, negative where it is turned inside out.
+/// The volume of a tetrahedron, one sixth of det(b - a, c - a, d - a). It is negative if the tetrahedron is inside out.
 double tetrahedron_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                           const Eigen::Vector3d& d);
 
 struct FillOptions {
-  /// Wanted length of edges inside, in the unit of the positions; 0 for the mean edge of the surface. Lengths far below
-  /// those of the surface are not reached: its triangles stay, and so do the tetrahedra that stand on large ones.
+  /// The wanted length of edges inside, in the unit of the positions. 0 means the mean edge of the surface. Lengths far
+  /// below those of the surface are not reached: its triangles stay, and so do the tetrahedra that stand on large
+  /// triangles.
   double element_size = 0;
-  /// By how much the wanted length grows per length away from finer parts of the surface; positive. Greater values give
+  /// The growth of the wanted length per length away from finer parts of the surface; positive. Greater values give
   /// fewer and less regular tetrahedra.
   double grading = 0.5;
   std::int64_t max_tetrahedra = 2'000'000;
@@ -40,19 +41,19 @@ struct FillOptions {
 /// Fills a closed surface with tetrahedra by gmsh's Delaunay refinement, followed by its optimization of bad elements.
 ///
 /// The surface stays as it is: node i is vertex i, bit by bit, and every triangle is the face of exactly one
-/// tetrahedron. Vertices that no triangle uses stay nodes, of no tetrahedron. Several components are one solid each, or
-/// a cavity where they lie inside of an odd number of others: which way triangles are turned does not matter, as long
-/// as neighbours agree. The same input gives the same mesh, bit by bit.
+/// tetrahedron. Vertices that no triangle uses stay nodes that belong to no tetrahedron. Each of several components is
+/// a solid, or a cavity if it lies inside an odd number of others. The orientation of the triangles does not matter, as
+/// long as neighbours agree. The same input gives the same mesh, bit by bit.
 ///
-/// Where this process has helpers (`helper_processes`), gmsh runs there: several fillings run at the same time, a stop
-/// ends one at once, and what `HelperProcesses` throws is thrown. Else it waits for other users of gmsh, and a stop
-/// request is followed at the next tetrahedra that are made. Progress is reported before and after, since gmsh tells
-/// none. About 25 us for each tetrahedron.
+/// If this process has helpers (`helper_processes`), gmsh runs in them: several fillings run at the same time, a stop
+/// request ends one at once, and what `HelperProcesses` throws is thrown. Otherwise the call waits for other users of
+/// gmsh, and a stop request is followed when the next tetrahedra are made. Progress is reported before and after,
+/// because gmsh reports none. Takes about 25 us for each tetrahedron.
 ///
 /// Throws Error
 /// - "solid.open_surface": edges without two triangles that agree about their direction, with one detail for each of
 ///   the first 20 ("edge 3 8");
-/// - "solid.too_many_elements": more than `max_tetrahedra`, foretold from the volume where that is possible; the detail
+/// - "solid.too_many_elements": more than `max_tetrahedra`, which is predicted from the volume if possible; the detail
 ///   "element_size" gives limit and number;
 /// - "solid.not_filled": the surface crosses or touches itself, or encloses nothing; the detail "surface" is gmsh's
 ///   message.
