@@ -8,17 +8,17 @@
 
 namespace supple::weave {
 
-/// Points of a curve at rest for drawing it, both ends included (of a loop the first one twice); mm.
+/// The points for drawing a curve at rest, including both ends (a loop has its first point twice); mm.
 std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve, const Execution& execution = {});
-/// How many points that has: about two for each millimetre of a curve.
+/// The number of these points, about two for each millimetre of a curve.
 std::size_t polyline_size(const StrandCurve& curve);
 
-/// An SVG picture of a layout at rest: strands as lines of their width, fused crossings as dots, sliding ones as open
-/// rings with a line along the strand that slides; of a cell its outline too. Millimetres are user units, y points up.
-/// O(points + crossings), about 1 us for each; stops where a stop is requested.
+/// An SVG picture of a layout at rest. Strands are lines of their width, fused crossings are dots, and sliding
+/// crossings are open rings with a line along the strand that slides. A cell has its outline too. Millimetres are user
+/// units, and y points up. O(points + crossings), about 1 us for each. Stops if a stop is requested.
 std::string to_svg(const Weave& weave, const Execution& execution = {});
 
-/// The same of deformed polylines (mm), seen from above.
+/// An SVG picture of deformed polylines (mm), seen from above.
 std::string to_svg(const std::vector<std::vector<Eigen::Vector3d>>& strands, double width = 0.5);
 
 }  // namespace supple::weave

@@ -8,12 +8,12 @@
 
 namespace supple::weave {
 
-/// Deformed polylines (mm) as a Wavefront OBJ file: a line element for each strand, in their order. Numbers read back
-/// as the same doubles.
+/// Writes deformed polylines (mm) as a Wavefront OBJ file, with a line element for each strand, in their order. Numbers
+/// are read back as the same doubles.
 std::string write_obj(const std::vector<std::vector<Eigen::Vector3d>>& strands);
 
-/// The same as a VTK unstructured grid (VTU, ASCII) of polylines (cell type 4) with the cell data "strand" (index) and
-/// "radius" (mm), from which VTK draws tubes. `strands` are those of `weave`.
+/// Writes deformed polylines as a VTK unstructured grid (VTU, ASCII) of polylines (cell type 4). The cell data "strand"
+/// (index) and "radius" (mm) let VTK draw tubes. `strands` are those of `weave`.
 std::string write_vtu(const Weave& weave, const std::vector<std::vector<Eigen::Vector3d>>& strands);
 
 }  // namespace supple::weave

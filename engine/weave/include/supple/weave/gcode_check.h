@@ -11,27 +11,27 @@
 
 namespace supple::weave {
 
-/// What G-code must keep to.
+/// The limits within which G-code must stay.
 struct GcodeLimits {
   Eigen::Vector3d bed{250, 210, 210};  ///< positions lie within (0, 0, 0) and this, mm
   double filament_diameter = 1.75;     ///< mm
-  double bead_area = 0.19635;          ///< of the thickest bead, mm^2
-  double least_bead_area = 0.19635;    ///< of the thinnest one that lies on the bed, mm^2
-  double least_free_area = 0.098;      ///< of the thinnest lifted strand or channel, mm^2
+  double bead_area = 0.19635;          ///< area of the thickest bead, mm^2
+  double least_bead_area = 0.19635;    ///< area of the thinnest bead that lies on the bed, mm^2
+  double least_free_area = 0.098;      ///< area of the thinnest lifted strand or channel, mm^2
   double tolerance = 0.1;              ///< share by which beads may be thicker or thinner
   double cold = 170;                   ///< no extrusion below this temperature, degrees Celsius
-  double print_speed = 1500;           ///< mm/min at most while extruding
-  double travel_speed = 12000;         ///< mm/min at most otherwise
-  double retraction = 0.4;             ///< mm of filament before a travel
-  double free_travel = 1;              ///< mm in the plane that need no retraction
+  double print_speed = 1500;           ///< highest speed while extruding, mm/min
+  double travel_speed = 12000;         ///< highest speed otherwise, mm/min
+  double retraction = 0.4;             ///< filament to be retracted before a travel, mm
+  double free_travel = 1;              ///< travel in the plane that needs no retraction, mm
   double strand_width = 0.5;           ///< mm; channels begin and end within this of a lower strand's centre line
 };
-/// Those of a profile: its bed, speeds and temperatures, and the beads of a layout's strands.
+/// The limits of a profile (its bed, speeds and temperatures) and of a layout (the beads of its strands).
 GcodeLimits limits_of(const PrinterProfile& profile, const Weave& weave);
 
 enum class ViolationKind {
   malformed_word,   ///< a letter without a number, a number out of range, other bytes
-  unknown_command,  ///< none of those that the checker understands
+  unknown_command,  ///< a command that the checker does not understand
   not_homed,        ///< a move before G28
   outside_bed,      ///< beyond the bed, left of it or above the printer's height
   y_below_zero,
@@ -43,18 +43,18 @@ enum class ViolationKind {
   too_fast,
   no_speed,  ///< a move before any feed rate, or a feed rate that is not positive
 };
-/// Its name as it is written here.
+/// The name of a kind, as it is written above.
 std::string_view to_string(ViolationKind kind);
 
 struct Violation {
   ViolationKind kind = ViolationKind::malformed_word;
-  int line = 0;           ///< from 1
+  int line = 0;           ///< counted from 1
   std::string message{};  ///< printable ASCII
 };
 
 /// A channel that was recognized.
 struct FoundChannel {
-  int line = 0;                    ///< where it begins
+  int line = 0;                    ///< line where the channel begins
   Eigen::Vector3d start{0, 0, 0};  ///< feet and apex, mm
   Eigen::Vector3d apex{0, 0, 0};
   Eigen::Vector3d end{0, 0, 0};
@@ -64,28 +64,29 @@ struct FoundChannel {
 /// What G-code prints, and what is wrong with it.
 struct GcodeReport {
   int lines = 0;
-  double extruded_length = 0;  ///< of moves that deposit filament, mm
-  double filament = 0;         ///< deposited: what makes up for a retraction does not count; mm
+  double extruded_length = 0;  ///< length of moves that deposit filament, mm
+  double filament = 0;         ///< deposited filament, mm; what makes up for a retraction does not count
   double travel_length = 0;    ///< mm
   int travels = 0;             ///< runs of moves without extrusion, each from where one bead ends to where one begins
   int retractions = 0;
-  std::vector<double> heights{};    ///< at which something is printed level, ascending; the first 1000
-  double minutes = 0;               ///< lengths over speeds, and dwells
-  Eigen::Vector3d lowest{0, 0, 0};  ///< corner of the box of all that is printed, mm
+  std::vector<double> heights{};    ///< heights at which something is printed level, ascending; the first 1000
+  double minutes = 0;               ///< lengths divided by speeds, and dwells
+  Eigen::Vector3d lowest{0, 0, 0};  ///< lowest corner of the box of everything that is printed, mm
   Eigen::Vector3d highest{0, 0, 0};
-  double channel_length = 0;  ///< of all channels, mm
+  double channel_length = 0;  ///< length of all channels, mm
   std::vector<FoundChannel> channels{};
-  std::vector<Violation> violations{};  ///< by line; the first 1000
-  int violation_count = 0;              ///< of all
+  std::vector<Violation> violations{};  ///< sorted by line; the first 1000
+  int violation_count = 0;              ///< number of all violations
 };
 
 /// Reads any bytes as G-code (RepRap flavour: G0, G1, G4, G21, G28, G80, G90, G91, G92, M18, M82 - M84, M104, M106,
 /// M107, M109, M140, M190; comments, line numbers, checksums) and reports what a printer would do. Shares nothing with
 /// the writer of G-code: what it finds is evidence. Every fault is a violation.
 ///
-/// A channel is a bead that rises from a lower strand, printed earlier, and falls to one again, without more.
-/// O(lines), and for each channel the number of strands nearby: of beads that all lie at one place the square. Reports
-/// progress. Only a stop that is asked for is thrown (see CancellationToken), and what memory lacks.
+/// A channel is a bead that rises from a lower strand, which was printed earlier, and falls to one again, and does
+/// nothing else. O(lines), plus for each channel the number of strands nearby. If all beads lie at one place, this is
+/// the square of their number. Reports progress. Throws only if a stop is requested (see CancellationToken) or if
+/// memory is lacking.
 GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits = {}, const Execution& execution = {});
 
 }  // namespace supple::weave

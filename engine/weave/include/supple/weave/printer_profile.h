@@ -8,10 +8,10 @@ namespace supple::weave {
 
 /// How a strand is printed over another one without touching it: it rises before their crossing and comes down after.
 struct Lift {
-  double height = 0.75;  ///< mm of the nozzle over a strand that lies on the bed
-  double top = 0.75;     ///< fully up within this of the crossing; divided by the sine of the crossing's angle, mm
-  double run = 2;        ///< begins to rise this far from the crossing, later where something is in the way; mm
-  double bridge = 2.5;   ///< stays up where it would come down for less than this, mm
+  double height = 0.75;  ///< height of the nozzle over a strand that lies on the bed, mm
+  double top = 0.75;     ///< it is fully up within this of the crossing, divided by the sine of the crossing angle, mm
+  double run = 2;        ///< it begins to rise this far from the crossing, or later if something is in the way; mm
+  double bridge = 2.5;   ///< it stays up where it would come down for less than this, mm
 };
 
 enum class ChannelShape {
@@ -19,16 +19,16 @@ enum class ChannelShape {
   arc,       ///< a quarter of a sine wave up, another one down
 };
 
-/// The bridge over a sliding strand, fused on both sides to the strand that it slides across.
+/// The bridge over a sliding strand. It is fused on both sides to the strand across which the other one slides.
 struct Channel {
   ChannelShape shape = ChannelShape::triangle;
-  double half_width = 1.2;  ///< from the first foot to the crossing, along the bottom strand, mm
+  double half_width = 1.2;  ///< distance from the first foot to the crossing along the bottom strand, mm
   double longer = 0.2;      ///< the second half is longer by this share: what sags there stays clear of the strand
-  double apex = 1.75;       ///< over the feet, mm
+  double apex = 1.75;       ///< height over the feet, mm
 };
 
-/// A printer, its material and how it prints strands. The defaults are a Prusa i3 MK3S with PLA; speeds in mm/min,
-/// temperatures in degrees Celsius.
+/// A printer, its material and how it prints strands. The defaults are a Prusa i3 MK3S with PLA. Speeds are in mm/min
+/// and temperatures in degrees Celsius.
 struct PrinterProfile {
   std::string name = "Prusa i3 MK3S, PLA";
   Eigen::Vector3d bed{250, 210, 210};  ///< where the nozzle may go, from (0, 0, 0); mm
@@ -37,13 +37,13 @@ struct PrinterProfile {
   double nozzle_temperature = 180;
   double bed_temperature = 60;
 
-  double strand_width = 0.5;          ///< of frames and grips; strands have their own radius; mm
-  std::optional<double> bead_area{};  ///< of every bead, mm^2; else the circle of the strand's width
+  double strand_width = 0.5;          ///< width of frames and grips, mm; strands have their own radius
+  std::optional<double> bead_area{};  ///< area of every bead, mm^2; without it the circle of the strand's width
   double lifted_flow = 1;             ///< share of the bead's area on lifted parts
   double channel_flow = 0.5;          ///< the same on channels
-  double strand_height = 0.5;         ///< of the nozzle over the bed, mm
-  double travel_clearance = 1;        ///< of the nozzle over all that is printed, mm
-  double retraction = 0.4;            ///< of the filament around every travel, mm
+  double strand_height = 0.5;         ///< height of the nozzle over the bed, mm
+  double travel_clearance = 1;        ///< height of the nozzle over everything that is printed, mm
+  double retraction = 0.4;            ///< retraction of the filament around every travel, mm
   Lift lift{};
   Channel channel{};
 
@@ -57,13 +57,13 @@ struct PrinterProfile {
   std::string footer_gcode{};   ///< lines before the heaters are switched off
 };
 
-/// Throws "weave.invalid_option", a detail for each value out of its range.
+/// Throws "weave.invalid_option" with a detail for each value out of its range.
 void validate(const PrinterProfile& profile);
 
-/// Area of the bead of a strand of this radius (mm): the profile's, or pi r^2; mm^2.
+/// The area (mm^2) of the bead of a strand with this radius (mm): that of the profile, or pi r^2.
 double bead_area(const PrinterProfile& profile, double radius);
 
-/// Millimetres of filament for one millimetre of a bead of this area (mm^2): area / (pi d^2 / 4).
+/// The millimetres of filament for one millimetre of a bead with this area (mm^2): area / (pi d^2 / 4).
 double filament_per_mm(const PrinterProfile& profile, double area);
 
 }  // namespace supple::weave

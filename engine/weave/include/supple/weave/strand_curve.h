@@ -17,14 +17,14 @@ enum class Ends {
 };
 std::string_view to_string(Ends ends);
 
-/// A planar cubic spline through given points, twice continuously differentiable everywhere (closed and periodic
-/// curves have no seam), by a parameter that is the arc length to a few parts in 10^6 where the points sample a smooth
-/// curve evenly, and to a few in 10^4 where their distances vary tenfold.
+/// A planar cubic spline through given points. It is twice continuously differentiable everywhere: closed and periodic
+/// curves have no seam. Its parameter is the arc length to a few parts in 10^6 if the points sample a smooth curve
+/// evenly, and to a few parts in 10^4 if their distances vary tenfold.
 ///
 /// A C2 spline in the cumulated chord length (not-a-knot at open ends, periodic otherwise; de Boor 1978, chapter IV) is
 /// refined to pieces that turn by less than 0.06 rad, and the pieces' parameter lengths are replaced by their arc
-/// lengths until these agree. The second derivative is piecewise linear: the third one jumps at the pieces' ends, by
-/// O(piece length) of a smooth curve. What is made of positions and two derivatives is continuous.
+/// lengths until these agree. The second derivative is piecewise linear. The third derivative jumps at the ends of the
+/// pieces, by O(piece length) for a smooth curve. What depends on positions and two derivatives only is continuous.
 class StrandCurve {
  public:
   /// `points` in mm: at least 2 (open), 3 (closed) or 1 (periodic, with its translation), no two neighbours closer than
@@ -34,28 +34,28 @@ class StrandCurve {
   StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends,
               const Eigen::Vector2d& translation = Eigen::Vector2d::Zero(), const Execution& execution = {});
 
-  /// Pieces of one curve at most, which take some 100 bytes each.
+  /// How many pieces a curve has at most. A piece takes some 100 bytes.
   static constexpr std::size_t most_pieces = 4'000'000;
 
-  double length() const { return knots_.back(); }  ///< mm; of one loop or period
+  double length() const { return knots_.back(); }  ///< length of the curve, or of one loop or period, mm
   Ends ends() const { return ends_; }
   const Eigen::Vector2d& translation() const { return translation_; }
   bool straight() const { return straight_; }
 
-  /// Arc-length coordinates of the points that were given, ascending from 0; mm.
+  /// The arc-length coordinates of the given points, ascending from 0; mm.
   const std::vector<double>& point_coordinates() const { return point_coordinates_; }
 
-  /// Position and its derivatives by s, in mm, 1, 1/mm and 1/mm^2.
+  /// A position and its derivatives with respect to s, in mm, 1, 1/mm and 1/mm^2.
   struct Point {
     Eigen::Vector2d position;
     Eigen::Vector2d first;
     Eigen::Vector2d second;
-    Eigen::Vector2d third;  ///< of the piece that begins at s
+    Eigen::Vector2d third;  ///< third derivative of the piece that begins at s
   };
-  /// At any s in mm: beyond their ends open curves go on as straight lines, others repeat. O(log pieces).
+  /// The point at any s in mm. Beyond their ends open curves go on as straight lines, and others repeat. O(log pieces).
   Point at(double s) const;
 
-  /// Coordinates where the curve's pieces begin, and its length; mm.
+  /// The coordinates where the pieces begin, and the length of the curve; mm.
   const std::vector<double>& knots() const { return knots_; }
 
  private:
@@ -82,9 +82,9 @@ struct Intersection {
   double angle = 0;   ///< between the tangents' lines, rad, in [0, pi / 2]
 };
 
-/// All points where `first` meets `second` moved by `shift` (mm), ends included, ascending in the first coordinate; one
-/// period of either. Curves that touch without crossing may be missed. O((n + k) log n) for n pieces of which k pairs
-/// lie near each other.
+/// Finds all points where `first` meets `second` moved by `shift` (mm), including ends, within one period of either.
+/// They are sorted by the first coordinate. Curves that touch without crossing may be missed. O((n + k) log n) for n
+/// pieces of which k pairs lie near each other.
 std::vector<Intersection> intersections(const StrandCurve& first, const StrandCurve& second,
                                         const Eigen::Vector2d& shift);
 

@@ -12,20 +12,21 @@
 
 namespace supple::weave {
 
-/// How far an open strand is printed on, straight, beyond its ends: it sticks to the bed there and is cut off; mm.
+/// How far an open strand is printed on, straight, beyond its ends, in mm. There it sticks to the bed, and this part is
+/// cut off later.
 struct Overrun {
   double start = 0;
   double end = 0;
 };
 
-/// A rectangle of strands around the layout, ends of strands included and overruns not.
+/// A rectangle of strands around the layout, including the ends of strands but not their overruns.
 struct Frame {
   double margin = 0;   ///< between the layout's box and the frame, mm
   double lead_in = 0;  ///< the first side begins this far before its corner, mm
 };
 
-/// A solid bar by which a printed sheet is held: passes parallel to `from` - `to`, the first one there, each further
-/// one a strand's width to the right of it.
+/// A solid bar by which a printed sheet is held. It consists of passes parallel to `from` - `to`. The first pass runs
+/// there, and each further pass runs a strand's width to the right of the one before.
 struct Grip {
   Eigen::Vector2d from{0, 0};  ///< mm, in the layout's coordinates
   Eigen::Vector2d to{0, 0};
@@ -33,17 +34,18 @@ struct Grip {
 };
 
 struct ToolpathOptions {
-  /// Where the layout's (0, 0) comes to lie on the bed, mm; else all that is printed is centred on the bed.
+  /// Where the layout's (0, 0) comes to lie on the bed, mm. Without it, everything that is printed is centred on the
+  /// bed.
   std::optional<Eigen::Vector2d> origin{};
-  /// The strands' numbers in printing order; each must come after those that it slides across. Else strands that slide
-  /// nowhere first, then the others, each group in the layout's order as far as that goes.
+  /// The strands' numbers in printing order. Each strand must come after those across which it slides. Without it,
+  /// strands that slide nowhere come first and the others follow, each group in the layout's order as far as possible.
   std::vector<int> order{};
-  Overrun overrun{};                  ///< of open strands
-  std::map<int, Overrun> overruns{};  ///< of single strands instead, by their numbers
-  double loop_overlap = 0;            ///< closed strands are printed on over their beginning by this, mm
+  Overrun overrun{};                  ///< overrun of all open strands
+  std::map<int, Overrun> overruns{};  ///< overruns of single strands instead, by their numbers
+  double loop_overlap = 0;            ///< how far closed strands are printed on over their beginning, mm
   std::optional<Frame> frame{};
   std::vector<Grip> grips{};
-  double chord_error = 0.005;  ///< printed polylines leave curved strands by less, mm
+  double chord_error = 0.005;  ///< largest distance of printed polylines from curved strands, mm
 };
 
 enum class MoveKind {
@@ -58,26 +60,26 @@ std::string_view to_string(MoveKind kind);
 struct Move {
   MoveKind kind = MoveKind::strand;
   std::vector<Eigen::Vector3d> points{};  ///< nozzle positions, the first one where the move before ended; mm
-  double area = 0;                        ///< of the bead, mm^2; 0 of travels
+  double area = 0;                        ///< area of the bead, mm^2; 0 for travels
   double speed = 0;                       ///< mm/min
-  int strand = -1;                        ///< of a channel the one that it is fused to; -1 of supports and travels
-  int crossing = -1;                      ///< of channels
+  int strand = -1;                        ///< for a channel the strand it is fused to; -1 for supports and travels
+  int crossing = -1;                      ///< set for channels only
 };
 
-/// What a toolpath amounts to. Lengths in mm.
+/// Totals of a toolpath. Lengths are in mm.
 struct ToolpathStatistics {
-  double strand_length = 0;  ///< of strands on the bed
-  double lifted_length = 0;  ///< of their lifted parts, ramps included
+  double strand_length = 0;  ///< length of strands on the bed
+  double lifted_length = 0;  ///< length of their lifted parts, including ramps
   double channel_length = 0;
   double support_length = 0;
   double travel_length = 0;
-  double extruded_length = 0;  ///< all but travels
+  double extruded_length = 0;  ///< length of everything except travels
   double filament = 0;         ///< mm
   int travels = 0;
   int channels = 0;
-  std::vector<double> heights{};    ///< at which something is printed level, ascending
-  double minutes = 0;               ///< lengths over speeds: without accelerations
-  Eigen::Vector3d lowest{0, 0, 0};  ///< corner of the box of all that is printed
+  std::vector<double> heights{};    ///< heights at which something is printed level, ascending
+  double minutes = 0;               ///< lengths divided by speeds, without accelerations
+  Eigen::Vector3d lowest{0, 0, 0};  ///< lowest corner of the box of everything that is printed
   Eigen::Vector3d highest{0, 0, 0};
 };
 
@@ -86,16 +88,18 @@ struct Toolpath {
   ToolpathStatistics statistics{};
 };
 
-/// How to print a finite layout: supports, strands that slide nowhere, strands that pass over others, channels.
+/// Computes how a finite layout is printed: first supports, then strands that slide nowhere, then strands that pass
+/// over others, and last channels.
 ///
-/// Fused strands are printed through each other in one layer and weld. Of a sliding crossing the strand that slides is
-/// the upper one: it rises just before, comes down after, and a channel that is fused to the other strand is printed
-/// over it. Of several strands below, the channel stands on that which the sliding one crosses most squarely.
-/// Strands that meet without a crossing in the layout are printed through each other.
+/// Fused strands are printed through each other in one layer, so that they weld. At a sliding crossing the strand that
+/// slides is the upper one. It rises just before the crossing and comes down after it, and a channel that is fused to
+/// the other strand is printed over it. If there are several strands below, the channel stands on the one that the
+/// sliding strand crosses most squarely. Strands that meet without a crossing in the layout are printed through each
+/// other.
 ///
-/// Throws "weave.invalid_layout" and "weave.invalid_option" of faulty input, and "weave.not_printable", naming the
-/// crossing or strand and the limit, where the layout is periodic, does not fit on the bed, strands would have to be
-/// below each other, or crossings are too close to the ends or to each other for lifts and channels.
+/// Throws "weave.invalid_layout" and "weave.invalid_option" for faulty input. Throws "weave.not_printable", which names
+/// the crossing or strand and the limit, if the layout is periodic or does not fit on the bed, if strands would have to
+/// be below each other, or if crossings are too close to the ends or to each other for lifts and channels.
 /// O(crossings log crossings + points).
 Toolpath toolpath(const Weave& weave, const PrinterProfile& profile = {}, const ToolpathOptions& options = {},
                   const Execution& execution = {});
