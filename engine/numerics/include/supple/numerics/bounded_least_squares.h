@@ -8,26 +8,26 @@
 
 namespace supple::numerics {
 
-/// Residuals r(x) of a least-squares problem in few unknowns. It may keep what it has worked out between calls, e.g. to
-/// start inner problems from.
+/// The residuals r(x) of a least-squares problem in few unknowns. It may keep what it has computed between calls, for
+/// example as the start of inner problems.
 class ResidualFunction {
  public:
   virtual ~ResidualFunction() = default;
-  /// Residuals at x, which lies within the bounds. False where they do not exist there (an inner problem that has no
-  /// solution): the solver then tries a shorter step.
+  /// Computes the residuals at x, which lies within the bounds. Returns false if they do not exist there (an inner
+  /// problem has no solution). The solver then tries a shorter step.
   virtual bool residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) = 0;
-  /// dr/dx, a column for each unknown. Asked for only at the x of the last call of `residuals`, and only where the
-  /// solver has accepted that point.
+  /// Computes dr/dx, with a column for each unknown. It is asked for only at the x of the last call of `residuals`, and
+  /// only if the solver has accepted that point.
   virtual void jacobian(Eigen::MatrixXd& jacobian) = 0;
 };
 
 struct LeastSquaresOptions {
-  /// Converged once the model promises |r| to fall by at most this, by a step that the trust region does not shorten.
+  /// Converged if the model promises that |r| falls by at most this, for a step that the trust region does not shorten.
   double tolerance = 1e-6;
   /// Reached once |r| <= this.
   double target = 1e-9;
   int max_iterations = 60;
-  /// Of the trust region at the start: share of each bound's width that a step may cover.
+  /// The trust region at the start, as the share of the bounds' widths that a step may cover.
   double initial_radius = 0.25;
 };
 
@@ -43,24 +43,25 @@ struct LeastSquaresResult {
   Eigen::VectorXd x;
   double norm = 0;  ///< |r(x)|
   int iterations = 0;
-  int evaluations = 0;  ///< of r
+  int evaluations = 0;  ///< number of evaluations of r
   LeastSquaresStop stopped = LeastSquaresStop::converged;
-  bool defined = true;  ///< false where r does not exist at the start: then nothing was done
+  bool defined = true;  ///< false if r does not exist at the start; then nothing was done
 };
 
-/// Minimizes |r(x)|^2 / 2 over lower <= x <= upper by a trust-region method: Gauss-Newton models, to which the secant
-/// estimate of the residuals' curvature is added while it predicts better (Dennis, Gay and Welsch 1981, NL2SOL), so
-/// that targets out of reach, whose residuals stay large, converge as fast. Each step minimizes the model over the box
-/// that bounds and trust region (in the maximum norm, relative to the bounds' widths) leave, by an active-set method.
-/// O(n^3) for each step beside the evaluations; n of tens at most. lower < upper are finite; x lies between.
-/// `accepted`, where given, hears of each accepted point, the first included.
+/// Minimizes |r(x)|^2 / 2 over lower <= x <= upper by a trust-region method. The models are those of Gauss and Newton.
+/// The secant estimate of the residuals' curvature is added while it predicts better (Dennis, Gay and Welsch 1981,
+/// NL2SOL), so that targets out of reach, whose residuals stay large, converge as fast. Each step minimizes the model,
+/// by an active-set method, over the box that the bounds and the trust region (in the maximum norm, relative to the
+/// bounds' widths) leave. In addition to the evaluations a step takes O(n^3), where n is some tens at most. lower <
+/// upper are finite, and x lies between them. `accepted`, if given, is called with each accepted point, including the
+/// first one.
 LeastSquaresResult minimize_least_squares(
     ResidualFunction& function, const Eigen::VectorXd& x, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
     const LeastSquaresOptions& options = {}, const Execution& execution = {},
     const std::function<void(const Eigen::VectorXd& x, double norm, int iteration)>& accepted = {});
 
-/// argmin g^T s + s^T H s / 2 over lower <= s <= upper, which contain 0, for a symmetric positive definite H; by an
-/// active-set method that ends at the exact minimizer. O(n^3) for each change of the active set.
+/// Minimizes g^T s + s^T H s / 2 over lower <= s <= upper for a symmetric positive definite H. The bounds contain 0.
+/// The active-set method ends at the exact minimizer. O(n^3) for each change of the active set.
 Eigen::VectorXd minimize_quadratic_in_box(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
                                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 

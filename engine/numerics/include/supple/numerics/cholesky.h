@@ -13,11 +13,12 @@ namespace supple::numerics {
 /// n^3 / 3 operations it saves.
 inline constexpr Eigen::Index dense_cholesky_limit = 64;
 
-/// Cholesky factorization of H + shift I. Dense matrices and small ones by Eigen's LLT, O(n^3); sparse ones by a
-/// multifrontal method on CHOLMOD's ordering and supernodes (Chen, Davis, Hager and Rajamanickam 2008), whose symbolic
-/// analysis is kept for as long as the pattern stays. Of a bordered matrix the core is factorized so, and the corner's
-/// Schur complement as a dense matrix; what is of low rank comes in by the formula of Sherman, Morrison and Woodbury
-/// (1950), and the rest has to be positive definite without it.
+/// The Cholesky factorization of H + shift I. Dense matrices and small ones are factorized by Eigen's LLT, O(n^3).
+/// Sparse matrices are factorized by a multifrontal method with CHOLMOD's ordering and supernodes (Chen, Davis, Hager
+/// and Rajamanickam 2008), whose symbolic analysis is kept as long as the pattern stays the same. For a bordered matrix
+/// the core is factorized in this way, and the Schur complement of the corner as a dense matrix. The part of low rank
+/// is included by the formula of Sherman, Morrison and Woodbury (1950), and the rest has to be positive definite
+/// without it.
 class ShiftedCholesky {
  public:
   ShiftedCholesky();
@@ -25,23 +26,23 @@ class ShiftedCholesky {
   ShiftedCholesky(const ShiftedCholesky&) = delete;
   ShiftedCholesky& operator=(const ShiftedCholesky&) = delete;
 
-  /// False where H + shift I is not numerically positive definite. `hessian` must not be empty.
+  /// Factorizes. Returns false if H + shift I is not numerically positive definite. `hessian` must not be empty.
   bool factorize(const Hessian& hessian, double shift);
 
-  /// Solves (H + shift I) x = b for the last matrix that was factorized with success.
+  /// Solves (H + shift I) x = b for the last matrix that was factorized successfully.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
 
-  /// The same with the core of a bordered matrix alone, for every column of `b`.
+  /// Solves with the core of a bordered matrix alone, for every column of `b`.
   Eigen::MatrixXd solve_core(const Eigen::MatrixXd& b) const;
 
   /// How often a sparse pattern was analysed.
   int analyses() const;
 
   /// From now on factorizations throw what the token throws, some milliseconds after a stop is requested. The ordering
-  /// of a large pattern, whose library looks for none, runs in a helper process where there are any.
+  /// of a large pattern cannot be interrupted, and therefore runs in a helper process if there are any.
   void stop_with(const CancellationToken& cancellation);
 
-  /// From now on bills the stages "factorization" and "solve" to the ledger, which outlives this; null for none.
+  /// From now on bills the stages "factorization" and "solve" to the ledger, which must outlive this. Null means none.
   void bill_to(CostLedger* cost);
 
  private:
@@ -49,7 +50,7 @@ class ShiftedCholesky {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Mean of the absolute diagonal entries, the scale against which a shift is large or small; 1 for a zero diagonal.
+/// The mean of the absolute diagonal entries, which is the scale of a shift; 1 for a zero diagonal.
 double diagonal_scale(const Hessian& hessian);
 
 }  // namespace supple::numerics

@@ -10,8 +10,8 @@ namespace supple::numerics {
 
 /// How far analytic derivatives are from finite differences, and where they are worst.
 ///
-/// An entry's error is |analytic - numeric| / (largest analytic entry of the same array), so that entries that vanish
-/// do not divide by zero; an array of zeros is measured absolutely.
+/// The error of an entry is |analytic - numeric| / (largest analytic entry of the same array), so that nothing is
+/// divided by an entry that vanishes. An array of zeros is measured absolutely.
 struct DerivativeCheck {
   struct Worst {
     double error = 0;
@@ -19,8 +19,8 @@ struct DerivativeCheck {
     Eigen::Index column = 0;  ///< 0 for the gradient
     double analytic = 0;
     double numeric = 0;
-    /// The extrapolation's own estimate of the numeric entry's error, in the same measure: an error below it is no
-    /// news.
+    /// The extrapolation's own estimate of the error of the numeric entry, in the same measure. An error below it means
+    /// nothing.
     double uncertainty = 0;
   };
   Worst gradient;
@@ -31,8 +31,8 @@ struct DerivativeCheck {
 };
 
 struct DerivativeCheckOptions {
-  /// Length of the longest finite-difference step. It is halved `levels - 1` times; of all the extrapolated differences
-  /// the one that the shorter steps change least is used (Ridders 1982). Choose it well inside the smooth region.
+  /// The length of the longest finite-difference step. It is halved `levels - 1` times. Of all extrapolated differences
+  /// the one is used that shorter steps change least (Ridders 1982). Choose a length well inside the smooth region.
   double step = 1e-2;
   int levels = 8;
   bool hessian = true;
@@ -46,10 +46,10 @@ struct DerivativeCheckOptions {
 /// in the frame of the base state. Only the base state (a zero step) is asked for the Hessian.
 using LocalFunction = std::function<Evaluation(const Eigen::VectorXd& step, int order)>;
 
-/// Compares gradient with central differences of the value, and Hessian with central differences of the gradient.
-/// 2 levels n evaluations of order 1. Checks every kind of Hessian, bordered ones too. Throws std::invalid_argument
-/// where the function gives no gradient of n entries, or no n x n Hessian although the options ask for one: what was
-/// not checked does not pass.
+/// Compares the gradient with central differences of the value, and the Hessian with central differences of the
+/// gradient. Takes 2 levels n evaluations of order 1. Checks every kind of Hessian, including bordered ones. Throws
+/// std::invalid_argument if the function gives no gradient of n entries, or no n x n Hessian although the options ask
+/// for one, because what was not checked must not pass.
 DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
                                   const DerivativeCheckOptions& options = {});
 

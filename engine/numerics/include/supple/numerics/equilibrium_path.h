@@ -14,28 +14,29 @@
 
 namespace supple::numerics {
 
-/// How a path of equilibria is followed. Lengths of load steps are in whatever unit the scene measures its loads in.
+/// How a path of equilibria is followed. Lengths of load steps are in the unit in which the scene measures its loads.
 struct PathOptions {
-  /// Of each minimization; its tolerance, its limit of iterations and saddle_contraction are the path's.
+  /// The options of each minimization. Its tolerance, its limit of iterations and saddle_contraction are set by the
+  /// path.
   MinimizerOptions minimizer{};
   int max_iterations = 60;  ///< Newton iterations for one load step before it is halved
-  /// The way from an unstable equilibrium to a stable one is long, and shorter load steps would not shorten it: times
-  /// max_iterations.
+  /// The way from an unstable equilibrium to a stable one is long, and shorter load steps would not shorten it. This
+  /// factor multiplies max_iterations there.
   int more_iterations_after_leaving = 4;
   double largest_step = 1;
   double smallest_step = 1e-6;  ///< a load step is not divided below this
-  /// A load step that took no more iterations lets the next one grow, by the factor.
+  /// A load step that took no more iterations than this lets the next one grow by the factor.
   int quick_iterations = 6;
   double step_growth = 2;
 
   /// Whether an equilibrium that is not stable is left along its least stable mode, to the side of lower energy.
   bool leave_unstable = true;
-  int max_branch_changes = 12;       ///< how often, since the counts were taken last
+  int max_branch_changes = 12;       ///< how often it is left, since the counts were last taken
   double saddle_contraction = 0.03;  ///< see MinimizerOptions::saddle_contraction
-  /// Steps along an unstable mode, in units of the scene's: the first, and how often it is doubled.
+  /// Steps along an unstable mode, in the scene's unit: the first step, and how often it is doubled.
   double first_mode_step = 1e-3;
   int mode_doublings = 10;
-  /// A curvature above minus this share of the mean diagonal entry of the Hessian is rounding, and no reason to leave.
+  /// A curvature above minus this share of the mean diagonal entry of the Hessian is rounding and no reason to leave.
   double zero_curvature = 1e-13;
 };
 
@@ -47,52 +48,54 @@ enum class PathStop {
 
 /// What the scene is told about a load step that ended at an equilibrium.
 struct Arrival {
-  double share = 1;         ///< of the change that was announced
-  bool same_branch = true;  ///< no unstable equilibrium was left on the way
-  bool indefinite = false;  ///< a minimization on the way met a Hessian that is not positive definite
+  double share = 1;         ///< share of the announced change
+  bool same_branch = true;  ///< whether no unstable equilibrium was left on the way
+  bool indefinite = false;  ///< whether a minimization on the way met a Hessian that is not positive definite
 };
 
-/// What follows a path: the energy and its state, what a load step changes and how the state ahead is guessed, and what
-/// is worked out at an equilibrium. Everything else is the path's.
+/// The scene that a path follows. It has the energy and its state, and it says what a load step changes, how the next
+/// state is predicted, and what is computed at an equilibrium. The path does everything else.
 template <class Scene>
 concept PathScene = requires(Scene scene, const Scene& fixed, typename Scene::State state, const Eigen::VectorXd& mode,
                              const MinimizerResult& result, const Arrival& arrival, double number) {
   /// The energy at the current state.
   { scene.objective() } -> std::convertible_to<Objective&>;
-  /// Keeps its symbolic analysis, and after a minimization the last factorization.
+  /// The factorization. It keeps its symbolic analysis and, after a minimization, the last factors.
   { scene.cholesky() } -> std::convertible_to<ShiftedCholesky&>;
-  /// The current state with all that was worked out at it; putting it back makes it the current one.
+  /// The current state with everything that was computed at it. Putting it back makes it the current one.
   { fixed.state() } -> std::convertible_to<typename Scene::State>;
   scene.set_state(state);
-  /// In the unit of the energy's gradient, for the current state.
+  /// The tolerance for the current state, in the unit of the energy's gradient.
   { scene.gradient_tolerance() } -> std::convertible_to<double>;
-  /// Whether a minimization that converged has to be repeated, since the energy or the tolerance has changed.
+  /// Whether a minimization that converged has to be repeated, because the energy or the tolerance has changed.
   { scene.unsettled(result) } -> std::convertible_to<bool>;
-  /// Works out what is wanted of an equilibrium. False where it is not stable.
+  /// Computes what is wanted at an equilibrium. Returns false if it is not stable.
   { scene.finish(result) } -> std::convertible_to<bool>;
-  /// The same where it is not stable and stays so. False where that is not possible.
+  /// Computes the same at an equilibrium that is not stable and stays so. Returns false if that is not possible.
   { scene.finish_unstable() } -> std::convertible_to<bool>;
-  /// Works out the tangent to what the announced load changes. Called at the start of a load step.
+  /// Computes the tangent of the state with respect to the announced change of the load. Called at the start of a load
+  /// step.
   scene.begin_step();
-  /// Makes the likely equilibrium after this share of the announced change the current state. False where there is no
-  /// valid one.
+  /// Makes the predicted equilibrium after this share of the announced change the current state. Returns false if there
+  /// is no valid one.
   { scene.predict(number) } -> std::convertible_to<bool>;
   scene.arrived(arrival);
-  /// A direction of unknowns as one of all degrees of freedom, so long that PathOptions::first_mode_step times it is a
-  /// first step.
+  /// A direction of the unknowns as a direction of all degrees of freedom. Its length is such that
+  /// PathOptions::first_mode_step times it is a first step.
   { fixed.unit_mode(mode) } -> std::convertible_to<Eigen::VectorXd>;
   { fixed.expand(mode) } -> std::convertible_to<Eigen::VectorXd>;
-  /// Makes the state that lies `number` times the mode away from `state` the current one. False where it is not valid.
+  /// Makes the state that lies `number` times the mode away from `state` the current one. Returns false if it is
+  /// invalid.
   { scene.move_along(state, mode, number) } -> std::convertible_to<bool>;
-  /// The current state is one to which an unstable equilibrium was left.
+  /// Called when the current state is one to which an unstable equilibrium was left.
   scene.left_branch();
 };
 
-/// Follows equilibria while loads change: each load step guesses the state ahead, minimizes the energy, looks whether
-/// the equilibrium is stable, and where it is not goes down along its least stable mode. A step that fails is halved;
-/// quick ones let the next one grow.
+/// Follows equilibria while loads change. Each load step predicts the next state, minimizes the energy, checks whether
+/// the equilibrium is stable, and goes down along its least stable mode if it is not. A step that fails is halved, and
+/// quick steps let the next one grow.
 ///
-/// The scene and what the execution points to outlive the path.
+/// The scene and what the execution points to must outlive the path.
 template <PathScene Scene>
 class EquilibriumPath {
  public:
@@ -101,12 +104,12 @@ class EquilibriumPath {
   EquilibriumPath(Scene& scene, const PathOptions& options, Execution execution)
       : scene_(scene), options_(options), execution_(std::move(execution)), step_(options.largest_step) {}
 
-  /// The equilibrium at the loads that are now. False where none was found; `stopped` says why.
+  /// Finds the equilibrium at the present loads. Returns false if none was found; `stopped` says why.
   bool settle() { return minimize(false); }
 
   enum class Progress { arrived, underway, failed };
-  /// One load step of the change that the scene has announced, whose length is `size`. Where it fails, the state is the
-  /// one before.
+  /// Makes one load step of the change that the scene has announced, whose length is `size`. If it fails, the state is
+  /// the one before.
   Progress step(double size) {
     if (size == 0) return Progress::arrived;
     const Snapshot start = snapshot();
@@ -138,14 +141,14 @@ class EquilibriumPath {
     }
   }
 
-  /// Steps from now on are at most so long; the next one is tried at that length.
+  /// From now on steps are at most so long. The next step is tried at that length.
   void set_largest_step(double size) { options_.largest_step = step_ = size; }
 
-  /// Of each minimization from now on.
+  /// Sets the limit of iterations of each minimization from now on.
   void set_max_iterations(int most) { options_.max_iterations = most; }
 
-  /// Adds `mode` (all degrees of freedom) to the state, as far as the energy falls, and settles. False where it falls
-  /// nowhere.
+  /// Adds `mode` (all degrees of freedom) to the state as far as the energy falls, and finds the equilibrium there.
+  /// Returns false if the energy falls nowhere.
   bool leave_along(const Eigen::VectorXd& mode) { return move_along(mode) && minimize(true); }
 
   /// From an equilibrium, looks for another one from `state` at the same loads. Goes over to it if it is stable and its

@@ -9,7 +9,7 @@ namespace supple::numerics {
 
 enum class Interpolation {
   cubic,     ///< twice continuously differentiable spline; natural ends
-  monotone,  ///< once continuously differentiable; between two points never beyond them (Fritsch and Butland 1984)
+  monotone,  ///< once continuously differentiable; never leaves the range of two neighbours (Fritsch and Butland 1984)
   linear,
 };
 std::string_view to_string(Interpolation interpolation);
@@ -17,12 +17,12 @@ std::string_view to_string(Interpolation interpolation);
 /// A curve y(x) through points. Without a period it goes on linearly beyond its ends.
 class Interpolant {
  public:
-  /// n >= 1 points with x strictly increasing and finite; with a period > 0 the last x lies less than it beyond the
-  /// first. Anything else is the caller's mistake and asserts. O(n).
+  /// Takes n >= 1 points with x strictly increasing and finite. With a period > 0, the last x lies less than the period
+  /// beyond the first one. Anything else is a mistake of the caller and asserts. O(n).
   Interpolant(std::span<const double> x, std::span<const double> y, Interpolation interpolation,
               std::optional<double> period = std::nullopt);
 
-  /// O(log n).
+  /// The value at x. O(log n).
   double operator()(double x) const;
 
  private:

@@ -19,12 +19,13 @@ struct MinimizerStep {
   double regularization = 0;  ///< lambda of that step, in the unit of the Hessian
 };
 
-/// Every tolerance is the inequality that is tested. f is the value, g the gradient, d the direction, s the step.
+/// Every tolerance is written as the inequality that is tested. f is the value, g the gradient, d the direction, s the
+/// step.
 struct MinimizerOptions {
   MinimizerMethod method = MinimizerMethod::newton;
   /// Converged once |g| <= gradient_tolerance (Euclidean norm; the unit of f per unit of length).
   double gradient_tolerance = 1e-9;
-  /// A trial with |s| <= step_tolerance is not tried; a line search that comes to it has failed (unit of length).
+  /// A trial with |s| <= step_tolerance is not made. A line search that arrives at it has failed (unit of length).
   double step_tolerance = 1e-300;
   int max_iterations = 200;
   /// A trial of share t is accepted once f(t) <= f + armijo * t * (g . d) ...
@@ -34,8 +35,8 @@ struct MinimizerOptions {
   /// for sums of up to some thousand terms a few dozen units in the last place of a double.
   double value_rounding = 1e-14;
   double gradient_decrease = 1e-3;
-  /// A rejected trial shortens t to the minimum of the parabola through f, g . d and f(t), within [shortest, longest] *
-  /// t.
+  /// After a rejected trial t is shortened to the minimum of the parabola through f, g . d and f(t), within [shortest,
+  /// longest] * t.
   double shortest_backtrack = 0.1;
   double longest_backtrack = 0.5;
   int max_backtracks = 50;
@@ -47,23 +48,23 @@ struct MinimizerOptions {
   double raise = 10;
   double lower = 0.1;
   double max_regularization = 1e10;
-  /// Newton: where the Hessian is not positive definite, a regularized step says the direction well and the length
-  /// badly. One that is accepted whole is doubled while the value falls, up to this multiple; 1 for never.
+  /// Newton: if the Hessian is not positive definite, a regularized step has a good direction and a bad length. A step
+  /// that is accepted completely is doubled while the value falls, up to this multiple. 1 means never.
   double longest_expansion = 1;
-  /// Newton: once a step brought |g| to this share or less, the next direction uses the same factorization again
-  /// (Shamanskii 1967): only gradients are evaluated then. 0 for a factorization in every iteration.
+  /// Newton: if a step brought |g| to this share or less, the next direction uses the same factorization again
+  /// (Shamanskii 1967), so that only gradients are evaluated. 0 means a factorization in every iteration.
   double reuse_contraction = 0;
 
-  /// Newton: where |g| falls to this share while no step gets by with less regularization than the one before, the
-  /// search is on its way to a saddle, which a step along the direction of negative curvature leaves sooner: it stops.
-  /// 0 for never.
+  /// Newton: if |g| falls to this share while no step needs less regularization than the one before, the search is on
+  /// its way to a saddle. A step along the direction of negative curvature leaves the saddle sooner, so the search
+  /// stops. 0 means never.
   double saddle_contraction = 0;
   int lbfgs_history = 10;
-  /// L-BFGS, gradient descent: the first direction is -first_step * g; later ones take their length from measured
-  /// curvature.
+  /// L-BFGS, gradient descent: the first direction is -first_step * g. Later directions get their length from the
+  /// measured curvature.
   double first_step = 1;
-  /// Called with the start and after every iteration, when the objective's current state is the one that the step led
-  /// to.
+  /// Called with the start and after every iteration, when the objective's current state is the one to which the step
+  /// led.
   std::function<void(const MinimizerStep&)> after_step{};
 };
 
@@ -83,15 +84,15 @@ struct MinimizerResult {
   std::vector<MinimizerStep> history;  ///< the start and every iteration
   /// Newton: index into `history` of the state whose Hessian was factorized last; -1 if none was.
   int factorized_at = -1;
-  bool indefinite = false;  ///< Newton: a Hessian on the way was not positive definite
+  bool indefinite = false;  ///< Newton: whether a Hessian on the way was not positive definite
 };
 
-/// Minimizes from the objective's current state, which is the best state found when it returns (values never rise by
-/// more than their rounding). One gradient or Hessian and one or more values per iteration.
+/// Minimizes from the objective's current state. When it returns, the current state is the best one that was found:
+/// values never rise by more than their rounding. Each iteration takes one gradient or Hessian and one or more values.
 ///
-/// newton: regularized Newton, one or more Cholesky factorizations per iteration. lbfgs: two-loop recursion (Nocedal
-/// and Wright 2006, algorithm 7.4) with the pairs transported along the steps. gradient_descent: Barzilai and Borwein's
-/// (1988) step lengths, made monotone by the same line search.
+/// newton is a regularized Newton method with one or more Cholesky factorizations per iteration. lbfgs is the two-loop
+/// recursion (Nocedal and Wright 2006, algorithm 7.4) with the pairs transported along the steps. gradient_descent uses
+/// the step lengths of Barzilai and Borwein (1988), made monotone by the same line search.
 ///
 /// Bills the stage "step" (factorization and direction), reports progress as the share of the logarithm of the gradient
 /// norm, and looks for a stop request before every evaluation. Throws Error "minimizer.not_finite" where the start has

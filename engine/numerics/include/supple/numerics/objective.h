@@ -11,8 +11,8 @@ namespace supple::numerics {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// The symmetric matrix [core border; border^T corner] + low_rank low_rank^T: a sparse matrix with a few dense rows and
-/// columns at its end, and a few dense products besides.
+/// The symmetric matrix [core border; border^T corner] + low_rank low_rank^T. This is a sparse matrix with a few dense
+/// rows and columns at its end, plus a few dense products.
 struct BorderedMatrix {
   SparseMatrix core;         ///< n x n, the lower triangle only
   Eigen::MatrixXd border;    ///< n x m
@@ -31,7 +31,7 @@ struct Evaluation {
   Hessian hessian;
 };
 
-/// A function on a manifold, seen from a state that can be moved: what the minimizer minimizes.
+/// A function on a manifold with a state that can be moved. The minimizer minimizes such a function.
 ///
 /// There is a current state and, between `move` and `accept` or `reject`, a trial state. Tangent vectors have
 /// `dimension()` coordinates in an orthonormal frame that belongs to the state; in a vector space the frame is always
@@ -45,7 +45,8 @@ class Objective {
 
   /// Value (order 0), gradient (1) and Hessian (2) at the trial state if there is one, otherwise at the current state.
   /// A value that is not finite marks a trial state as invalid. The minimizer first asks for the value at a trial state
-  /// and, once it accepts, for the derivatives: an objective whose value costs most of them keeps what it has.
+  /// and, if it accepts the state, for the derivatives. An objective whose value costs nearly as much as its
+  /// derivatives should keep what it has computed.
   virtual Evaluation evaluate(int order) = 0;
 
   /// Makes the trial state: the current one moved along `step` by the retraction of the manifold. Returns the part of
@@ -55,20 +56,20 @@ class Objective {
   virtual void accept() = 0;  ///< the trial state becomes the current one
   virtual void reject() = 0;  ///< the trial state is forgotten
 
-  /// At the current state, after its Hessian was evaluated: a positive semidefinite matrix near it, where the objective
-  /// knows one. Newton's method takes it where the Hessian itself is not positive definite.
+  /// A positive semidefinite matrix near the Hessian at the current state, after this was evaluated, if the objective
+  /// knows one. Newton's method uses it if the Hessian itself is not positive definite.
   virtual std::optional<Hessian> convex_hessian() { return std::nullopt; }
 
   /// The largest t > 0 such that t * step keeps the state valid (no inverted element, no contact passed through).
   virtual double largest_step(const Eigen::VectorXd& /*step*/) const { return std::numeric_limits<double>::infinity(); }
 
-  /// Carries a tangent vector of the current state to the trial state, by an isometry. False where no transport makes
-  /// sense (across a kink): what was learned of the curvature is then forgotten.
+  /// Carries a tangent vector of the current state to the trial state, by an isometry. Returns false if no transport
+  /// makes sense (across a kink). What was learned about the curvature is then forgotten.
   virtual bool transport(Eigen::VectorXd& /*tangent*/) const { return true; }
 
-  /// Called where a step had to be shortened, a sign of a kink nearby. An objective that knows its kinks may replace
-  /// the trial state (or make one, if there is none) by one of lower value than the current and the trial state, and
-  /// returns its distance from the current state.
+  /// Called when a step had to be shortened, which is a sign of a kink nearby. An objective that knows its kinks may
+  /// replace the trial state (or make one, if there is none) by a state of lower value than the current and the trial
+  /// state. It then returns the distance of that state from the current one.
   virtual std::optional<double> snap() { return std::nullopt; }
 };
 

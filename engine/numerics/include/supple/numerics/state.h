@@ -7,10 +7,10 @@
 
 namespace supple::numerics {
 
-/// What a scene's energy is a function of: a point of a manifold, with the frame in which tangent vectors and
-/// derivatives are written there. Each wing has its own; what it stands for is the wing's alone.
+/// The unknowns of a scene: a point of a manifold, with the frame in which tangent vectors and derivatives are written
+/// there. Each room with physics has a state of its own, and only that room knows what it stands for.
 ///
-/// - dimension(): coordinates of a tangent vector, the degrees of freedom.
+/// - dimension(): the number of coordinates of a tangent vector, which are the degrees of freedom.
 /// - move(step): the retraction. Moves the state along the tangent vector `step` (vectors add, frames turn, points of a
 ///   surface walk straightest paths) and returns the part of `step` that was travelled, in the frame before: each part
 ///   of the state stops by itself where something, a boundary, stops it.
@@ -18,7 +18,7 @@ namespace supple::numerics {
 ///   chooses the one of the place where it is now.
 /// - transport(tangent): carries a tangent vector of the state before the last move to this one, by an isometry. False
 ///   where no transport makes sense (across a kink): what was learned of the curvature is then forgotten.
-/// - motion: the stage to which moves are billed; empty for none.
+/// - motion: the stage to which moves are billed, or empty for none.
 template <class S>
 concept State = std::copyable<S> &&
     requires(S state, const S& fixed, const Eigen::VectorXd& step, Eigen::VectorXd& tangent) {
@@ -29,14 +29,14 @@ concept State = std::copyable<S> &&
   { S::motion } -> std::convertible_to<std::string_view>;
 };
 
-/// A state that can go back on the way of its last move: what its terms need who look ahead and shorten it.
+/// A state that can go back on the way of its last move. Terms that look ahead and shorten the way need this.
 template <class S>
 concept Retractable = requires(S state, const S& from, double share) {
-  /// To the point at this share of the straight way from `from`.
+  /// Moves to the point at this share of the straight way from `from`.
   state.go_back(from, share);
 };
 
-/// A point of a vector space: steps add, the frame is always the same.
+/// A point of a vector space: steps are added, and the frame is always the same.
 struct VectorState {
   Eigen::VectorXd x;
 

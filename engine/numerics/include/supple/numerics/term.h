@@ -15,19 +15,21 @@
 
 namespace supple::numerics {
 
-/// The running sum that terms add themselves to: derivatives by all degrees of freedom, also held ones.
+/// The running sum to which terms add their shares. Derivatives are with respect to all degrees of freedom, including
+/// those that are held.
 struct EnergySum {
   double value = 0;
-  Eigen::VectorXd gradient{};  ///< one entry per degree of freedom; empty for order 0
+  Eigen::VectorXd gradient{};  ///< one entry for each degree of freedom; empty for order 0
   HessianEntries hessian{};    ///< unused below order 2
-  /// What couples all degrees of freedom with each other: each column a adds a a^T to the Hessian (order 2).
+  /// Couplings of all degrees of freedom with each other: each column a adds a a^T to the Hessian (order 2).
   std::vector<Eigen::VectorXd> rank_one{};
-  /// Whether terms that can (`has_convex_hessian`) give each element a positive semidefinite matrix near its Hessian.
+  /// Whether each element gets a positive semidefinite matrix near its Hessian, from terms that have one
+  /// (`has_convex_hessian`).
   bool convex = false;
-  /// Looked at every few thousand elements; null where nobody stops the evaluation. Outlives it.
+  /// It is checked every few thousand elements. Null if nobody stops the evaluation, which it must outlive otherwise.
   const CancellationToken* cancellation = nullptr;
 
-  /// Makes the sum zero, for n degrees of freedom and derivatives up to `order`.
+  /// Resets the sum to zero, for n degrees of freedom and derivatives up to `order`.
   void clear(Eigen::Index n, int order) {
     value = 0;
     if (order >= 1) gradient.setZero(n);
@@ -36,7 +38,7 @@ struct EnergySum {
     rank_one.clear();
   }
 
-  /// Adds the share of an element of the degrees of freedom `rows`: its gradient (order 1) and the lower triangle of
+  /// Adds the share of an element with the degrees of freedom `rows`: its gradient (order 1) and the lower triangle of
   /// its Hessian, row by row (order 2; see HessianEntries::add_block).
   template <std::size_t size>
   void add_element(const std::array<std::int32_t, size>& rows, int order, double share, const double* slope,
@@ -68,8 +70,8 @@ struct EnergySum {
 /// One term of a scene's energy: an elastic element group, a contact, a spring, a pressure.
 ///
 /// A term reads the state (it knows which degrees of freedom are its own) and adds its share to the sum. Adding physics
-/// means adding one class like this; no solver changes. What a term has to work out before is asked for by name:
-/// `prepare` at a state, `look_ahead` before a step. All else is const and depends on the state alone.
+/// means adding one class like this, and no solver changes. If a term has to compute something first, it does so in
+/// `prepare` (at a state) or in `look_ahead` (before a step). Everything else is const and depends on the state alone.
 template <class S>
 class Term {
  public:
@@ -82,37 +84,38 @@ class Term {
   /// invalid.
   virtual void add(const S& state, int order, EnergySum& sum) const = 0;
 
-  /// Whether `add` follows EnergySum::convex. Where an energy bends the wrong way in single elements, as compressed and
-  /// buckling ones do, steps by such matrices are far better than by the Hessian with a multiple of the identity.
+  /// Whether `add` follows EnergySum::convex. If the energy of single elements has negative curvature, as in compressed
+  /// and buckling elements, steps with such matrices are far better than steps with the Hessian plus a multiple of the
+  /// identity.
   virtual bool has_convex_hessian() const { return false; }
 
-  /// Whether there is anything to add at present: a term that is not active is neither called nor billed.
+  /// Whether there is anything to add at present. A term that is not active is neither called nor billed.
   virtual bool active() const { return true; }
 
-  /// Works out what `add` needs at this state up to this order and keeps it, in the state or in the term. Called once
-  /// before `add` is, at every state and where the order rises.
+  /// Computes what `add` needs at this state up to this order, and keeps it in the state or in the term. It is called
+  /// once before `add`, at every state and whenever the order rises.
   virtual void prepare(S& /*state*/, int /*order*/, const Execution& /*execution*/) {}
 
-  /// The largest t > 0 for which the state stays valid along t * step; infinity where every step is. What can be said
-  /// of a step before it is taken.
+  /// The largest t > 0 for which the state stays valid along t * step, or infinity if every step is valid. It is asked
+  /// before a step is taken.
   virtual double largest_step(const S& /*state*/, const Eigen::VectorXd& /*step*/) const {
     return std::numeric_limits<double>::infinity();
   }
 
-  /// Looks at the way from one state to another before it is taken and gets ready for all states on it. Returns the
-  /// share of it, in [0, 1], that may be taken.
+  /// Inspects the way from one state to another before it is taken, and prepares for all states on it. Returns the
+  /// share of the way, in [0, 1], that may be taken.
   virtual double look_ahead(const S& /*from*/, const S& /*to*/, CostLedger* /*cost*/) { return 1; }
 
-  /// A state that a line search cannot find: where the term has a kink that may hold a minimum, or where only the parts
-  /// of the state that stand before a kink have moved less than the others.
+  /// A state that a line search cannot find: a state at which the term has a kink that may hold a minimum, or a state
+  /// in which only the parts that are close to a kink have moved less than the others.
   struct Kink {
     S state;
     std::int64_t id = 0;      ///< the same for the same kink
-    double distance = 0;      ///< from the current state
-    bool same_place = false;  ///< rounding alone keeps the current state from it
+    double distance = 0;      ///< its distance from the current state
+    bool same_place = false;  ///< whether only rounding separates the current state from it
   };
-  /// Kinks near the current state and the trial states since it became that, in the order of the trials, no farther
-  /// than `reach` from it.
+  /// The kinks near the current state and near the trial states since it became the current one, in the order of the
+  /// trials. They are no farther than `reach` from the current state.
   virtual std::vector<Kink> kinks(const S& /*current*/, const std::vector<S>& /*tried*/, double /*reach*/) const {
     return {};
   }
