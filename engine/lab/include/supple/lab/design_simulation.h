@@ -7,7 +7,7 @@
 
 namespace supple::lab {
 
-/// Hears of each state that was reached or given up, from the thread that computed it.
+/// Is told about each state that was reached or given up, by the thread that computed it.
 class StateListener {
  public:
   virtual ~StateListener() = default;
@@ -16,9 +16,9 @@ class StateListener {
 
 /// Simulates all paths of one design on the calling thread.
 ///
-/// A design that the engine refuses, e.g. for its shape, comes back rejected with the error's code and sentence; a path
-/// that stops early says why, and the other paths go on. Throws only "job.cancelled" once a stop is requested, and
-/// std::bad_alloc: neither says anything about the design.
+/// A design that the engine refuses, for example because of its shape, is returned as rejected with the code and
+/// sentence of the error. A path that stops early says why, and the other paths go on. Throws only "job.cancelled" if a
+/// stop is requested, and std::bad_alloc, because neither says anything about the design.
 dataset::Design simulate_design(const DatasetOptions& options, const PlannedDesign& planned,
                                 const CancellationToken& cancellation = {}, StateListener* listener = nullptr);
 

@@ -40,17 +40,17 @@ struct LoadPlanOptions {
   int tension_paths = 2;
   int compression_paths = 2;
   int biaxial_paths = 3;
-  int tension_states = 6;  ///< of one path
+  int tension_states = 6;  ///< states of one path, likewise below
   int compression_states = 6;
   int biaxial_states = 5;
-  double largest_stretch = 1.5;           ///< of uniaxial tension
-  double smallest_stretch = 0.7;          ///< of uniaxial compression
-  double largest_biaxial_stretch = 1.2;   ///< of either stretch
-  double smallest_biaxial_stretch = 0.9;  ///< of either stretch
+  double largest_stretch = 1.5;           ///< end of uniaxial tension
+  double smallest_stretch = 0.7;          ///< end of uniaxial compression
+  double largest_biaxial_stretch = 1.2;   ///< upper limit of both stretches
+  double smallest_biaxial_stretch = 0.9;  ///< lower limit of both stretches
   double first_strain = 1e-3;             ///< no state is nearer to rest than this change of stretch
 };
 
-/// Throws "dataset.invalid_option" (each option named, with its limits).
+/// Throws "dataset.invalid_option", which names each option with its limits.
 void check(const LoadPlanOptions& options);
 
 struct PlannedPath {
@@ -59,9 +59,9 @@ struct PlannedPath {
   microscale::Load load() const;
 };
 
-/// The paths of a design. `turns` are its low-discrepancy coordinates in (0, 1): of the directions of tension,
-/// compression and biaxial paths, and of the place on the border of the biaxial square; `seed` draws the offsets.
-/// Deterministic. `options` are checked.
+/// Plans the paths of a design. `turns` are its low-discrepancy coordinates in (0, 1). They determine the directions of
+/// tension, compression and biaxial paths, and the place on the border of the biaxial square. `seed` determines the
+/// offsets. Equal input gives equal paths. `options` must have passed `check`.
 std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::array<double, 4>& turns,
                                     std::uint64_t seed);
 
