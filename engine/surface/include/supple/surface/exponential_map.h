@@ -7,22 +7,22 @@
 
 namespace supple::surface {
 
-/// Where a straightest path leads and what it passes.
+/// Where a straightest path leads, and what it passes.
 struct ExponentialMap {
   SurfacePoint end;
   std::vector<PathPoint> trace;   ///< start, every edge crossing and vertex passed, end
   Eigen::Vector3d end_direction;  ///< unit tangent of the path at its end, in the end's face; zero for a zero vector
-  double length = 0;              ///< length travelled; less than asked only where the path met the boundary
+  double length = 0;              ///< travelled length; less than asked for only if the path met the boundary
   bool reached_boundary = false;
-  /// Angle (radians) that turns tangent_frame coordinates at the start into coordinates at the end by transport along
-  /// the path.
+  /// The angle (radians) by which transport along the path turns tangent_frame coordinates at the start into
+  /// coordinates at the end.
   double transport_angle = 0;
 };
 
-/// Walks from `start` along the straightest geodesic (Polthier and Schmies 1998) of direction and length `tangent`, a
-/// vector in space whose part within the start's face counts. Across an edge the faces are unfolded; through a vertex
-/// the path leaves with equal angles on both sides; at a boundary it stops and says so. A start on an edge or a vertex
-/// first finds the face that the direction points into. Throws "exponential_map.non_finite" and
+/// Walks from `start` along the straightest geodesic (Polthier and Schmies 1998). `tangent` gives its direction and
+/// length. It is a vector in space, of which only the part within the start's face counts. Across an edge the faces are
+/// unfolded. The path leaves a vertex with equal angles on both sides. At a boundary it stops and says so. A start on
+/// an edge or a vertex first finds the face that the direction points into. Throws "exponential_map.non_finite" and
 /// "exponential_map.too_long" (more than `max_crossings` edges). O(edges crossed).
 ExponentialMap exponential_map(const TriangleMesh& mesh, const SurfacePoint& start, const Eigen::Vector3d& tangent,
                                bool record_trace = true, std::int64_t max_crossings = 10'000'000);

@@ -10,19 +10,19 @@ namespace supple::weave {
 /// Sheets that have been printed and tested: layout, profile and options together.
 enum class Sample {
   fused_grid,    ///< 20 x 20 strands at a pitch of 4, 80 x 80, with a frame and overruns of 24
-  sliding_grid,  ///< the same, the strands along y slide
+  sliding_grid,  ///< the same, but the strands along y slide
   squares_1,     ///< 5 x 5 and 4 x 4 interlacing squares of side 12 between two grips
   squares_2,
   squares_3,
   squares_4,
-  circles_fused,  ///< 6 x 5 circles of radius 8, half circles at the grips
+  circles_fused,  ///< 6 x 5 circles of radius 8, with half circles at the grips
   circles_sliding,
   actuation,  ///< three rings, spokes and a strand to push
 };
 inline constexpr std::array all_samples{Sample::fused_grid,    Sample::sliding_grid,    Sample::squares_1,
                                         Sample::squares_2,     Sample::squares_3,       Sample::squares_4,
                                         Sample::circles_fused, Sample::circles_sliding, Sample::actuation};
-/// Its name as it is written here.
+/// The name of a sample, as it is written above.
 std::string_view to_string(Sample sample);
 
 struct PrintJob {
