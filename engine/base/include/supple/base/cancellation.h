@@ -7,11 +7,11 @@ namespace supple {
 
 enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3, superseded = 4 };
 
-/// A flag shared between whoever may stop a computation and the computation itself.
+/// A flag that a computation shares with those who may stop it.
 ///
-/// Copies share the flag. `request` may be called from any thread, the first reason wins. The engine has no clock: a
-/// deadline is requested by its owner. Long loops call `throw_if_requested` at least every few milliseconds; it costs
-/// one relaxed load.
+/// Copies share the flag. `request` may be called from any thread, and the first reason wins. The engine has no clock,
+/// so that the owner of a deadline has to request the stop. Long loops call `throw_if_requested` at least every few
+/// milliseconds; it costs one relaxed load.
 class CancellationToken {
  public:
   CancellationToken() : reason_(std::make_shared<std::atomic<int>>(0)) {}

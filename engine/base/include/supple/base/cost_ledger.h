@@ -8,7 +8,7 @@
 
 namespace supple {
 
-/// The bill of one computation: what each stage cost, and which effects ran and why. Not shared between threads; a
+/// The bill of one computation: what each stage cost, and which effects ran and why. Threads must not share a ledger. A
 /// parallel computation gives each task its own ledger and merges them.
 class CostLedger {
  public:
@@ -25,13 +25,13 @@ class CostLedger {
     double seconds = 0;
   };
   struct Quantity {
-    std::string name;  ///< e.g. "windows", "faces_visited"
+    std::string name;  ///< for example "windows" or "faces_visited"
     double value = 0;
   };
 
-  /// Adds to the stage of that name, making it on first use. Stages keep the order of their first use.
+  /// Adds to the stage of that name, which is made at its first use. Stages keep the order of their first use.
   void add_stage(std::string_view name, double seconds, std::int64_t count = 1);
-  /// Adds to the effect of that name. `ran` accumulates with or; `why` keeps the latest text.
+  /// Adds to the effect of that name. `ran` is true if it was true in any call, and `why` keeps the latest text.
   void add_effect(std::string_view name, bool ran, std::string_view why, std::int64_t count = 0, double seconds = 0);
   /// Adds to the counted quantity of that name.
   void add_quantity(std::string_view name, double value);

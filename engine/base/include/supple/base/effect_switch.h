@@ -2,7 +2,7 @@
 
 namespace supple {
 
-/// Whether an optional part of a computation runs; `automatic` decides from the problem and says how.
+/// Whether an optional part of a computation runs. `automatic` decides it from the problem and reports the reason.
 enum class Switch { automatic, on, off };
 
 }  // namespace supple

@@ -6,7 +6,8 @@
 
 namespace supple {
 
-/// What surrounds a computation: who may stop it, who hears how far it is, who writes the bill. All optional.
+/// The surroundings of a computation: a token to stop it, a sink for its progress, and a ledger for its bill. All of
+/// them are optional.
 struct Execution {
   CancellationToken cancellation{};
   ProgressSink* progress = nullptr;

@@ -9,7 +9,7 @@
 
 namespace supple {
 
-/// Gathers what is wrong with an input, so that one Error names all of it: the first 20 faults, and how many there are.
+/// Collects what is wrong with an input, so that one Error names all of it: the first 20 faults, and their number.
 class Faults {
  public:
   static constexpr std::size_t most_details = 20;
@@ -21,8 +21,8 @@ class Faults {
   bool any() const { return total_ > 0; }
   std::size_t total() const { return total_; }
 
-  /// Throws an Error of this code where there are any: "<where>: <message> (and 2 more)" of the first one, `whole` in
-  /// place of an empty where.
+  /// Throws an Error with this code if there are any faults. Its sentence is "<where>: <message> (and 2 more)" for the
+  /// first fault, with `whole` in place of an empty where.
   void throw_if_any(const std::string& code, const std::string& whole = "The input") const;
 
  private:

@@ -16,32 +16,32 @@ namespace supple {
 
 struct HelperOptions {
   std::string program;       ///< the file of a program that calls `serve_as_helper`
-  int processes = 0;         ///< at the same time; below 1: one for each core
-  std::uint64_t memory = 0;  ///< bytes of address space of each; 0: no limit
+  int processes = 0;         ///< processes at the same time; below 1 means one for each core
+  std::uint64_t memory = 0;  ///< bytes of address space of each process; 0 means no limit
 };
 
-/// Processes that run what cannot be stopped within this one: libraries that look for no stop request, such as mesh
-/// generators and polygon clippers, and that could take the whole process with them.
+/// Processes that run what cannot be stopped within this process: libraries that do not look for stop requests, such as
+/// mesh generators and polygon clippers, and that could take the whole process down with them.
 ///
-/// A task is a name and bytes, its answer bytes. Processes are kept between tasks, so that a small one takes a tenth of
-/// a millisecond longer than here; where there are none free another one is started, up to the limit, beyond which
-/// callers wait. A process whose task is stopped is killed. All end with the process that started them, however that
-/// ends. Members may be called from any thread.
+/// A task consists of a name and bytes, and its answer of bytes. Processes are kept between tasks, so that a small task
+/// takes only a tenth of a millisecond longer than in this process. If no process is free, another one is started, up
+/// to the limit. Beyond the limit callers wait. A process whose task is stopped is killed. All of them end with the
+/// process that started them, however that ends. Members may be called from any thread.
 class HelperProcesses {
  public:
-  /// Starts the first one. Throws std::runtime_error where the program cannot be started.
+  /// Starts the first process. Throws std::runtime_error if the program cannot be started.
   explicit HelperProcesses(HelperOptions options);
-  /// Kills all. No task may run any more.
+  /// Kills all processes. No task may run any more.
   ~HelperProcesses();
   HelperProcesses(const HelperProcesses&) = delete;
   HelperProcesses& operator=(const HelperProcesses&) = delete;
 
-  /// Runs a task and returns its answer. Throws the Error that the task threw, with its code and details;
-  /// "server.out_of_memory" at the limit of memory; "server.helper_ended" where the process ended by itself; and what
-  /// the token throws, some milliseconds after a stop is requested: the process has gone then.
+  /// Runs a task and returns its answer. Throws the Error that the task threw, with its code and details,
+  /// "server.out_of_memory" at the limit of memory, and "server.helper_ended" if the process ended by itself. Some
+  /// milliseconds after a stop is requested it throws what the token throws, and the process is gone.
   std::string run(std::string_view task, std::string_view request, const Execution& execution);
 
-  /// Of running and waiting processes.
+  /// The numbers of running and of waiting processes.
   std::vector<int> process_ids() const;
 
  private:
@@ -57,18 +57,18 @@ class HelperProcesses {
   int starting_ = 0;
 };
 
-/// The helpers of this process; null, as at the start, where everything runs in this process itself.
+/// The helpers of this process. Null, as at the start, means that everything runs in this process itself.
 std::shared_ptr<HelperProcesses> helper_processes();
 void use_helper_processes(std::shared_ptr<HelperProcesses> helpers);
 
-/// The file of this name in the folder of this process' program; empty where there is none.
+/// The file of this name in the folder of this process's program; empty if there is none.
 std::string program_beside_this_one(const std::string& name);
 
-/// What a helper can do: the answer's bytes of a request's.
+/// The tasks of a helper: each turns the bytes of a request into the bytes of an answer.
 using HelperTask = std::function<std::string(std::string_view request)>;
 using HelperTasks = std::map<std::string, HelperTask, std::less<>>;
 
-/// The main function of a helper: answers requests until the process that started it has gone.
+/// The main function of a helper. It answers requests until the process that started it is gone.
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks);
 
 }  // namespace supple

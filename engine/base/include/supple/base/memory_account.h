@@ -7,24 +7,24 @@ namespace supple {
 
 /// Counts what one computation allocates and frees, on all threads that work for it.
 ///
-/// The engine counts nothing by itself: a program that replaces malloc tells this thread's account of each block
-/// (`note_block`), and `parallel_for` hands the account to the threads that help. A block that is
-/// freed while another account, or none, is this thread's is not seen by the one that paid for it. A thread that turns
-/// to another account may leave a few kilobytes uncounted.
+/// The engine does not count by itself. A program that replaces malloc reports each block to the thread's account
+/// (`note_block`), and `parallel_for` hands the account to the threads that help. If a block is freed while the thread
+/// has another account, or none, the account that paid for it does not see it. A thread that changes to another account
+/// may leave a few kilobytes uncounted.
 class MemoryAccount {
  public:
   virtual ~MemoryAccount() = default;
 
-  /// Bytes that were allocated since the last call, less those that were freed: negative where more were freed. Any
-  /// thread may call. Must not allocate.
+  /// Called with the bytes that were allocated since the last call, less those that were freed. The number is negative
+  /// if more were freed. Any thread may call it. It must not allocate.
   virtual void add(std::int64_t bytes) noexcept = 0;
-  /// Whether a block of so many bytes may be allocated. Asked for large ones only. Must not allocate.
+  /// Whether a block of so many bytes may be allocated. It is asked for large blocks only, and must not allocate.
   virtual bool allows(std::int64_t bytes) noexcept = 0;
 
-  /// The account that this thread works for; null where it works for none.
+  /// The account for which this thread works, or null.
   static MemoryAccount* of_this_thread() noexcept;
 
-  /// Makes an account this thread's for its lifetime; null for none.
+  /// Makes an account that of this thread during the lifetime of this object. Null means none.
   class Use {
    public:
     explicit Use(MemoryAccount* account) noexcept;
@@ -37,8 +37,9 @@ class MemoryAccount {
   };
 };
 
-/// A block from this size on is refused where the account does not allow it. A smaller one never is: code that cannot
-/// go on without it may be anywhere, while what is this large is the data of a computation, which knows how to fail.
+/// Blocks from this size on are refused if the account does not allow them. Smaller blocks are never refused, because
+/// code that cannot go on without them may be anywhere. A block of this size is the data of a computation, which knows
+/// how to fail.
 constexpr std::size_t large_block = std::size_t{1} << 20;
 
 namespace detail {

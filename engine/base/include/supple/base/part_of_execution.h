@@ -4,7 +4,7 @@
 
 namespace supple {
 
-/// The execution of one part of a computation: its progress from 0 to 1 is a stretch of that of the whole.
+/// The execution of one part of a computation. Its progress from 0 to 1 is a stretch of the progress of the whole.
 class PartOfExecution {
  public:
   /// The part begins at `first` of the whole and takes `share` of it.

@@ -4,13 +4,14 @@
 
 namespace supple {
 
-/// Receives how far a computation has come. Called from the computing thread; implementations return quickly.
+/// Is told how far a computation has come. It is called from the computing thread, and implementations return quickly.
 class ProgressSink {
  public:
   virtual ~ProgressSink() = default;
   /// `fraction` in [0, 1] is the estimated share of the work that is done; `stage` names what runs now.
   virtual void report(double fraction, std::string_view stage) = 0;
-  /// An intermediate result in the form that its receiver knows; the latest counts. Most receivers have no use for it.
+  /// Receives an intermediate result, in a form that the receiver knows. The latest one counts. Most receivers ignore
+  /// it.
   virtual void publish(std::string_view /*partial*/) {}
 };
 

@@ -9,7 +9,7 @@
 
 namespace supple {
 
-/// Looks at a token at every 16384th call: for loops whose bodies take nanoseconds.
+/// Looks at a token at every 16384th call. It serves loops whose bodies take nanoseconds.
 class StopPace {
  public:
   explicit StopPace(const CancellationToken& cancellation) : cancellation_(cancellation) {}
@@ -23,7 +23,8 @@ class StopPace {
   std::uint32_t calls_ = 0;
 };
 
-/// Sorts by parts that are merged, and looks at the token before each: a stop waits for some milliseconds. Not stable.
+/// Sorts in parts that are then merged, and looks at the token before each of them, so that a stop waits for some
+/// milliseconds. The sort is not stable.
 /// O(n log n).
 template <class Value, class Less = std::less<>>
 void sort_stoppably(std::vector<Value>& values, const CancellationToken& cancellation, const Less& less = {}) {

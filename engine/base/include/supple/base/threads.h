@@ -9,7 +9,8 @@ namespace supple {
 void set_thread_count(int count);
 int thread_count();
 
-/// Calls body(i) for i in [0, n), in parallel within the counted threads. Exceptions reach the caller: of several, one.
+/// Calls body(i) for i in [0, n), in parallel within the counted threads. If there are exceptions, one reaches the
+/// caller.
 void parallel_for(int n, const std::function<void(int)>& body);
 
 }  // namespace supple
