@@ -22,6 +22,8 @@ void add_simulate_command(CLI::App& program, const GlobalOptions& options);
 void add_model_commands(CLI::App& program, const GlobalOptions& options);
 void add_evaluate_command(CLI::App& program, const GlobalOptions& options);
 void add_uniaxial_command(CLI::App& program, const GlobalOptions& options);
+void add_curve_command(CLI::App& program, const GlobalOptions& options);
+void add_part_command(CLI::App& program, const GlobalOptions& options);
 void add_design_command(CLI::App& program, const GlobalOptions& options);
 void add_profile_command(CLI::App& program, const GlobalOptions& options);
 void add_weave_commands(CLI::App& program, const GlobalOptions& options);

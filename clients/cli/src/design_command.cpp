@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "design_output.h"
 #include "failure.h"
+#include "measured_curve_arguments.h"
 #include "numbers.h"
 #include "picture.h"
 #include "profile_arguments.h"
@@ -17,6 +18,7 @@ struct DesignArguments {
   std::string request_file;
   ProfileArguments profile;
   std::string target;
+  MeasuredCurveArguments measured;
   std::string interpolation;
   int samples = 0;
   std::string initial;
@@ -48,7 +50,17 @@ nlohmann::json request_in_file(const std::string& file) {
 }
 
 /// What is given on the command line takes the place of what the file says.
-nlohmann::json request_of(const DesignArguments& arguments) {
+/// The target of a file of measurements. Instruments measure stretch and force over rest width.
+void take_measured_target(Session& session, const DesignArguments& arguments, nlohmann::json& request) {
+  const std::string task = request.value("task", "stress_strain");
+  const auto answer = reduce_curve(session, arguments.target, task, arguments.measured);
+  request["task"] = task;
+  request["target"] = answer.at("target");
+  if (task == "stress_strain" && !request.contains("strain_measure")) request["strain_measure"] = "engineering";
+  if (!session.json()) fmt::print(stderr, "target      {}\n", reduction_words(answer));
+}
+
+nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   nlohmann::json request =
       arguments.request_file.empty() ? nlohmann::json::object() : request_in_file(arguments.request_file);
   for (const char* const group : {"target", "accuracy", "effects"}) {
@@ -56,8 +68,11 @@ nlohmann::json request_of(const DesignArguments& arguments) {
       throw Failure(ExitCode::local_file, fmt::format("{}: {} is no JSON object", arguments.request_file, group));
   }
   request.update(profile_fields(arguments.profile));
-  if (!arguments.target.empty())
+  if (!arguments.target.empty() && (arguments.measured.any() || is_measured(arguments.target))) {
+    take_measured_target(session, arguments, request);
+  } else if (!arguments.target.empty()) {
     request["target"] = parse_target(arguments.target, is_over_directions(request.value("task", "")));
+  }
   if (arguments.request_file.empty() && !(request.contains("task") && request.contains("target")))
     throw Failure(ExitCode::usage, "no problem: give --task and --target, or a file with --request");
   const auto set_text = [](nlohmann::json& in, const char* name, const std::string& value) {
@@ -99,8 +114,8 @@ void write_structures(Session& session, const std::string& file, const nlohmann:
 }
 
 void run(const GlobalOptions& options, const DesignArguments& arguments) {
-  const nlohmann::json request = request_of(arguments);
   Session session(options);
+  const nlohmann::json request = request_of(arguments, session);
   const nlohmann::json answer = session.compute("/v1/designs", request).json();
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, designs_as_csv(answer));
   if (!arguments.plot_file.empty()) write_picture(arguments.plot_file, plot_svg(plots_of_designs(answer)));
@@ -163,7 +178,9 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
   command->get_option("--family")->description("Family to search, or any for all that have a model (any)");
   command->add_option("--target", arguments->target,
                       "Control points x,y;x,y or the lines of a file: strains or angles, and MPa; a third number is a "
-                      "weight, a fourth a band within which deviations count as none");
+                      "weight, a fourth a band within which deviations count as none. A file of measurements (more "
+                      "than 64 rows, or separated otherwise), or - for standard input, is reduced to control points");
+  add_measured_curve_options(*command, arguments->measured);
   command->add_option("--interpolation", arguments->interpolation, "Between the control points (cubic)")
       ->check(CLI::IsMember({"cubic", "monotone", "linear"}));
   command->add_option("--request,--regions", arguments->request_file,

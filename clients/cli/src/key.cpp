@@ -28,7 +28,7 @@ std::string read_key_file(const std::string& path) {
 }  // namespace
 
 std::string find_key(const std::string& key, const std::string& file) {
-  const auto found = key.empty() && !file.empty() ? read_key_file(file) : key;
+  auto found = key.empty() && !file.empty() ? read_key_file(file) : key;
   const auto plain = [](unsigned char c) { return (c < 0x80 && std::isalnum(c)) || c == '_'; };
   if (!std::all_of(found.begin(), found.end(), plain) || (found.empty() && !file.empty()))
     throw Failure(ExitCode::usage, fmt::format("{} holds no key of the form supple_ID_SECRET",

@@ -71,10 +71,12 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
   add_exponential_map_command(program, options);
   add_family_command(program, options);
   add_structure_command(program, options);
+  add_part_command(program, options);
   add_simulate_command(program, options);
   add_model_commands(program, options);
   add_evaluate_command(program, options);
   add_uniaxial_command(program, options);
+  add_curve_command(program, options);
   add_design_command(program, options);
   add_profile_command(program, options);
   add_weave_commands(program, options);

@@ -59,6 +59,7 @@ from .design_answers import (
     RegionDesigns,
     Verification,
 )
+from . import parts
 from .designs import DesignOptions, Region, Target
 from .errors import (
     AccessDenied,
@@ -94,6 +95,8 @@ from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, Relax
 from .points import PointLike, SurfacePoint, Vertex
 from .progress import Progress
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
+from .measured import MeasuredCurve
+from .parts import Part, PartOptions, PartRegion
 from .tilings import CellMesh, Family, Structure, Tile
 from .voronoi import RandomSites, Sites, VoronoiOptions
 from .voronoi_answers import (
@@ -235,6 +238,11 @@ __all__ = [
     "SuppleError",
     "Support",
     "SurfacePoint",
+    "MeasuredCurve",
+    "Part",
+    "PartOptions",
+    "PartRegion",
+    "parts",
     "Target",
     "Tile",
     "Uniaxial",

@@ -20,6 +20,7 @@ from .errors import ConnectionFailed, RequestTimeout, ServerBusy
 from .jobs import Job, JobStatus, Progress, run, status_from_wire, submit
 from .keys import find_key
 from .loads import Load
+from .maker_calls import MakerCalls
 from .mesh import Mesh
 from .models import Model, model_info_from_wire
 from .simulations import Simulation
@@ -30,7 +31,7 @@ from .weave_calls import WeaveCalls
 DEFAULT_URL = "http://127.0.0.1:8080"
 
 
-class Client(WeaveCalls):
+class Client(WeaveCalls, MakerCalls):
     """Speaks to one supple-server.
 
     ::

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +19,9 @@ from .design_answers import (
     regions_from_wire,
 )
 from .jobs import Computation
+
+if TYPE_CHECKING:
+    from .client import Client
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,17 @@ class Target:
         checks.one_for_each(self.weights, "weights", len(points))
         checks.one_for_each(self.bands, "bands", len(points))
 
+    @classmethod
+    def from_csv(cls, source: Union[str, Path], client: Optional["Client"] = None, **how: Any) -> "Target":
+        """The target of a measured curve in a file, or in text with line breaks; see `Client.measured_curve` for `how` it may
+        be read, and for what came of it. Without a client the one of the environment is asked."""
+        return _measured(client, source, None, how)
+
+    @classmethod
+    def from_xy(cls, x: ArrayLike, y: ArrayLike, client: Optional["Client"] = None, **how: Any) -> "Target":
+        """The target of measured points in the order of the measurement, likewise; x and y have the shape (n,)."""
+        return _measured(client, None, np.column_stack([np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)]), how)
+
     def to_wire(self) -> Dict[str, Any]:
         points = np.asarray(self.control_points, dtype=np.float64)
         spline = {
@@ -83,6 +98,17 @@ class Target:
                 }
             ),
         }
+
+
+def _measured(
+    client: Optional["Client"], source: Union[str, Path, None], points: Optional[ArrayLike], how: Dict[str, Any]
+) -> Target:
+    if client is not None:
+        return client.measured_curve(source, points=points, **how).target()
+    from .client import Client
+
+    with Client() as own:
+        return own.measured_curve(source, points=points, **how).target()
 
 
 @dataclass(frozen=True)

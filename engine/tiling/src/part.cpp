@@ -21,7 +21,9 @@ using ClipperLib::Paths;
 
 constexpr double largest_size = 2000;  // mm
 constexpr double largest_thickness = 1000;
-constexpr std::size_t most_tiles = 100'000;
+constexpr std::size_t most_tiles = 50'000;
+/// Whether outlines cross themselves is looked at side by side.
+constexpr std::size_t most_corners = 5'000;
 /// Sides that are shorter (beam widths) are points, as in other files.
 constexpr double smallest_side = 0.005;
 /// How far corners that touch are parted on either side, mm: less than any printer or laser sees.
@@ -56,8 +58,20 @@ void check_filling(const Filling& filling, const PartDesign& design, const std::
                      std::to_string(design.smallest_wall));
 }
 
+std::size_t corners_of(const PartDesign& design) {
+  std::size_t corners = 0;
+  for (const Polygon& polygon : design.outline) corners += polygon.size();
+  for (const PartRegion& region : design.regions) corners += region.outline.size();
+  return corners;
+}
+
 void check(const PartDesign& design) {
   Faults faults;
+  const std::size_t corners = corners_of(design);
+  faults.require(corners <= most_corners, "outline",
+                 "must have at most " + std::to_string(most_corners) + " corners together with all regions, got " +
+                     std::to_string(corners));
+  faults.throw_if_any("tiling.part", "The part");
   faults.require(!design.outline.empty(), "outline", "must have at least one polygon");
   for (std::size_t i = 0; i < design.outline.size(); ++i)
     check_polygon(design.outline[i], "outline/" + std::to_string(i), faults);
@@ -148,8 +162,8 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Box& box, const Ei
   const Eigen::Vector2d counts = last - first + Eigen::Vector2d::Ones();
   // Of a lattice that lies across the box half of these cells or fewer meet it.
   if (!(counts.prod() * static_cast<double>(cell.size()) <= 20.0 * most_tiles)) {
-    throw Error("tiling.part", "The part would have more than 100000 tiles: widen the beams or make it smaller.",
-                {{"beam_width", "more than 100000 tiles would fill the part"}});
+    throw Error("tiling.part", "The part would have more than 50000 tiles: widen the beams or make it smaller.",
+                {{"beam_width", "more than 50000 tiles would fill the part"}});
   }
   std::vector<Polygon> tiles;
   for (double b = first.y(); b <= last.y(); ++b) {
@@ -163,8 +177,8 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Box& box, const Ei
         if (!around.meets(box, filling.beam_width)) continue;
         tiles.push_back(std::move(moved));
         if (tiles.size() > most_tiles) {
-          throw Error("tiling.part", "The part would have more than 100000 tiles: widen the beams or make it smaller.",
-                      {{"beam_width", "more than 100000 tiles would fill the part"}});
+          throw Error("tiling.part", "The part would have more than 50000 tiles: widen the beams or make it smaller.",
+                      {{"beam_width", "more than 50000 tiles would fill the part"}});
         }
       }
     }

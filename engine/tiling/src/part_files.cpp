@@ -13,8 +13,9 @@ namespace {
 constexpr std::string_view part_task = "tiling/part";
 constexpr std::string_view caps_task = "tiling/caps";
 
-/// The union of so much is made before anyone would ask for a stop: square beam widths of the outline.
+/// The union of so much is made before anyone would ask for a stop: square beam widths of the outline, and regions.
 constexpr double small_area = 20'000;
+constexpr std::size_t few_regions = 4;
 
 std::string rounded(double millimetres) {
   char text[32];
@@ -78,7 +79,7 @@ Part make_part(const PartDesign& design, const Execution& execution) {
   double finest = design.filling.beam_width;
   for (const PartRegion& region : design.regions) finest = std::min(finest, region.filling.beam_width);
   const auto helpers = helper_processes();
-  const bool is_small = (upper - lower).prod() <= small_area * finest * finest;
+  const bool is_small = design.regions.size() <= few_regions && (upper - lower).prod() <= small_area * finest * finest;
   if (!helpers || is_small) return make_part_here(design);
   ByteWriter request;
   write(request, design);

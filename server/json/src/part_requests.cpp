@@ -14,7 +14,7 @@ constexpr double largest_length = 2000;  // mm
 constexpr double largest_thickness = 1000;
 constexpr double largest_beam_width = 100;
 constexpr std::size_t most_polygons = 100;
-constexpr std::size_t most_corners = 10'000;
+constexpr std::size_t most_corners = 5'000;
 constexpr std::size_t most_regions = 50;
 constexpr std::size_t longest_name = 100;
 

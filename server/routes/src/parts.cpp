@@ -43,7 +43,10 @@ tiling::Filling filling_of(const json::FillingSpec& spec, const std::string& fol
   try {
     return {make_structure(spec.structure), spec.beam_width, spec.orientation};
   } catch (const Error& error) {
-    throw moved(error, folder + "structure");
+    auto details = error.details();
+    for (auto& detail : details)
+      detail.where = folder + "structure" + (detail.where.starts_with('/') ? "" : "/") + detail.where;
+    throw Error(error.code(), error.what(), std::move(details));
   }
 }
 

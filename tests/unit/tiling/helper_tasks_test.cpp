@@ -7,6 +7,7 @@
 
 #include "designs.h"
 #include "file_makers.h"
+#include "part_codec.h"
 #include "supple/base/error.h"
 #include "support/expect_error.h"
 
@@ -49,6 +50,44 @@ TEST_F(TilingInHelpers, GivesTheBytesOfFilesMadeHere) {
   EXPECT_EQ(write_svg(structure, options), make_svg(structure, options));
   EXPECT_EQ(write_dxf(structure, options), make_dxf(structure, options));
   EXPECT_EQ(write_stl(structure, options), make_stl(structure, options));
+}
+
+TEST_F(TilingInHelpers, GivesThePartsMadeHere) {
+  PartDesign design;
+  design.outline = {{{0, 0}, {60, 0}, {60, 40}, {0, 40}}};
+  design.filling = {preset("IH21"), 0.4, 0.2};
+  design.regions.push_back({{{0, 0}, {20, 0}, {20, 40}, {0, 40}}, {preset("IH50"), 0.3, 0}});
+  design.solids = {{{0, 0}, {60, 0}, {60, 3}, {0, 3}}};
+  design.frame = 0.5;
+  design.seam = 0.3;
+  design.thickness = 2;
+  const Part there = make_part(design), here = make_part_here(design);
+  EXPECT_EQ(there.faces, here.faces);
+  EXPECT_EQ(there.lower, here.lower);
+  EXPECT_EQ(there.upper, here.upper);
+  EXPECT_EQ(there.outline_area, here.outline_area);
+  EXPECT_EQ(there.solid_area, here.solid_area);
+  EXPECT_EQ(there.trimmed_area, here.trimmed_area);
+  EXPECT_EQ(there.crumbs, here.crumbs);
+  EXPECT_EQ(there.crumb_area, here.crumb_area);
+  EXPECT_EQ(there.thickness, 2);
+  const std::string stl = part_stl(there), package = part_3mf(there);
+  use_helper_processes(nullptr);
+  EXPECT_EQ(part_stl(here), stl);
+  EXPECT_EQ(part_3mf(here), package);
+}
+
+TEST_F(TilingInHelpers, EndsAPartWhereAStopIsRequested) {
+  PartDesign design;
+  design.outline = {{{0, 0}, {300, 0}, {300, 300}, {0, 300}}};
+  design.filling.structure = preset("IH21");
+  Execution execution;
+  std::thread stopper([&execution] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    execution.cancellation.request(StopReason::cancelled);
+  });
+  expect_error("job.cancelled", [&] { make_part(design, execution); });
+  stopper.join();
 }
 
 TEST_F(TilingInHelpers, ThrowsWhatIsThrownHere) {

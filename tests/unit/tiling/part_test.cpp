@@ -237,6 +237,7 @@ TEST(Part, NamesWhatIsWrongWithIt) {
             Places{"outline/0"});
   EXPECT_EQ(found(refused([](PartDesign& d) { d.outline[0].resize(2); })), Places{"outline/0"});
   EXPECT_EQ(found(refused([](PartDesign& d) { d.outline[0][1].x() = 3000; })), Places{"outline/0"});
+  EXPECT_EQ(found(refused([](PartDesign& d) { d.outline[0].resize(5001, Eigen::Vector2d(1, 1)); })), Places{"outline"});
   EXPECT_EQ(found(refused([](PartDesign& d) { d.frame = -1; })), Places{"frame"});
   EXPECT_EQ(found(refused([](PartDesign& d) { d.smallest_wall = 0.4; })), Places{"smallest_wall"});
   EXPECT_EQ(found(refused([](PartDesign& d) { d.thickness = 0; })), Places{"thickness"});

@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "angles.h"
+#include "commands.h"
+#include "failure.h"
+#include "numbers.h"
+#include "session.h"
+
+namespace supple::cli {
+namespace {
+
+struct PartArguments {
+  std::string family;
+  std::string parameters;
+  std::string request_file;
+  std::string coupon;
+  std::string block;
+  std::string rectangle;
+  double grip = -1;
+  double plate = -1;
+  double beam_width = 0;
+  std::string orientation;
+  double frame = -1;
+  double seam = -1;
+  double smallest_wall = -1;
+  double thickness = 0;
+  double density = 0;
+  bool whole = false;
+  std::string stl_file;
+  std::string three_mf_file;
+  std::string dxf_file;
+  std::string svg_file;
+};
+
+/// "20x60": two lengths in mm.
+std::pair<double, double> parse_size(const std::string& text, const char* option) {
+  const std::size_t cross = text.find('x');
+  const auto first = numbers_in(std::string_view(text).substr(0, cross));
+  const auto second = cross == std::string::npos ? std::nullopt : numbers_in(std::string_view(text).substr(cross + 1));
+  if (!first || !second || first->size() != 1 || second->size() != 1)
+    throw Failure(ExitCode::usage,
+                  fmt::format("{}: '{}' is no size: write two lengths in mm, for example 20x60", option, text));
+  return {first->front(), second->front()};
+}
+
+nlohmann::json outline_of(const PartArguments& arguments) {
+  if (!arguments.coupon.empty()) {
+    const auto [width, length] = parse_size(arguments.coupon, "--coupon");
+    nlohmann::json coupon = {{"width", width}, {"length", length}};
+    if (arguments.grip >= 0) coupon["grip_length"] = arguments.grip;
+    return {{"coupon", coupon}};
+  }
+  if (!arguments.block.empty()) {
+    const auto [width, height] = parse_size(arguments.block, "--block");
+    nlohmann::json block = {{"width", width}, {"height", height}};
+    if (arguments.plate >= 0) block["plate"] = arguments.plate;
+    return {{"block", block}};
+  }
+  const auto [width, height] = parse_size(arguments.rectangle, "--rectangle");
+  return {{"rectangle", {width, height}}};
+}
+
+nlohmann::json request_of(const PartArguments& arguments) {
+  nlohmann::json request = nlohmann::json::object();
+  if (!arguments.request_file.empty()) {
+    request = nlohmann::json::parse(read_file(arguments.request_file), nullptr, /*allow_exceptions=*/false);
+    if (!request.is_object())
+      throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", arguments.request_file));
+  }
+  if (!arguments.family.empty()) request["structure"] = {{"family", arguments.family}};
+  if (!arguments.parameters.empty())
+    request["structure"]["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
+  const bool has_size = !arguments.coupon.empty() || !arguments.block.empty() || !arguments.rectangle.empty();
+  if (has_size) request["outline"] = outline_of(arguments);
+  if (!request.contains("structure") || !request.contains("outline"))
+    throw Failure(ExitCode::usage,
+                  "no part: give a family and --coupon, --block or --rectangle, or a file with --request");
+  const auto set = [&request](const char* name, double value, double least) {
+    if (value >= least) request[name] = value;
+  };
+  if (arguments.beam_width > 0) request["beam_width"] = arguments.beam_width;
+  if (!arguments.orientation.empty()) request["orientation"] = parse_angle(arguments.orientation, "--orientation");
+  set("frame", arguments.frame, 0);
+  set("seam", arguments.seam, 0);
+  set("smallest_wall", arguments.smallest_wall, 0);
+  if (arguments.thickness > 0) request["thickness"] = arguments.thickness;
+  if (arguments.density > 0) request["material"] = {{"density", arguments.density}};
+  if (arguments.whole) request["rim"] = "whole";
+  return request;
+}
+
+void print_part(const nlohmann::json& answer) {
+  const auto number = [&answer](const char* name) { return answer.at(name).get<double>(); };
+  const auto& size = answer.at("size");
+  const auto& checks = answer.at("checks");
+  fmt::print("size     {:.6g} x {:.6g} x {:.6g} mm\n", size.at(0).get<double>(), size.at(1).get<double>(),
+             size.at(2).get<double>());
+  fmt::print("solid    {:.6g} mm^2, {:.3g} of the outline\n", number("solid_area"), number("relative_density"));
+  fmt::print("mass     {:.4g} g, {:.6g} mm^3\n", number("mass"), number("volume"));
+  fmt::print("walls    at least {:.3g} mm; {:.3g} mm^2 narrower were left out\n",
+             checks.at("smallest_wall").get<double>(), checks.at("trimmed_area").get<double>());
+  fmt::print("pieces   one; {} without connection to it were left out\n", checks.at("crumbs").get<int>());
+}
+
+void run(const GlobalOptions& options, const PartArguments& arguments) {
+  const nlohmann::json request = request_of(arguments);
+  Session session(options);
+  bool on_terminal = false;
+  for (const auto& [file, media_type] :
+       {std::pair(&arguments.stl_file, "model/stl"), std::pair(&arguments.three_mf_file, "model/3mf"),
+        std::pair(&arguments.dxf_file, "image/vnd.dxf"), std::pair(&arguments.svg_file, "image/svg+xml")}) {
+    if (file->empty()) continue;
+    write_file(*file, session.compute("/v1/parts", request, media_type).body);
+    on_terminal |= *file == "-";
+  }
+  if (on_terminal) return;
+  const nlohmann::json answer = session.compute("/v1/parts", request).json();
+  session.json() ? print_json(answer) : print_part(answer);
+}
+
+}  // namespace
+
+void add_part_command(CLI::App& program, const GlobalOptions& options) {
+  const auto arguments = std::make_shared<PartArguments>();
+  CLI::App* command =
+      program.add_subcommand("part", "A coupon, a block or any outline filled with a structure, as files");
+  command->add_option("family", arguments->family, "Family of the tiling, see supple families");
+  command->add_option("-p,--parameters", arguments->parameters,
+                      "Parameters, separated by commas (the family's defaults)");
+  auto* const coupon = command->add_option("--coupon", arguments->coupon,
+                                           "Tensile coupon: width x length between its grips in mm, for example 20x60");
+  auto* const block =
+      command->add_option("--block", arguments->block, "Compression block: width x height between its plates in mm");
+  auto* const rectangle = command->add_option("--rectangle", arguments->rectangle, "Sheet: width x height in mm");
+  coupon->excludes(block)->excludes(rectangle);
+  block->excludes(rectangle);
+  command->add_option("--grip", arguments->grip, "Length of each solid grip of a coupon in mm (15)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--plate", arguments->plate, "Thickness of each solid plate of a block in mm (1)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--request", arguments->request_file,
+                      "A request as JSON: polygons, regions; options given besides take their fields' place");
+  command
+      ->add_option("--beam-width", arguments->beam_width,
+                   "Width of the beams in mm, with which the structure scales (0.3)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--orientation", arguments->orientation,
+                      "Angle by which the tiling is turned, for example 30deg (0)");
+  command->add_option("--frame", arguments->frame, "Width of a solid rim in mm (0)")->check(CLI::NonNegativeNumber);
+  command->add_option("--seam", arguments->seam, "Width of solid strips between regions in mm (the beams')")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--smallest-wall", arguments->smallest_wall,
+                   "Narrower walls are left out, mm (two thirds of the beams)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--thickness", arguments->thickness, "Thickness in mm (1)")->check(CLI::PositiveNumber);
+  command->add_option("--density", arguments->density, "Density of the material in g/cm^3 (1.2)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--whole", arguments->whole, "Keep only whole tiles instead of cutting them at the outline");
+  command->add_option("--stl", arguments->stl_file, "Write a binary STL file, - for the terminal");
+  command->add_option("--3mf", arguments->three_mf_file, "Write a 3MF file, - for the terminal");
+  command->add_option("--dxf", arguments->dxf_file, "Write a DXF file, - for the terminal");
+  command->add_option("--svg", arguments->svg_file, "Write an SVG file, - for the terminal");
+  command->footer(
+      "Examples:\n  supple part IH21 --coupon 20x60 --beam-width 0.8 --thickness 4 --stl coupon.stl\n"
+      "  supple part --request sole.json --3mf sole.3mf");
+  command->callback([&options, arguments] { run(options, *arguments); });
+}
+
+}  // namespace supple::cli

@@ -1,0 +1,92 @@
+"""The calls of a client about what people bring and take away: measured curves and parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Mapping, Optional, Tuple, Union
+
+from numpy.typing import ArrayLike
+
+from . import measured, parts
+from .jobs import run
+from .measured import Column, MeasuredCurve
+from .parts import Part, PartOptions
+from .transport import Transport
+
+
+class MakerCalls:
+    """Mixed into `Client`."""
+
+    _transport: Transport
+
+    def measured_curve(
+        self,
+        source: Union[str, Path, None] = None,
+        *,
+        points: Optional[ArrayLike] = None,
+        task: str = "stress_strain",
+        columns: Optional[Tuple[Optional[Column], Optional[Column]]] = None,
+        units: Optional[Tuple[Optional[str], Optional[str]]] = None,
+        gauge_length: Optional[float] = None,
+        area: Optional[float] = None,
+        limits: Optional[Tuple[float, float]] = None,
+        interpolation: Optional[str] = None,
+        max_control_points: Optional[int] = None,
+        tolerance: Optional[float] = None,
+        origin: Optional[str] = None,
+        loading: Optional[str] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+    ) -> MeasuredCurve:
+        """A measured curve as the few control points of a target.
+
+        Args:
+            source: a file, or text with line breaks: numbers separated by commas, semicolons, tabs or blanks, with decimal
+                points or commas, a header and remarks before them or not.
+            points: instead of it (x, y) in the order of the measurement, shape (n, 2).
+            columns: which columns of the text are x and y, by index or name; told by the header without it.
+            units: of x and y, such as ("%", "kPa") or ("mm", "N"); those of the header without it, else 1 or rad, and MPa.
+            gauge_length, area: of the specimen, mm and mm^2, for displacements and forces.
+            limits: least and greatest x that count, as strains or radians.
+            interpolation: "cubic", "monotone" or "linear"; "cubic" on the server's side.
+            max_control_points, tolerance: 12, and 0.005 of relative root mean square deviation on the server's side.
+            origin, loading: whether the curve passes through zero, and whether only the first loading counts: "automatic", "on"
+                or "off".
+
+        Raises `InvalidRequest` that names the column, unit or length that is missing.
+        """
+        if (source is None) == (points is None):
+            raise ValueError("give either source or points")
+        text = None if source is None else measured.text_of(source)
+        computation = measured.measured_curve(
+            task, text, points, columns, units, gauge_length, area, limits, interpolation, max_control_points, tolerance,
+            origin, loading, deadline,
+        )
+        return run(self._transport, computation, timeout, None)
+
+    def part(
+        self,
+        outline: Mapping[str, Any],
+        family: str,
+        parameters: Optional[ArrayLike] = None,
+        *,
+        options: Optional[PartOptions] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+    ) -> Part:
+        """What a part to print or cut is: an outline (`parts.coupon`, `block`, `rectangle` or `polygons`) filled with a structure."""
+        return run(self._transport, parts.part(outline, family, parameters, options, deadline), timeout, None)
+
+    def part_file(
+        self,
+        outline: Mapping[str, Any],
+        family: str,
+        parameters: Optional[ArrayLike] = None,
+        *,
+        kind: str = "stl",
+        options: Optional[PartOptions] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+    ) -> bytes:
+        """The same part as a file: `kind` is "stl", "3mf", "dxf" or "svg". Lengths are in mm."""
+        return run(self._transport, parts.part_file(outline, family, parameters, kind, options, deadline), timeout, None)

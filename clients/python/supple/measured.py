@@ -1,0 +1,132 @@
+"""Measured curves that become targets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, Mapping, Optional, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import checks
+from .answers import Array, Cost, cost_from_wire
+from .designs import Target
+from .jobs import Computation
+
+Column = Union[int, str]
+
+
+@dataclass(frozen=True)
+class MeasuredCurve:
+    """A measured curve as the control points of a target.
+
+    Attributes:
+        task: "stress_strain", "stiffness" or "poisson".
+        control_points: (x, y), shape (n, 2): strains or radians, and MPa or a Poisson's ratio.
+        interpolation: "cubic", "monotone" or "linear".
+        points: the measured points that counted, by x, at most 1000 of them, shape (m, 2), in the same units.
+        point_count: how many points of different x counted.
+        set_aside: points that did not count.
+        relative_rms: root mean square deviation of the curve from the points over that of the points, dimensionless.
+        max_deviation, max_at: the largest deviation, in the unit of y, and its x.
+        noise: how much the points scatter about their neighbours, relative like `relative_rms`.
+        offset: stress at zero strain that was measured where the curve was made to pass through the origin, MPa.
+        units: the units (x, y) that the numbers were taken to have.
+        message: what to know about the curve; empty where there is nothing.
+        cost: what it took.
+    """
+
+    task: str
+    control_points: Array
+    interpolation: str
+    points: Array
+    point_count: int
+    set_aside: int
+    relative_rms: float
+    max_deviation: float
+    max_at: float
+    noise: float
+    offset: float
+    units: Tuple[str, str]
+    message: str
+    cost: Cost
+
+    def target(self, **more: Any) -> Target:
+        """The target of this curve; `more` are further fields of `Target`. A measured stress is one of engineering strain
+        unless `strain_measure` says otherwise."""
+        if self.task == "stress_strain":
+            more.setdefault("strain_measure", "engineering")
+        return Target(self.task, self.control_points, interpolation=self.interpolation, **more)
+
+
+def curve_from_wire(answer: Mapping[str, Any]) -> MeasuredCurve:
+    error, target, units = answer["error"], answer["target"], answer["units"]
+    return MeasuredCurve(
+        task=answer["task"],
+        control_points=np.asarray(target["control_points"], dtype=np.float64),
+        interpolation=target["interpolation"],
+        points=np.asarray(answer["points"], dtype=np.float64),
+        point_count=answer["point_count"],
+        set_aside=answer["set_aside"],
+        relative_rms=error["relative_rms"],
+        max_deviation=error["max"],
+        max_at=error["max_at"],
+        noise=error["noise"],
+        offset=answer["offset"],
+        units=(units["x"], units["y"]),
+        message=answer["message"],
+        cost=cost_from_wire(answer),
+    )
+
+
+def text_of(source: Union[str, Path]) -> str:
+    """The text of a file; of a string with line breaks the string itself. UTF-8, else the Latin-1 of older instruments."""
+    if isinstance(source, str) and "\n" in source:
+        return source
+    content = Path(source).read_bytes()
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
+
+
+def measured_curve(
+    task: str,
+    text: Optional[str],
+    points: Optional[ArrayLike],
+    columns: Optional[Tuple[Optional[Column], Optional[Column]]],
+    units: Optional[Tuple[Optional[str], Optional[str]]],
+    gauge_length: Optional[float],
+    area: Optional[float],
+    limits: Optional[Tuple[float, float]],
+    interpolation: Optional[str],
+    max_control_points: Optional[int],
+    tolerance: Optional[float],
+    origin: Optional[str],
+    loading: Optional[str],
+    deadline: Optional[float],
+) -> Computation[MeasuredCurve]:
+    checks.one_of(task, "task", checks.TASKS)
+    document: Dict[str, Any] = {"task": task}
+    if text is not None:
+        document["text"] = text
+    if points is not None:
+        array = np.asarray(points, dtype=np.float64)
+        if array.ndim != 2 or array.shape[1] != 2:
+            raise ValueError(f"points have the shape {array.shape}; expected (n, 2)")
+        document["points"] = array.tolist()
+    groups = {
+        "columns": dict(zip("xy", columns or ())),
+        "units": dict(zip("xy", units or ())),
+        "specimen": {"gauge_length": gauge_length, "area": area},
+        "accuracy": {"max_control_points": max_control_points, "tolerance": tolerance},
+        "effects": {"origin": origin, "loading": loading},
+    }
+    for name, group in groups.items():
+        given = {key: value for key, value in group.items() if value is not None}
+        if given:
+            document[name] = given
+    more = {"range": None if limits is None else [float(value) for value in limits], "interpolation": interpolation, "deadline": deadline}
+    document.update({key: value for key, value in more.items() if value is not None})
+    return Computation("/v1/measured-curves", document, lambda answer: curve_from_wire(answer.json()))
