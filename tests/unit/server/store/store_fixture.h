@@ -1,0 +1,73 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "supple/base/error.h"
+#include "supple/store/store.h"
+
+namespace supple::store {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own for each test.
+class StoreTest : public testing::Test {
+ protected:
+  StoreTest() {
+    std::string pattern = (fs::temp_directory_path() / "supple_store_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~StoreTest() override { fs::remove_all(folder_); }
+
+  static std::string describe(const std::string& id, std::int64_t) { return "{\"id\":\"" + id + "\"}"; }
+
+  static JobRecord new_job(const std::string& id) {
+    JobRecord job;
+    job.id = id;
+    job.kind = "geodesics";
+    job.mesh = "m";
+    job.created = now_milliseconds();
+    job.deadline = 1.5;
+    return job;
+  }
+
+  static std::string code_of(const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return "nothing was thrown";
+  }
+
+  /// Knows only "no mesh" as no mesh.
+  Store::Recovery recovery() {
+    return {[](const std::string& ply, const std::string& id, std::int64_t created) {
+              if (ply == "no mesh") throw Error("mesh.malformed", "This is no mesh.");
+              return describe(id, created);
+            },
+            [this](const std::string& text) { warnings_.push_back(text); }};
+  }
+  /// The contents of what is in quarantine.
+  std::multiset<std::string> quarantined() const {
+    std::multiset<std::string> contents;
+    for (const auto& entry : fs::directory_iterator(folder_ / "quarantine")) {
+      std::ifstream file(entry.path(), std::ios::binary);
+      contents.emplace(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    }
+    return contents;
+  }
+
+  fs::path folder_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace supple::store
