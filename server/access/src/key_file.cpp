@@ -9,32 +9,14 @@
 #include <array>
 #include <cerrno>
 #include <stdexcept>
-#include <system_error>
 
 #include "supple/access/duration.h"
+#include "supple/base/durable_file.h"
 
 namespace supple::access {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const std::string& action, const fs::path& path) {
-  throw std::runtime_error("cannot " + action + " " + path.string() + ": " + std::generic_category().message(errno));
-}
-
-class Descriptor {
- public:
-  Descriptor(const fs::path& path, int flags, const char* action) : value_(::open(path.c_str(), flags, 0600)) {
-    if (value_ < 0) fail(action, path);
-  }
-  ~Descriptor() { ::close(value_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return value_; }
-
- private:
-  int value_;
-};
 
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
@@ -45,37 +27,10 @@ void make_folder(const fs::path& folder) {
 }
 
 /// So that the server, which seldom runs as root, can read what root has written.
-void leave_to_owner_of(const fs::path& folder, const Descriptor& file, const fs::path& path) {
+void leave_to_owner_of(const fs::path& folder, int file, const fs::path& path) {
   struct stat status {};
   if (::geteuid() != 0 || ::stat(folder.c_str(), &status) != 0 || status.st_uid == 0) return;
-  if (::fchown(file.get(), status.st_uid, status.st_gid) != 0) fail("change the owner of", path);
-}
-
-void write_all(const Descriptor& file, std::string_view bytes, const fs::path& path) {
-  while (!bytes.empty()) {
-    const auto count = ::write(file.get(), bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("write", path);
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-  }
-  if (::fsync(file.get()) != 0) fail("synchronize", path);
-}
-
-/// Under the folder's lock, so that the name of the half-written file is free.
-void replace_file(const fs::path& path, const Descriptor& folder, std::string_view bytes) {
-  auto part = path;
-  part += ".part";
-  try {
-    const Descriptor file(part, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, "create");
-    if (::fchmod(file.get(), 0600) != 0) fail("change the mode of", part);
-    leave_to_owner_of(folder_of(path), file, part);
-    write_all(file, bytes, part);
-    if (::rename(part.c_str(), path.c_str()) != 0) fail("replace", path);
-  } catch (...) {
-    ::unlink(part.c_str());
-    throw;
-  }
-  if (::fsync(folder.get()) != 0) fail("synchronize", folder_of(path));
+  if (::fchown(file, status.st_uid, status.st_gid) != 0) throw FileError("change the owner of", path, errno);
 }
 
 Key& find_key(std::vector<Key>& keys, const std::string& id) {
@@ -102,9 +57,9 @@ bool KeyFile::exists() const { return fs::exists(path_); }
 
 std::vector<Key> KeyFile::read() const {
   if (!exists()) return {};
-  const Descriptor file(path_, O_RDONLY | O_CLOEXEC, "read");
+  const OpenFile file(path_, O_RDONLY, "read");
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0) fail("read", path_);
+  if (::fstat(file.descriptor(), &status) != 0) throw FileError("read", path_, errno);
   if (!S_ISREG(status.st_mode)) throw std::runtime_error("the key file " + path_.string() + " is no regular file");
   if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
     throw std::runtime_error("the key file " + path_.string() +
@@ -112,9 +67,9 @@ std::vector<Key> KeyFile::read() const {
   }
   std::string text;
   std::array<char, 4096> piece;
-  while (const auto count = ::read(file.get(), piece.data(), piece.size())) {
+  while (const auto count = ::read(file.descriptor(), piece.data(), piece.size())) {
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("read", path_);
+    if (count < 0) throw FileError("read", path_, errno);
     text.append(piece.data(), static_cast<std::size_t>(count));
   }
   try {
@@ -127,12 +82,12 @@ std::vector<Key> KeyFile::read() const {
 void KeyFile::change(const std::function<void(std::vector<Key>&)>& edit) const {
   const auto folder_path = folder_of(path_);
   make_folder(folder_path);
-  const Descriptor folder(folder_path, O_RDONLY | O_DIRECTORY | O_CLOEXEC, "open");
-  while (::flock(folder.get(), LOCK_EX) != 0)
-    if (errno != EINTR) fail("lock", folder_path);
+  const OpenFile folder(folder_path, O_RDONLY | O_DIRECTORY, "open");
+  while (::flock(folder.descriptor(), LOCK_EX) != 0)
+    if (errno != EINTR) throw FileError("lock", folder_path, errno);
   auto keys = read();
   edit(keys);
-  replace_file(path_, folder, write_keys(keys));
+  write_atomically(path_, {write_keys(keys)}, [&](int file) { leave_to_owner_of(folder_path, file, path_); });
 }
 
 Token add_key(std::vector<Key>& keys, const NewKey& wanted, std::int64_t now) {

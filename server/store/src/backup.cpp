@@ -2,9 +2,9 @@
 
 #include <set>
 
-#include "atomic_file.h"
 #include "data_folder.h"
 #include "database.h"
+#include "file_access.h"
 #include "stored_files.h"
 #include "supple/base/error.h"
 #include "supple/store/maintenance.h"
@@ -54,7 +54,7 @@ void copy_database(const fs::path& from, const fs::path& to) {
 
 /// Copies a file with its times, which are those of a mesh whose database is lost.
 std::int64_t copy_content(const fs::path& from, const fs::path& to, const std::string& content) {
-  write_atomically(to, {content});
+  write_stored_file(to, {content});
   std::error_code ignored;
   fs::last_write_time(to, fs::last_write_time(from, ignored), ignored);
   return static_cast<std::int64_t>(content.size());
@@ -174,8 +174,8 @@ Copy back_up(const fs::path& folder, const fs::path& to) {
   require_empty(to);
   make_folders({to});
   auto copy = Copier(folder, to).run();
-  write_atomically(to / marker, {"supple-server backup of " + compact_time() + ": " + std::to_string(copy.files) +
-                                 " files, " + std::to_string(copy.bytes) + " bytes\n"});
+  write_stored_file(to / marker, {"supple-server backup of " + compact_time() + ": " + std::to_string(copy.files) +
+                                  " files, " + std::to_string(copy.bytes) + " bytes\n"});
   return copy;
 }
 

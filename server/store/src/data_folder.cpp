@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "atomic_file.h"
+#include "file_access.h"
 #include "supple/base/error.h"
 #include "supple/store/clock.h"
 

@@ -56,7 +56,7 @@ class DataFolder {
   int lock_ = -1;
 };
 
-/// Whether write_atomically left it: the process ended before the file was complete.
+/// Whether write_stored_file left it: the process ended before the file was complete.
 bool is_unfinished(const std::filesystem::path& path);
 
 /// When the content of a file changed last, in milliseconds since 1970.

@@ -5,7 +5,7 @@
 
 #include <cerrno>
 
-#include "atomic_file.h"
+#include "file_access.h"
 
 namespace supple::store {
 namespace {

@@ -5,9 +5,9 @@
 #include <set>
 #include <thread>
 
-#include "atomic_file.h"
 #include "data_folder.h"
 #include "database.h"
+#include "file_access.h"
 #include "recovery.h"
 #include "schema.h"
 #include "stored_files.h"

@@ -4,7 +4,7 @@
 #include <set>
 #include <system_error>
 
-#include "atomic_file.h"
+#include "file_access.h"
 #include "owner_table.h"
 #include "record_file.h"
 #include "schema.h"

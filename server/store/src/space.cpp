@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-#include "atomic_file.h"
+#include "file_access.h"
 #include "supple/problem/problem.h"
 
 namespace supple::store {

@@ -6,9 +6,9 @@
 #include <map>
 #include <system_error>
 
-#include "atomic_file.h"
 #include "data_folder.h"
 #include "database.h"
+#include "file_access.h"
 #include "owner_table.h"
 #include "record_file.h"
 #include "recovery.h"
@@ -171,7 +171,7 @@ struct Store::Implementation {
     for (const auto piece : pieces) bytes += static_cast<std::int64_t>(piece.size());
     take(part, bytes);
     TakenSpace taken(space, part, bytes);
-    write_atomically(file, pieces);
+    write_stored_file(file, pieces);
     taken.keep();
   }
 
@@ -239,7 +239,7 @@ std::pair<MeshRecord, bool> Store::add_content(const std::string& ply, const Des
     try {
       mesh_content(record.id);
     } catch (const Error&) {
-      write_atomically(self.places.mesh(record.id), {ply});
+      write_stored_file(self.places.mesh(record.id), {ply});
       self.space.count();  // nobody knows how large it was when it was counted
     }
     return {std::move(*known), false};
@@ -252,7 +252,7 @@ std::pair<MeshRecord, bool> Store::add_content(const std::string& ply, const Des
   // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
   const std::lock_guard lock(self.mutex);
   if (auto known = self.find_mesh(record.id)) return {std::move(*known), false};
-  write_atomically(self.places.mesh(record.id), {ply});
+  write_stored_file(self.places.mesh(record.id), {ply});
   try {
     insert_mesh(self.database, record);
   } catch (...) {

@@ -94,7 +94,7 @@ TEST_F(KeyFileTest, TheFileAndItsFolderAreForTheirUserAlone) {
   ::umask(before);
   EXPECT_EQ(mode(), 0600U);
   EXPECT_EQ(fs::status(folder_).permissions(), fs::perms::owner_all);
-  EXPECT_FALSE(fs::exists(path_.string() + ".part"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "nothing half-written";
 }
 
 TEST_F(KeyFileTest, AFileThatOthersMayWriteIsNotBelieved) {

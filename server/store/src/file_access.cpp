@@ -1,0 +1,58 @@
+#include "file_access.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "supple/base/error.h"
+
+namespace supple::store {
+
+bool means_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
+
+void throw_file_error(const std::string& action, const std::filesystem::path& path, int error) {
+  throw Error(means_full(error) ? "store.full" : "store.unavailable", "The store cannot " + action + " " +
+                                                                          path.filename().string() + ": " +
+                                                                          std::generic_category().message(error) + ".");
+}
+
+void write_stored_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
+  try {
+    write_atomically(path, pieces);
+  } catch (const FileError& error) {
+    throw_file_error(error.action(), error.path(), error.number());
+  }
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  try {
+    const OpenFile file(path, O_RDONLY, "open");
+    struct stat status {};
+    if (::fstat(file.descriptor(), &status) != 0) throw FileError("read", path, errno);
+    std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const auto count = ::read(file.descriptor(), bytes.data() + done, bytes.size() - done);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) throw FileError("read", path, errno);
+      if (count == 0) break;
+      done += static_cast<std::size_t>(count);
+    }
+    bytes.resize(done);
+    return bytes;
+  } catch (const FileError& error) {
+    if (error.number() == ENOENT)
+      throw Error("store.corrupted", "The stored file " + path.filename().string() + " is missing.");
+    throw_file_error(error.action(), error.path(), error.number());
+  }
+}
+
+std::int64_t bytes_of(const std::filesystem::path& path) noexcept {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 ? static_cast<std::int64_t>(status.st_size) : 0;
+}
+
+}  // namespace supple::store
