@@ -205,6 +205,7 @@ JobQueue::JobPointer JobQueue::make_job(Computation computation) {
   record.deadline = job->computation.deadline;
   record.client = job->computation.client;
   record.session = job->computation.session;
+  record.owner = job->computation.owner;
   job->watch = std::make_unique<Watchdog::Guard>(
       watchdog_, Watchdog::Watch{job->token, Clock::now() + duration(job->computation.deadline), {}});
   return job;

@@ -19,8 +19,7 @@ std::string plain_seconds(double seconds) {
   return text;
 }
 
-http::Response accepted(Services& services, const http::Request& request, const jobs::JobStatus& status) {
-  own_job(services, request, status.record.id);
+http::Response accepted(const jobs::JobStatus& status) {
   auto response = json_response(write_job(status), 202);
   response.set_header("Location", "/v1/jobs/" + status.record.id);
   response.set_header("Retry-After", "1");
@@ -72,6 +71,7 @@ std::string server_timing(double reading_seconds, const jobs::Profile& profile) 
 http::Response answer_computation(Services& services, const http::Request& request, jobs::Computation computation) {
   const auto preference = http::parse_preference(request.header("Prefer"), services.limits.max_wait);
   computation.client = request.client;
+  computation.owner = request.key;
   computation.max_waiting = request.max_waiting_jobs;
   // Sessions of two keys that have the same name are two.
   if (!computation.session.empty() && !request.key.empty())
@@ -93,10 +93,10 @@ http::Response answer_computation(Services& services, const http::Request& reque
   if (preference.wait && *preference.wait > 0) {
     auto outcome =
         services.jobs->run_within(std::move(computation), *preference.wait, hung_up, request_of_job(request));
-    response = outcome.result ? finished(std::move(*outcome.result)) : accepted(services, request, outcome.job);
+    response = outcome.result ? finished(std::move(*outcome.result)) : accepted(outcome.job);
     response.set_header("Preference-Applied", "wait=" + plain_seconds(*preference.wait));
   } else {
-    response = accepted(services, request, services.jobs->submit(std::move(computation), request_of_job(request)));
+    response = accepted(services.jobs->submit(std::move(computation), request_of_job(request)));
     response.set_header("Preference-Applied", preference.respond_async ? "respond-async" : "wait=0");
   }
   return response;

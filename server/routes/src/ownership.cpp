@@ -22,14 +22,4 @@ void require_job(const Services& services, const http::Request& request, const s
     throw Error("job.not_found", "There is no job " + id + ".");
 }
 
-void own_job(Services& services, const http::Request& request, const std::string& id) {
-  if (request.key.empty()) return;
-  try {
-    services.store->own_job(id, request.key);
-  } catch (...) {
-    services.jobs->remove(id);
-    throw;
-  }
-}
-
 }  // namespace supple::routes

@@ -20,7 +20,4 @@ void require_mesh(const Services& services, const http::Request& request, const 
 /// Throws "job.not_found" likewise.
 void require_job(const Services& services, const http::Request& request, const std::string& id);
 
-/// Makes the request's key, if it has one, the owner of a job that was just made; removes the job where that fails.
-void own_job(Services& services, const http::Request& request, const std::string& id);
-
 }  // namespace supple::routes

@@ -46,6 +46,10 @@ std::int64_t OwnerTable::count(Kind kind, const std::string& id) const {
   return row.integer(0);
 }
 
+std::string OwnerTable::owner_of_job() {
+  return "COALESCE((SELECT owner FROM owners WHERE owners.kind = 'job' AND owners.id = jobs.id), '')";
+}
+
 std::string OwnerTable::condition(Kind kind, std::string_view parameter) {
   const std::string table = kind == Kind::mesh ? "meshes" : "jobs";
   const std::string value(parameter);

@@ -24,6 +24,9 @@ class OwnerTable {
   bool remove(Kind kind, const std::string& id, const std::string& owner);
   std::int64_t count(Kind kind, const std::string& id) const;
 
+  /// An expression on rows of "jobs": the owner, of which a job has one at most; empty text where it has none.
+  static std::string owner_of_job();
+
   /// A condition on rows of "meshes" or "jobs": that the parameter (such as "?3") is empty, or one of their owners.
   static std::string condition(Kind kind, std::string_view parameter);
 

@@ -71,6 +71,7 @@ void add_job(RecordFile& file, const JobRecord& job) {
       .add("deadline", number_text(job.deadline))
       .add("client", job.client)
       .add("session", job.session)
+      .add("owner", job.owner)
       .add("attempts", std::int64_t{job.attempts})
       .add("error", job.error)
       .add("error-status", std::int64_t{job.error_status});
@@ -160,6 +161,7 @@ JobRecord job_of(const RecordFile& file) {
   job.deadline = number<double>(file.value("deadline"));
   job.client = file.value("client");
   job.session = file.value("session");
+  job.owner = file.value("owner");
   job.attempts = static_cast<int>(file.integer("attempts"));
   job.error = file.value("error");
   job.error_status = static_cast<int>(file.integer("error-status"));

@@ -104,10 +104,10 @@ std::optional<FoundJob> read_job_file(const DataFolder& folder, const fs::path& 
   }
 }
 
-void insert_found_job(const DataFolder& folder, Database& database, const FoundJob& found) {
+void insert_found_job(const DataFolder& folder, Database& database, OwnerTable& owners, const FoundJob& found) {
   try {
     Transaction transaction(database);
-    insert_job(database, found.job);
+    insert_job(database, found.job, owners);
     if (found.ended) update_ended_job(database, found.job, &*found.ended, found.hash);
     transaction.commit();
     folder.warn("the " + std::string(found.ended ? "result" : "request") + " of job " + found.job.id +
@@ -192,7 +192,8 @@ void recover_files(const DataFolder& folder, Database& database, const Store::Re
   std::sort(jobs.begin(), jobs.end(), [](const FoundJob& a, const FoundJob& b) {
     return std::pair(a.job.created, a.job.id) < std::pair(b.job.created, b.job.id);
   });
-  for (const auto& job : jobs) insert_found_job(folder, database, job);
+  OwnerTable owners(database);
+  for (const auto& job : jobs) insert_found_job(folder, database, owners, job);
 }
 
 }  // namespace supple::store

@@ -64,6 +64,11 @@ constexpr Column later_columns[] = {
     {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
 };
 
+/// Of the table itself.
+constexpr const char* job_columns =
+    "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, session, "
+    "attempts";
+
 bool has_column(const Database& database, const Column& column) {
   Statement rows(database, "SELECT 1 FROM pragma_table_info(?) WHERE name = ?");
   return rows.bind(column.table).bind(column.name).step();
@@ -71,9 +76,7 @@ bool has_column(const Database& database, const Column& column) {
 
 }  // namespace
 
-const char* const job_columns =
-    "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, session, "
-    "attempts";
+std::string job_columns_to_read() { return std::string(job_columns) + ", " + OwnerTable::owner_of_job(); }
 
 void prepare_tables(Database& database) {
   {
@@ -115,10 +118,11 @@ JobRecord read_job(const Statement& row) {
   job.client = row.text(11);
   job.session = row.text(12);
   job.attempts = static_cast<int>(row.integer(13));
+  job.owner = row.text(14);
   return job;
 }
 
-void insert_job(const Database& database, const JobRecord& job) {
+void insert_job(const Database& database, const JobRecord& job, OwnerTable& owners) {
   Statement(database,
             "INSERT INTO jobs (" + std::string(job_columns) + ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
@@ -136,6 +140,7 @@ void insert_job(const Database& database, const JobRecord& job) {
       .bind(job.session)
       .bind(static_cast<std::int64_t>(job.attempts))
       .run();
+  if (!job.owner.empty()) owners.add(OwnerTable::Kind::job, job.id, job.owner);
 }
 
 bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const std::string& hash) {

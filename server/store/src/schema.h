@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "database.h"
+#include "owner_table.h"
 #include "supple/store/records.h"
 
 namespace supple::store {
@@ -12,12 +13,13 @@ namespace supple::store {
 /// "store.unavailable" for tables of a later version, DamagedDatabase for tables that are not ours.
 void prepare_tables(Database& database);
 
-/// The columns that `read_job` reads, in its order.
-extern const char* const job_columns;
+/// What `read_job` reads of a row of "jobs", in its order.
+std::string job_columns_to_read();
 JobRecord read_job(const Statement& row);
 
-/// Adds the row of a job that has not ended. Throws as Statement does.
-void insert_job(const Database& database, const JobRecord& job);
+/// Adds the row of a job that has not ended, and whose it is: within a transaction, for it is several statements.
+/// Throws as Statement does.
+void insert_job(const Database& database, const JobRecord& job, OwnerTable& owners);
 /// Writes how a job ended into its row, with the answer's type, headers and hash where there is one. Returns whether
 /// there was such a row.
 bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const std::string& hash);

@@ -92,6 +92,11 @@ struct Store::Implementation {
     return MeshRecord{id, row.integer(0), row.text(1)};
   }
 
+  /// Under the mutex. False where no owner is named, and where it was one already.
+  bool own_mesh(const std::string& id, const std::string& owner) {
+    return !owner.empty() && owners.add(OwnerTable::Kind::mesh, id, owner);
+  }
+
   std::optional<std::string> request_in_database(const std::string& id) const {
     Statement row(database, "SELECT content FROM requests WHERE job = ?");
     if (!row.bind(id).step()) return std::nullopt;
@@ -218,22 +223,10 @@ Store::~Store() {
 
 std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const DescribeMesh& describe,
                                             const std::string& owner) {
-  while (true) {
-    auto added = add_content(ply, describe);
-    if (owner.empty()) return added;
-    auto& self = *implementation_;
-    const std::lock_guard lock(self.mutex);
-    if (!self.find_mesh(added.first.id)) continue;  // its last other owner has removed it meanwhile
-    added.second = self.owners.add(OwnerTable::Kind::mesh, added.first.id, owner);
-    return added;
-  }
-}
-
-std::pair<MeshRecord, bool> Store::add_content(const std::string& ply, const DescribeMesh& describe) {
   auto& self = *implementation_;
   MeshRecord record;
   record.id = sha256(ply);
-  if (auto known = mesh(record.id)) {
+  if (mesh(record.id)) {
     use_mesh(record.id);
     // Uploading again repairs a file that has been damaged.
     try {
@@ -242,7 +235,9 @@ std::pair<MeshRecord, bool> Store::add_content(const std::string& ply, const Des
       write_stored_file(self.places.mesh(record.id), {ply});
       self.space.count();  // nobody knows how large it was when it was counted
     }
-    return {std::move(*known), false};
+    const std::lock_guard lock(self.mutex);
+    if (auto known = self.find_mesh(record.id)) return {std::move(*known), self.own_mesh(record.id, owner)};
+    // Its last owner has removed it meanwhile: it is a new one.
   }
   record.created = now_milliseconds();
   record.description = describe(record.id, record.created);
@@ -251,10 +246,13 @@ std::pair<MeshRecord, bool> Store::add_content(const std::string& ply, const Des
   TakenSpace taken(self.space, Part::meshes, bytes);
   // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
   const std::lock_guard lock(self.mutex);
-  if (auto known = self.find_mesh(record.id)) return {std::move(*known), false};
+  if (auto known = self.find_mesh(record.id)) return {std::move(*known), self.own_mesh(record.id, owner)};
   write_stored_file(self.places.mesh(record.id), {ply});
   try {
+    Transaction transaction(self.database);
     insert_mesh(self.database, record);
+    self.own_mesh(record.id, owner);
+    transaction.commit();
   } catch (...) {
     std::error_code ignored;
     fs::remove(self.places.mesh(record.id), ignored);
@@ -381,7 +379,7 @@ void Store::add_job(const JobRecord& job, const std::string& request) {
   auto& database = implementation_->database;
   const std::lock_guard lock(implementation_->mutex);
   Transaction transaction(database);
-  insert_job(database, job);
+  insert_job(database, job, implementation_->owners);
   if (!request.empty())
     Statement(database, "INSERT INTO requests (job, content) VALUES (?, ?)").bind(job.id).bind_bytes(request).run();
   transaction.commit();
@@ -419,7 +417,7 @@ void Store::finish_job(const JobRecord& job, const Result* result) {
 
 std::optional<JobRecord> Store::job(const std::string& id) const {
   const std::lock_guard lock(implementation_->mutex);
-  Statement row(implementation_->database, "SELECT " + std::string(job_columns) + " FROM jobs WHERE id = ?");
+  Statement row(implementation_->database, "SELECT " + job_columns_to_read() + " FROM jobs WHERE id = ?");
   if (!row.bind(id).step()) return std::nullopt;
   return read_job(row);
 }
@@ -430,7 +428,7 @@ std::vector<JobRecord> Store::jobs(const std::vector<JobState>& states, std::siz
   for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
   const std::lock_guard lock(implementation_->mutex);
   Statement rows(implementation_->database,
-                 "SELECT " + std::string(job_columns) +
+                 "SELECT " + job_columns_to_read() +
                      " FROM jobs WHERE (?1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = ?1))" +
                      (states.empty() ? "" : " AND state IN (" + names + ")") + " AND " +
                      OwnerTable::condition(OwnerTable::Kind::job, "?3") + " ORDER BY sequence DESC LIMIT ?2");
@@ -438,11 +436,6 @@ std::vector<JobRecord> Store::jobs(const std::vector<JobState>& states, std::siz
   std::vector<JobRecord> records;
   while (rows.step()) records.push_back(read_job(rows));
   return records;
-}
-
-void Store::own_job(const std::string& id, const std::string& owner) {
-  const std::lock_guard lock(implementation_->mutex);
-  implementation_->owners.add(OwnerTable::Kind::job, id, owner);
 }
 
 bool Store::owns_job(const std::string& id, const std::string& owner) const {
@@ -479,7 +472,7 @@ bool Store::remove_job(const std::string& id) {
 
 std::vector<JobRecord> Store::unfinished_jobs() const {
   const std::lock_guard lock(implementation_->mutex);
-  Statement rows(implementation_->database, "SELECT " + std::string(job_columns) +
+  Statement rows(implementation_->database, "SELECT " + job_columns_to_read() +
                                                 " FROM jobs WHERE state IN ('accepted', 'running') ORDER BY sequence");
   std::vector<JobRecord> records;
   while (rows.step()) records.push_back(read_job(rows));

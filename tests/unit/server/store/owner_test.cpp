@@ -1,3 +1,8 @@
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "database.h"
 #include "store_fixture.h"
 
 namespace supple::store {
@@ -25,8 +30,7 @@ TEST_F(StoreTest, OwnersOutliveARestartAndGoWithWhatTheyOwn) {
   {
     Store store(folder_);
     id = store.add_mesh("ply", describe, "a").first.id;
-    store.add_job(new_job("j"));
-    store.own_job("j", "a");
+    store.add_job(new_job("j", "a"));
   }
   Store store(folder_);
   EXPECT_TRUE(store.owns_mesh(id, "a"));
@@ -40,6 +44,71 @@ TEST_F(StoreTest, OwnersOutliveARestartAndGoWithWhatTheyOwn) {
   EXPECT_FALSE(store.owns_job("j", "a"));
 }
 
+TEST_F(StoreTest, NothingIsStoredWhoseOwnerIsNot) {
+  Store store(folder_);
+  // What a kill between two transactions would leave shows where the second one fails.
+  Database(folder_ / "supple.sqlite")
+      .execute("CREATE TRIGGER fault BEFORE INSERT ON owners BEGIN SELECT RAISE(ABORT, 'no owners today'); END");
+  EXPECT_EQ(code_of([&] { store.add_job(new_job("j", "a")); }), "store.unavailable");
+  EXPECT_FALSE(store.job("j"));
+  EXPECT_EQ(code_of([&] { store.add_mesh("ply", describe, "a"); }), "store.unavailable");
+  EXPECT_TRUE(store.meshes(10, "").empty());
+  EXPECT_TRUE(fs::is_empty(folder_ / "meshes"));
+  EXPECT_EQ(store.usage().meshes, 0);
+  store.add_job(new_job("of nobody"));
+  EXPECT_TRUE(store.add_mesh("ply", describe).second);
+}
+
+TEST_F(StoreTest, AJobHasItsOwnerFromTheMomentItCanBeSeen) {
+  const pid_t child = fork();
+  if (child == 0) {
+    Store store(folder_);
+    for (int i = 0;; ++i) store.add_job(new_job("j" + std::to_string(i), "a"));
+  }
+  constexpr std::size_t enough = 50;
+  const auto seen = [&] {
+    // Another process sees what was committed.
+    try {
+      const Database database(folder_ / "supple.sqlite");
+      Statement row(database, "SELECT COUNT(*) FROM jobs WHERE id NOT IN (SELECT id FROM owners WHERE kind = 'job')");
+      row.step();
+      EXPECT_EQ(row.integer(0), 0);
+      Statement all(database, "SELECT COUNT(*) FROM jobs");
+      all.step();
+      return static_cast<std::size_t>(all.integer(0));
+    } catch (const Error&) {
+      return std::size_t{0};  // its tables are not there yet
+    }
+  };
+  while (seen() < enough) usleep(100);
+  ::kill(child, SIGKILL);
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  const Store store(folder_);
+  const auto all = store.jobs({}, 100'000, "");
+  EXPECT_EQ(store.jobs({}, 100'000, "", "a").size(), all.size());
+  EXPECT_GE(all.size(), enough);
+  EXPECT_EQ(all[0].owner, "a");
+}
+
+TEST_F(StoreTest, AJobHasItsOwnerAgainWhenTheDatabaseIsLost) {
+  {
+    Store store(folder_);
+    auto waits = new_job("waits", "a");
+    store.add_job(waits, store.keep_request(waits, {"POST", "/x", {}, {}, {}}, std::string(300'000, 'x')));
+    auto ended = new_job("ended", "b");
+    store.add_job(ended);
+    ended.state = JobState::successful;
+    ended.finished = now_milliseconds();
+    const Result result{"text/plain", {}, "42"};
+    store.finish_job(ended, &result);
+  }
+  fs::remove(folder_ / "supple.sqlite");
+  const Store store(folder_, recovery());
+  EXPECT_TRUE(store.owns_job("waits", "a"));
+  EXPECT_TRUE(store.owns_job("ended", "b"));
+  EXPECT_FALSE(store.owns_job("ended", "a"));
+}
+
 TEST_F(StoreTest, ListsWhatOneOwnerHasPageByPage) {
   Store store(folder_);
   std::vector<std::string> of_a;
@@ -49,8 +118,7 @@ TEST_F(StoreTest, ListsWhatOneOwnerHasPageByPage) {
     store.add_mesh("nobody" + std::to_string(i), describe);
     for (const char* owner : {"a", "b"}) {
       const auto job = std::string(owner) + std::to_string(i);
-      store.add_job(new_job(job));
-      store.own_job(job, owner);
+      store.add_job(new_job(job, owner));
     }
   }
   const auto first = store.meshes(3, "", "a");

@@ -29,9 +29,10 @@ class StoreTest : public testing::Test {
 
   static std::string describe(const std::string& id, std::int64_t) { return "{\"id\":\"" + id + "\"}"; }
 
-  static JobRecord new_job(const std::string& id) {
+  static JobRecord new_job(const std::string& id, const std::string& owner = {}) {
     JobRecord job;
     job.id = id;
+    job.owner = owner;
     job.kind = "geodesics";
     job.mesh = "m";
     job.created = now_milliseconds();

@@ -34,6 +34,7 @@ struct Computation {
   std::string session{};
   /// Who asked: while others wait, nobody's jobs take more workers than theirs.
   std::string client{};
+  std::string owner{};     ///< of the job that it becomes: the id of a key; empty: none
   std::int64_t bytes = 0;  ///< of memory that it holds while it waits, about: those of its request
   int max_waiting = 0;     ///< jobs of its client that may wait for a worker; 0: no limit but that of the queue
 };

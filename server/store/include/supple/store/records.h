@@ -36,6 +36,7 @@ struct JobRecord {
   int error_status = 0;  ///< its HTTP status
   std::string client;    ///< whose turn in the queue it takes; empty where clients are not told apart
   std::string session;   ///< of its computation; empty: of none
+  std::string owner;     ///< the id of the key that it was made for; empty: of none
   int attempts = 0;      ///< how often it was begun, without those times that ended in good order
 };
 

@@ -77,8 +77,8 @@ class Store {
 
   using DescribeMesh = std::function<std::string(const std::string& id, std::int64_t created)>;
   /// The id is the hash of `ply`. Makes the description with `describe` and returns the record, and whether it is new;
-  /// a mesh that is stored already stays as it is. `owner`, where it is named, becomes one of the mesh's owners, and
-  /// new is what it did not own before.
+  /// a mesh that is stored already stays as it is. `owner`, where it is named, becomes one of the mesh's owners in the
+  /// same transaction, and new is what it did not own before.
   std::pair<MeshRecord, bool> add_mesh(const std::string& ply, const DescribeMesh& describe,
                                        const std::string& owner = {});
   std::optional<MeshRecord> mesh(const std::string& id) const;
@@ -107,7 +107,7 @@ class Store {
   /// Throws "store.corrupted".
   StoredRequest job_request(const std::string& id) const;
 
-  /// Durable once this returns. `request` is what keep_request has returned.
+  /// Durable once this returns, together with whose it is. `request` is what keep_request has returned.
   void add_job(const JobRecord& job, const std::string& request = {});
   /// Notes an unfinished job's state, its start and its attempts. Outlives the process, but not necessarily the
   /// machine: nothing waits for the disk. Does nothing for a job that has finished.
@@ -119,8 +119,6 @@ class Store {
   /// `after` is the last id of the page before.
   std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
                               const std::string& owner = {}) const;
-  /// Makes `owner` the owner of a job that exists.
-  void own_job(const std::string& id, const std::string& owner);
   bool owns_job(const std::string& id, const std::string& owner) const;
   /// Throws "job.not_found", "store.corrupted".
   Result job_result(const std::string& id) const;
@@ -138,8 +136,6 @@ class Store {
   Usage usage() const;
 
  private:
-  std::pair<MeshRecord, bool> add_content(const std::string& ply, const DescribeMesh& describe);
-
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
