@@ -46,6 +46,14 @@ void add_add(CLI::App& keys, const ServerOptions& options) {
                    "Jobs that may wait for a worker; without it as many as --max-queue says")
       ->default_str("")
       ->check(CLI::Range(1, 1'000'000));
+  command
+      ->add_option(
+          "--max-stored", given->key.max_stored,
+          "Bytes of the meshes, results and requests of jobs that it owns, 500MB for example; where they would "
+          "be more, its oldest results go first. Without it there is no limit but that of --max-store")
+      ->default_str("")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 60));
   command->callback([given, &options] {
     given->key.scopes = access::parse_scopes(given->scopes);
     if (!given->expires.empty()) given->key.expires_in = access::parse_duration(given->expires);
@@ -57,24 +65,25 @@ void add_add(CLI::App& keys, const ServerOptions& options) {
 
 void list_keys(const ServerOptions& options) {
   const auto or_never = [](std::int64_t time) { return time ? access::time_text(time) : std::string("never"); };
-  const auto or_none = [](int limit) { return limit ? std::to_string(limit) : std::string("-"); };
+  const auto or_none = [](std::int64_t limit) { return limit ? std::to_string(limit) : std::string("-"); };
   const auto row = [](const auto& id, const auto& scopes, const auto& created, const auto& expires, const auto& rate,
-                      const auto& jobs, const auto& name) {
+                      const auto& jobs, const auto& stored, const auto& name) {
     constexpr int id_width = 14;
     constexpr int scopes_width = 20;
     constexpr int time_width = 22;
     constexpr int count_width = 10;
+    constexpr int bytes_width = 16;
     std::cout << std::left << std::setw(id_width) << id << std::setw(scopes_width) << scopes << std::setw(time_width)
               << created << std::setw(time_width) << expires << std::setw(count_width) << rate << std::setw(count_width)
-              << jobs << name << '\n';
+              << jobs << std::setw(bytes_width) << stored << name << '\n';
   };
-  row("ID", "SCOPES", "CREATED", "EXPIRES", "RATE", "WAITING", "NAME");
+  row("ID", "SCOPES", "CREATED", "EXPIRES", "RATE", "WAITING", "STORED", "NAME");
   for (const auto& key : options.key_file().read()) {
     auto name = key.name;
     if (key.previous && now() < key.previous_until)
       name += " (old secret until " + access::time_text(key.previous_until) + ")";
     row(key.id, access::scopes_text(key.scopes), access::time_text(key.created), or_never(key.expires),
-        or_none(key.requests_per_minute), or_none(key.max_waiting_jobs), name);
+        or_none(key.requests_per_minute), or_none(key.max_waiting_jobs), or_none(key.max_stored), name);
   }
 }
 

@@ -174,9 +174,9 @@ class Process {
     services_.ready.notify_all();
   }
 
-  store::Quota quota() const {
+  store::Quota quota() {
     const auto bytes = options_.max_store > 0 ? options_.max_store : store::default_quota(options_.data);
-    return {bytes, options_.max_mesh_bytes};
+    return {bytes, options_.max_mesh_bytes, [this](const std::string& owner) { return gate_.max_stored(owner); }};
   }
 
   void remove_unused_meshes() {

@@ -191,6 +191,53 @@ def test_the_jobs_of_a_key_that_may_wait_are_bounded(new_server: NewServer, tmp_
     assert int(refused.headers["Retry-After"]) >= 1
 
 
+def test_the_bytes_that_a_key_stores_are_bounded(new_server: NewServer, tmp_path: Path, contract: Contract) -> None:
+    data = tmp_path / "data"
+    limit = 150_000
+    small = add_key(data, "small", "read,compute", "--max-stored", str(limit))
+    large = add_key(data, "large", "read,compute")
+    header, *rows = keys_command(data, "list").splitlines()
+    column = header.index("STORED")
+    assert [row[column:].split()[0] for row in rows] == [str(limit), "-"]
+    server = new_server()
+    few, many = Api(server, contract, small), Api(server, contract, large)
+
+    def field(api: Api, mesh: str, vertex: int) -> Any:
+        response = api.post("/v1/geodesic-fields", {"mesh": mesh, "sources": [{"vertex": vertex}]}, headers={"Prefer": "respond-async"})
+        assert response.status_code == 202, response.text
+        return api.wait_for_job(response.json()["id"])
+
+    mesh = few.upload(*flat_grid(30))
+    others = many.upload(*flat_grid(100))
+    assert field(many, others, 0)["state"] == "successful", "another key has no such limit"
+    refused = few.post("/v1/meshes", {"vertices": [list(map(float, v)) for v in flat_grid(100)[0]],
+                                      "faces": [list(map(int, f)) for f in flat_grid(100)[1]]})
+    assert (refused.status_code, problem_code(refused)) == (507, "store.key_quota")
+    problem = refused.json()
+    assert (problem["limit"], problem["setting"]) == (limit, "--max-stored") and problem["value"] > limit
+    assert meshes_of(few) == {mesh}, "what was refused is not its own"
+
+    jobs = [field(few, mesh, vertex)["id"] for vertex in range(12)]
+    kept = [job["id"] for job in few.get("/v1/jobs").json()["jobs"]]
+    assert kept == jobs[::-1][:len(kept)] and 0 < len(kept) < len(jobs), "the oldest results make room for new ones"
+    assert few.get(f"/v1/jobs/{kept[-1]}/result").status_code == 200
+    assert "--max-stored" in server.log_text()
+    stored = [path.stat().st_size for folder in ("meshes", "results", "requests") for path in (data / folder).iterdir()
+              if path.stem in {mesh, *kept}]
+    assert sum(stored) <= limit
+
+    few.upload(*flat_grid(40))
+    assert len(few.get("/v1/jobs").json()["jobs"]) < len(kept), "results go for a mesh too"
+    assert len(jobs_of(many)) == 1, "nobody else's go"
+
+    bytes_of_mesh = (data / "meshes" / f"{mesh}.ply").stat().st_size
+    tiny = Api(server, contract, add_key(data, "tiny", "read,compute", "--max-stored", str(bytes_of_mesh + 4000)))
+    wait_for_look_at_keys()
+    assert tiny.upload(*flat_grid(30)) == mesh
+    failed = field(tiny, mesh, 0)
+    assert (failed["state"], failed["error"]["code"]) == ("failed", "store.key_quota")
+
+
 # --- whose things they are -------------------------------------------------------------------------------------------
 
 

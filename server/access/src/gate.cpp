@@ -146,6 +146,13 @@ void Gate::allow(const Key& key, Scope needed) {
   }
 }
 
+std::int64_t Gate::max_stored(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  look_at_file(time_());
+  const auto* const key = find(id);
+  return key ? key->max_stored : 0;
+}
+
 Gate::SignedIn Gate::sign_in(std::string_view key) {
   const std::lock_guard lock(mutex_);
   const auto now = time_();

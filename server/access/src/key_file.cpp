@@ -102,6 +102,7 @@ Token add_key(std::vector<Key>& keys, const NewKey& wanted, std::int64_t now) {
   key.expires = wanted.expires_in ? now + wanted.expires_in : 0;
   key.requests_per_minute = wanted.requests_per_minute;
   key.max_waiting_jobs = wanted.max_waiting_jobs;
+  key.max_stored = wanted.max_stored;
   keys.push_back(std::move(key));
   return token;
 }

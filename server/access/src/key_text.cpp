@@ -24,8 +24,9 @@ SecretHash parse_hash(const std::string& text) {
   return hash;
 }
 
-int parse_count(const std::string& text) {
-  int value = 0;
+template <class Number>
+Number parse_count(const std::string& text) {
+  Number value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < 1)
     throw std::runtime_error("'" + text + "' is no positive integer");
@@ -48,9 +49,11 @@ void read_field(Key& key, const std::string& field, const std::string& value) {
   } else if (field == "expires") {
     key.expires = parse_time(value);
   } else if (field == "requests_per_minute") {
-    key.requests_per_minute = parse_count(value);
+    key.requests_per_minute = parse_count<int>(value);
   } else if (field == "max_waiting_jobs") {
-    key.max_waiting_jobs = parse_count(value);
+    key.max_waiting_jobs = parse_count<int>(value);
+  } else if (field == "max_stored") {
+    key.max_stored = parse_count<std::int64_t>(value);
   } else {
     throw std::runtime_error("there is no field '" + field + "'");
   }
@@ -96,6 +99,7 @@ std::string write_keys(const std::vector<Key>& keys) {
     if (key.expires) line("expires", time_text(key.expires));
     if (key.requests_per_minute) line("requests_per_minute", std::to_string(key.requests_per_minute));
     if (key.max_waiting_jobs) line("max_waiting_jobs", std::to_string(key.max_waiting_jobs));
+    if (key.max_stored) line("max_stored", std::to_string(key.max_stored));
   }
   return text;
 }

@@ -120,8 +120,9 @@ Check repair_folder(const fs::path& data, const Store::Recovery& recovery,
     if (file.kind == Kind::mesh) {
       Statement(*database, "DELETE FROM meshes WHERE id = ?").bind(file.id).run();
     } else if (file.kind == Kind::result) {
-      Statement(*database,
-                "UPDATE jobs SET state = 'failed', error = ?, error_status = 500, result_hash = '' WHERE id = ?")
+      Statement(
+          *database,
+          "UPDATE jobs SET state = 'failed', error = ?, error_status = 500, result_hash = '', bytes = 0 WHERE id = ?")
           .bind(problem(fault))
           .bind(file.id)
           .run();

@@ -10,6 +10,7 @@ CREATE TABLE IF NOT EXISTS owners (
   owner TEXT NOT NULL,
   PRIMARY KEY (kind, id, owner)
 ) WITHOUT ROWID;
+CREATE INDEX IF NOT EXISTS owned ON owners (owner, kind, id);
 CREATE TRIGGER IF NOT EXISTS owners_of_meshes AFTER DELETE ON meshes
 BEGIN DELETE FROM owners WHERE kind = 'mesh' AND id = old.id; END;
 CREATE TRIGGER IF NOT EXISTS owners_of_jobs AFTER DELETE ON jobs
@@ -44,6 +45,24 @@ std::int64_t OwnerTable::count(Kind kind, const std::string& id) const {
   Statement row(database_, "SELECT COUNT(*) FROM owners WHERE kind = ? AND id = ?");
   row.bind(name(kind)).bind(id).step();
   return row.integer(0);
+}
+
+Holding OwnerTable::holding(const std::string& owner, const std::string& without_job) const {
+  Holding holding;
+  Statement meshes(database_,
+                   "SELECT COALESCE(SUM(max(bytes, 0)), 0) FROM owners JOIN meshes ON meshes.id = owners.id "
+                   "WHERE owners.owner = ? AND owners.kind = 'mesh'");
+  if (meshes.bind(owner).step()) holding.meshes = meshes.integer(0);
+  Statement jobs(database_,
+                 "SELECT COALESCE(SUM(CASE WHEN finished > 0 THEN max(bytes, 0) END), 0), "
+                 "COALESCE(SUM(CASE WHEN finished = 0 THEN max(bytes, 0) END), 0) "
+                 "FROM owners JOIN jobs ON jobs.id = owners.id "
+                 "WHERE owners.owner = ? AND owners.kind = 'job' AND owners.id <> ?");
+  if (jobs.bind(owner).bind(without_job).step()) {
+    holding.results = jobs.integer(0);
+    holding.requests = jobs.integer(1);
+  }
+  return holding;
 }
 
 std::string OwnerTable::owner_of_job() {

@@ -8,6 +8,14 @@
 
 namespace supple::store {
 
+/// Bytes that an owner holds.
+struct Holding {
+  std::int64_t meshes = 0;
+  std::int64_t results = 0;
+  std::int64_t requests = 0;  ///< of jobs that have not ended
+  std::int64_t total() const { return meshes + results + requests; }
+};
+
 /// Who owns which meshes and jobs: rows of a table beside theirs, which go with what they name. What was made where no
 /// key was needed has none. Not for several threads at once.
 class OwnerTable {
@@ -23,6 +31,8 @@ class OwnerTable {
   /// False where it was none.
   bool remove(Kind kind, const std::string& id, const std::string& owner);
   std::int64_t count(Kind kind, const std::string& id) const;
+  /// What an owner holds without one of its jobs. O(number of things that it owns): a microsecond each.
+  Holding holding(const std::string& owner, const std::string& without_job) const;
 
   /// An expression on rows of "jobs": the owner, of which a job has one at most; empty text where it has none.
   static std::string owner_of_job();

@@ -72,7 +72,7 @@ void recover_meshes(const DataFolder& folder, Database& database, const Store::R
       continue;
     }
     try {
-      insert_mesh(database, *record);
+      insert_mesh(database, *record, bytes_of(file));
       folder.warn("the mesh " + record->id + " had no row and is indexed again");
     } catch (const Error& error) {
       folder.warn("the mesh " + record->id + " cannot be indexed before the next start: " + error.what());
@@ -107,8 +107,9 @@ std::optional<FoundJob> read_job_file(const DataFolder& folder, const fs::path& 
 void insert_found_job(const DataFolder& folder, Database& database, OwnerTable& owners, const FoundJob& found) {
   try {
     Transaction transaction(database);
-    insert_job(database, found.job, owners);
-    if (found.ended) update_ended_job(database, found.job, &*found.ended, found.hash);
+    const auto bytes = bytes_of(found.file);
+    insert_job(database, found.job, bytes, owners);
+    if (found.ended) update_ended_job(database, found.job, &*found.ended, {found.hash, bytes});
     transaction.commit();
     folder.warn("the " + std::string(found.ended ? "result" : "request") + " of job " + found.job.id +
                 " had no row and is indexed again");

@@ -1,7 +1,9 @@
 #include "schema.h"
 
-#include <set>
+#include <utility>
+#include <vector>
 
+#include "file_access.h"
 #include "record_file.h"
 
 namespace supple::store {
@@ -51,17 +53,16 @@ CREATE TRIGGER IF NOT EXISTS requests_of_removed_jobs AFTER DELETE ON jobs
 BEGIN DELETE FROM requests WHERE job = old.id; END;
 )";
 
-/// What version 2 added.
+/// What came later. Bytes are those of the files; -1: not counted yet.
 struct Column {
   const char* table;
   const char* name;
   const char* declaration;
 };
 constexpr Column later_columns[] = {
-    {"meshes", "used", "INTEGER NOT NULL DEFAULT 0"},
-    {"jobs", "client", "TEXT NOT NULL DEFAULT ''"},
-    {"jobs", "session", "TEXT NOT NULL DEFAULT ''"},
-    {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
+    {"meshes", "used", "INTEGER NOT NULL DEFAULT 0"},   {"jobs", "client", "TEXT NOT NULL DEFAULT ''"},
+    {"jobs", "session", "TEXT NOT NULL DEFAULT ''"},    {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
+    {"meshes", "bytes", "INTEGER NOT NULL DEFAULT -1"}, {"jobs", "bytes", "INTEGER NOT NULL DEFAULT -1"},
 };
 
 /// Of the table itself.
@@ -97,9 +98,9 @@ void prepare_tables(Database& database) {
   database.execute(("PRAGMA user_version = " + std::to_string(table_version)).c_str());
   // A column that is missing is found now, not by the first request that needs it.
   const Statement clock(database, "SELECT machine_start_id, machine_start FROM clock");
-  const Statement meshes(database, "SELECT id, created, description, used, sequence FROM meshes");
+  const Statement meshes(database, "SELECT id, created, description, used, bytes, sequence FROM meshes");
   const Statement jobs(database, "SELECT " + std::string(job_columns) +
-                                     ", result_type, result_headers, result_hash, sequence FROM jobs");
+                                     ", bytes, result_type, result_headers, result_hash, sequence FROM jobs");
 }
 
 JobRecord read_job(const Statement& row) {
@@ -122,9 +123,9 @@ JobRecord read_job(const Statement& row) {
   return job;
 }
 
-void insert_job(const Database& database, const JobRecord& job, OwnerTable& owners) {
-  Statement(database,
-            "INSERT INTO jobs (" + std::string(job_columns) + ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+void insert_job(const Database& database, const JobRecord& job, std::int64_t request_bytes, OwnerTable& owners) {
+  Statement(database, "INSERT INTO jobs (" + std::string(job_columns) +
+                          ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.kind)
       .bind(job.mesh)
@@ -139,14 +140,15 @@ void insert_job(const Database& database, const JobRecord& job, OwnerTable& owne
       .bind(job.client)
       .bind(job.session)
       .bind(static_cast<std::int64_t>(job.attempts))
+      .bind(request_bytes)
       .run();
   if (!job.owner.empty()) owners.add(OwnerTable::Kind::job, job.id, job.owner);
 }
 
-bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const std::string& hash) {
+bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const ResultFile& file) {
   return Statement(database,
                    "UPDATE jobs SET state = ?, started = ?, finished = ?, expires = ?, error = ?, error_status = ?, "
-                   "attempts = ?, result_type = ?, result_headers = ?, result_hash = ? WHERE id = ?")
+                   "attempts = ?, bytes = ?, result_type = ?, result_headers = ?, result_hash = ? WHERE id = ?")
              .bind(state_name(job.state))
              .bind(job.started)
              .bind(job.finished)
@@ -154,19 +156,39 @@ bool update_ended_job(const Database& database, const JobRecord& job, const Resu
              .bind(job.error)
              .bind(static_cast<std::int64_t>(job.error_status))
              .bind(static_cast<std::int64_t>(job.attempts))
+             .bind(file.bytes)
              .bind(result ? result->content_type : "")
              .bind(result ? join_headers(*result) : "")
-             .bind(hash)
+             .bind(file.hash)
              .bind(job.id)
              .run() > 0;
 }
 
-void insert_mesh(const Database& database, const MeshRecord& mesh) {
-  Statement(database, "INSERT INTO meshes (id, created, description) VALUES (?, ?, ?)")
+void insert_mesh(const Database& database, const MeshRecord& mesh, std::int64_t bytes) {
+  Statement(database, "INSERT INTO meshes (id, created, description, bytes) VALUES (?, ?, ?, ?)")
       .bind(mesh.id)
       .bind(mesh.created)
       .bind(mesh.description)
+      .bind(bytes)
       .run();
+}
+
+void count_bytes_of_rows(Database& database, const Places& places) {
+  std::vector<std::pair<std::string, std::int64_t>> meshes;
+  std::vector<std::pair<std::string, std::int64_t>> jobs;
+  for (Statement rows(database, "SELECT id FROM meshes WHERE bytes < 0"); rows.step();)
+    meshes.emplace_back(rows.text(0), bytes_of(places.mesh(rows.text(0))));
+  for (Statement rows(database, "SELECT id, finished FROM jobs WHERE bytes < 0"); rows.step();) {
+    const auto id = rows.text(0);
+    jobs.emplace_back(id, bytes_of(rows.integer(1) > 0 ? places.result(id) : places.request(id)));
+  }
+  if (meshes.empty() && jobs.empty()) return;
+  Transaction transaction(database);
+  for (const auto& [id, bytes] : meshes)
+    Statement(database, "UPDATE meshes SET bytes = ? WHERE id = ?").bind(bytes).bind(id).run();
+  for (const auto& [id, bytes] : jobs)
+    Statement(database, "UPDATE jobs SET bytes = ? WHERE id = ?").bind(bytes).bind(id).run();
+  transaction.commit();
 }
 
 }  // namespace supple::store

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "data_folder.h"
 #include "database.h"
 #include "owner_table.h"
 #include "supple/store/records.h"
@@ -17,12 +18,21 @@ void prepare_tables(Database& database);
 std::string job_columns_to_read();
 JobRecord read_job(const Statement& row);
 
-/// Adds the row of a job that has not ended, and whose it is: within a transaction, for it is several statements.
-/// Throws as Statement does.
-void insert_job(const Database& database, const JobRecord& job, OwnerTable& owners);
-/// Writes how a job ended into its row, with the answer's type, headers and hash where there is one. Returns whether
-/// there was such a row.
-bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const std::string& hash);
-void insert_mesh(const Database& database, const MeshRecord& mesh);
+/// Adds the row of a job that has not ended, with the bytes of its request, and whose it is: within a transaction, for
+/// it is several statements. Throws as Statement does.
+void insert_job(const Database& database, const JobRecord& job, std::int64_t request_bytes, OwnerTable& owners);
+/// Of the file of a result.
+struct ResultFile {
+  std::string hash;        ///< of the body; empty where there is no result
+  std::int64_t bytes = 0;  ///< of all of it
+};
+/// Writes how a job ended into its row, with the answer's type and headers where there is one. Returns whether there
+/// was such a row.
+bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const ResultFile& file);
+/// `bytes` are those of its file.
+void insert_mesh(const Database& database, const MeshRecord& mesh, std::int64_t bytes);
+
+/// Tells the rows that an earlier version made how many bytes their files have.
+void count_bytes_of_rows(Database& database, const Places& places);
 
 }  // namespace supple::store

@@ -28,9 +28,9 @@ std::int64_t bytes_of_files(const fs::path& folder) {
   return sum;
 }
 
-[[noreturn]] void throw_quota(const std::string& detail, std::int64_t limit, std::int64_t value,
-                              const std::string& setting) {
-  throw problem::ProblemError({"store.quota",
+[[noreturn]] void throw_quota(const std::string& code, const std::string& detail, std::int64_t limit,
+                              std::int64_t value, const std::string& setting) {
+  throw problem::ProblemError({code,
                                detail + " (setting " + setting + ").",
                                {},
                                problem::Limit{static_cast<double>(limit), static_cast<double>(value), setting},
@@ -91,7 +91,8 @@ std::int64_t Space::try_add(Part part, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
   if (part == Part::meshes && quota_.mesh_bytes > 0 && counted_.meshes + bytes > quota_.mesh_bytes) {
     const auto value = counted_.meshes + bytes;
-    throw_quota("With this mesh of " + std::to_string(bytes) + " bytes all meshes would take " + std::to_string(value) +
+    throw_quota("store.quota",
+                "With this mesh of " + std::to_string(bytes) + " bytes all meshes would take " + std::to_string(value) +
                     " bytes, their limit is " + std::to_string(quota_.mesh_bytes),
                 quota_.mesh_bytes, value, "--max-mesh-bytes");
   }
@@ -108,13 +109,24 @@ std::int64_t Space::try_add(Part part, std::int64_t bytes) {
 
 void Space::refuse_with(const Usage& usage, Part part, std::int64_t bytes) const {
   const auto value = usage.total() + bytes;
-  throw_quota("With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
+  throw_quota("store.quota",
+              "With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
                   " bytes the data folder would hold " + std::to_string(value) + " bytes, its limit is " +
                   std::to_string(quota_.bytes) + "; meshes take " + std::to_string(usage.meshes) + ", results " +
                   std::to_string(usage.results) + ", requests of jobs " + std::to_string(usage.requests) +
                   ", the database " + std::to_string(usage.database) + " and what is in quarantine " +
                   std::to_string(usage.quarantine),
               quota_.bytes, value, "--max-store");
+}
+
+void refuse_owner(const std::string& owner, const Holding& holding, Part part, std::int64_t bytes, std::int64_t limit) {
+  const auto value = holding.total() + bytes;
+  throw_quota("store.key_quota",
+              "With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
+                  " bytes the key " + owner + " would hold " + std::to_string(value) + " bytes, its limit is " +
+                  std::to_string(limit) + "; its meshes take " + std::to_string(holding.meshes) + ", its results " +
+                  std::to_string(holding.results) + " and requests of its jobs " + std::to_string(holding.requests),
+              limit, value, "--max-stored");
 }
 
 void Reserve::take() noexcept {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "data_folder.h"
+#include "owner_table.h"
 #include "supple/store/store.h"
 
 namespace supple::store {
@@ -43,6 +44,10 @@ class Space {
   mutable std::mutex mutex_;
   Usage counted_;
 };
+
+/// Throws ProblemError "store.key_quota": what is new would take an owner beyond its limit.
+[[noreturn]] void refuse_owner(const std::string& owner, const Holding& holding, Part part, std::int64_t bytes,
+                               std::int64_t limit);
 
 /// Bytes that a file is about to take: given back unless they are kept.
 class TakenSpace {

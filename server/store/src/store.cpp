@@ -23,10 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> state_names{"accepted", "running", "successful", "failed", "dismissed"};
 
-/// Of results, which end at once where one makes room for another.
-constexpr const char* oldest_results =
-    "SELECT id FROM jobs WHERE finished > 0 AND result_hash <> '' ORDER BY finished, sequence";
-
 /// Bytes of a body. One commit is several times as fast as a file of its own, whose content, name and row are
 /// synchronized each; what is larger would be written twice, to the log and from it.
 constexpr std::size_t largest_request_in_database = 256 << 10;
@@ -49,9 +45,15 @@ struct Store::Implementation {
         database(*connection),
         owners(database),
         space(places, quota),
+        quota_of_owner(quota.of_owner),
         reserve(places.reserve()) {
     follow_clock();
     recover_files(folder, database, recovery, database_is_new);
+    try {
+      count_bytes_of_rows(database, places);
+    } catch (const Error& error) {
+      folder.warn(std::string("what keys hold cannot be counted before the next start: ") + error.what());
+    }
     space.count();
     reserve.take();
   }
@@ -92,9 +94,12 @@ struct Store::Implementation {
     return MeshRecord{id, row.integer(0), row.text(1)};
   }
 
-  /// Under the mutex. False where no owner is named, and where it was one already.
-  bool own_mesh(const std::string& id, const std::string& owner) {
-    return !owner.empty() && owners.add(OwnerTable::Kind::mesh, id, owner);
+  /// Under the mutex: makes the owner one of those of a mesh that is stored. False where none is named, and where it
+  /// was one already. Throws "store.key_quota".
+  bool own_mesh(const std::string& id, const std::string& owner, std::int64_t limit, std::int64_t bytes) {
+    if (owner.empty() || owners.has(OwnerTable::Kind::mesh, id, owner)) return false;
+    make_room_of_owner(owner, limit, Part::meshes, bytes);
+    return owners.add(OwnerTable::Kind::mesh, id, owner);
   }
 
   std::optional<std::string> request_in_database(const std::string& id) const {
@@ -108,24 +113,46 @@ struct Store::Implementation {
   void take(Part part, std::int64_t bytes) {
     while (const auto too_many = space.try_add(part, bytes)) {
       const std::lock_guard lock(mutex);
-      if (expire_oldest_results(too_many) == 0) space.refuse(part, bytes);
+      if (expire_oldest_results(too_many, {}) == 0) space.refuse(part, bytes);
     }
   }
 
-  /// Under the mutex: removes the oldest finished jobs until their results have freed so many bytes. Returns how many
-  /// there were.
-  std::size_t expire_oldest_results(std::int64_t bytes) {
+  /// Bytes that an owner may hold; 0: no limit. Not under the mutex, for whoever keeps the limits has one too.
+  std::int64_t limit_of(const std::string& owner) const {
+    return quota_of_owner && !owner.empty() ? quota_of_owner(owner) : 0;
+  }
+
+  /// Under the mutex, before a row of so many bytes is written: the owner's oldest results go where it would hold more
+  /// than its limit. `job` is the one that the bytes are of, whose others go. Throws "store.key_quota".
+  void make_room_of_owner(const std::string& owner, std::int64_t limit, Part part, std::int64_t bytes,
+                          const std::string& job = {}) {
+    if (limit <= 0) return;
+    const auto holding = owners.holding(owner, job);
+    const auto too_many = holding.total() + bytes - limit;
+    // Results are not thrown away for what would not fit without them either.
+    if (too_many > holding.results) refuse_owner(owner, holding, part, bytes, limit);
+    if (too_many > 0) expire_oldest_results(too_many, owner);
+  }
+
+  /// Under the mutex: removes the oldest finished jobs, of an owner alone where one is named, until their results have
+  /// freed so many bytes. Returns how many there were.
+  std::size_t expire_oldest_results(std::int64_t bytes, const std::string& owner) {
     std::vector<std::string> oldest;
     {
       std::int64_t freed = 0;
-      for (Statement rows(database, oldest_results); freed < bytes && rows.step();) {
+      Statement rows(database, "SELECT id FROM jobs WHERE finished > 0 AND result_hash <> '' AND " +
+                                   OwnerTable::condition(OwnerTable::Kind::job, "?1") + " ORDER BY finished, sequence");
+      rows.bind(owner);
+      while (freed < bytes && rows.step()) {
         oldest.push_back(rows.text(0));
         freed += bytes_of(places.result(oldest.back()));
       }
     }
     remove_jobs(oldest);
     if (!oldest.empty()) {
-      folder.warn(std::to_string(oldest.size()) + " finished jobs have expired to make room for others (--max-store)");
+      folder.warn(std::to_string(oldest.size()) + " finished jobs " +
+                  (owner.empty() ? "" : "of the key " + owner + " ") + "have expired to make room for others (" +
+                  (owner.empty() ? "--max-store" : "--max-stored") + ")");
     }
     return oldest.size();
   }
@@ -199,6 +226,7 @@ struct Store::Implementation {
   Database& database;
   OwnerTable owners;
   Space space;
+  const std::function<std::int64_t(const std::string& owner)> quota_of_owner;
   Reserve reserve;
   mutable std::mutex uses_mutex;
   std::map<std::string, std::int64_t> uses;  ///< of meshes, since the database was told last
@@ -224,6 +252,8 @@ Store::~Store() {
 std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const DescribeMesh& describe,
                                             const std::string& owner) {
   auto& self = *implementation_;
+  const auto bytes = static_cast<std::int64_t>(ply.size());
+  const auto limit = self.limit_of(owner);
   MeshRecord record;
   record.id = sha256(ply);
   if (mesh(record.id)) {
@@ -236,22 +266,27 @@ std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const Descri
       self.space.count();  // nobody knows how large it was when it was counted
     }
     const std::lock_guard lock(self.mutex);
-    if (auto known = self.find_mesh(record.id)) return {std::move(*known), self.own_mesh(record.id, owner)};
+    if (auto known = self.find_mesh(record.id))
+      return {std::move(*known), self.own_mesh(record.id, owner, limit, bytes)};
     // Its last owner has removed it meanwhile: it is a new one.
   }
   record.created = now_milliseconds();
   record.description = describe(record.id, record.created);
-  const auto bytes = static_cast<std::int64_t>(ply.size());
+  {
+    const std::lock_guard lock(self.mutex);  // before others' results go
+    self.make_room_of_owner(owner, limit, Part::meshes, bytes);
+  }
   self.take(Part::meshes, bytes);
   TakenSpace taken(self.space, Part::meshes, bytes);
   // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
   const std::lock_guard lock(self.mutex);
-  if (auto known = self.find_mesh(record.id)) return {std::move(*known), self.own_mesh(record.id, owner)};
+  if (auto known = self.find_mesh(record.id)) return {std::move(*known), self.own_mesh(record.id, owner, limit, bytes)};
+  self.make_room_of_owner(owner, limit, Part::meshes, bytes);
   write_stored_file(self.places.mesh(record.id), {ply});
   try {
     Transaction transaction(self.database);
-    insert_mesh(self.database, record);
-    self.own_mesh(record.id, owner);
+    insert_mesh(self.database, record, bytes);
+    if (!owner.empty()) self.owners.add(OwnerTable::Kind::mesh, record.id, owner);
     transaction.commit();
   } catch (...) {
     std::error_code ignored;
@@ -340,6 +375,10 @@ std::vector<std::string> Store::remove_unused_meshes(std::int64_t before) {
 std::string Store::keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) {
   auto& self = *implementation_;
   auto content = request_file(job, request).header(sha256(body));
+  if (const auto limit = self.limit_of(job.owner); limit > 0) {
+    const std::lock_guard lock(self.mutex);
+    self.make_room_of_owner(job.owner, limit, Part::requests, static_cast<std::int64_t>(content.size() + body.size()));
+  }
   if (body.size() > largest_request_in_database) {
     self.write(Part::requests, self.places.request(job.id), {content, body});
     return {};
@@ -376,10 +415,15 @@ StoredRequest Store::job_request(const std::string& id) const {
 }
 
 void Store::add_job(const JobRecord& job, const std::string& request) {
-  auto& database = implementation_->database;
-  const std::lock_guard lock(implementation_->mutex);
+  auto& self = *implementation_;
+  auto& database = self.database;
+  const auto limit = self.limit_of(job.owner);
+  const auto bytes =
+      request.empty() ? bytes_of(self.places.request(job.id)) : static_cast<std::int64_t>(request.size());
+  const std::lock_guard lock(self.mutex);
+  self.make_room_of_owner(job.owner, limit, Part::requests, bytes, job.id);
   Transaction transaction(database);
-  insert_job(database, job, implementation_->owners);
+  insert_job(database, job, bytes, self.owners);
   if (!request.empty())
     Statement(database, "INSERT INTO requests (job, content) VALUES (?, ?)").bind(job.id).bind_bytes(request).run();
   transaction.commit();
@@ -399,19 +443,31 @@ void Store::note_progress(const JobRecord& job) {
 
 void Store::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
-  const auto file = self.places.result(job.id);
+  const auto path = self.places.result(job.id);
+  const auto limit = result ? self.limit_of(job.owner) : 0;
   bool known = false;
   try {
-    const auto hash = result ? sha256(result->body) : std::string();
-    if (result) self.write(Part::results, file, {result_file(job, *result).header(hash), result->body});
+    ResultFile file;
+    const auto make_room = [&] { self.make_room_of_owner(job.owner, limit, Part::results, file.bytes, job.id); };
+    if (result) {
+      file.hash = sha256(result->body);
+      const auto header = result_file(job, *result).header(file.hash);
+      file.bytes = static_cast<std::int64_t>(header.size() + result->body.size());
+      if (limit > 0) {
+        const std::lock_guard lock(self.mutex);
+        make_room();
+      }
+      self.write(Part::results, path, {header, result->body});
+    }
     const std::lock_guard lock(self.mutex);
-    known = update_ended_job(self.database, job, result, hash);
+    make_room();  // others may have ended meanwhile
+    known = update_ended_job(self.database, job, result, file);
   } catch (...) {
     // A result without its row takes the space that the reason of the failure needs.
-    if (result) self.delete_file(Part::results, file);
+    if (result) self.delete_file(Part::results, path);
     throw;
   }
-  if (!known) self.delete_file(Part::results, file);
+  if (!known) self.delete_file(Part::results, path);
   drop_request(job.id);
 }
 

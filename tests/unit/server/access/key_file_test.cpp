@@ -67,6 +67,7 @@ TEST_F(KeyFileTest, KeysReadBackAndNoSecretIsInTheFile) {
     key.expires_in = 100;
     key.requests_per_minute = 600;
     key.max_waiting_jobs = 5;
+    key.max_stored = 5'000'000'000;
     token = add_key(keys, key, 1000);
   });
   Token rotated;
@@ -80,6 +81,7 @@ TEST_F(KeyFileTest, KeysReadBackAndNoSecretIsInTheFile) {
   EXPECT_EQ(keys[0].expires, 1100);
   EXPECT_EQ(keys[0].requests_per_minute, 600);
   EXPECT_EQ(keys[0].max_waiting_jobs, 5);
+  EXPECT_EQ(keys[0].max_stored, 5'000'000'000);
   EXPECT_EQ(keys[0].previous_until, 1060);
   EXPECT_TRUE(matches(keys[0].secret, rotated.secret));
   EXPECT_TRUE(matches(*keys[0].previous, token.secret));

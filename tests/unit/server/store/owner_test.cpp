@@ -4,6 +4,7 @@
 
 #include "database.h"
 #include "store_fixture.h"
+#include "supple/problem/problem.h"
 
 namespace supple::store {
 namespace {
@@ -107,6 +108,123 @@ TEST_F(StoreTest, AJobHasItsOwnerAgainWhenTheDatabaseIsLost) {
   EXPECT_TRUE(store.owns_job("waits", "a"));
   EXPECT_TRUE(store.owns_job("ended", "b"));
   EXPECT_FALSE(store.owns_job("ended", "a"));
+}
+
+/// A store in which "small" may hold 10,000 bytes, and everybody else as many as there are.
+class OwnerQuotaTest : public StoreTest {
+ protected:
+  static constexpr std::int64_t limit = 10'000;
+
+  static Quota quota() {
+    return {0, 0, [](const std::string& owner) { return owner == "small" ? limit : 0; }};
+  }
+  static void add_ended(Store& store, const std::string& id, const std::string& owner, std::size_t bytes) {
+    auto job = new_job(id, owner);
+    store.add_job(job);
+    job.state = JobState::successful;
+    job.finished = now_milliseconds();
+    job.expires = job.finished + 1'000'000;
+    const Result result{"text/plain", {}, std::string(bytes, 'x')};
+    store.finish_job(job, &result);
+  }
+  static problem::Problem problem_of(const std::function<void()>& call) {
+    try {
+      call();
+    } catch (...) {
+      return problem::problem_of(std::current_exception());
+    }
+    return {};
+  }
+};
+
+TEST_F(OwnerQuotaTest, AMeshThatIsTooMuchIsRefusedWithNumberLimitAndSetting) {
+  Store store(folder_, {}, quota());
+  store.add_mesh(std::string(6000, 'a'), describe, "small");
+  const auto refused = problem_of([&] { store.add_mesh(std::string(4001, 'b'), describe, "small"); });
+  EXPECT_EQ(refused.code, "store.key_quota");
+  ASSERT_TRUE(refused.limit);
+  EXPECT_EQ(refused.limit->limit, limit);
+  EXPECT_EQ(refused.limit->value, limit + 1);
+  EXPECT_EQ(refused.limit->setting, "--max-stored");
+  EXPECT_NE(refused.detail.find("the key small"), std::string::npos) << refused.detail;
+  EXPECT_EQ(store.usage().meshes, 6000) << "what was refused takes nothing";
+  store.add_mesh(std::string(4001, 'b'), describe, "large");
+  store.add_mesh(std::string(4001, 'c'), describe);
+  EXPECT_EQ(problem_of([&] { store.add_mesh(std::string(4001, 'b'), describe, "small"); }).code, "store.key_quota")
+      << "of one that another has stored";
+  EXPECT_FALSE(store.add_mesh(std::string(6000, 'a'), describe, "small").second) << "it has this one already";
+  store.remove_mesh(sha256(std::string(6000, 'a')), "small");
+  EXPECT_TRUE(store.add_mesh(std::string(4001, 'b'), describe, "small").second);
+}
+
+TEST_F(OwnerQuotaTest, ItsOldestResultsMakeRoomAndNobodyElses) {
+  Store store(folder_, {}, quota());
+  add_ended(store, "of another", "large", 4000);
+  for (int i = 0; i < 4; ++i) add_ended(store, "j" + std::to_string(i), "small", 4000);
+  EXPECT_TRUE(store.job("of another"));
+  EXPECT_FALSE(store.job("j0"));
+  EXPECT_FALSE(store.job("j1"));
+  EXPECT_EQ(store.job_result("j2").body.size(), 4000U);
+  EXPECT_EQ(store.job_result("j3").body.size(), 4000U);
+  store.add_mesh(std::string(6000, 'm'), describe, "small");
+  EXPECT_FALSE(store.job("j3")) << "one result does not fit beside its mesh and the other";
+  EXPECT_EQ(problem_of([&] { add_ended(store, "too large", "small", 4000); }).code, "store.key_quota");
+  EXPECT_EQ(store.job("too large")->state, JobState::accepted) << "whoever ran it says that it has failed";
+  EXPECT_FALSE(fs::exists(folder_ / "results" / "too large.result"));
+  add_ended(store, "small enough", "small", 3000);
+}
+
+TEST_F(OwnerQuotaTest, CountsRequestsUntilTheirJobsEnd) {
+  Store store(folder_, {}, quota());
+  const auto add = [&](const std::string& id, std::size_t bytes) {
+    const auto job = new_job(id, "small");
+    store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, std::string(bytes, 'r')));
+  };
+  add("waits", 7000);
+  const auto refused = problem_of([&] { add("too many", 3000); });
+  EXPECT_EQ(refused.code, "store.key_quota");
+  EXPECT_NE(refused.detail.find("request of"), std::string::npos) << refused.detail;
+  EXPECT_FALSE(store.has_request("too many"));
+  EXPECT_FALSE(store.job("too many"));
+  auto job = *store.job("waits");
+  job.state = JobState::successful;
+  job.finished = now_milliseconds();
+  const Result result{"text/plain", {}, std::string(9000, 'x')};
+  store.finish_job(job, &result);
+  EXPECT_EQ(store.job_result("waits").body.size(), 9000U) << "its own request makes room for its result";
+  EXPECT_EQ(problem_of([&] { add("far too large", 300'000); }).code, "store.key_quota");
+  EXPECT_FALSE(fs::exists(folder_ / "requests" / "far too large.request"));
+}
+
+TEST_F(OwnerQuotaTest, CountsTheSameAfterARestartAndOfAnEarlierVersionAndALostDatabase) {
+  {
+    Store store(folder_, {}, quota());
+    store.add_mesh(std::string(3000, 'a'), describe, "small");
+    add_ended(store, "j", "small", 3000);
+    const auto job = new_job("waits", "small");
+    store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, std::string(100, 'r')));
+  }
+  const auto held = [&] {
+    const Database database(folder_ / "supple.sqlite");
+    Statement row(database, "SELECT (SELECT SUM(bytes) FROM meshes), (SELECT SUM(bytes) FROM jobs)");
+    row.step();
+    return std::pair(row.integer(0), row.integer(1));
+  };
+  const auto before = held();
+  EXPECT_EQ(before.first, 3000);
+  EXPECT_GT(before.second, 3100);
+  EXPECT_LT(before.second, 4500);
+  Database(folder_ / "supple.sqlite")
+      .execute("UPDATE meshes SET bytes = -1; UPDATE jobs SET bytes = -1 WHERE id = 'j'");
+  { Store store(folder_, recovery(), quota()); }
+  EXPECT_EQ(held(), before);
+  fs::remove(folder_ / "supple.sqlite");
+  Store store(folder_, recovery(), quota());
+  EXPECT_EQ(held().first, before.first);
+  store.add_mesh(std::string(3000, 'a'), describe, "small");
+  const auto refused = problem_of([&] { store.add_mesh(std::string(8000, 'b'), describe, "small"); });
+  EXPECT_EQ(refused.code, "store.key_quota");
+  EXPECT_GT(refused.limit->value, 14'000) << "its result counts again";
 }
 
 TEST_F(StoreTest, ListsWhatOneOwnerHasPageByPage) {

@@ -58,6 +58,9 @@ class Gate {
   /// not what the request needs.
   void allow(const Key& key, Scope needed);
 
+  /// Bytes that a key may hold in the store; 0 where it has no limit of its own, or does not exist.
+  std::int64_t max_stored(const std::string& id);
+
   /// Opens a session for the holder of a key ("supple_..."). Throws "access.key_invalid".
   struct SignedIn {
     std::string token;

@@ -28,6 +28,7 @@ struct Key {
   std::int64_t expires = 0;     ///< the key is accepted before this time; 0: for ever
   int requests_per_minute = 0;  ///< 0: no limit
   int max_waiting_jobs = 0;     ///< 0: that of the queue alone
+  std::int64_t max_stored = 0;  ///< bytes of its meshes, results and requests of jobs; 0: no limit of its own
 };
 
 /// What a client sends: "supple_<id>_<secret>".

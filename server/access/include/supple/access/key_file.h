@@ -43,6 +43,7 @@ struct NewKey {
   std::int64_t expires_in = 0;
   int requests_per_minute = 0;
   int max_waiting_jobs = 0;
+  std::int64_t max_stored = 0;
 };
 
 /// Adds a key; returns what its holder sends, which is told nowhere else. Throws std::runtime_error for a name that is

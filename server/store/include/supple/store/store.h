@@ -20,6 +20,9 @@ std::string sha256(std::string_view bytes);
 struct Quota {
   std::int64_t bytes = 0;       ///< of the whole data folder; setting --max-store
   std::int64_t mesh_bytes = 0;  ///< of meshes; setting --max-mesh-bytes
+  /// Of what an owner holds: the meshes that it owns, each of them in full, and results and requests of its jobs;
+  /// setting --max-stored of its key. Called from any thread.
+  std::function<std::int64_t(const std::string& owner)> of_owner{};
 };
 
 /// Nine tenths of the disk that a data folder is on, or would be on: of its size, not of what is free just now, so that
@@ -53,7 +56,8 @@ struct Usage {
 /// request of a finished one.
 ///
 /// Bytes are counted as files come and go. What would go beyond the quota expires the oldest results first, and throws
-/// ProblemError "store.quota" where that does not make enough room.
+/// ProblemError "store.quota" where that does not make enough room. So it is with what one owner may hold: its own
+/// oldest results go, and "store.key_quota" says that they do not suffice.
 ///
 /// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
 /// throws Error "store.full" where the disk is, "store.unavailable" where it or the database refuses otherwise;
