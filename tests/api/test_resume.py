@@ -5,11 +5,13 @@ from __future__ import annotations
 import random
 import time
 from datetime import datetime, timezone
+from pathlib import Path
 from typing import Any, Callable, Dict, List
 
+import pytest
 
 from contract import Contract
-from harness import Api, ServerProcess, problem_code, slow_relaxation
+from harness import Api, ServerProcess, keys_command, problem_code, slow_relaxation, spoil_database
 from shapes import bumpy_sphere
 
 ASYNC = {"Prefer": "respond-async"}
@@ -106,7 +108,8 @@ def test_a_resumed_job_answers_in_the_form_that_was_asked_for(new_server: NewSer
     job = submit(api, field(mesh, 3), Accept=accept)
     points = [{"vertex": vertex % 640} for vertex in range(5000)]
     large = submit(api, {"mesh": mesh, "sources": points * 4})
-    assert len(list((server.data / "requests").iterdir())) == 1, "a large request has a file"
+    files = {path.stem for path in (server.data / "requests").iterdir()}
+    assert {job, large} <= files, "each request has a file"
     server.kill()
     server.start()
     api = Api(server, contract)
@@ -115,6 +118,33 @@ def test_a_resumed_job_answers_in_the_form_that_was_asked_for(new_server: NewSer
     assert (result.headers["Content-Type"], result.content) == (accept, expected)
     assert api.wait_for_job(large)["state"] == "successful"
     assert list((server.data / "requests").iterdir()) == []
+
+
+@pytest.mark.parametrize("damage", ["overwritten", "lost"])
+def test_jobs_that_wait_outlive_the_database_in_their_order_with_their_owner(damage: str, new_server: NewServer, tmp_path: Path,
+                                                                            contract: Contract) -> None:
+    keys = [keys_command(tmp_path / "data", "add", "--name", name, "--scopes", "read,compute") for name in ("alice", "bob")]
+    server = new_server("--workers", "1")
+    alice, bob = (Api(server, contract, key) for key in keys)
+    mesh = alice.upload(*bumpy_sphere(3))
+    assert bob.upload(*bumpy_sphere(3)) == mesh
+    runs = submit(alice, long(mesh))
+    alice.wait_for_job(runs, ("running",))
+    expected = [alice.ok(FIELDS, field(mesh, vertex))["distances"] for vertex in range(5)]
+    jobs = [submit(alice, field(mesh, vertex)) for vertex in range(5)]
+    of_bob = submit(bob, field(mesh, 0))
+    server.kill()
+    for rest in server.data.glob("supple.sqlite-*"):
+        rest.unlink()  # the log would mend what is overwritten
+    spoil_database(server.data, damage)
+    server.start()
+    assert [job["id"] for job in alice.get("/v1/jobs").json()["jobs"]] == [*jobs[::-1], runs]
+    assert [job["id"] for job in bob.get("/v1/jobs").json()["jobs"]] == [of_bob]
+    documents = [alice.wait_for_job(job) for job in jobs]
+    assert [document["state"] for document in documents] == 5 * ["successful"]
+    started = [document["started"] for document in documents]
+    assert started == sorted(started)
+    assert [alice.get(f"/v1/jobs/{job}/result").json()["distances"] for job in jobs] == expected
 
 
 def test_a_job_that_a_client_has_waited_for_goes_on_as_well_and_is_listed_as_running(

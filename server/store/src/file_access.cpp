@@ -27,6 +27,16 @@ void write_stored_file(const std::filesystem::path& path, std::initializer_list<
   }
 }
 
+void write_spare_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
+  try {
+    const OpenFile file(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, "create");
+    for (const auto piece : pieces) write_all(file.descriptor(), piece, path);
+  } catch (const FileError& error) {
+    ::unlink(path.c_str());
+    throw_file_error(error.action(), error.path(), error.number());
+  }
+}
+
 std::string read_file(const std::filesystem::path& path) {
   try {
     const OpenFile file(path, O_RDONLY, "open");

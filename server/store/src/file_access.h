@@ -21,6 +21,11 @@ bool means_full(int error);
 /// As supple::write_atomically, with errors of the store: throws "store.full", "store.unavailable".
 void write_stored_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces);
 
+/// Writes a file that may be lost with a power failure, but with no end of the process once this has returned: it waits
+/// for no disk, some ten microseconds. Its reader has to know when it is incomplete. Throws "store.full",
+/// "store.unavailable".
+void write_spare_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces);
+
 /// Throws "store.corrupted" where the file is missing, "store.unavailable" where it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 

@@ -153,6 +153,20 @@ void find_requests(const DataFolder& folder, const Database& database, bool is_n
   }
 }
 
+/// Small requests have a spare file each, but those of an earlier version, of a restored backup and of a machine that
+/// stopped.
+void write_missing_spare_files(const DataFolder& folder, const Database& database) {
+  try {
+    for (Statement rows(database, "SELECT job, content FROM requests"); rows.step();) {
+      const auto path = folder.places().request(rows.text(0));
+      const auto content = rows.text(1);
+      if (bytes_of(path) != static_cast<std::int64_t>(content.size())) write_spare_file(path, {content});
+    }
+  } catch (const Error& error) {
+    folder.warn(std::string("the requests of waiting jobs are in the database alone: ") + error.what());
+  }
+}
+
 std::unique_ptr<Database> try_database(const fs::path& path) {
   auto opened = std::make_unique<Database>(path);
   opened->check();
@@ -195,6 +209,7 @@ void recover_files(const DataFolder& folder, Database& database, const Store::Re
   });
   OwnerTable owners(database);
   for (const auto& job : jobs) insert_found_job(folder, database, owners, job);
+  write_missing_spare_files(folder, database);
 }
 
 }  // namespace supple::store

@@ -23,8 +23,9 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> state_names{"accepted", "running", "successful", "failed", "dismissed"};
 
-/// Bytes of a body. One commit is several times as fast as a file of its own, whose content, name and row are
-/// synchronized each; what is larger would be written twice, to the log and from it.
+/// Bytes of a body. One commit is several times as fast as a file of its own whose content, name and row are
+/// synchronized each; what is larger would be written twice, to the log and from it. Small ones are in a file too, for
+/// which nothing waits: it is what is left of them when the database is lost.
 constexpr std::size_t largest_request_in_database = 256 << 10;
 
 }  // namespace
@@ -385,8 +386,10 @@ std::string Store::keep_request(const JobRecord& job, const JobRequest& request,
   }
   content += body;
   const auto bytes = static_cast<std::int64_t>(content.size());
-  self.take(Part::requests, bytes);  // there is room for it; where it goes it counts as the database
-  self.space.add(Part::requests, -bytes);
+  self.take(Part::requests, bytes);
+  TakenSpace taken(self.space, Part::requests, bytes);
+  write_spare_file(self.places.request(job.id), {content});
+  taken.keep();
   return content;
 }
 

@@ -1,9 +1,14 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
 #include "store_fixture.h"
 
 namespace supple::store {
 namespace {
 
-/// Of requests that are kept in the database, and of ones that are too large for it.
+/// Of requests that are kept in the database and in a spare file, and of ones that are too large for the database.
 class RequestTest : public StoreTest, public testing::WithParamInterface<std::size_t> {
  protected:
   const std::string body_ = "{\"body\": 1}" + std::string(1, '\0') + std::string(GetParam(), '\xFF');
@@ -49,28 +54,72 @@ TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
   EXPECT_EQ(kept.request.query, request.query);
   EXPECT_EQ(kept.request.content_type, "application/json");
   EXPECT_EQ(kept.request.accept, "text/csv");
-  const auto file = folder_ / "requests" / "first.request";
-  if (!fs::exists(file)) return;
-  std::ofstream(file, std::ios::app) << " ";
-  EXPECT_EQ(code_of([&] { store.job_request("first"); }), "store.corrupted");
+  std::ofstream(folder_ / "requests" / "first.request", std::ios::app) << " ";
+  if (GetParam() > 256 << 10) {
+    EXPECT_EQ(code_of([&] { store.job_request("first"); }), "store.corrupted");
+  } else {
+    EXPECT_EQ(store.job_request("first").body, body_) << "the database has it";
+  }
 }
 
-TEST_F(StoreTest, KeepsJobsWithLargeRequestsWhenTheDatabaseIsLost) {
-  const std::string body(300'000, 'x');
-  {
+TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
+  const pid_t child = fork();
+  if (child == 0) {
     Store store(folder_);
     for (const char* id : {"b", "a"}) {
       auto job = new_job(id);
       job.created = id[0] == 'b' ? 1000 : 2000;
+      store.add_job(job, store.keep_request(job, {"POST", "/x", {{"a", "1"}}, {}, {}}, body_));
+    }
+    ::kill(::getpid(), SIGKILL);
+  }
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  for (const char* rest : {"supple.sqlite-wal", "supple.sqlite-shm"}) fs::remove(folder_ / rest);  // would mend it
+  std::ofstream(folder_ / "supple.sqlite") << std::string(10'000, '?');
+  for (const char* when : {"damaged", "lost"}) {
+    {
+      const Store store(folder_, recovery());
+      const auto unfinished = store.unfinished_jobs();
+      ASSERT_EQ(unfinished.size(), 2U) << when;
+      EXPECT_EQ(unfinished[0].id, "b") << "the oldest first";
+      EXPECT_EQ(store.job_request("a").body, body_);
+      EXPECT_EQ(store.job_request("a").request.query.at("a"), "1");
+      EXPECT_EQ(quarantined().size(), 1U) << when << ": the damaged database alone";
+    }
+    fs::remove(folder_ / "supple.sqlite");
+  }
+}
+
+TEST_P(RequestTest, HasNoFileOnceItsJobHasEndedOrWasNotAdded) {
+  Store store(folder_);
+  auto job = new_job("ended");
+  store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, body_));
+  store.keep_request(new_job("not added"), {"POST", "/x", {}, {}, {}}, body_);
+  store.drop_request("not added");
+  job.state = JobState::failed;
+  job.finished = 1000;
+  store.finish_job(job, nullptr);
+  EXPECT_TRUE(fs::is_empty(folder_ / "requests"));
+  EXPECT_EQ(store.usage().requests, 0);
+}
+
+TEST_F(StoreTest, WritesSpareFilesOfRequestsAgainThatAreMissingOrCutOff) {
+  const std::string body = "{}";
+  const auto file = [&](const std::string& id) { return folder_ / "requests" / (id + ".request"); };
+  {
+    Store store(folder_);
+    for (const char* id : {"missing", "cut off"}) {
+      const auto job = new_job(id);
       store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, body));
     }
   }
+  fs::remove(file("missing"));
+  fs::resize_file(file("cut off"), 20);
+  { const Store store(folder_, recovery()); }
+  EXPECT_TRUE(warnings_.empty());
   fs::remove(folder_ / "supple.sqlite");
   const Store store(folder_, recovery());
-  const auto unfinished = store.unfinished_jobs();
-  ASSERT_EQ(unfinished.size(), 2U);
-  EXPECT_EQ(unfinished[0].id, "b") << "the oldest first";
-  EXPECT_EQ(store.job_request("a").body, body);
+  for (const char* id : {"missing", "cut off"}) EXPECT_EQ(store.job_request(id).body, body) << id;
 }
 
 }  // namespace

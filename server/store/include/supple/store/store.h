@@ -42,16 +42,17 @@ struct Usage {
 };
 
 /// Meshes, jobs, their requests and their results in one folder: an SQLite database (write-ahead log) for what is
-/// searched and for small requests, one file for each mesh, each result, and each large request of a job that has not
-/// ended.
+/// searched and for small requests, one file for each mesh, each result, and each request of a job that has not ended.
 ///
 /// A file is written beside its place, synchronized, and renamed; its row is committed afterwards. So a row's file is
-/// always complete, whenever the process or the machine stops. Files of results and requests begin with what their rows
-/// say of them.
+/// always complete, whenever the process or the machine stops. The file of a small request is a spare one beside what
+/// the database has: it outlives the process and the database, and only where the machine stops and the database is
+/// lost as well, those of the last seconds may be lost with it. Files of results and requests begin with what their
+/// rows say of them.
 ///
 /// At the start the database is looked through. A damaged one is moved into the folder "quarantine" and a new one is
 /// made. Files without a row get a row again: meshes whose name is their hash, results whose own hashes are right, and,
-/// where the database is new, large requests. Every other file that no row knows is moved into quarantine. Removed is
+/// where the database is new, requests. Every other file that no row knows is moved into quarantine. Removed is
 /// only what was never acknowledged, or is no longer needed: half-written files, the result of an unfinished job, the
 /// request of a finished one.
 ///
@@ -103,8 +104,8 @@ class Store {
   std::vector<std::string> remove_unused_meshes(std::int64_t before);
 
   /// Keeps what a job is made again from in a later process: in a file, durably once this returns, where it is large;
-  /// otherwise the database takes it together with the job, for which it is returned. One whose job is not added is
-  /// dropped.
+  /// otherwise the database takes it together with the job, for which it is returned, and a spare file has it for the
+  /// case that the database is lost. One whose job is not added is dropped.
   std::string keep_request(const JobRecord& job, const JobRequest& request, std::string_view body);
   void drop_request(const std::string& id);
   bool has_request(const std::string& id) const;
