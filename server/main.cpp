@@ -1,6 +1,5 @@
 // supple-server: opens the store, starts the workers and answers HTTP until SIGTERM or SIGINT.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <thread>
 
 #include "commands.h"
+#include "server_log.h"
 #include "server_options.h"
 #include "store_recovery.h"
 #include "supple/base/helper_processes.h"
@@ -201,9 +201,7 @@ class Process {
 };
 
 int serve(const ServerOptions& options) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("supple-server"));
-  spdlog::set_level(spdlog::level::from_str(options.log_level));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %l %v");
+  start_log(options.log_level);
   const auto signals = block_end_signals();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is an error of that write, not the end

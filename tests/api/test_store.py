@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import resource
 import subprocess
 import time
@@ -128,6 +129,25 @@ def test_the_oldest_results_go_where_there_is_no_room_and_then_the_answer_names_
     assert {**after, "database": 0} == {**before, "database": 0}, "counted exactly"
     for part in ("meshes", "results", "requests"):
         assert after[part] == sum(path.stat().st_size for path in (server.data / part).iterdir())
+
+
+def test_lines_of_the_log_name_the_request_or_the_job_that_they_were_written_for(new_server: NewServer, contract: Contract) -> None:
+    server = new_server("--max-store", "7000000")
+    api = Api(server, contract)
+    mesh = api.upload(*bumpy_sphere(5))
+    jobs = []
+    for vertex in range(30):
+        jobs.append(api.post(FIELDS, {"mesh": mesh, "sources": [{"vertex": vertex}]}, headers=ASYNC).json()["id"])
+        assert api.wait_for_job(jobs[-1])["state"] == "successful"
+    upload = new_upload(api, 180)
+    assert upload.status_code == 201, upload.text
+    expired = [line for line in server.log_text().splitlines() if "have expired to make room" in line]
+    writers = [re.search(r" warning (request|job)=([0-9a-f]+) \d+ finished jobs", line) for line in expired]
+    assert all(writers), expired
+    named = [writer.groups() for writer in writers if writer]
+    assert ("request", upload.headers["Supple-Request-Id"]) in named
+    of_jobs = {id_ for kind, id_ in named if kind == "job"}
+    assert of_jobs and of_jobs <= set(jobs)
 
 
 def test_meshes_are_limited_in_bytes_and_go_when_nobody_uses_them(new_server: NewServer, contract: Contract) -> None:

@@ -23,6 +23,7 @@
 #include "connection_stream.h"
 #include "connection_threads.h"
 #include "lobby.h"
+#include "supple/log/context.h"
 
 namespace supple::http {
 namespace {
@@ -443,6 +444,7 @@ class Server::Implementation final : public httplib::Server {
   /// Called by the library once it has read the head: calls the handler and fills the library's response.
   void answer(const httplib::Request&, httplib::Response& target) {
     auto& connection = *current->connection;
+    const log::Context context("request", connection.request.id.empty() ? "-" : connection.request.id);
     Response response;
     try {
       if (connection.refusal()) std::rethrow_exception(connection.refusal());

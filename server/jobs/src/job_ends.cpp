@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "job.h"
+#include "supple/log/context.h"
 
 namespace supple::jobs {
 
@@ -13,6 +14,7 @@ void JobQueue::fail_at_start(store::JobRecord record, const problem::Problem& pr
   record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
   record.error = render_(problem);
   record.error_status = problem::status_of(problem);
+  const log::Context context("job", record.id);
   if (!write_end(record, nullptr)) unwritten_.emplace(record.id, record);
 }
 
@@ -102,6 +104,7 @@ void JobQueue::write_what_was_refused() {
     for (const auto& [id, record] : unwritten_) records.push_back(record);
   }
   for (const auto& record : records) {
+    const log::Context context("job", record.id);
     try {
       store_.finish_job(record, nullptr);
     } catch (const Error&) {

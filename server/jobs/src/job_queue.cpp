@@ -10,6 +10,7 @@
 
 #include "job.h"
 #include "supple/budget/computation_memory.h"
+#include "supple/log/context.h"
 
 namespace supple::jobs {
 namespace {
@@ -426,6 +427,7 @@ void JobQueue::note_progress(const store::JobRecord& record) {
 }
 
 void JobQueue::run_job(const JobPointer& job) {
+  const log::Context context("job", job->record.id);
   std::optional<Result> result;
   std::exception_ptr failure;
   try {
