@@ -165,9 +165,9 @@ class Process {
           metrics_.count_finished_job(job.kind, std::string(store::state_name(job.state)), seconds);
         },
         [](const std::string& text) { spdlog::error(text); },
-        [this](const store::JobRecord& job, store::StoredRequest request) {
+        [this](const store::JobRecord& job, store::StoredRequest request, const Execution& execution) {
           services_.ready.wait(false);
-          return routes::computation_of(router_, job, std::move(request));
+          return routes::computation_of(router_, job, std::move(request), execution);
         });
     services_.jobs = jobs_.get();
     services_.ready = true;

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 import time
-from typing import Iterator
+from typing import Callable, Iterator
 
+import numpy as np
 import pytest
 import requests
 
-from costly import CASES, Meshes, meshes_of, named
+from costly import CASES, Meshes, meshes_of, named, ply, post
 from harness import Api, ServerProcess
 from processes import cpu_seconds, cpu_within, first_line, sent_request
 
@@ -53,6 +54,35 @@ def test_an_answer_comes_within_a_second_of_its_deadline(server: ServerProcess, 
     connection.close()
     assert re.match(r"HTTP/1.1 (504|200|422|413) ", status), status
     assert took < DEADLINE + LATE * slowness, f"{name}: {status} after {took:.2f} s, slowness {slowness:.2f}"
+
+
+def test_a_mesh_that_has_to_be_read_from_disk_keeps_to_deadline_and_client(new_server: Callable[..., ServerProcess],
+                                                                          slowness: float) -> None:
+    side = 1000  # two million faces
+    places = np.arange((side + 1) ** 2)
+    vertices = np.stack([places // (side + 1), places % (side + 1), 0 * places], axis=1).astype(float)
+    corner = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+    faces = np.concatenate([np.stack([corner, corner + side + 1, corner + side + 2], axis=1),
+                            np.stack([corner, corner + side + 2, corner + 1], axis=1)])
+    server = new_server()
+    uploaded = requests.post(server.url + "/v1/meshes", data=ply(vertices, faces), headers={"Content-Type": "model/ply"}, timeout=300)
+    assert uploaded.status_code == 201, uploaded.text
+    assert server.terminate() == 0
+    server.start()
+    pairs = [{"from": {"vertex": 0}, "to": {"vertex": 1}}]
+    asked = {"mesh": uploaded.json()["id"], "pairs": pairs, "deadline": 0.05}
+    start = time.monotonic()
+    response = requests.post(server.url + "/v1/geodesics", json=asked, timeout=60)
+    took = time.monotonic() - start
+    assert response.status_code == 504, response.text
+    assert took < 0.05 + 0.3 * slowness, f"{took:.2f} s, slowness {slowness:.2f}"
+    connection = sent_request(server, post("/v1/geodesics", {**asked, "deadline": 60}))
+    time.sleep(0.1)
+    connection.close()
+    time.sleep(0.3 * slowness)
+    assert cpu_within(server.pid, 0.5) < QUIET * 0.5, "it is not read for a client that has left"
+    answered = requests.post(server.url + "/v1/geodesics", json={**asked, "deadline": 60}, timeout=60)
+    assert answered.status_code == 200, answered.text
 
 
 @pytest.mark.parametrize("name", sorted(CASES))

@@ -116,7 +116,7 @@ Computation JobQueue::computation_again(const store::JobRecord& record) {
   Computation computation{record.kind, record.mesh, record.deadline, {}, record.session, record.client};
   computation.run = [this, record](const Execution& execution) {
     auto request = store_.job_request(record.id);
-    return remake_(record, std::move(request)).run(execution);
+    return remake_(record, std::move(request), execution).run(execution);
   };
   return computation;
 }

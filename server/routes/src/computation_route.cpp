@@ -41,8 +41,12 @@ struct Reading {
 };
 thread_local Reading reading;
 
-/// Where the computation of this thread's request goes instead of being answered; null where it is to be answered.
-thread_local std::optional<jobs::Computation>* wanted = nullptr;
+/// Where the computation of this thread's request goes instead of being answered, for a job that is made again.
+struct Remaking {
+  const Execution& execution;  ///< of the job
+  std::optional<jobs::Computation> computation;
+};
+thread_local Remaking* remaking = nullptr;  // null where the request is to be answered
 
 /// What a job of this request can be made again from.
 jobs::RequestOfJob request_of_job(const http::Request& request) {
@@ -55,6 +59,12 @@ double seconds_of_reading(const http::Request& request) {
   if (reading.request != &request) return 0;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - reading.begin;
   return taken.count();
+}
+
+/// What the reading of the body has left of a deadline in seconds.
+double rest_of_deadline(const http::Request& request, double deadline) {
+  constexpr double least = 1e-3;  // it has passed, and is told so
+  return std::max(least, deadline - seconds_of_reading(request));
 }
 
 /// Where the time of an answer went, for a browser's tools and whoever else asks (W3C Server Timing).
@@ -77,15 +87,14 @@ http::Response answer_computation(Services& services, const http::Request& reque
   if (!computation.session.empty() && !request.key.empty())
     computation.session = request.key + " " + computation.session;
   computation.bytes = static_cast<std::int64_t>(request.body.size());
-  if (wanted) {
-    *wanted = std::move(computation);
+  if (remaking) {
+    remaking->computation = std::move(computation);
     return {};
   }
   if (!preference.respond_async && !preference.wait) {
     // The deadline of an immediate answer counts from the request's arrival: reading a large body takes its share of
     // it. That of a job is what its status says, from where it was accepted.
-    constexpr double least = 1e-3;  // seconds: it has passed, and is told so
-    computation.deadline = std::max(least, computation.deadline - seconds_of_reading(request));
+    computation.deadline = rest_of_deadline(request, computation.deadline);
     return answer_immediately(services, request, computation);
   }
   const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
@@ -117,7 +126,8 @@ http::Response answer_immediately(Services& services, const http::Request& reque
   return response;
 }
 
-jobs::Computation computation_of(const http::Router& router, const store::JobRecord& job, store::StoredRequest stored) {
+jobs::Computation computation_of(const http::Router& router, const store::JobRecord& job, store::StoredRequest stored,
+                                 const Execution& execution) {
   http::Request request;
   request.method = std::move(stored.request.method);
   request.path = std::move(stored.request.path);
@@ -129,24 +139,34 @@ jobs::Computation computation_of(const http::Router& router, const store::JobRec
                      {"Prefer", "respond-async"}};
   auto match = router.find(request.method, request.path);
   request.path_parameters = std::move(match.path_parameters);
-  std::optional<jobs::Computation> computation;
-  wanted = &computation;
+  Remaking made{execution, std::nullopt};
+  remaking = &made;
   struct Forget {
     ~Forget() {
-      wanted = nullptr;
+      remaking = nullptr;
       reading.request = nullptr;
     }
   } const forget;
   match.route->handler(request);
-  if (!computation) throw Error("job.interrupted", "The server stopped before the job had finished.");
-  return *std::move(computation);
+  if (!made.computation) throw Error("job.interrupted", "The server stopped before the job had finished.");
+  return *std::move(made.computation);
 }
 
 std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const http::Request& request,
-                                                   const std::string& id) {
+                                                   const std::string& id, double deadline) {
   require_mesh(services, request, id, "/mesh");
   try {
-    return services.meshes->get(id);
+    if (auto mesh = services.meshes->find(id)) return mesh;
+    if (remaking) return services.meshes->get(id, remaking->execution);
+    std::shared_ptr<const store::LoadedMesh> mesh;
+    jobs::Computation loading{"meshes", id, rest_of_deadline(request, deadline), {}};
+    loading.client = request.client;
+    loading.run = [&](const Execution& execution) {
+      mesh = services.meshes->get(id, execution);
+      return store::Result{};
+    };
+    services.jobs->run_now(loading, [peer = request.peer] { return peer.hung_up(); });
+    return mesh;
   } catch (const Error& error) {
     if (error.code() != "mesh.not_found") throw;
     throw Error(error.code(), error.what(), {{"/mesh", error.what()}});

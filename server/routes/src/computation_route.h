@@ -22,10 +22,11 @@ inline bool becomes_job(const http::Request& request) { return !request.header("
 http::Response answer_immediately(Services& services, const http::Request& request,
                                   const jobs::Computation& computation);
 
-/// The mesh of a computation. Throws "mesh.not_found" with a pointer to the field, also where the request may not see
-/// it.
+/// The mesh of a computation with a deadline in seconds. One that is not in memory is loaded within a compute slot and
+/// the deadline, and for as long as the client is there. Throws "mesh.not_found" with a pointer to the field, also
+/// where the request may not see it, and what ends a computation.
 std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const http::Request& request,
-                                                   const std::string& id);
+                                                   const std::string& id, double deadline);
 
 /// The body as text that must be JSON. Throws "http.unsupported_media_type" for another Content-Type.
 const std::string& json_body(const http::Request& request);

@@ -130,7 +130,7 @@ void add_embedded_system_route(http::Router& router, Services& services) {
     require_ready(services);
     const auto file = negotiate_network_file(http_request);
     auto request = json::parse_embedded_system(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh);
+    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
     auto plan = plan_of(request, mesh->mesh());
     jobs::Computation computation{"embedded-systems", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), plan = std::move(plan), file,

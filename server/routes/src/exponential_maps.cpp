@@ -29,7 +29,7 @@ void add_exponential_map_route(http::Router& router, Services& services) {
   const auto handler = [&services](const http::Request& http_request) {
     require_ready(services);
     auto request = json::parse_exponential_map(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh);
+    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
     const auto start = resolve(mesh->mesh(), request.start, "/start");
     jobs::Computation computation{"exponential-maps", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), start](const Execution& execution) {

@@ -58,7 +58,7 @@ void add_geodesic_field_route(http::Router& router, Services& services) {
     const auto type = http::negotiate(http_request.header("Accept"), {"application/json", "application/octet-stream"});
     if (!type) throw Error("http.not_acceptable", "A field is sent as application/json or application/octet-stream.");
     auto request = json::parse_geodesic_field(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh);
+    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
     auto sources = resolve(mesh->mesh(), request.sources, "/sources");
     jobs::Computation computation{"geodesic-fields", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), sources = std::move(sources),

@@ -23,7 +23,7 @@ struct Work {
 Work prepare(const Services& services, const http::Request& http_request) {
   Work work;
   work.request = json::parse_geodesics(json_body(http_request), services.limits.json);
-  work.mesh = load_mesh(services, http_request, work.request.mesh);
+  work.mesh = load_mesh(services, http_request, work.request.mesh, work.request.deadline);
   const auto& mesh = work.mesh->mesh();
   const auto& pairs = work.request.pairs;
   work.ends.reserve(pairs.size());

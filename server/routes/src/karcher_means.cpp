@@ -35,7 +35,7 @@ void add_karcher_mean_route(http::Router& router, Services& services) {
   const auto handler = [&services](const http::Request& http_request) {
     require_ready(services);
     auto request = json::parse_karcher_mean(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh);
+    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
     auto problem = problem_of(request, mesh->mesh());
     jobs::Computation computation{"karcher-means", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), problem = std::move(problem)](

@@ -131,7 +131,7 @@ http::Response content(const Services& services, const http::Request& request) {
     jobs::Computation writing{"meshes", id, services.limits.json.default_deadline, {}};
     writing.client = request.client;
     writing.run = [&](const Execution& execution) {
-      response.body = surface::write_obj(services.meshes->get(id)->mesh(), execution);
+      response.body = surface::write_obj(services.meshes->get(id, execution)->mesh(), execution);
       return store::Result{};
     };
     services.jobs->run_now(writing, [peer = request.peer] { return peer.hung_up(); });

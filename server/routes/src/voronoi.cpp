@@ -141,7 +141,7 @@ void add_voronoi_route(http::Router& router, Services& services, const std::stri
     require_ready(services);
     const auto file = negotiate_diagram_file(http_request);
     auto request = parse(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh);
+    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
     auto given = given_sites(mesh->mesh(), request.sites);
     jobs::Computation computation{kind, request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file, kept,

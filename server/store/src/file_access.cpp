@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -37,7 +38,7 @@ void write_spare_file(const std::filesystem::path& path, std::initializer_list<s
   }
 }
 
-std::string read_file(const std::filesystem::path& path) {
+std::string read_file(const std::filesystem::path& path, const CancellationToken& cancellation) {
   try {
     const OpenFile file(path, O_RDONLY, "open");
     struct stat status {};
@@ -45,7 +46,9 @@ std::string read_file(const std::filesystem::path& path) {
     std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
     std::size_t done = 0;
     while (done < bytes.size()) {
-      const auto count = ::read(file.descriptor(), bytes.data() + done, bytes.size() - done);
+      cancellation.throw_if_requested();
+      constexpr std::size_t most_at_once = 4 << 20;
+      const auto count = ::read(file.descriptor(), bytes.data() + done, std::min(bytes.size() - done, most_at_once));
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) throw FileError("read", path, errno);
       if (count == 0) break;

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "supple/base/cancellation.h"
 #include "supple/base/durable_file.h"
 
 namespace supple::store {
@@ -27,7 +28,8 @@ void write_stored_file(const std::filesystem::path& path, std::initializer_list<
 void write_spare_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces);
 
 /// Throws "store.corrupted" where the file is missing, "store.unavailable" where it cannot be read.
-std::string read_file(const std::filesystem::path& path);
+/// Looks at the token every few milliseconds.
+std::string read_file(const std::filesystem::path& path, const CancellationToken& cancellation = {});
 
 /// Bytes of a file; 0 where there is none.
 std::int64_t bytes_of(const std::filesystem::path& path) noexcept;

@@ -1,5 +1,6 @@
 #include "supple/store/mesh_cache.h"
 
+#include <chrono>
 #include <limits>
 
 #include "supple/surface/mesh_io.h"
@@ -12,44 +13,59 @@ constexpr std::int64_t bytes_per_face = 700;
 
 }  // namespace
 
-surface::TriangleMesh load_stored_mesh(std::string_view ply) {
+surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& execution) {
   constexpr auto most = std::numeric_limits<std::int64_t>::max();
-  return surface::load_mesh(ply, {most, most});
+  return surface::load_mesh(ply, {most, most}, execution);
 }
 
-std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id) {
+std::shared_ptr<const LoadedMesh> MeshCache::use(const std::string& id, Entry& entry) {
+  if (!entry.mesh) return nullptr;
+  store_.use_mesh(id);
+  recent_.splice(recent_.begin(), recent_, entry.place);
+  return entry.mesh;
+}
+
+std::shared_ptr<const LoadedMesh> MeshCache::find(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto slot = entries_.find(id);
+  return slot == entries_.end() ? nullptr : use(id, *slot->second);
+}
+
+std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Execution& execution) {
   std::shared_ptr<Entry> entry;
   {
     const std::lock_guard lock(mutex_);
     auto& slot = entries_[id];
     if (!slot) slot = std::make_shared<Entry>();
     entry = slot;
-    if (entry->mesh) {
-      store_.use_mesh(id);
-      recent_.splice(recent_.begin(), recent_, entry->place);
-      return entry->mesh;
-    }
-  }
-  const std::lock_guard loading(entry->loading);
-  {
-    const std::lock_guard lock(mutex_);
-    if (entry->mesh) return entry->mesh;
+    if (auto mesh = use(id, *entry)) return mesh;
   }
   std::shared_ptr<const LoadedMesh> mesh;
   try {
-    mesh = std::make_shared<const LoadedMesh>(
-        std::make_shared<const surface::TriangleMesh>(load_stored_mesh(store_.mesh_content(id))));
+    constexpr std::chrono::milliseconds look_at_token{10};  // a token wakes nobody
+    std::unique_lock loading(entry->loading, std::defer_lock);
+    while (!loading.try_lock_for(look_at_token)) execution.cancellation.throw_if_requested();
+    {
+      const std::lock_guard lock(mutex_);
+      if (entry->mesh) return entry->mesh;
+    }
+    execution.cancellation.throw_if_requested();
+    mesh = std::make_shared<const LoadedMesh>(std::make_shared<const surface::TriangleMesh>(
+        load_stored_mesh(store_.mesh_content(id, execution.cancellation), execution)));
+    store_.use_mesh(id);
+    const std::lock_guard lock(mutex_);
+    // Whoever forgot the mesh meanwhile has deleted it: it serves those who asked before and is not held.
+    const auto slot = entries_.find(id);
+    if (slot != entries_.end() && slot->second == entry && !entry->mesh) keep(id, *entry, mesh);
   } catch (...) {
     const std::lock_guard lock(mutex_);
     const auto slot = entries_.find(id);
-    if (slot != entries_.end() && slot->second == entry && !entry->mesh) entries_.erase(slot);
+    constexpr long of_the_map_and_this_call = 2;  // further ones wait, and load it in turn
+    if (slot != entries_.end() && slot->second == entry && !entry->mesh &&
+        entry.use_count() == of_the_map_and_this_call)
+      entries_.erase(slot);
     throw;
   }
-  store_.use_mesh(id);
-  const std::lock_guard lock(mutex_);
-  // Whoever forgot the mesh meanwhile has deleted it: it serves those who asked before and is not held.
-  const auto slot = entries_.find(id);
-  if (slot != entries_.end() && slot->second == entry && !entry->mesh) keep(id, *entry, mesh);
   return mesh;
 }
 

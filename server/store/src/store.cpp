@@ -315,10 +315,10 @@ std::vector<MeshRecord> Store::meshes(std::size_t limit, const std::string& afte
   return records;
 }
 
-std::string Store::mesh_content(const std::string& id) const {
+std::string Store::mesh_content(const std::string& id, const CancellationToken& cancellation) const {
   if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
-  auto bytes = read_file(implementation_->places.mesh(id));
-  if (sha256(bytes) != id)
+  auto bytes = read_file(implementation_->places.mesh(id), cancellation);
+  if (sha256(bytes, cancellation) != id)
     throw Error("store.corrupted", "The stored file " + id + ".ply has changed since it was written.");
   return bytes;
 }

@@ -105,7 +105,7 @@ class JobQueueTest : public testing::Test {
   }
   static RequestOfJob request(std::string_view body) { return {{"POST", "/v1/x", {}, "text/plain", {}}, body}; }
   /// Answers with the body of the request.
-  static Computation echo(const store::JobRecord&, const store::StoredRequest& stored) {
+  static Computation echo(const store::JobRecord&, const store::StoredRequest& stored, const Execution&) {
     return computation([body = stored.body](const Execution&) { return store::Result{"text/plain", {}, body}; });
   }
 
@@ -560,7 +560,7 @@ TEST_F(JobQueueTest, GoesOnWithTheJobsOfAProcessThatWasToldToEnd) {
 }
 
 TEST_F(JobQueueTest, TellsOfAJobInTheQueueWhatItsRequestDoesWrongNow) {
-  remake_ = [](const store::JobRecord&, const store::StoredRequest&) -> Computation {
+  remake_ = [](const store::JobRecord&, const store::StoredRequest&, const Execution&) -> Computation {
     throw Error("model.not_found", "It has gone.");
   };
   leave_running("j", 1, "x");
@@ -600,7 +600,7 @@ TEST_F(JobQueueTest, RunsLastAttemptsOneAtATimeBesideOthers) {
   std::atomic<int> suspects{0};
   std::atomic<int> most{0};
   std::atomic<int> others{0};
-  remake_ = [&](const store::JobRecord& record, const store::StoredRequest&) {
+  remake_ = [&](const store::JobRecord& record, const store::StoredRequest&, const Execution&) {
     auto& running = record.attempts == 2 ? suspects : others;
     return computation([&](const Execution&) {
       const int now = ++running;

@@ -43,6 +43,48 @@ TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {
   EXPECT_EQ(got[0]->mesh().face_count(), 1);
 }
 
+TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
+  constexpr int side = 400;  // 320,000 faces: a tenth of a second and more
+  surface::TriangleSoup grid;
+  for (int i = 0; i <= side; ++i)
+    for (int j = 0; j <= side; ++j) grid.positions.emplace_back(i, j, 0);
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const auto at = [&](int a, int b) { return a * (side + 1) + b; };
+      grid.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      grid.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  const auto mesh = surface::TriangleMesh::build(std::move(grid.positions), std::move(grid.faces));
+  const auto id = store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
+  MeshCache cache(store_, 1 << 30);
+  const auto code_of = [&](const Execution& execution) -> std::string {
+    try {
+      cache.get(id, execution);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return "loaded";
+  };
+  const Execution stopped;
+  std::string ended;
+  std::thread first([&] { ended = code_of(stopped); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::shared_ptr<const LoadedMesh> in_turn;
+  std::thread second([&] { in_turn = cache.get(id); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(cache.find(id), nullptr);
+  stopped.cancellation.request(StopReason::cancelled);
+  first.join();
+  EXPECT_EQ(ended, "job.cancelled");
+  const Execution late;
+  late.cancellation.request(StopReason::deadline);
+  EXPECT_EQ(code_of(late), "job.deadline_exceeded") << "while the other one loads";
+  second.join();
+  ASSERT_TRUE(in_turn);
+  EXPECT_EQ(cache.find(id), in_turn) << "it is held";
+  EXPECT_EQ(cache.size().meshes, 1U);
+}
+
 TEST_F(MeshCacheTest, LetsGoOfTheMeshThatWasNotUsedForLongest) {
   MeshCache cache(store_, 2 * 700);
   const auto a = add_triangle(1);

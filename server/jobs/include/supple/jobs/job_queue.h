@@ -91,8 +91,9 @@ class JobQueue {
   /// Hears what the store refused to keep, as text for the log. Called from any thread.
   using Log = std::function<void(const std::string&)>;
 
-  /// Makes a computation again from its request, which throws what a client would have been told. Called on a worker.
-  using Remake = std::function<Computation(const store::JobRecord&, store::StoredRequest)>;
+  /// Makes a computation again from its request, which throws what a client would have been told. Called on a worker,
+  /// for which `execution` is what the computation gets too: what has to be loaded for it hears of its stop.
+  using Remake = std::function<Computation(const store::JobRecord&, store::StoredRequest, const Execution& execution)>;
 
   /// Jobs that an earlier process left unfinished wait again; without their request, or without `remake`, they become
   /// failed with "job.interrupted".

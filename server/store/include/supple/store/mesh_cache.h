@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "supple/base/execution.h"
 #include "supple/store/store.h"
 #include "supple/surface/geodesic_solver.h"
 
@@ -17,7 +18,7 @@ namespace supple::store {
 
 /// The mesh of a stored file, O(its bytes). No limit of meshes applies: the one under which it was accepted did, and
 /// may have been changed since. Throws as surface::load_mesh.
-surface::TriangleMesh load_stored_mesh(std::string_view ply);
+surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& execution = {});
 
 /// A mesh in memory with what its geodesics need.
 struct LoadedMesh {
@@ -32,9 +33,12 @@ class MeshCache {
  public:
   MeshCache(const Store& store, std::int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
 
-  /// Loads the mesh if it is not held; of several requests for one mesh, one loads it and the others wait. Throws
-  /// "mesh.not_found", "store.corrupted". A stored mesh loads whatever the limits of meshes are now.
-  std::shared_ptr<const LoadedMesh> get(const std::string& id);
+  /// The mesh if it is held, otherwise null. Takes microseconds.
+  std::shared_ptr<const LoadedMesh> find(const std::string& id);
+  /// Loads the mesh if it is not held; of several requests for one mesh, one loads it and the others wait. A stop is
+  /// heard within some ten milliseconds, while it waits too; where the one that loads is stopped, another one loads.
+  /// Throws "mesh.not_found", "store.corrupted". A stored mesh loads whatever the limits of meshes are now.
+  std::shared_ptr<const LoadedMesh> get(const std::string& id, const Execution& execution = {});
   /// Holds a mesh that is in memory already.
   void put(const std::string& id, std::shared_ptr<const LoadedMesh> mesh);
   void forget(const std::string& id);
@@ -49,11 +53,13 @@ class MeshCache {
 
  private:
   struct Entry {
-    std::mutex loading;
+    std::timed_mutex loading;
     std::shared_ptr<const LoadedMesh> mesh;
     std::int64_t bytes = 0;
     std::list<std::string>::iterator place;
   };
+  /// Under the mutex: the entry's mesh, which counts as used now; null where it has none.
+  std::shared_ptr<const LoadedMesh> use(const std::string& id, Entry& entry);
   void keep(const std::string& id, Entry& entry, std::shared_ptr<const LoadedMesh> mesh);
 
   const Store& store_;

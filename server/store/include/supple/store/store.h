@@ -8,13 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/store/clock.h"
 #include "supple/store/records.h"
 
 namespace supple::store {
 
-/// SHA-256 in hexadecimal.
-std::string sha256(std::string_view bytes);
+/// SHA-256 in hexadecimal. Looks at the token every few milliseconds.
+std::string sha256(std::string_view bytes, const CancellationToken& cancellation = {});
 
 /// Limits of what a store holds, in bytes; 0: none.
 struct Quota {
@@ -89,8 +90,8 @@ class Store {
   std::optional<MeshRecord> mesh(const std::string& id) const;
   /// The newest first, of an owner alone where one is named; `after` is the last id of the page before.
   std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after, const std::string& owner = {}) const;
-  /// Canonical PLY. Throws "mesh.not_found", "store.corrupted".
-  std::string mesh_content(const std::string& id) const;
+  /// Canonical PLY. Throws "mesh.not_found", "store.corrupted", and what a requested stop does.
+  std::string mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const;
   /// False where there was none. Of an owner that is named the mesh is one no longer, and it goes with its last one.
   bool remove_mesh(const std::string& id, const std::string& owner = {});
   bool owns_mesh(const std::string& id, const std::string& owner) const;
