@@ -21,8 +21,12 @@ SERVER = BUILD / "server" / "supple-server"
 CLI = BUILD / "clients" / "cli" / "supple"
 MODEL_MAKER = BUILD / "tests" / "support" / "make_test_model"
 MESHES = ROOT / "api" / "examples" / "meshes"
-START_SECONDS = 20.0
-STOP_SECONDS = 20.0
+SLOWNESS = float(os.environ.get("SUPPLE_TEST_SLOWNESS", "1"))
+"""How many times as long as an optimized one the server of SUPPLE_BUILD takes: 10 under the sanitizers."""
+START_SECONDS = 20.0 * SLOWNESS
+STOP_SECONDS = 20.0 * SLOWNESS
+FINDINGS = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:")
+"""What sanitizers write, of the server or of a helper process."""
 
 
 def free_port() -> int:
@@ -88,7 +92,15 @@ class ServerProcess:
         """SIGTERM; returns the exit status."""
         assert self._process is not None
         self._process.send_signal(signal.SIGTERM)
-        return self._process.wait(STOP_SECONDS)
+        status = self._process.wait(STOP_SECONDS)
+        self.assert_no_findings()
+        return status
+
+    def assert_no_findings(self) -> None:
+        """Fails where a sanitizer has found something since the log began."""
+        log = self.log_text()
+        found = min((log.find(text) for text in FINDINGS if text in log), default=-1)
+        assert found < 0, log[max(0, found - 200):found + 6000]
 
     def kill(self) -> None:
         """SIGKILL, as a power cut would."""
