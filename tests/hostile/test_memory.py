@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import random
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Callable, Iterator, List, Tuple
@@ -12,10 +13,11 @@ from typing import Callable, Iterator, List, Tuple
 import pytest
 import requests
 
-from costly import CASES, Meshes, meshes_of, named
+from costly import CASES, Meshes, meshes_of, named, ply
 from contract import ROOT, Contract
 from harness import Api, ServerProcess
 from processes import first_line, peak_bytes, reset_peak, sent_request
+from shapes import flat_grid
 
 GIBIBYTE = 2**30
 MARGIN = 1.25
@@ -76,6 +78,28 @@ def test_a_computation_that_needs_too_much_is_told_the_limit_and_its_setting(new
     assert problem["code"] == "request.too_much_memory"
     assert problem["limit"] == 64 * 2**20 and problem["value"] > problem["limit"] and problem["setting"] == "--max-request-memory"
     assert server.metrics()["supple_memory_used_bytes"] < 4 * 2**20
+
+
+def test_a_download_is_never_in_memory_as_a_whole(new_server: Callable[..., ServerProcess]) -> None:
+    server = new_server()
+    uploaded = requests.post(server.url + "/v1/meshes", data=ply(*flat_grid(1000)), headers={"Content-Type": "model/ply"}, timeout=300)
+    mesh = uploaded.json()["id"]
+    job = requests.post(server.url + "/v1/geodesic-fields", headers={"Prefer": "respond-async"}, timeout=60,
+                        json={"mesh": mesh, "sources": [{"vertex": 0}], "accuracy": {"method": "edge_graph"}}).json()["id"]
+    while (state := requests.get(f"{server.url}/v1/jobs/{job}", timeout=60).json()["state"]) in ("accepted", "running"):
+        time.sleep(0.1)
+    assert state == "successful"
+    assert server.terminate() == 0
+    server.start()
+    for path, expected in ((f"/v1/meshes/{mesh}/content", (server.data / "meshes" / f"{mesh}.ply").stat().st_size),
+                           (f"/v1/jobs/{job}/result", None)):
+        before = server.resident_bytes()
+        reset_peak(server.pid)
+        response = requests.get(server.url + path, timeout=60)
+        assert response.status_code == 200
+        assert int(response.headers["Content-Length"]) == len(response.content) > 10_000_000, "the length is told before"
+        assert expected in (None, len(response.content))
+        assert peak_bytes(server.pid) - before < 4 * 2**20, path
 
 
 def group_of(test: str) -> Iterator[List[str]]:

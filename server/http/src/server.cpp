@@ -484,9 +484,34 @@ class Server::Implementation final : public httplib::Server {
             sink.done();
             return !writer.client_gone();
           });
+    } else if (response.pieces && response.pieces->bytes > 0) {
+      const auto length = static_cast<std::size_t>(response.pieces->bytes);
+      target.set_content_provider(
+          length, response.content_type,
+          [pieces = *std::move(response.pieces)](std::size_t offset, std::size_t count, httplib::DataSink& sink) {
+            return send_pieces(pieces, offset, count, sink);
+          });
     } else {
       target.body = std::move(response.body);
       if (!response.content_type.empty()) target.set_header("Content-Type", response.content_type);
+    }
+  }
+
+  /// All of them in one call: between two of them the library looks whether the server ends, and would cut the answer
+  /// off. False where the answer cannot go on.
+  static bool send_pieces(const Pieces& pieces, std::size_t offset, std::size_t count, httplib::DataSink& sink) {
+    constexpr std::size_t piece = 256 * 1024;
+    std::string buffer(std::min(piece, count), '\0');
+    try {
+      for (const auto end = offset + count; offset < end;) {
+        const auto now = std::min(piece, end - offset);
+        pieces.read(offset, buffer.data(), now);
+        if (!sink.write(buffer.data(), now)) return false;
+        offset += now;
+      }
+      return true;
+    } catch (...) {
+      return false;
     }
   }
 

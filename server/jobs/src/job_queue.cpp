@@ -150,7 +150,7 @@ Result JobQueue::run_now(const Computation& computation, std::function<bool()> h
   Profile unseen;
   Profile& seen = profile ? *profile : unseen;
   std::optional<ComputeSlots::Slot> slot;
-  {
+  if (computation.takes_slot) {
     const Stopwatch waited(seen.waited);
     slot.emplace(slots_, token, computation.client);
   }

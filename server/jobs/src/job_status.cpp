@@ -59,7 +59,7 @@ std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t
   return list;
 }
 
-Result JobQueue::result(const std::string& id) const {
+store::StoredResult JobQueue::result(const std::string& id) const {
   const auto record = status(id).record;
   if (record.state == JobState::dismissed) throw Error("job.dismissed", "The job " + id + " was dismissed.");
   if (!is_finished(record.state)) {

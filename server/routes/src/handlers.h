@@ -34,6 +34,9 @@ void add_web_routes(http::Router& router, const std::string& folder);
 /// Throws "server.not_ready" until the store is open and the models are read, "server.shutting_down" at the end.
 void require_ready(const Services& services);
 
+/// The body of an answer that is read from its file as it is sent.
+http::Pieces pieces_of(store::OpenContent content);
+
 http::Response json_response(std::string body, int status = 200);
 
 /// A page's `limit` (1 to 1000, 100 without it) and `after`. Throws "request.invalid_parameter", also for parameters

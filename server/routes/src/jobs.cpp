@@ -66,7 +66,7 @@ http::Response result(Services& services, const http::Request& request) {
   auto stored = services.jobs->result(id);
   response.content_type = std::move(stored.content_type);
   response.headers = std::move(stored.headers);
-  response.body = std::move(stored.body);
+  response.pieces = pieces_of(std::move(stored.body));
   return response;
 }
 

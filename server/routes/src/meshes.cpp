@@ -136,7 +136,14 @@ http::Response content(const Services& services, const http::Request& request) {
     };
     services.jobs->run_now(writing, [peer = request.peer] { return peer.hung_up(); });
   } else {
-    response.body = services.store->mesh_content(id);
+    jobs::Computation checking{"meshes", id, services.limits.json.default_deadline, {}};
+    checking.client = request.client;
+    checking.takes_slot = false;
+    checking.run = [&](const Execution& execution) {
+      response.pieces = pieces_of(services.store->open_mesh_content(id, execution.cancellation));
+      return store::Result{};
+    };
+    services.jobs->run_now(checking, [peer = request.peer] { return peer.hung_up(); });
   }
   response.set_header("ETag", quoted(tag));
   response.set_header("Vary", "Accept");

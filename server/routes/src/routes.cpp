@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "handlers.h"
 #include "supple/json/answers.h"
@@ -48,6 +49,13 @@ void require_ready(const Services& services) {
     const auto* const why = "The server is starting: its store is not open or its models are not read yet.";
     throw problem::ProblemError({"server.not_ready", why, {}, {}, 1});
   }
+}
+
+http::Pieces pieces_of(store::OpenContent content) {
+  const auto bytes = content.size();
+  return {bytes, [content = std::move(content)](std::uint64_t offset, char* to, std::size_t count) {
+            content.read(offset, to, count);
+          }};
 }
 
 http::Response json_response(std::string body, int status) {

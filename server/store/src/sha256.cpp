@@ -1,25 +1,22 @@
-#include <openssl/evp.h>
-
 #include <array>
-#include <memory>
 #include <new>
 
+#include "hasher.h"
 #include "supple/store/store.h"
 
 namespace supple::store {
 
-std::string sha256(std::string_view bytes, const CancellationToken& cancellation) {
-  constexpr std::size_t most_at_once = 1 << 20;
-  const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
-  bool good = context && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
-  while (good && !bytes.empty()) {
-    cancellation.throw_if_requested();
-    const auto piece = bytes.substr(0, most_at_once);
-    good = EVP_DigestUpdate(context.get(), piece.data(), piece.size()) == 1;
-    bytes.remove_prefix(piece.size());
-  }
+Hasher::Hasher() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+  if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) throw std::bad_alloc();
+}
+
+void Hasher::add(std::string_view bytes) {
+  if (EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) != 1) throw std::bad_alloc();
+}
+
+std::string Hasher::hexadecimal() {
   std::array<unsigned char, 32> digest{};
-  if (!good || EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) != 1) throw std::bad_alloc();
+  if (EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr) != 1) throw std::bad_alloc();
   constexpr char digits[] = "0123456789abcdef";
   std::string text;
   for (const unsigned char byte : digest) {
@@ -27,6 +24,18 @@ std::string sha256(std::string_view bytes, const CancellationToken& cancellation
     text += digits[byte & 15];
   }
   return text;
+}
+
+std::string sha256(std::string_view bytes, const CancellationToken& cancellation) {
+  constexpr std::size_t most_at_once = 1 << 20;
+  Hasher hasher;
+  while (!bytes.empty()) {
+    cancellation.throw_if_requested();
+    const auto piece = bytes.substr(0, most_at_once);
+    hasher.add(piece);
+    bytes.remove_prefix(piece.size());
+  }
+  return hasher.hexadecimal();
 }
 
 }  // namespace supple::store

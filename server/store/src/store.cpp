@@ -6,6 +6,7 @@
 #include <map>
 #include <system_error>
 
+#include "checked_content.h"
 #include "data_folder.h"
 #include "database.h"
 #include "file_access.h"
@@ -261,7 +262,7 @@ std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const Descri
     use_mesh(record.id);
     // Uploading again repairs a file that has been damaged.
     try {
-      mesh_content(record.id);
+      open_mesh_content(record.id);
     } catch (const Error&) {
       write_stored_file(self.places.mesh(record.id), {ply});
       self.space.count();  // nobody knows how large it was when it was counted
@@ -321,6 +322,11 @@ std::string Store::mesh_content(const std::string& id, const CancellationToken& 
   if (sha256(bytes, cancellation) != id)
     throw Error("store.corrupted", "The stored file " + id + ".ply has changed since it was written.");
   return bytes;
+}
+
+OpenContent Store::open_mesh_content(const std::string& id, const CancellationToken& cancellation) const {
+  if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
+  return open_checked(implementation_->places.mesh(id), {}, id, cancellation);
 }
 
 bool Store::owns_mesh(const std::string& id, const std::string& owner) const {
@@ -502,22 +508,19 @@ bool Store::owns_job(const std::string& id, const std::string& owner) const {
   return implementation_->owners.has(OwnerTable::Kind::job, id, owner);
 }
 
-Result Store::job_result(const std::string& id) const {
-  Result result;
+StoredResult Store::job_result(const std::string& id) const {
+  Result row_of_result;
   std::string hash;
   {
     const std::lock_guard lock(implementation_->mutex);
     Statement row(implementation_->database, "SELECT result_type, result_headers, result_hash FROM jobs WHERE id = ?");
     if (!row.bind(id).step()) throw Error("job.not_found", "There is no job " + id + ".");
-    result.content_type = row.text(0);
-    split_headers(row.text(1), result);
+    row_of_result.content_type = row.text(0);
+    split_headers(row.text(1), row_of_result);
     hash = row.text(2);
   }
-  const auto file = id + ".result";
-  result.body = read_file(implementation_->places.result(id));
-  result.body.erase(0, body_offset(result_kind, result.body, file));
-  if (sha256(result.body) != hash) throw_changed(file);
-  return result;
+  return {std::move(row_of_result.content_type), std::move(row_of_result.headers),
+          open_checked(implementation_->places.result(id), result_kind, hash, {})};
 }
 
 bool Store::remove_job(const std::string& id) {

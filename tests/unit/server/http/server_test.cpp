@@ -67,6 +67,9 @@ class HttpServerTest : public testing::Test {
   HttpServerTest() { options_.port = 0; }
   ~HttpServerTest() override { end(); }
 
+  static constexpr std::size_t length_of_pieces = 1'500'001;
+  static char letter(std::size_t place) { return static_cast<char>('a' + place % 23); }
+
   void start() {
     Router router;
     router.add({"GET",
@@ -107,6 +110,26 @@ class HttpServerTest : public testing::Test {
                   return response;
                 },
                 {}});
+    for (const bool broken : {false, true}) {
+      const auto read = [this, broken](std::uint64_t offset, char* to, std::size_t count) {
+        if (broken && offset > length_of_pieces / 2) throw std::runtime_error("the disk");
+        ++pieces_;
+        largest_piece_ = std::max(largest_piece_, count);
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto left = length_of_pieces - offset - i;
+          to[i] = left > 4 ? letter(offset + i) : "end!"[4 - left];
+        }
+      };
+      router.add({"GET",
+                  broken ? "/broken-pieces" : "/pieces",
+                  [read](const Request&) {
+                    Response response;
+                    response.content_type = "text/plain";
+                    response.pieces = Pieces{length_of_pieces, read};
+                    return response;
+                  },
+                  {}});
+    }
     server_ = std::make_unique<Server>(
         options_, std::move(router),
         [](const problem::Problem& problem) {
@@ -165,6 +188,8 @@ class HttpServerTest : public testing::Test {
   std::unique_ptr<Server> server_;
   int port_ = 0;
   std::thread thread_;
+  std::atomic<int> pieces_ = 0;
+  std::size_t largest_piece_ = 0;  // of one answer at a time
   std::atomic<int> slow_{0};
   std::atomic<int> hung_up_{0};
   std::atomic<int> observed_{0};
@@ -264,6 +289,31 @@ TEST_F(HttpServerTest, StreamsAnAnswer) {
   const auto text = client.read_until("0\r\n\r\n");
   for (const char* piece : {"data: 0", "data: 1", "data: 2", "chunked"})
     EXPECT_NE(text.find(piece), std::string::npos) << text;
+}
+
+TEST_F(HttpServerTest, SendsPiecesWithTheirLengthAndWithoutHoldingThem) {
+  start();
+  Client client(port_);
+  client.send(get("/pieces"));
+  const auto text = client.read_until("end!");
+  EXPECT_NE(text.find("Content-Length: " + std::to_string(length_of_pieces)), std::string::npos);
+  EXPECT_EQ(text.find("chunked"), std::string::npos);
+  const auto body = text.substr(text.find("\r\n\r\n") + 4);
+  ASSERT_EQ(body.size(), length_of_pieces);
+  for (std::size_t i = 0; i + 4 < body.size(); ++i) ASSERT_EQ(body[i], letter(i)) << i;
+  client.send(get("/hello/a"));
+  EXPECT_TRUE(client.read_until("!").ends_with("hello a!")) << "the connection goes on";
+  EXPECT_LE(largest_piece_, 1U << 20);
+  EXPECT_GE(pieces_, 5);
+}
+
+TEST_F(HttpServerTest, CutsAnAnswerOffWhosePiecesCannotBeRead) {
+  start();
+  Client client(port_);
+  client.send(get("/broken-pieces"));
+  const auto text = client.read_all();
+  EXPECT_TRUE(text.starts_with("HTTP/1.1 200"));
+  EXPECT_LT(text.size(), length_of_pieces);
 }
 
 TEST_F(HttpServerTest, ServesSixtyFourConnectionsAtTheSameTime) {

@@ -123,7 +123,7 @@ TEST_F(JobQueueTest, RunsAJobAndKeepsItsResult) {
   EXPECT_EQ(status.record.state, JobState::successful);
   EXPECT_EQ(status.progress, 1);
   EXPECT_GE(status.record.started, status.record.created);
-  EXPECT_EQ(queue().result(id).body, "42");
+  EXPECT_EQ(queue().result(id).body.text(), "42");
 }
 
 TEST_F(JobQueueTest, KeepsTheProblemOfAFailedJob) {
@@ -549,7 +549,7 @@ TEST_F(JobQueueTest, GoesOnWithTheJobsOfAProcessThatWasToldToEnd) {
            {ids[0], "running"}, {ids[1], "a"}, {ids[2], "b"}, {ids[3], "c"}}) {
     const auto record = wait_until_finished(id).record;
     EXPECT_EQ(record.state, JobState::successful) << record.error;
-    EXPECT_EQ(queue().result(id).body, body);
+    EXPECT_EQ(queue().result(id).body.text(), body);
     EXPECT_GE(record.started, last) << "in the old order";
     EXPECT_EQ(record.client, store_->job(id)->client);
     last = record.started;
@@ -646,7 +646,7 @@ TEST_F(JobQueueTest, LetsRunningJobsFinishWithinTheGrace) {
                       .record.id;
   wait_until_started();
   queue().shut_down(30);
-  EXPECT_EQ(store_->job_result(id).body, "late");
+  EXPECT_EQ(store_->job_result(id).body.text(), "late");
 }
 
 TEST_F(JobQueueTest, InterruptsWhatDoesNotFinishWithinTheGrace) {

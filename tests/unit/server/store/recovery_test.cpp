@@ -27,7 +27,7 @@ TEST_F(StoreTest, LosesNothingThatWasFinishedWhenTheProcessIsKilled) {
   ASSERT_TRUE(WIFSIGNALED(status));
   Store store(folder_);
   EXPECT_EQ(store.meshes(10, "").size(), 1U);
-  EXPECT_EQ(store.job_result("done").body, "result");
+  EXPECT_EQ(store.job_result("done").body.text(), "result");
   ASSERT_EQ(store.unfinished_jobs().size(), 1U);
   EXPECT_EQ(store.unfinished_jobs()[0].id, "open");
 }
@@ -108,7 +108,7 @@ TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {
     Store store(folder_, recovery());
     EXPECT_EQ(store.mesh_content(mesh), "abc") << name;
     EXPECT_EQ(store.meshes(10, "").size(), 1U) << name;
-    EXPECT_EQ(store.job_result("j").body, "42") << name;
+    EXPECT_EQ(store.job_result("j").body.text(), "42") << name;
     EXPECT_EQ(quarantined().size(), 1U) << name << ": the database";
     EXPECT_NE(warnings_.at(0).find("damaged"), std::string::npos) << warnings_.at(0);
     EXPECT_EQ(store.add_mesh("more", describe).second, true) << name << ": it is a store again";
@@ -146,7 +146,7 @@ TEST_F(StoreTest, AnswersResultsOfALostDatabaseAgainInTheirOrder) {
     EXPECT_EQ(after[i].session, expected.session);
     EXPECT_EQ(after[i].expires, expected.expires);
     const auto again = store.job_result(expected.id);
-    EXPECT_EQ(again.body, result.body);
+    EXPECT_EQ(again.body.text(), result.body);
     EXPECT_EQ(again.content_type, result.content_type);
     EXPECT_EQ(again.headers, result.headers);
   }
@@ -198,7 +198,7 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
   std::ofstream(folder_ / "results" / "old.result") << "42";  // the body alone
   {
     Store store(folder_, recovery());
-    EXPECT_EQ(store.job_result("old").body, "42");
+    EXPECT_EQ(store.job_result("old").body.text(), "42");
     store.add_job(new_job("new"));
     EXPECT_EQ(store.unfinished_jobs().size(), 1U);
     EXPECT_TRUE(warnings_.empty());

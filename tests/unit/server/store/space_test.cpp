@@ -30,7 +30,7 @@ TEST_F(StoreTest, SaysThatTheDiskIsFullAndTakesWritesAgainOnceThereIsSpace) {
     fs::remove(folder_ / "ballast");
     const Result small{"text/plain", {}, "x"};
     store.finish_job(job, &small);
-    EXPECT_EQ(store.job_result("j").body, "x");
+    EXPECT_EQ(store.job_result("j").body.text(), "x");
   }
   EXPECT_EQ(::umount(folder_.c_str()), 0);
 }
@@ -59,7 +59,7 @@ TEST_F(StoreTest, RemovesOnAFullDiskInThePlaceOfItsReserve) {
     fs::remove(folder_ / "reserve");
     fill();
     EXPECT_EQ(code_of([&] { store.remove_expired_jobs(2000, 10); }), "store.full") << "without a reserve";
-    EXPECT_EQ(store.job_result("j").body, "42") << "the row is still there, and so is its file";
+    EXPECT_EQ(store.job_result("j").body.text(), "42") << "the row is still there, and so is its file";
     fs::remove(folder_ / "ballast");
     EXPECT_EQ(store.remove_expired_jobs(2000, 10), 1U);
     EXPECT_TRUE(fs::is_empty(folder_ / "results"));

@@ -35,6 +35,51 @@ TEST_F(StoreTest, ListsInPagesTheNewestFirst) {
   EXPECT_EQ(rest[0].id, ids[0]);
 }
 
+TEST_F(StoreTest, OpensWhatCanBeReadInPiecesWhateverBecomesOfItsName) {
+  Store store(folder_);
+  std::string content;
+  for (int i = 0; content.size() < 3'000'000; ++i)
+    content += std::to_string(i) + "\n";  // several pieces, the last one short
+  const auto mesh = store.add_mesh(content, describe).first.id;
+  auto job = new_job("j");
+  job.session = std::string(100'000, 's');  // lines of its file that are longer than what is read of them at first
+  store.add_job(job);
+  job.state = JobState::successful;
+  const Result result{"text/plain", {}, content};
+  store.finish_job(job, &result);
+  const auto ply = store.open_mesh_content(mesh);
+  const auto body = store.job_result("j").body;
+  store.remove_mesh(mesh);
+  store.remove_job("j");
+  for (const auto& open : {ply, body}) {
+    EXPECT_EQ(open.size(), content.size());
+    EXPECT_TRUE(open.text() == content);
+    std::string piece(10, ' ');
+    open.read(2'500'000, piece.data(), piece.size());
+    EXPECT_EQ(piece, content.substr(2'500'000, 10));
+  }
+  EXPECT_EQ(code_of([&] { store.open_mesh_content(mesh); }), "mesh.not_found");
+  EXPECT_EQ(code_of([&] { store.job_result("j"); }), "job.not_found");
+}
+
+TEST_F(StoreTest, FindsAnOpenedFileThatHasChangedInAnyPiece) {
+  Store store(folder_);
+  const std::string content(3'000'000, 'x');
+  const auto id = store.add_mesh(content, describe).first.id;
+  for (const std::size_t at : {0, 1'500'000, 2'999'999}) {
+    auto changed = content;
+    changed[at] = 'y';
+    std::ofstream(folder_ / "meshes" / (id + ".ply"), std::ios::binary) << changed;
+    EXPECT_EQ(code_of([&] { store.open_mesh_content(id); }), "store.corrupted") << at;
+  }
+  std::ofstream(folder_ / "meshes" / (id + ".ply"), std::ios::binary) << content.substr(1);
+  EXPECT_EQ(code_of([&] { store.open_mesh_content(id); }), "store.corrupted") << "shorter";
+  store.add_mesh(content, describe);
+  const auto open = store.open_mesh_content(id);
+  fs::resize_file(folder_ / "meshes" / (id + ".ply"), 1000);
+  EXPECT_EQ(code_of([&] { open.text(); }), "store.corrupted") << "while it is read";
+}
+
 TEST_F(StoreTest, FindsAChangedFileByItsHash) {
   Store store(folder_);
   const auto id = store.add_mesh("abc", describe).first.id;
@@ -65,7 +110,7 @@ TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
   EXPECT_EQ(job->state, JobState::successful);
   EXPECT_EQ(job->deadline, 1.5);
   const auto result = store.job_result("j1");
-  EXPECT_EQ(result.body, std::string("\0\n\xFF", 3));
+  EXPECT_EQ(result.body.text(), std::string("\0\n\xFF", 3));
   EXPECT_EQ(result.headers, (std::vector<std::pair<std::string, std::string>>{{"A", "1"}, {"B", "x: y"}}));
 }
 

@@ -56,12 +56,21 @@ class StreamWriter {
   virtual bool client_gone() = 0;
 };
 
+/// A body that is sent piece by piece, and whose length is known before: it is never in memory as a whole.
+struct Pieces {
+  std::uint64_t bytes = 0;
+  /// Writes `count` bytes from `offset` on. What it throws cuts the answer off and closes the connection, for its head
+  /// has been sent: what can be known to be wrong has to be known before.
+  std::function<void(std::uint64_t offset, char* to, std::size_t count)> read;
+};
+
 struct Response {
   int status = 200;
   std::string content_type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string key;  ///< for the log: the id of the key that the handler found to be the request's; mostly empty
+  std::optional<Pieces> pieces;  ///< instead of `body`, with a Content-Length
   /// Instead of `body`: writes the answer piece by piece and returns at its end. Runs on the connection's thread.
   std::function<void(StreamWriter&)> stream;
 

@@ -36,6 +36,7 @@ struct Computation {
   std::string client{};
   std::string owner{};     ///< of the job that it becomes: the id of a key; empty: none
   std::int64_t bytes = 0;  ///< of memory that it holds while it waits, about: those of its request
+  bool takes_slot = true;  ///< false for what reads and computes nothing: it waits for no compute slot
   int max_waiting = 0;     ///< jobs of its client that may wait for a worker; 0: no limit but that of the queue
 };
 
@@ -130,7 +131,7 @@ class JobQueue {
   std::vector<JobStatus> list(std::optional<store::JobState> state, std::size_t limit, const std::string& after,
                               const std::string& owner = {}) const;
   /// Throws "job.not_found", "job.not_finished" and "job.dismissed"; for a failed job there is none.
-  store::Result result(const std::string& id) const;
+  store::StoredResult result(const std::string& id) const;
   /// Requests the stop of an unfinished job, which is dismissed at once, or removes a finished one. Returns the
   /// dismissed job, or nothing. Throws "job.not_found".
   std::optional<JobStatus> remove(const std::string& id);

@@ -10,6 +10,7 @@
 
 #include "supple/base/cancellation.h"
 #include "supple/store/clock.h"
+#include "supple/store/open_content.h"
 #include "supple/store/records.h"
 
 namespace supple::store {
@@ -92,6 +93,8 @@ class Store {
   std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after, const std::string& owner = {}) const;
   /// Canonical PLY. Throws "mesh.not_found", "store.corrupted", and what a requested stop does.
   std::string mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const;
+  /// The same, open, to be read in pieces: it takes a mebibyte of memory however large it is.
+  OpenContent open_mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const;
   /// False where there was none. Of an owner that is named the mesh is one no longer, and it goes with its last one.
   bool remove_mesh(const std::string& id, const std::string& owner = {});
   bool owns_mesh(const std::string& id, const std::string& owner) const;
@@ -126,8 +129,9 @@ class Store {
   std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
                               const std::string& owner = {}) const;
   bool owns_job(const std::string& id, const std::string& owner) const;
-  /// Throws "job.not_found", "store.corrupted".
-  Result job_result(const std::string& id) const;
+  /// Its body has been compared with its hash, in a mebibyte of memory however large it is, and is open. Throws
+  /// "job.not_found", "store.corrupted".
+  StoredResult job_result(const std::string& id) const;
   bool remove_job(const std::string& id);
   /// Jobs that an earlier process left unfinished, the oldest first.
   std::vector<JobRecord> unfinished_jobs() const;

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <openssl/evp.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace supple::store {
+
+/// SHA-256 of bytes that come in pieces. Throws std::bad_alloc where the library has no memory.
+class Hasher {
+ public:
+  Hasher();
+  void add(std::string_view bytes);
+  /// Once, after the last piece.
+  std::string hexadecimal();
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+};
+
+}  // namespace supple::store
