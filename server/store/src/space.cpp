@@ -15,6 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What the database's log grows by until the next file asks for room: the rows of this one, a few pages each.
+constexpr std::int64_t bytes_of_rows = 64 << 10;
+
 constexpr std::array<std::string_view, 3> names{"mesh", "result", "request"};
 
 /// Bytes of the files in a folder and below it; those that vanish meanwhile do not count.
@@ -98,7 +101,7 @@ std::int64_t Space::try_add(Part part, std::int64_t bytes) {
   }
   if (quota_.bytes > 0) {
     const auto usage = measured();
-    const auto too_many = usage.total() + bytes - quota_.bytes;
+    const auto too_many = usage.total() + bytes + bytes_of_rows - quota_.bytes;
     // Results are not thrown away for what would not fit without them either.
     if (too_many > usage.results) refuse_with(usage, part, bytes);
     if (too_many > 0) return too_many;
@@ -108,10 +111,10 @@ std::int64_t Space::try_add(Part part, std::int64_t bytes) {
 }
 
 void Space::refuse_with(const Usage& usage, Part part, std::int64_t bytes) const {
-  const auto value = usage.total() + bytes;
+  const auto value = usage.total() + bytes + bytes_of_rows;
   throw_quota("store.quota",
               "With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
-                  " bytes the data folder would hold " + std::to_string(value) + " bytes, its limit is " +
+                  " bytes and its rows the data folder would hold " + std::to_string(value) + " bytes, its limit is " +
                   std::to_string(quota_.bytes) + "; meshes take " + std::to_string(usage.meshes) + ", results " +
                   std::to_string(usage.results) + ", requests of jobs " + std::to_string(usage.requests) +
                   ", the database " + std::to_string(usage.database) + " and what is in quarantine " +
