@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "supple/base/stop_pace.h"
+
 namespace supple::surface {
 namespace {
 
@@ -17,10 +19,13 @@ bool bends_paths(const TriangleMesh& mesh, std::int32_t v) {
   return mesh.is_boundary(v) || mesh.vertex_angle(v) > 2 * std::numbers::pi + kSaddleTolerance;
 }
 
-SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::move(mesh_in)) {
+SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in, const Execution& execution)
+    : mesh(std::move(mesh_in)) {
+  StopPace pace(execution.cancellation);
   const TriangleMesh& m = *mesh;
   frames.resize(static_cast<std::size_t>(m.halfedge_count()));
   for (std::int32_t h = 0; h < m.halfedge_count(); ++h) {
+    pace.look();
     EdgeFrame& frame = frames[h];
     const std::int32_t onward = TriangleMesh::next(h);
     const std::int32_t back = TriangleMesh::previous(h);
@@ -46,6 +51,7 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in) : mesh(std::
   corners.reserve(frames.size());
   first_corner.reserve(pins_paths.size() + 1);
   for (std::int32_t v = 0; v < m.vertex_count(); ++v) {
+    pace.look();
     first_corner.push_back(static_cast<std::int32_t>(corners.size()));
     double polar = 0;
     const std::int32_t first = m.outgoing(v);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "supple/base/execution.h"
 #include "supple/surface/surface_point.h"
 #include "supple/surface/triangle_mesh.h"
 
@@ -63,7 +64,7 @@ inline constexpr double kShortSide = 1e-4;
 
 /// The mesh as the searches see it.
 struct SearchMesh {
-  explicit SearchMesh(std::shared_ptr<const TriangleMesh> mesh);
+  explicit SearchMesh(std::shared_ptr<const TriangleMesh> mesh, const Execution& execution = {});
 
   /// bends_paths, looked up.
   bool pins(std::int32_t vertex) const { return pins_paths[vertex] != 0; }

@@ -34,7 +34,9 @@ double limit_by(const std::vector<PathPoint>& path) {
 }  // namespace
 
 GeodesicSolver::GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh)
-    : implementation_(std::make_unique<Implementation>(std::move(mesh))) {}
+    : GeodesicSolver(std::move(mesh), Execution{}) {}
+GeodesicSolver::GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh, const Execution& execution)
+    : implementation_(std::make_unique<Implementation>(std::move(mesh), execution)) {}
 GeodesicSolver::~GeodesicSolver() = default;
 
 const TriangleMesh& GeodesicSolver::mesh() const { return *implementation_->search_mesh->mesh; }

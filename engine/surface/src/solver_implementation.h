@@ -11,8 +11,8 @@
 namespace supple::surface {
 
 struct GeodesicSolver::Implementation {
-  explicit Implementation(std::shared_ptr<const TriangleMesh> mesh)
-      : search_mesh(std::make_shared<const SearchMesh>(std::move(mesh))) {}
+  Implementation(std::shared_ptr<const TriangleMesh> mesh, const Execution& execution)
+      : search_mesh(std::make_shared<const SearchMesh>(std::move(mesh), execution)) {}
 
   std::shared_ptr<const SearchMesh> search_mesh;
   std::mutex mutex;

@@ -101,12 +101,12 @@ store::Result compute(const EmbeddedSystemRequest& request, const store::LoadedM
   const auto bill = billed(outer, [&](const Execution& execution) {
     const double first = plan.builds() ? building_share : 0;
     const PartOfExecution building(execution, 0, first);
-    built = embedded::build_network(mesh.solver, plan, network_limits(limits), building.execution());
+    built = embedded::build_network(mesh.solver(outer), plan, network_limits(limits), building.execution());
     auto options = request.options;
     options.paths = options.paths || file == NetworkFile::obj || file == NetworkFile::vtu;
     if (execution.progress) options.observer = StatePublisher(*execution.progress, gives_way);
     const PartOfExecution relaxing(execution, first, 1 - first);
-    relaxation = embedded::relax(mesh.solver, built.network, options, relaxing.execution());
+    relaxation = embedded::relax(mesh.solver(outer), built.network, options, relaxing.execution());
     if (gives_way) moved = mesh.mesh().with_positions(relaxation.host.vertices);
     if (file != NetworkFile::none) {
       execution.checkpoint(1, "export");

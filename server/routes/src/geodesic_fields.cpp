@@ -44,7 +44,7 @@ store::Result compute(const json::GeodesicFieldRequest& request, const store::Lo
     options.method = request.method;
     options.relative_error = request.relative_error;
     options.max_distance = request.max_distance;
-    field = mesh.solver.field(sources, options, execution);
+    field = mesh.solver(execution).field(sources, options, execution);
   });
   if (binary) return binary_result(request, *field, bill);
   return json_result(json::write_geodesic_field(request, *field, bill));

@@ -66,7 +66,7 @@ store::Result compute(const Work& work, const Execution& outer) {
     for (std::size_t i = 0; i < work.ends.size(); ++i)
       pairs.push_back(
           {work.ends[i].first, work.ends[i].second, work.known_paths[i].empty() ? nullptr : &work.known_paths[i]});
-    work.mesh->solver.pairs(pairs, results, options, execution);
+    work.mesh->solver(execution).pairs(pairs, results, options, execution);
     bill_effects(work, options, results, *execution.cost);
   });
   return json_result(json::write_geodesics(work.request, work.mesh->mesh(), work.ends, results, bill));

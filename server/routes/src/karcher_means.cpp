@@ -24,8 +24,9 @@ surface::KarcherProblem problem_of(const json::KarcherMeanRequest& request, cons
 store::Result compute(const json::KarcherMeanRequest& request, const store::LoadedMesh& mesh,
                       const surface::KarcherProblem& problem, const Execution& outer) {
   surface::KarcherMean mean;
-  const auto bill =
-      billed(outer, [&](const Execution& execution) { mean = surface::karcher_mean(mesh.solver, problem, execution); });
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    mean = surface::karcher_mean(mesh.solver(execution), problem, execution);
+  });
   return json_result(json::write_karcher_mean(request, mesh.mesh(), mean, bill));
 }
 

@@ -23,9 +23,9 @@ voronoi::Diagram KeptDiagrams::diagram(const std::shared_ptr<const store::Loaded
                                        std::span<const surface::SurfacePoint> sites, const Execution& execution) {
   // Distances that are not exact are made anew every time.
   if (options.method != voronoi::DiagramMethod::exact || mesh->mesh().face_count() > most_faces)
-    return voronoi::diagram(mesh->solver, sites, options, execution);
+    return voronoi::diagram(mesh->solver(execution), sites, options, execution);
   std::list<Kept> own = take(mesh, sites);
-  if (own.empty()) own.push_back({mesh, voronoi::MovingDiagram(mesh->solver, options)});
+  if (own.empty()) own.push_back({mesh, voronoi::MovingDiagram(mesh->solver(execution), options)});
   own.front().moving.move_to(sites, execution);
   voronoi::Diagram result = own.front().moving.take_diagram();
   const std::lock_guard lock(mutex_);

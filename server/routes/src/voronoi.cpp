@@ -81,11 +81,11 @@ store::Result compute(const json::VoronoiDiagramRequest& request,
     const double first = measured ? 1 - statistics_share : 1;
     const PartOfExecution dividing(execution, 0, first);
     diagram = request.keep ? kept.diagram(loaded, request.options, sites, dividing.execution())
-                           : voronoi::diagram(mesh.solver, sites, request.options, dividing.execution());
+                           : voronoi::diagram(mesh.solver(outer), sites, request.options, dividing.execution());
     if (measured) {
       const PartOfExecution measuring(execution, first, statistics_share);
       const StageTimer timer(execution.cost, "statistics");
-      statistics = voronoi::statistics(mesh.solver, diagram, measuring.execution());
+      statistics = voronoi::statistics(mesh.solver(outer), diagram, measuring.execution());
     }
     if (file != DiagramFile::none)
       body = write_diagram_file(file, mesh.mesh(), diagram, request.panel_scale, execution);
@@ -122,7 +122,7 @@ store::Result compute(const json::VoronoiOptimizationRequest& request,
     auto sites = sites_of(mesh.mesh(), request.sites, given, execution.cost);
     auto options = request.options;
     if (execution.progress) options.observer = DiagramPublisher(*execution.progress, mesh.mesh());
-    optimization = voronoi::optimize(mesh.solver, std::move(sites), options, execution);
+    optimization = voronoi::optimize(mesh.solver(outer), std::move(sites), options, execution);
     if (file != DiagramFile::none)
       body = write_diagram_file(file, mesh.mesh(), optimization.diagram, request.panel_scale, execution);
   });

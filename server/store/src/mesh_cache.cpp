@@ -11,7 +11,22 @@ namespace {
 /// Mesh (150), solver (250) and two pooled searches (60 each), see their headers; with room for the vectors' slack.
 constexpr std::int64_t bytes_per_face = 700;
 
+/// Locks the mutex, unless a stop is requested meanwhile: then it throws.
+std::unique_lock<std::timed_mutex> lock_stoppably(std::timed_mutex& mutex, const CancellationToken& cancellation) {
+  constexpr std::chrono::milliseconds look_at_token{10};  // a token wakes nobody
+  std::unique_lock lock(mutex, std::defer_lock);
+  while (!lock.try_lock_for(look_at_token)) cancellation.throw_if_requested();
+  return lock;
+}
+
 }  // namespace
+
+void LoadedMesh::make_solver(const Execution& execution) const {
+  const auto lock = lock_stoppably(making_, execution.cancellation);
+  if (solver_) return;
+  solver_.emplace(mesh_, execution);
+  is_made_.store(true, std::memory_order_release);
+}
 
 surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& execution) {
   constexpr auto most = std::numeric_limits<std::int64_t>::max();
@@ -42,9 +57,7 @@ std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Ex
   }
   std::shared_ptr<const LoadedMesh> mesh;
   try {
-    constexpr std::chrono::milliseconds look_at_token{10};  // a token wakes nobody
-    std::unique_lock loading(entry->loading, std::defer_lock);
-    while (!loading.try_lock_for(look_at_token)) execution.cancellation.throw_if_requested();
+    const auto loading = lock_stoppably(entry->loading, execution.cancellation);
     {
       const std::lock_guard lock(mutex_);
       if (entry->mesh) return entry->mesh;

@@ -28,6 +28,21 @@ class MeshCacheTest : public testing::Test {
     return store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
   }
 
+  /// A flat square of so many cells along each side.
+  std::string add_grid(int side) {
+    surface::TriangleSoup grid;
+    for (int i = 0; i <= side; ++i)
+      for (int j = 0; j <= side; ++j) grid.positions.emplace_back(i, j, 0);
+    for (int i = 0; i < side; ++i)
+      for (int j = 0; j < side; ++j) {
+        const auto at = [&](int a, int b) { return a * (side + 1) + b; };
+        grid.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+        grid.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+      }
+    const auto mesh = surface::TriangleMesh::build(std::move(grid.positions), std::move(grid.faces));
+    return store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
+  }
+
   fs::path folder_;
   Store store_;
 };
@@ -44,18 +59,7 @@ TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {
 }
 
 TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
-  constexpr int side = 400;  // 320,000 faces: a tenth of a second and more
-  surface::TriangleSoup grid;
-  for (int i = 0; i <= side; ++i)
-    for (int j = 0; j <= side; ++j) grid.positions.emplace_back(i, j, 0);
-  for (int i = 0; i < side; ++i)
-    for (int j = 0; j < side; ++j) {
-      const auto at = [&](int a, int b) { return a * (side + 1) + b; };
-      grid.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      grid.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  const auto mesh = surface::TriangleMesh::build(std::move(grid.positions), std::move(grid.faces));
-  const auto id = store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
+  const auto id = add_grid(400);  // 320,000 faces: a tenth of a second and more
   MeshCache cache(store_, 1 << 30);
   const auto code_of = [&](const Execution& execution) -> std::string {
     try {
@@ -83,6 +87,27 @@ TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
   ASSERT_TRUE(in_turn);
   EXPECT_EQ(cache.find(id), in_turn) << "it is held";
   EXPECT_EQ(cache.size().meshes, 1U);
+}
+
+TEST_F(MeshCacheTest, AStopEndsTheMakingOfASolverAndTheNextOneMakesIt) {
+  MeshCache cache(store_, 1 << 30);
+  const auto mesh = cache.get(add_grid(200));
+  const Execution stopped;
+  stopped.cancellation.request(StopReason::deadline);
+  EXPECT_THROW(mesh->solver(stopped), Error);
+  EXPECT_EQ(&mesh->solver().mesh(), &mesh->mesh());
+  EXPECT_EQ(&mesh->solver(stopped), &mesh->solver()) << "it is there";
+}
+
+TEST_F(MeshCacheTest, ManyThreadsAskForOneSolver) {
+  MeshCache cache(store_, 1 << 20);
+  const auto mesh = cache.get(add_triangle(1));
+  std::vector<const surface::GeodesicSolver*> solvers(8);
+  std::vector<std::thread> threads;
+  for (auto& solver : solvers) threads.emplace_back([&solver, &mesh] { solver = &mesh->solver(); });
+  for (auto& thread : threads) thread.join();
+  for (const auto* solver : solvers) EXPECT_EQ(solver, solvers[0]);
+  EXPECT_EQ(&solvers[0]->mesh(), &mesh->mesh());
 }
 
 TEST_F(MeshCacheTest, LetsGoOfTheMeshThatWasNotUsedForLongest) {

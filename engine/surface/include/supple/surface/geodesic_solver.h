@@ -39,6 +39,8 @@ struct PointPair {
 class GeodesicSolver {
  public:
   explicit GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh);
+  /// O(faces), half a microsecond each at most; looks at the token every few milliseconds.
+  GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh, const Execution& execution);
   ~GeodesicSolver();
   GeodesicSolver(const GeodesicSolver&) = delete;
   GeodesicSolver& operator=(const GeodesicSolver&) = delete;

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <list>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <shared_mutex>
 #include <string>
 #include <string_view>
@@ -20,11 +22,26 @@ namespace supple::store {
 /// may have been changed since. Throws as surface::load_mesh.
 surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& execution = {});
 
-/// A mesh in memory with what its geodesics need.
-struct LoadedMesh {
-  explicit LoadedMesh(std::shared_ptr<const surface::TriangleMesh> mesh) : solver(std::move(mesh)) {}
-  const surface::TriangleMesh& mesh() const { return solver.mesh(); }
-  surface::GeodesicSolver solver;
+/// A mesh in memory, with what its geodesics need from when they are asked for on. Any thread may call.
+class LoadedMesh {
+ public:
+  explicit LoadedMesh(std::shared_ptr<const surface::TriangleMesh> mesh) : mesh_(std::move(mesh)) {}
+  const surface::TriangleMesh& mesh() const { return *mesh_; }
+  /// The first call makes it, which takes three times the memory of the mesh and some tenths of a second for a million
+  /// faces: within the computation that needs it, not where a mesh is only stored or looked at. Others wait for that.
+  /// A stop is heard within some ten milliseconds, then another one makes it.
+  const surface::GeodesicSolver& solver(const Execution& execution = {}) const {
+    if (!is_made_.load(std::memory_order_acquire)) make_solver(execution);
+    return *solver_;
+  }
+
+ private:
+  void make_solver(const Execution& execution) const;
+
+  const std::shared_ptr<const surface::TriangleMesh> mesh_;
+  mutable std::timed_mutex making_;
+  mutable std::atomic<bool> is_made_{false};
+  mutable std::optional<surface::GeodesicSolver> solver_;
 };
 
 /// Holds the meshes that were used last, up to a limit of memory. A mesh that a computation uses stays until the
