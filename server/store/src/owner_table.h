@@ -31,7 +31,7 @@ class OwnerTable {
   /// False where it was none.
   bool remove(Kind kind, const std::string& id, const std::string& owner);
   std::int64_t count(Kind kind, const std::string& id) const;
-  /// What an owner holds without one of its jobs. O(number of things that it owns): a microsecond each.
+  /// What an owner holds without one of its jobs. O(number of things that it owns): two microseconds each.
   Holding holding(const std::string& owner, const std::string& without_job) const;
 
   /// An expression on rows of "jobs": the owner, of which a job has one at most; empty text where it has none.
