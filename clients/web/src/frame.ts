@@ -20,8 +20,8 @@ export interface Frame {
   select(entry: PageEntry): void;
 }
 
-/** `account` says who is signed in. */
-export function frame(connection: Connection, account: HTMLElement): Frame {
+/** `account` says who is signed in, `bill` what the page in sight computed last. */
+export function frame(connection: Connection, account: HTMLElement, bill: HTMLElement): Frame {
   const main = h("main", { id: "main", tabindex: -1 });
   const links = PAGES.map((page) => h("a", { href: `#/${page.id}` }, page.title));
   const switcher = button("", nextTheme, { kind: "quiet", title: "Colours" });
@@ -45,6 +45,7 @@ export function frame(connection: Connection, account: HTMLElement): Frame {
     h("header", {},
       h("a", { class: "brand", href: "#/design" }, h("img", { src: "./favicon.svg", alt: "", width: 28, height: 28 }), "Supple"),
       h("nav", { "aria-label": "Pages" }, ...links),
+      bill,
       account,
       switcher),
     lost,

@@ -3,6 +3,8 @@ import "./styles/index.css";
 import { Account } from "./account";
 import { liveRegion } from "./base/announce";
 import { startTheme } from "./base/theme";
+import { Bills } from "./base/bills";
+import { BillMenu } from "./bill_menu";
 import { Client } from "./contract/client";
 import { Connection } from "./contract/connection";
 import { frame } from "./frame";
@@ -19,12 +21,17 @@ const connection = new Connection(async () => {
   }
 });
 const account = new Account();
-const client = new Client("", (answered) => connection.report(answered), () => account.ask());
-const { element, main, select } = frame(connection, account.element);
+const bill = new BillMenu();
+const { element, main, select } = frame(connection, account.element, bill.element);
 document.body.append(element, liveRegion, account.dialog);
 void account.look();
 
-const made = new Map<string, Page>();
+interface Made {
+  readonly page: Page;
+  readonly bills: Bills;
+}
+
+const made = new Map<string, Made>();
 let current: Page | null = null;
 
 /** "#/design?text" is the page "design" with the text of its link. */
@@ -33,7 +40,7 @@ function address(): { entry: PageEntry; text: string } {
   return { entry: PAGES.find((page) => page.id === id) ?? PAGES[0], text: text.join("?") };
 }
 
-async function pageOf(entry: PageEntry): Promise<Page> {
+async function pageOf(entry: PageEntry): Promise<Made> {
   const known = made.get(entry.id);
   if (known) return known;
   const make = await entry.load();
@@ -43,26 +50,31 @@ async function pageOf(entry: PageEntry): Promise<Page> {
       if (address().entry === entry) history.replaceState(null, "", `#/${entry.id}${text && `?${text}`}`);
     },
   };
-  const page = made.get(entry.id) ?? make({ client, link });
+  const second = made.get(entry.id); // asked for twice before it was loaded
+  if (second) return second;
+  const bills = new Bills();
+  const client = new Client("", (answered) => connection.report(answered), () => account.ask(), bills.hear);
+  const page = { page: make({ client, link }), bills };
   made.set(entry.id, page);
   return page;
 }
 
 async function show(): Promise<void> {
   const { entry, text } = address();
-  const page = await pageOf(entry);
+  const { page, bills } = await pageOf(entry);
   if (address().entry !== entry) return; // another one was asked for meanwhile
   if (page !== current) {
     current?.close();
     current = page;
     main.replaceChildren(page.element);
     select(entry);
+    bill.show(bills);
   }
   await page.open(text);
 }
 
 addEventListener("hashchange", () => void show());
 connection.lost.watch((lost) => {
-  if (!lost) for (const page of made.values()) page.reconnected();
+  if (!lost) for (const { page } of made.values()) page.reconnected();
 });
 void show();

@@ -1,6 +1,10 @@
 import { describe, expect, it } from "vitest";
-import type { DesignCandidate, Model } from "../src/contract/types";
-import { errorBand, expectedDeviation, modelError, type Shown } from "../src/design/shown";
+import type { DesignCandidate, Model, PartialDesign, Profile } from "../src/contract/types";
+import { relaxation, snappedPoints } from "../src/design/reach";
+import { errorBand, expectedDeviation, freshness, modelError, shownPartial, shownProfile, type Shown } from "../src/design/shown";
+import { relativeDeviation, targetCurve } from "../src/design/spline";
+import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
+import { judge } from "../src/design/verdict";
 
 const model = { errors: { design_split: { gradient: { mean: 0.1, percentile_99: 0.4 } } } } as unknown as Model;
 const shown = (achieved: readonly (number | null)[]) => ({ task: "stress_strain", x: [-0.1, 0, 0.1], achieved }) as unknown as Shown;
@@ -44,5 +48,78 @@ describe("families", () => {
     expect(expectedDeviation(candidate(0.03, 0.04))).toBeCloseTo(0.05);
     expect(expectedDeviation(candidate(0.01, 0.01))).toBeLessThan(expectedDeviation(candidate(0.0001, 0.08)));
     expect(expectedDeviation(candidate(0, null))).toBeGreaterThan(expectedDeviation(candidate(0.9, 0.1)));
+  });
+});
+
+const state: DesignState = { ...DEFAULT_STATE, points: [[0, 0], [0.1, 1], [0.2, 2]], found: { family: "IH22", parameters: [0.3] } };
+const profileOf = (points: DesignState["points"], y: (number | null)[]): Shown =>
+  shownProfile({ family: "IH22", parameters: [0.3], model: "m", x: [0, 0.05, 0.1, 0.15, 0.2], y, error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile, { ...state, points });
+
+describe("what is shown beside what was decided", () => {
+  const shown = profileOf(state.points, [0, 0.5, 1, 1.5, 2]);
+
+  it("is current, of an earlier target or earlier parameters, or of something else", () => {
+    expect(freshness(shown, state)).toBe("current");
+    expect(freshness(shown, { ...state, points: [...state.points] })).toBe("outdated");
+    expect(freshness(shown, { ...state, interpolation: "linear" })).toBe("outdated");
+    expect(freshness(shown, { ...state, found: { family: "IH22", parameters: [0.4] } })).toBe("outdated");
+    expect(freshness(shown, { ...state, found: { family: "IH28", parameters: [0.3] } })).toBe("other");
+    expect(freshness(shown, { ...state, task: "stiffness" })).toBe("other");
+    expect(freshness(null, state)).toBe("other");
+  });
+
+  it("pairs the samples of a search on its way with its own target", () => {
+    const partial = { family: "IH28", model: "m", parameters: [0.1, 0.2], x: [0, 0.2], achieved: [0, 1], error: { relative_rms: 0.5, max: 1 }, iteration: 3 } as PartialDesign;
+    const best = shownPartial(partial, state);
+    expect(best.x).toEqual([0, 0.2]);
+    expect(best.target.map((y) => Number(y.toFixed(9)))).toEqual([0, 2]);
+    expect(best.reached).toEqual([true, false]);
+    expect(best.inRange).toHaveLength(2);
+    expect(best.largest).toBeCloseTo(1);
+    expect([best.byHand, best.provisional]).toEqual([false, true]);
+  });
+});
+
+describe("a verdict", () => {
+  const off = (share: number) => profileOf(state.points, [0, 0.5, 1, 1.5, 2].map((y) => y * (1 + share)));
+  const searched = (share: number) => ({ ...off(share), byHand: false });
+
+  it("keeps in mind what the model errs by", () => {
+    const model = { mean: 0.013, percentile99: 0.05 };
+    expect(judge(searched(0.0123), model)).toMatchObject({ verdict: "within", words: "Within the model’s error" });
+    expect(judge(searched(0.0123), model).sentence).toBe("IH22 is 1.2 % from the target (root mean square); the model itself errs by 1.3 % in the mean.");
+    expect(judge(searched(0.045), model).verdict).toBe("close");
+    expect(judge(searched(0.24), model)).toMatchObject({ verdict: "out", words: "Out of reach" });
+    expect(judge(searched(0.24), model).sentence).toMatch(/^The closest design of IH22 that was found is 24 %/);
+  });
+
+  it("takes the error bars where no mean is known, and at least 1 % at every sample", () => {
+    expect(judge({ ...searched(0.02), errorBar: [0, 0.02, 0.04, 0.06, 0.08] }, null).verdict).toBe("within");
+    expect(judge({ ...searched(0.03), errorBar: null }, null)).toMatchObject({ verdict: "close", sentence: expect.stringMatching(/not known/) });
+    expect(judge({ ...searched(0.004), errorBar: null }, null).verdict).toBe("within");
+    expect(judge({ ...searched(0.004), achieved: [0, null, 1, 1.5, 2] }, null).verdict).toBe("out");
+  });
+});
+
+describe("a target that no design meets", () => {
+  it("names the control point that has to give way, and what is left then", () => {
+    const points: ControlPoint[] = [[0, 0], [0.05, 0.5], [0.1, 2], [0.15, 1.5], [0.2, 2]];
+    const answer = { ...profileOf(points, [0, 0.5, 1, 1.5, 2]), byHand: false };
+    const found = relaxation(answer);
+    expect(found?.index).toBe(2);
+    expect(found?.to[1]).toBeCloseTo(1, 6);
+    expect(found?.deviation).toBeLessThan(1e-6);
+    expect(relaxation({ ...answer, target: answer.achieved as number[], points: state.points })).toBeNull();
+  });
+
+  it("moves onto what the design does, with as many points where these suffice", () => {
+    const answer = profileOf(state.points, [0, 0.375, 0.75, 1.125, 1.5]);
+    const snapped = snappedPoints(answer);
+    expect(snapped.map((point) => point[0])).toEqual([0, 0.1, 0.2]);
+    expect(snapped[0]).toEqual([0, 0]);
+    expect(snapped[1][1]).toBeCloseTo(0.75, 9);
+    const wavy = profileOf(state.points, [0, 1, 0.2, 1.4, 0.1]);
+    const followed = snappedPoints(wavy);
+    expect(relativeDeviation(wavy.achieved, wavy.x.map(targetCurve(false, followed, "cubic")))).toBeLessThan(0.005);
   });
 });

@@ -85,6 +85,7 @@ export class Slider {
   private readonly number: HTMLInputElement;
   private lower: number;
   private upper: number;
+  private used = 0;
 
   constructor(private readonly options: SliderOptions) {
     const { label, lower, upper, unit } = options;
@@ -97,7 +98,11 @@ export class Slider {
     this.range.addEventListener("change", () => this.tell(Number(this.range.value), true));
     this.number.addEventListener("change", () => {
       const value = Number(this.number.value);
-      if (this.number.value !== "" && Number.isFinite(value)) this.tell(Math.max(this.lower, Math.min(this.upper, value)), true);
+      if (this.number.value !== "" && Number.isFinite(value)) {
+        this.used = Math.max(this.lower, Math.min(this.upper, value));
+        this.tell(this.used, true);
+      }
+      this.showNumber(); // what is used, where something else was written
     });
     this.element = h(
       "div",
@@ -108,8 +113,9 @@ export class Slider {
   }
 
   set value(value: number) {
+    this.used = value;
     this.range.value = String(value);
-    if (document.activeElement !== this.number) this.number.value = String(Number(value.toFixed(this.options.digits)));
+    if (document.activeElement !== this.number) this.showNumber();
     const share = (value - this.lower) / (this.upper - this.lower);
     this.range.style.setProperty("--share", `${100 * Math.max(0, Math.min(1, share))}%`);
   }
@@ -126,6 +132,10 @@ export class Slider {
   set disabled(disabled: boolean) {
     this.range.disabled = disabled;
     this.number.disabled = disabled;
+  }
+
+  private showNumber(): void {
+    this.number.value = String(Number(this.used.toFixed(this.options.digits)));
   }
 
   private tell(value: number, done: boolean): void {

@@ -50,6 +50,8 @@ export class Client {
     private readonly listener: ConnectionListener = () => {},
     /** Resolves once somebody has signed in; a request that the server asked a key for is then sent again. */
     private readonly signIn?: () => Promise<void>,
+    /** Hears each answer of a computation and the path that it was asked at. */
+    readonly hear: (path: string, answer: unknown) => void = () => {},
   ) {}
 
   /** The response to a request, once it is one that the server meant as a success. */
@@ -87,7 +89,9 @@ export class Client {
 
   /** The answer of an immediate computation. */
   async post<Answer>(path: string, document: unknown, options: CallOptions = {}): Promise<Answer> {
-    return readJson<Answer>(await this.postResponse(path, document, options));
+    const answer = await readJson<Answer>(await this.postResponse(path, document, options));
+    this.hear(path, answer);
+    return answer;
   }
 
   async postResponse(path: string, document: unknown, options: CallOptions = {}): Promise<Response> {

@@ -16,7 +16,11 @@ export interface JobOptions {
 export async function runJob<Answer>(client: Client, path: string, document: unknown, options: JobOptions): Promise<Answer> {
   const prefer = options.wait === undefined ? "respond-async" : `wait=${options.wait}`;
   const response = await client.postResponse(path, document, { headers: { Prefer: prefer }, signal: options.signal });
-  if (response.status !== 202) return readJson<Answer>(response);
+  if (response.status !== 202) {
+    const answer = await readJson<Answer>(response);
+    client.hear(path, answer);
+    return answer;
+  }
   const job = await readJson<Job>(response);
   options.onProgress?.(job);
   const dismiss = () => {
@@ -26,7 +30,9 @@ export async function runJob<Answer>(client: Client, path: string, document: unk
   options.signal.addEventListener("abort", dismiss);
   try {
     await finished(client, job, options);
-    return await client.get<Answer>(`/v1/jobs/${job.id}/result`, { signal: options.signal });
+    const answer = await client.get<Answer>(`/v1/jobs/${job.id}/result`, { signal: options.signal });
+    client.hear(path, answer);
+    return answer;
   } finally {
     options.signal.removeEventListener("abort", dismiss);
   }

@@ -13,6 +13,7 @@ import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
 import { spaced } from "./spline";
+import { isAtRest } from "./targets";
 
 const MARGIN = { top: 18, right: 18, bottom: 46, left: 62 };
 const TARGET_STEPS = 160;
@@ -36,12 +37,14 @@ export class CartesianPlot extends ProfilePlot {
       this.element,
       {
         toPixels: ([x, y]) => [this.x(x), this.y(y)],
+        hold: () => {},
         toPoint: (pixels) => this.pointAt(pixels),
+        isHeld: (point) => isAtRest("stress_strain", point),
         nudged: ([x, y], [right, up]) => [
           x + right * (this.x.domain()[1] - this.x.domain()[0]),
           y + up * (this.y.domain()[1] - this.y.domain()[0]),
         ],
-        describe: ([x, y]) => `strain ${digits(x)}, stress ${digits(y)} MPa`,
+        describe: ([x, y]) => `strain ${digits(x)}, stress ${digits(y)} MPa${isAtRest("stress_strain", [x, y]) ? ", at rest: it stays there" : ""}`,
         echoes: () => [],
         heights: () => this.y.domain(),
       },
@@ -114,6 +117,10 @@ export class CartesianPlot extends ProfilePlot {
       .y1((sample) => this.far(sample[2]))
       .curve(curveMonotoneX);
     return { area: shape(samples) ?? "", rim: (shape.lineY0()(samples) ?? "") + (shape.lineY1()(samples) ?? "") };
+  }
+
+  protected guidePath(x: number): string {
+    return `M${this.x(x)},${MARGIN.top}V${this.height - MARGIN.bottom}`;
   }
 
   protected places([x, y]: ControlPoint): readonly Pixels[] {

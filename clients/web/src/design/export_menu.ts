@@ -30,7 +30,7 @@ export function exportMenu(session: DesignSession, verification: Verification, c
     const state = verification.state.get();
     const verified = state.kind === "done" ? state.curve : null;
     const name = `${shown.found.family}-${shown.task}`;
-    if (kind === "json") download(`${name}.json`, "application/json", jsonOf(session.state.get(), shown, verified));
+    if (kind === "json") download(`${name}.json`, "application/json", jsonOf(shown, verified));
     if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.before.get(), verified));
     if (kind === "svg") download(`${name}.svg`, "image/svg+xml", svgOf(plot()));
     menu.open = false;

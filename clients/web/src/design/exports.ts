@@ -1,6 +1,5 @@
 // Files of what is shown.
 import type { Curve } from "../base/curve";
-import type { DesignState } from "./state";
 import type { Shown } from "./shown";
 import { isPolar } from "./state";
 
@@ -22,13 +21,13 @@ export function csvOf(shown: Shown, before: Curve | null, verified: Curve | null
 }
 
 /** Everything that makes the design again, and what came out. */
-export function jsonOf(state: DesignState, shown: Shown, verified: Curve | null): string {
+export function jsonOf(shown: Shown, verified: Curve | null): string {
   const { found, model, x, target, achieved, errorBar, reached, inRange, deviation, largest, stopped, message } = shown;
   const document = {
-    task: state.task,
-    ...(isPolar(state.task) ? { strain: state.strain } : { direction: state.direction }),
-    strain_measure: state.measure,
-    target: { control_points: state.points, interpolation: state.interpolation },
+    task: shown.task,
+    ...(isPolar(shown.task) ? { strain: shown.strain } : { direction: shown.direction }),
+    strain_measure: shown.measure,
+    target: { control_points: shown.points, interpolation: shown.interpolation },
     design: { family: found.family, model, parameters: found.parameters, by_hand: shown.byHand, stopped, message },
     error: { relative_rms: deviation, max: largest },
     profile: { x, target, achieved, error_bar: errorBar, reached, in_range: inRange },

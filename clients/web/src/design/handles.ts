@@ -6,7 +6,12 @@ import type { ControlPoint } from "./state";
 /** How a plot turns its pixels into values and back. */
 export interface Plane {
   toPixels(point: ControlPoint): readonly [number, number];
-  toPoint(pixels: readonly [number, number]): ControlPoint;
+  /** A point is taken hold of at some pixels. */
+  hold(pixels: readonly [number, number], point: ControlPoint): void;
+  /** Where the point that is held goes with the pointer. */
+  toPoint(pixels: readonly [number, number], from: ControlPoint): ControlPoint;
+  /** Whether a point stays where it is. */
+  isHeld(point: ControlPoint): boolean;
   /** The point a key moves to; shares of the plot's width and height. */
   nudged(point: ControlPoint, step: readonly [number, number]): ControlPoint;
   describe(point: ControlPoint): string;
@@ -71,6 +76,7 @@ export class Handles {
     handle.setAttribute("aria-valuenow", point[1].toFixed(6));
     handle.setAttribute("aria-valuetext", this.plane.describe(point));
     handle.classList.toggle("selected", this.view?.selected === index);
+    handle.classList.toggle("held", this.plane.isHeld(point));
   }
 
   private makeHandle(index: number): SVGGElement {
@@ -101,11 +107,15 @@ export class Handles {
       event.stopPropagation();
       this.dragged = Number(handle.dataset.index);
       this.focus(this.dragged);
+      const point = this.view?.points[this.dragged];
+      if (!point || this.plane.isHeld(point)) return void (this.dragged = null);
       handle.setPointerCapture(event.pointerId);
+      this.plane.hold(pixelsOf(this.root, event), point);
       this.wishes.begin();
     });
     handle.addEventListener("pointermove", (event) => {
-      if (this.dragged !== null) this.wishes.move(this.dragged, this.plane.toPoint(pixelsOf(this.root, event)));
+      const point = this.dragged === null ? undefined : this.view?.points[this.dragged];
+      if (this.dragged !== null && point) this.wishes.move(this.dragged, this.plane.toPoint(pixelsOf(this.root, event), point));
     });
     for (const end of ["pointerup", "pointercancel"]) {
       handle.addEventListener(end, () => {
@@ -124,7 +134,8 @@ export class Handles {
     const point = this.view?.points[index];
     if (!point) return;
     const step = keyStep(event);
-    if (step) {
+    if (step && this.plane.isHeld(point)) event.preventDefault();
+    else if (step) {
       event.preventDefault();
       this.wishes.begin();
       this.wishes.move(index, this.plane.nudged(point, step));

@@ -10,6 +10,7 @@ import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
 import { Measured } from "./measured";
 import { measuredCard } from "./measured_card";
+import { Overlays } from "./overlays";
 import { parameterPanel } from "./parameter_panel";
 import { Part } from "./part";
 import { partCard } from "./part_card";
@@ -32,9 +33,10 @@ export function designPage({ client, link }: Surroundings): Page {
   const pins = new Pins(session);
   const measured = new Measured(session, client);
   const part = new Part(client);
+  const overlays = new Overlays(session);
   const share = shareButton("Copy a link to this design", () => link.write(writeLink(session.state.get())));
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
-  const panel: PlotPanel = new PlotPanel(session, verification, pins, measured, [
+  const panel: PlotPanel = new PlotPanel(session, verification, pins, overlays, measured, [
     pin, share, exportMenu(session, verification, client, () => panel.plot.element),
   ]);
   const empty = h("p", { class: "card note wide", role: "alert", hidden: true }, "This server has no neural models: start it with --models and a folder of them.");
@@ -45,8 +47,16 @@ export function designPage({ client, link }: Surroundings): Page {
     empty,
     h("div", { class: "column left" }, targetControls(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
-    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), resultCard(session), verificationCard(session, verification), pinList(pins, client)),
+    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
   );
+
+  // All that is of an earlier decision is dimmed as one, until the answer to this one has come.
+  for (const part of [session.shown, session.state]) {
+    part.watch(() => {
+      element.classList.toggle("outdated", session.shown.get() !== null && !session.isCurrent);
+      pin.disabled = !session.isCurrent;
+    });
+  }
 
   const linkLater = late(() => link.write(writeLink(session.state.get())), LINK_PAUSE_MS);
   session.state.watch((state) => {

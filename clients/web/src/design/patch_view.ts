@@ -1,64 +1,118 @@
-// The deformed patch of a simulation: its triangles, repeated along its deformed translations.
-import { Slider } from "../base/controls";
-import { h } from "../base/dom";
+// The deformed patch of a simulation: its triangles in the colours of their stress, repeated along its deformed
+// translations, state by state of the load.
+import { button, Slider } from "../base/controls";
+import { h, replace } from "../base/dom";
 import { digits } from "../base/format";
+import { icon } from "../base/icons";
+import { cssColour, cssGradient, rampColour, RAMPS } from "../base/ramps";
 import { dark } from "../base/theme";
 import type { PatchMesh, Simulation } from "../contract/types";
+import { quantile, type Solid, vonMisesStresses } from "./patch_stress";
 
 type State = Simulation["states"][number] & { deformed: NonNullable<Simulation["states"][number]["deformed"]> };
 
 const SIDE = 640;
 const COPIES = 2;
+/** Of a state while the load is played. */
+const FRAME_MS = 350;
+/** Colours end where so many of all triangles have less stress. */
+const SHOWN_SHARE = 0.99;
+const RAMP = RAMPS.inferno;
 
 export class PatchView {
   readonly element = h("div", { class: "patch" });
   private readonly canvas = h("canvas", { width: SIDE, height: SIDE, role: "img" });
+  private readonly reading = h("p", { class: "muted" });
+  private readonly most = h("span");
+  private readonly play = button("", () => this.toggle(), { icon: "play", title: "Play the load" });
+  private readonly legend: HTMLElement;
   private states: State[] = [];
   private meshes: readonly PatchMesh[] = [];
+  private stresses: readonly (readonly number[])[] = [];
+  private largest = 0;
   private index = 0;
+  private direction = 0;
+  private slider: Slider | null = null;
+  private timer: ReturnType<typeof setInterval> | undefined;
 
   constructor() {
+    const bar = h("div", { class: "ramp", "aria-hidden": "true" });
+    bar.style.background = cssGradient(RAMP);
+    this.legend = h("div", {}, h("p", { class: "muted" }, "Von Mises stress in the solid"), bar, h("div", { class: "ramp-words" }, h("span", {}, "0"), this.most));
     dark.watch(() => this.draw());
   }
 
-  show(simulation: Simulation, direction: number): void {
+  show(simulation: Simulation, direction: number, solid: Solid | null): void {
+    this.stop();
     this.meshes = simulation.meshes ?? [];
+    this.direction = direction;
     const usable = simulation.states.filter((state): state is State => state.deformed !== undefined && state.stopped === "converged");
-    this.states = usable.sort((a, b) => loading(a, direction) - loading(b, direction));
-    this.index = Math.max(0, this.states.length - 1);
+    this.states = usable.sort((a, b) => loading(a.green_strain, direction) - loading(b.green_strain, direction));
+    this.stresses = solid ? this.states.map(({ deformed }) => vonMisesStresses(this.meshes[deformed.mesh], deformed.points, solid)) : [];
+    this.largest = quantile(this.stresses.flat(), SHOWN_SHARE);
+    this.most.textContent = `${digits(this.largest)} MPa and more`;
     const last = this.states.length - 1;
-    const slider = new Slider({
+    this.index = Math.max(0, last);
+    this.slider = new Slider({
       label: "State of the load", lower: 0, upper: Math.max(1, last), step: 1, digits: 0,
       changed: (value) => {
+        this.stop();
         this.index = Math.round(value);
         this.draw();
       },
     });
-    slider.value = this.index;
-    slider.disabled = last < 1;
-    const message = simulation.message ? h("p", { class: "note" }, simulation.message) : null;
-    this.element.replaceChildren(this.canvas, slider.element, ...(message ? [message] : []));
+    this.slider.disabled = this.play.disabled = last < 1;
+    replace(this.element, this.canvas, this.reading, h("div", { class: "play-row" }, this.play, this.slider.element), this.largest > 0 && this.legend,
+      simulation.message !== "" && h("p", { class: "note" }, simulation.message));
     this.draw();
   }
 
   clear(): void {
+    this.stop();
     this.states = [];
     this.element.replaceChildren();
+  }
+
+  private toggle(): void {
+    if (this.timer !== undefined) return this.stop();
+    this.showPlaying(true);
+    if (this.index === this.states.length - 1) this.index = -1;
+    this.timer = setInterval(() => {
+      ++this.index;
+      if (this.index >= this.states.length - 1) this.stop();
+      this.draw();
+    }, FRAME_MS);
+  }
+
+  private stop(): void {
+    clearInterval(this.timer);
+    this.timer = undefined;
+    this.showPlaying(false);
+  }
+
+  private showPlaying(playing: boolean): void {
+    this.play.replaceChildren(icon(playing ? "pause" : "play"));
+    this.play.title = playing ? "Stop playing" : "Play the load";
+    this.play.setAttribute("aria-label", this.play.title);
   }
 
   private draw(): void {
     const state = this.states[this.index];
     const context = this.canvas.getContext("2d");
     if (!state || !context) return;
+    if (this.slider) this.slider.value = this.index;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, SIDE, SIDE);
-    const outline = outlinePath(state.deformed.points, this.meshes[state.deformed.mesh].triangles);
-    const [a, b] = state.deformed.lattice;
-    const copies = this.meshes[state.deformed.mesh].cells === 1 ? COPIES : 1;
-    const centre = middle(state.deformed.points);
+    const { points, mesh, lattice: [a, b] } = state.deformed;
+    const { triangles, cells } = this.meshes[mesh];
+    const copies = cells === 1 ? COPIES : 1;
+    const centre = middle(points);
+    const stresses = this.stresses[this.index];
     // The scale is that of rest in every state, so that stretching shows.
     const scale = SIDE / (1.04 * this.extent());
-    context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--solid").trim() || "#345";
+    const plain = getComputedStyle(document.documentElement).getPropertyValue("--solid").trim() || "#345";
+    context.lineWidth = 0.6 / scale;
+    const outlines = triangles.map((triangle) => outlinePath(points, triangle));
     for (let i = 0; i < copies; ++i) {
       for (let k = 0; k < copies; ++k) {
         const u = i - (copies - 1) / 2;
@@ -66,12 +120,24 @@ export class PatchView {
         const x = u * a[0] + v * b[0] - centre[0];
         const y = u * a[1] + v * b[1] - centre[1];
         context.setTransform(scale, 0, 0, -scale, SIDE / 2 + scale * x, SIDE / 2 - scale * y);
-        context.fill(outline);
+        outlines.forEach((outline, n) => {
+          // Lines of the same colour close the seams between neighbours.
+          context.fillStyle = context.strokeStyle = stresses && this.largest > 0 ? cssColour(rampColour(stresses[n] / this.largest, RAMP)) : plain;
+          context.fill(outline);
+          context.stroke(outline);
+        });
       }
     }
+    this.tell(state);
+  }
+
+  private tell(state: State): void {
     const [exx, eyy] = state.green_strain;
-    this.canvas.setAttribute("aria-label", `The patch at Green strain ${digits(exx)} along x and ${digits(eyy)} along y`);
-    this.canvas.title = `E = (${state.green_strain.map((value) => digits(value)).join(", ")})${state.stable ? "" : ", unstable"}${state.contacts > 0 ? ", in contact" : ""}`;
+    const peak = Math.max(0, ...(this.stresses[this.index] ?? []));
+    const words = `State ${this.index + 1} of ${this.states.length}: Green strain ${digits(loading(state.green_strain, this.direction))} along the load, stress ${digits(loading(state.stress, this.direction))} MPa`;
+    const extra = [peak > 0 && `at most ${digits(peak)} MPa in the solid`, !state.stable && "unstable", state.contacts > 0 && "in contact"].filter(Boolean);
+    this.reading.textContent = `${[words, ...extra].join(", ")}.`;
+    this.canvas.setAttribute("aria-label", `The patch at Green strain ${digits(exx)} along x and ${digits(eyy)} along y, coloured by stress`);
   }
 
   /** Side of the square around all states, mm. */
@@ -86,10 +152,9 @@ export class PatchView {
   }
 }
 
-/** Green strain along the load. */
-function loading(state: State, direction: number): number {
+/** Component of a symmetric tensor (xx, yy, xy) along the load. */
+function loading([xx, yy, xy]: readonly number[], direction: number): number {
   const [x, y] = [Math.cos(direction), Math.sin(direction)];
-  const [xx, yy, xy] = state.green_strain;
   return x * x * xx + y * y * yy + 2 * x * y * xy;
 }
 
@@ -102,13 +167,11 @@ function middle(points: readonly (readonly number[])[]): [number, number] {
   return [x / points.length, y / points.length];
 }
 
-/** All triangles as one path, their curved sides by the points in their middles. */
-function outlinePath(points: readonly (readonly number[])[], triangles: readonly (readonly number[])[]): Path2D {
+/** A triangle as a path, its curved sides by the points in their middles. */
+function outlinePath(points: readonly (readonly number[])[], corners: readonly number[]): Path2D {
   const path = new Path2D();
-  for (const corners of triangles) {
-    path.moveTo(points[corners[0]][0], points[corners[0]][1]);
-    for (const k of [3, 1, 4, 2, 5]) path.lineTo(points[corners[k]][0], points[corners[k]][1]);
-    path.closePath();
-  }
+  path.moveTo(points[corners[0]][0], points[corners[0]][1]);
+  for (const k of [3, 1, 4, 2, 5]) path.lineTo(points[corners[k]][0], points[corners[k]][1]);
+  path.closePath();
   return path;
 }

@@ -42,7 +42,7 @@ export class Pins {
   add(): void {
     const state = this.session.state.get();
     const shown = this.session.shown.get();
-    if (!state.found || !shown || this.list.get().length >= MOST_PINS) return;
+    if (!state.found || !shown || !this.session.isCurrent || this.list.get().length >= MOST_PINS) return;
     const name = `${state.found.family}, ${TASK_WORDS[state.task].short.toLowerCase()}, ${percent(shown.deviation)} off`;
     this.insert(name, { ...state, found: state.found });
     this.keep();

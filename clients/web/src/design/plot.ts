@@ -23,7 +23,10 @@ export interface PlotView {
   readonly verified: Curve | null;
   /** Measured points that the target was made of. */
   readonly measured: readonly ControlPoint[];
+  /** Pinned designs and overlaid families. */
   readonly pins: readonly PinnedCurve[];
+  /** The strain or the angle that the pointer is at. */
+  readonly hovered: number | null;
   /** Samples of the target that the design does not reach. */
   readonly missed: readonly ControlPoint[];
   readonly strainWord: StrainWord;
@@ -38,6 +41,8 @@ export interface PlotWishes {
   add(at: ControlPoint): void;
   remove(index: number): void;
   select(index: number | null): void;
+  /** The pointer is at a strain or an angle; nowhere with null. */
+  hover(x: number | null): void;
 }
 
 /** Which way an arrow key moves a point: shares of the plot's width and height. */

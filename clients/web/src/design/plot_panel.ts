@@ -2,20 +2,22 @@
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h, replace, svg } from "../base/dom";
-import { percent } from "../base/format";
+import { degrees, digits, percent } from "../base/format";
 import { Working } from "../base/working";
 import { CartesianPlot } from "./cartesian_plot";
 import { drawnBehind, type Measured } from "./measured";
 import { readFile } from "./measured_card";
+import type { Overlays } from "./overlays";
 import type { Pins } from "./pins";
 import type { PlotView, PlotWishes } from "./plot";
 import { PolarPlot } from "./polar_plot";
 import type { ProfilePlot } from "./profile_plot";
-import { isReached } from "./result_card";
+import { labelOf } from "./result_card";
 import type { Activity, DesignSession } from "./session";
-import { errorBand, modelError } from "./shown";
-import { targetCurve } from "./spline";
-import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS } from "./state";
+import { errorBand, freshness, modelError } from "./shown";
+import { openCurve, periodicCurve, targetCurve } from "./spline";
+import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS, TASK_WORDS } from "./state";
+import { judge } from "./verdict";
 import { addPoint, fewestPoints, movePoint, removePoint, roomAfter } from "./targets";
 import type { Verification } from "./verification";
 
@@ -24,6 +26,8 @@ export class PlotPanel {
   private readonly stage = h("div", { class: "stage" });
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
   private readonly status = h("div", { class: "status" });
+  private readonly reading = h("p", { class: "reading muted" });
+  private hovered: number | null = null;
   private readonly working = new Working("Progress of the search", () => this.session.cancel());
   private readonly cartesian: ProfilePlot;
   private readonly polar: ProfilePlot;
@@ -36,6 +40,7 @@ export class PlotPanel {
     private readonly session: DesignSession,
     private readonly verification: Verification,
     private readonly pins: Pins,
+    private readonly overlays: Overlays,
     private readonly measured: Measured,
     tools: HTMLElement[],
   ) {
@@ -47,12 +52,12 @@ export class PlotPanel {
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
     const adopt = button("Take as target", () => session.adoptAsTarget(), { title: "Make the design’s response the target" });
     const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt, h("span", { class: "stretch" }), ...tools);
-    this.element = h("section", { class: "card plot-card", "aria-label": "Target and response" }, toolbar, this.stage, h("div", { class: "plot-foot" }, this.legend, this.status));
+    this.element = h("section", { class: "card plot-card", "aria-label": "Target and response" }, toolbar, this.stage, this.reading, h("div", { class: "plot-foot" }, this.legend, this.status));
     session.steps.watch((steps) => {
       undo.disabled = !steps.undo;
       redo.disabled = !steps.redo;
     });
-    for (const part of [session.state, session.shown, session.before, session.envelope, verification.state, pins.list, measured.data]) {
+    for (const part of [session.state, session.shown, session.before, session.envelope, verification.state, pins.list, overlays.list, measured.data]) {
       part.watch(() => this.schedule());
     }
     session.activity.watch((activity) => this.showActivity(activity));
@@ -96,6 +101,10 @@ export class PlotPanel {
       remove: (index) => this.removePoint(index),
       select: (index) => {
         this.selected = index;
+        this.schedule();
+      },
+      hover: (x) => {
+        this.hovered = x;
         this.schedule();
       },
     };
@@ -159,12 +168,16 @@ export class PlotPanel {
     plot.update(view);
     this.remove.disabled = this.selected === null || view.points.length <= fewestPoints(view.task);
     this.showLegend(view);
+    this.showReading(view);
   }
 
   private view(): PlotView {
     const state = this.session.state.get();
     const found = this.session.shown.get();
-    const shown = found && sameProfile(found, state) ? found : null;
+    const fresh = freshness(found, state);
+    // An earlier design of this family and kind is still seen, dimmed; one of another family is what was "before".
+    const shown = fresh === "other" ? null : found;
+    const polar = isPolar(state.task);
     const envelope = this.session.envelope.get();
     const verified = this.verification.state.get();
     const before = this.session.before.get();
@@ -173,7 +186,7 @@ export class PlotPanel {
       task: state.task,
       points: state.points,
       selected: this.selected,
-      target: targetCurve(isPolar(state.task), state.points, state.interpolation),
+      target: targetCurve(polar, state.points, state.interpolation),
       achieved: shown && { x: shown.x, y: shown.achieved },
       provisional: shown?.provisional ?? false,
       before: before && sameProfile(before, state) ? before : null,
@@ -181,8 +194,10 @@ export class PlotPanel {
       doubt: shown && errorBand(shown, modelError(this.session.model(shown.found.family), shown)),
       verified: verified.kind === "done" ? verified.curve : null,
       measured: drawnBehind(this.measured.data.get(), state),
-      pins: this.pins.list.get().flatMap((pin) => pin.curve ?? []),
-      missed: shown && !this.dragging ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
+      pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
+      hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
+      // Marks belong to the target that they miss.
+      missed: shown && fresh === "current" && !this.dragging ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,
     };
@@ -194,8 +209,8 @@ export class PlotPanel {
   }
 
   private showLegend(view: PlotView): void {
-    const entry = (shown: boolean, key: string, words: string, mark = "M0 5H22") =>
-      shown && h("li", {}, svg("svg", { viewBox: "0 0 22 10", class: `key ${key}`, "aria-hidden": "true" }, svg("path", { d: mark })), words);
+    const entry = (shown: boolean, key: string, words: string, mark = "M0 5H22", title = "") =>
+      shown && h("li", { title: title || null }, svg("svg", { viewBox: "0 0 22 10", class: `key ${key}`, "aria-hidden": "true" }, svg("path", { d: mark })), words);
     replace(
       this.legend,
       entry(true, "target", "Target"),
@@ -203,9 +218,28 @@ export class PlotPanel {
       entry(view.achieved !== null, "achieved", view.doubt ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
       entry(view.before !== null, "before", "Before"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
-      entry(view.envelope !== null, "reachable", `Within reach of ${view.envelope?.family ?? ""}`, "M0 0H22V10H0Z"),
+      entry(view.envelope !== null, "reachable", `What ${view.envelope?.family ?? ""} reaches, each value by itself`, "M0 0H22V10H0Z", "At each place some design of the family reaches every value in here; one design need not reach a whole curve in here."),
       entry(view.missed.length > 0, "out", "Missed", "M7 1L15 9M15 1L7 9"),
+      ...view.pins.map((pin) => entry(true, `pin pin-${pin.id % 6}`, pin.name)),
     );
+  }
+
+  /** The values at the pointer, or of the control point that is held. */
+  private showReading(view: PlotView): void {
+    const x = view.hovered;
+    if (x === null) return replace(this.reading, this.dragging ? "" : "Point at the plot to read its values.");
+    const polar = isPolar(view.task);
+    const { y, unit } = TASK_WORDS[view.task];
+    const value = (number: number | null) => (number === null ? "none" : `${digits(number)}${unit && ` ${unit}`}`);
+    const at = (curve: { x: readonly number[]; y: readonly (number | null)[] }) => valueAt(curve, x, polar);
+    const parts = [`target ${value(view.target(x))}`];
+    if (view.achieved) {
+      const found = this.session.shown.get();
+      const bar = found?.errorBar ? at({ x: found.x, y: found.errorBar }) : null;
+      parts.push(`${this.session.isCurrent ? "design" : "design before"} ${value(at(view.achieved))}${bar === null ? "" : ` ± ${digits(bar, 2)}`}`);
+    }
+    for (const pin of view.pins) parts.push(`${pin.name.split(",")[0]} ${value(at(pin))}`);
+    replace(this.reading, `${y} at ${polar ? degrees(x) : `a strain of ${digits(x)}`}: ${parts.join(", ")}.`);
   }
 
   private showActivity(activity: Activity): void {
@@ -214,6 +248,8 @@ export class PlotPanel {
     if (activity.kind === "failed") {
       announce(activity.sentence);
       replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.retry()));
+    } else if (activity.kind === "stopped") {
+      replace(this.status, h("p", { class: "muted" }, session.isCurrent ? "The search was stopped." : "The search was stopped: what is dimmed is of an earlier target."), button("Search again", () => session.retry()));
     } else if (activity.kind === "busy" && activity.effort === "search") {
       this.working.show(this.status, activity.stage ? `Searching: ${activity.stage}` : "Searching", activity.progress);
     } else if (activity.kind === "idle") {
@@ -225,7 +261,17 @@ export class PlotPanel {
   private tellOutcome(): void {
     const shown = this.session.shown.get();
     if (!shown || this.dragging) return;
-    const how = isReached(shown) ? "Target reached" : `Deviation ${percent(shown.deviation)}`;
+    const judgement = judge(shown, modelError(this.session.model(shown.found.family), shown));
+    const how = `${labelOf(shown, judgement)}: ${percent(shown.deviation)} from the target`;
     announce(`${shown.found.family}, parameters ${shown.found.parameters.map((value) => Number(value.toPrecision(3))).join(", ")}. ${how}.`);
   }
+}
+
+/** A curve's value between its samples; null outside of them and beside gaps. */
+function valueAt({ x, y }: { x: readonly number[]; y: readonly (number | null)[] }, at: number, polar: boolean): number | null {
+  const known = x.flatMap((place, k): ControlPoint[] => (y[k] === null || y[k] === undefined ? [] : [[place, y[k] as number]]));
+  if (known.length < x.length || known.length < 2) return null;
+  if (polar) return periodicCurve(known[known.length - 1][0] - known[0][0] > Math.PI - 1e-6 ? known.slice(0, -1) : known, "linear")(at);
+  const tolerance = 1e-9;
+  return at < known[0][0] - tolerance || at > known[known.length - 1][0] + tolerance ? null : openCurve(known, "linear")(at);
 }

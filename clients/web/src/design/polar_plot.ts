@@ -15,9 +15,13 @@ import { wrapped } from "./targets";
 
 const MARGIN = 40;
 const TARGET_STEPS = 181;
+/** Nearer to the centre, in pixels, a dragged point keeps its direction. */
+const LEAST_RADIUS = 8;
 
 export class PolarPlot extends ProfilePlot {
   protected readonly handles: Handles;
+  /** From the centre to where a control point is held. */
+  private side: Pixels = [0, 0];
   private readonly radius: ScaleLinear<number, number> = scaleLinear();
   private readonly centre = svg("g");
   private readonly disc = svg("circle", { class: "ground" });
@@ -32,7 +36,9 @@ export class PolarPlot extends ProfilePlot {
       this.element,
       {
         toPixels: (point) => this.pixels(point),
-        toPoint: (pixels) => this.pointAt(pixels),
+        hold: (pixels, point) => this.hold(pixels, point),
+        toPoint: (pixels, from) => this.draggedTo(pixels, from),
+        isHeld: () => false,
         nudged: ([x, y], [right, up]) => [
           wrapped(x - right * Math.PI),
           Math.max(this.radius.domain()[0], y + up * (this.radius.domain()[1] - this.radius.domain()[0])),
@@ -85,6 +91,12 @@ export class PolarPlot extends ProfilePlot {
     return { area: rings, rim: rings };
   }
 
+  protected guidePath(x: number): string {
+    const rim = this.radius.range()[1];
+    const [right, up] = [rim * Math.cos(x), rim * Math.sin(x)];
+    return `M${-right},${up}L${right},${-up}`;
+  }
+
   protected places([x, y]: ControlPoint): readonly Pixels[] {
     const r = this.away(y);
     const [right, up] = [r * Math.cos(x), r * Math.sin(x)];
@@ -104,8 +116,31 @@ export class PolarPlot extends ProfilePlot {
     return [this.width / 2 + r * Math.cos(x), this.height / 2 - r * Math.sin(x)];
   }
 
+  /** A control point is taken hold of: on which side of the centre. */
+  private hold(pixels: Pixels, [angle]: ControlPoint): void {
+    const [right, up] = this.fromCentre(pixels);
+    this.side = Math.hypot(right, up) < LEAST_RADIUS ? [Math.cos(angle), Math.sin(angle)] : [right, up];
+  }
+
+  /**
+   * Where the control point goes that is held. It stays on its side: a pointer beyond the centre pulls it into the centre
+   * and does not turn it over.
+   */
+  private draggedTo(pixels: Pixels, [angle]: ControlPoint): ControlPoint {
+    const [right, up] = this.fromCentre(pixels);
+    if (right * this.side[0] + up * this.side[1] < 0) return [angle, this.radius.invert(0)];
+    // Next to the centre every direction is as near as any other.
+    if (Math.hypot(right, up) < LEAST_RADIUS) return [angle, this.pointAt(pixels)[1]];
+    this.side = [right, up];
+    return this.pointAt(pixels);
+  }
+
+  private fromCentre([x, y]: Pixels): Pixels {
+    return [x - this.width / 2, this.height / 2 - y];
+  }
+
   protected pointAt([x, y]: Pixels): ControlPoint {
-    const [right, up] = [x - this.width / 2, this.height / 2 - y];
+    const [right, up] = this.fromCentre([x, y]);
     const r = Math.min(Math.hypot(right, up), this.radius.range()[1]);
     return [wrapped(Math.atan2(up, right)), this.radius.invert(r)];
   }

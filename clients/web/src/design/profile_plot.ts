@@ -30,11 +30,14 @@ export abstract class ProfilePlot {
   private readonly achieved = svg("path", { class: "curve achieved" });
   private readonly verified = svg("g", { class: "verified" });
   private readonly missed = svg("g", { class: "missed" });
+  private readonly guide = svg("path", { class: "guide" });
 
   protected constructor(kind: string, label: string, protected readonly wishes: PlotWishes) {
     this.element = svg("svg", { class: `plot ${kind}`, role: "group", "aria-label": label });
     this.sheet.addEventListener("dblclick", (event) => this.wishes.add(this.pointAt(pixelsOf(this.element, event))));
     this.sheet.addEventListener("pointerdown", () => this.wishes.select(null));
+    this.element.addEventListener("pointermove", (event) => this.wishes.hover(this.pointAt(pixelsOf(this.element, event))[0]));
+    this.element.addEventListener("pointerleave", () => this.wishes.hover(null));
   }
 
   resize(width: number, height: number): void {
@@ -80,6 +83,7 @@ export abstract class ProfilePlot {
     );
     this.drawMarks(this.verified, view.verified ? pieces(view.verified).flat() : [], DIAMOND);
     this.drawMarks(this.missed, view.missed, CROSS);
+    this.guide.setAttribute("d", view.hovered === null ? "" : this.guidePath(view.hovered));
     this.handles.update(view);
   }
 
@@ -88,7 +92,7 @@ export abstract class ProfilePlot {
     return [this.envelope, this.envelopeRim, this.measured];
   }
   protected get curves(): SVGElement[] {
-    return [this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified];
+    return [this.guide, this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified];
   }
 
   /** Follows a new size. */
@@ -101,6 +105,8 @@ export abstract class ProfilePlot {
   protected abstract bandPath(band: Band): { area: string; rim: string };
   /** The control point that is shown at a place. */
   protected abstract pointAt(pixels: Pixels): ControlPoint;
+  /** A line through all that is shown at a strain or an angle. */
+  protected abstract guidePath(x: number): string;
   /** Where a point is shown: once, or at every place that its period gives it. */
   protected abstract places(point: ControlPoint): readonly Pixels[];
 

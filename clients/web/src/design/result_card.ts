@@ -1,11 +1,16 @@
-// How close the design comes, and which families come closest.
+// How close the design comes, and what would have to give way where it does not come close.
+import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
-import { digits, percent, seconds } from "../base/format";
+import { degrees, digits, percent, seconds } from "../base/format";
 import { icon } from "../base/icons";
-import type { DesignCandidate, DesignStop } from "../contract/types";
+import type { DesignStop } from "../contract/types";
+import type { Overlays } from "./overlays";
+import { rankingList } from "./ranking_list";
+import { relaxation } from "./reach";
 import type { DesignSession } from "./session";
-import { expectedDeviation, type ModelError, modelError, type Shown } from "./shown";
-import { TASK_WORDS } from "./state";
+import { freshness, type ModelError, modelError, type Shown } from "./shown";
+import { type DesignState, isPolar, TASK_WORDS } from "./state";
+import { judge, type Judgement } from "./verdict";
 
 const STOP_WORDS: Record<DesignStop, string> = {
   converged: "no step comes closer",
@@ -15,31 +20,57 @@ const STOP_WORDS: Record<DesignStop, string> = {
   no_free_parameters: "all parameters are fixed",
 };
 
-export function resultCard(session: DesignSession): HTMLElement {
-  const body = h("div");
-  const ranking = h("div", { class: "ranking" });
-  session.shown.watch((shown) => {
-    if (!shown) return replace(body, h("p", { class: "muted" }, "No design yet."));
-    replace(body, headline(shown), facts(shown, modelError(session.model(shown.found.family), shown)), ...notes(shown));
-    if (shown.ranking.length > 1) replace(ranking, ...rankingList(session, shown));
-    else if (!shown.provisional && !shown.byHand && session.state.get().family !== "any") replace(ranking);
-  });
-  return h("section", { class: "card result", "aria-label": "Design found" }, h("h2", {}, "Design"), body, ranking);
+export function resultCard(session: DesignSession, overlays: Overlays): HTMLElement {
+  const body = h("div", { class: "dims" });
+  const element = h("section", { class: "card result", "aria-label": "Design found" }, h("h2", {}, "Design"), body, rankingList(session, overlays));
+  let drawn = "";
+  let last: Shown | null = null;
+
+  function show(): void {
+    const shown = session.shown.get();
+    const state = session.state.get();
+    const fresh = freshness(shown, state);
+    const now = `${fresh} ${state.task} ${state.found?.family} ${session.activity.get().kind}`;
+    if (now === drawn && shown === last) return;
+    [drawn, last] = [now, shown];
+    element.setAttribute("aria-busy", String(fresh !== "current"));
+    // Of another family or another kind of profile nothing is told beside these sliders.
+    if (!shown || fresh === "other") return replace(body, ...waiting(session, state));
+    const error = modelError(session.model(shown.found.family), shown);
+    const judgement = judge(shown, error);
+    const label = fresh === "current" ? chip(shown, judgement) : h("span", { class: "chip plain" }, waitingWords(session));
+    replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label),
+      facts(shown, error), h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
+      ...(fresh === "current" && !shown.provisional && !shown.byHand && judgement.verdict !== "within" ? [advice(session, shown)] : []));
+  }
+
+  for (const part of [session.shown, session.state, session.activity]) part.watch(show);
+  return element;
 }
 
-export function isReached(shown: Shown): boolean {
-  return shown.reached.length > 0 && shown.reached.every(Boolean);
+function waitingWords(session: DesignSession): string {
+  return session.activity.get().kind === "busy" ? "Computing" : "Not computed";
 }
 
-function headline(shown: Shown): HTMLElement {
-  const reached = isReached(shown);
-  const words = reached ? "Target reached" : shown.byHand ? "Set by hand" : shown.provisional ? "Searching" : "Closest design";
-  return h(
-    "div",
-    { class: "headline" },
-    h("strong", { class: "family" }, shown.found.family),
-    h("span", { class: reached ? "chip good" : "chip" }, reached && icon("check"), words),
-  );
+function waiting(session: DesignSession, { found, task }: DesignState): HTMLElement[] {
+  if (!found) return [h("p", { class: "muted" }, "No design yet.")];
+  return [
+    h("div", { class: "headline" }, h("strong", { class: "family" }, found.family), h("span", { class: "chip plain" }, waitingWords(session))),
+    h("p", { class: "muted" }, `${TASK_WORDS[task].title} of ${found.family} is not known yet.`),
+  ];
+}
+
+/** Words for a label: how the target is met, or why that is not asked yet. */
+export function labelOf(shown: Shown, judgement: Judgement): string {
+  if (shown.provisional) return "Searching";
+  return shown.byHand ? "Set by hand" : judgement.words;
+}
+
+function chip(shown: Shown, judgement: Judgement): HTMLElement {
+  const { verdict } = judgement;
+  const isPlain = shown.provisional || shown.byHand;
+  const kind = isPlain ? "plain" : verdict === "within" ? "good" : verdict === "close" ? "close" : "out";
+  return h("span", { class: `chip ${kind}` }, kind === "good" && icon("check"), labelOf(shown, judgement));
 }
 
 function facts(shown: Shown, error: ModelError | null): HTMLElement {
@@ -48,44 +79,31 @@ function facts(shown: Shown, error: ModelError | null): HTMLElement {
     ["Deviation (rms)", percent(shown.deviation)],
     ["Largest", `${digits(shown.largest)}${unit && ` ${unit}`}`],
     ["Parameters", shown.found.parameters.map((value) => digits(value, 4)).join(", ")],
-    ["Time", seconds(shown.seconds)],
   ];
+  if (!shown.provisional) rows.push(["Time", seconds(shown.seconds)]);
   if (error) rows.push(["Model’s error", `${percent(error.mean)} in the mean, at most ${percent(error.percentile99)} for 99 in 100`]);
   if (shown.stopped) rows.push(["Stopped by", STOP_WORDS[shown.stopped]]);
   return h("dl", { class: "facts" }, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
 }
 
-function notes(shown: Shown): HTMLElement[] {
+function notes(shown: Shown, { verdict }: Judgement): HTMLElement[] {
   const outside = shown.inRange.filter((inside) => !inside).length;
-  const words: string[] = [];
-  if (shown.message) words.push(shown.message);
-  if (outside > 0) words.push(`${outside} of ${shown.inRange.length} samples are beyond what the model can be trusted with: verify them.`);
-  return words.map((sentence) => h("p", { class: "note" }, sentence));
+  const words: HTMLElement[] = [];
+  // What misses its target by less than the model errs is no cause for alarm.
+  if (shown.message) words.push(h("p", { class: verdict === "out" && !shown.byHand ? "note" : "muted" }, shown.message));
+  if (outside > 0 && !/samples/.test(shown.message)) words.push(h("p", { class: "note" }, `${outside} of ${shown.inRange.length} samples are beyond what the model can be trusted with: verify them.`));
+  return words;
 }
 
-function rankingList(session: DesignSession, shown: Shown): HTMLElement[] {
-  const best = expectedDeviation(shown.ranking[0]);
-  const items = shown.ranking.map((candidate) => {
-    const chosen = candidate.family === shown.found.family;
-    // A bar of full length is the best; others are as short as they are worse.
-    const bar = h("meter", { min: 0, max: 1, value: best / Math.max(expectedDeviation(candidate), best), "aria-hidden": "true" });
-    const row = h(
-      "button",
-      { type: "button", class: "rank", "aria-current": chosen ? "true" : null, title: `Go on with ${candidate.family}, whose model errs by ${modelWords(candidate)}`,
-        onclick: () => session.apply({ family: candidate.family, found: { family: candidate.family, parameters: candidate.parameters }, byHand: false }) },
-      h("span", { class: "rank-name" }, candidate.family), bar,
-      h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
-      h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`),
-    );
-    return h("li", {}, row);
-  });
-  return [
-    h("h3", {}, "Families, best first"),
-    h("p", { class: "muted" }, "Deviation ± the model’s mean error"),
-    h("ol", {}, ...items),
-  ];
-}
-
-function modelWords({ model_error: error }: DesignCandidate): string {
-  return error === null ? "an unknown amount" : percent(error);
+/** What to do about a target that no design meets: all of it, or one point of it. */
+function advice(session: DesignSession, shown: Shown): HTMLElement {
+  const relaxed = relaxation(shown);
+  const { unit } = TASK_WORDS[shown.task];
+  const height = (y: number) => `${digits(y)}${unit && ` ${unit}`}`;
+  const at = relaxed && (isPolar(shown.task) ? degrees(relaxed.from[0]) : `a strain of ${digits(relaxed.from[0])}`);
+  return h("div", { class: "advice" },
+    relaxed && h("p", {}, `Control point ${relaxed.index + 1}, at ${at}, keeps this design away most: with ${height(relaxed.to[1])} there instead of ${height(relaxed.from[1])} it would be within ${percent(relaxed.deviation)}.`),
+    h("div", { class: "row" },
+      button("Snap to the closest reachable", () => session.snapTarget(), { title: "Move the target’s control points onto this design’s response" }),
+      relaxed && button(`Relax point ${relaxed.index + 1}`, () => session.relax(relaxed), { title: `Move control point ${relaxed.index + 1} alone` })));
 }

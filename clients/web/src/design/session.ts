@@ -5,9 +5,10 @@ import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort, Problem } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { DesignAnswer, Family, Job, Model, Profile } from "../contract/types";
+import type { DesignAnswer, DesignCandidate, Family, Job, Model, Profile } from "../contract/types";
+import { type Relaxation, snappedPoints } from "./reach";
 import { designRequest, type Effort, profileRequest } from "./requests";
-import { type Envelope, kindOf, type Shown, shownDesign, shownProfile } from "./shown";
+import { type Envelope, freshness, kindOf, sameWanted, type Shown, shownDesign, shownPartial, shownProfile, type Wanted, wantedOf } from "./shown";
 import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, sameProfile } from "./state";
 import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type Points, pointsOnProfile } from "./targets";
 
@@ -19,7 +20,14 @@ const POINTS_OVER_DIRECTIONS = 6;
 export type Activity =
   | { kind: "idle" }
   | { kind: "busy"; effort: Effort | "profile"; progress: number | null; stage: string }
+  /** The person stopped it. */
+  | { kind: "stopped" }
   | { kind: "failed"; sentence: string };
+
+/** The best design of each family, of one target. */
+export interface Ranking extends Wanted {
+  readonly candidates: readonly DesignCandidate[];
+}
 
 export interface Steps {
   undo: boolean;
@@ -32,6 +40,8 @@ export class DesignSession {
   /** The profile before the last change began. */
   readonly before = new Observable<(Curve & ProfileKind) | null>(null);
   readonly envelope = new Observable<Envelope | null>(null);
+  /** Stays while one of its families is looked at, until there is another target. */
+  readonly ranking = new Observable<Ranking | null>(null);
   readonly activity = new Observable<Activity>({ kind: "idle" });
   readonly steps = new Observable<Steps>({ undo: false, redo: false });
   families: readonly Family[] = [];
@@ -126,14 +136,27 @@ export class DesignSession {
     if (this.history.redo()) this.restore();
   }
 
+  /** Stops what runs; the best so far stays. */
   cancel(): void {
     this.requests.cancel();
-    this.activity.set({ kind: "idle" });
+    const shown = this.shown.get();
+    if (shown?.provisional) this.shown.set({ ...shown, provisional: false, message: "The search was stopped: this is its best so far." });
+    this.activity.set({ kind: "stopped" });
   }
 
-  /** Asks again for what a lost connection or a fault left open. */
+  /** Asks again for what a lost connection, a fault or the person left open. */
   retry(): void {
-    if (this.unanswered || this.activity.get().kind === "failed") this.refresh("search");
+    if (this.unanswered || ["failed", "stopped"].includes(this.activity.get().kind)) this.refresh("search");
+  }
+
+  /** Whether what is shown belongs to what was decided. */
+  get isCurrent(): boolean {
+    return freshness(this.shown.get(), this.state.get()) === "current";
+  }
+
+  /** Looks at the best design of one family of the ranking. */
+  lookAt({ family, parameters }: DesignCandidate): void {
+    this.apply({ family, found: { family, parameters }, byHand: false });
   }
 
   /** Another task; its target is the one it had, or what the design at hand does there. */
@@ -164,8 +187,20 @@ export class DesignSession {
   adoptAsTarget(): void {
     const shown = this.shown.get();
     if (!shown || !sameProfile(shown, this.state.get())) return;
-    const points = pointsOnProfile(shown.task, shown.x, shown.achieved, this.pointCount(shown.task));
+    const points = pointsOnProfile(shown.task, shown.x, shown.achieved, this.pointCount(shown.task), this.state.get().interpolation);
     if (points.length > 0) this.apply({ points });
+  }
+
+  /** The target moves onto the response of the closest design that was found. */
+  snapTarget(): void {
+    const shown = this.shown.get();
+    if (shown && this.isCurrent) this.apply({ points: snappedPoints(shown), byHand: false });
+  }
+
+  /** One control point gives way. */
+  relax({ index, to }: Relaxation): void {
+    const { points } = this.state.get();
+    this.apply({ points: points.map((point, k) => (k === index ? to : point)), byHand: false });
   }
 
   /** The profile of any design, of the state's kind. Null where it cannot be had. */
@@ -217,7 +252,7 @@ export class DesignSession {
 
   private async pointsOf(state: DesignState, found: Found | null): Promise<Points> {
     const curve = found && (await this.profile(found, { ...state, points: [] }));
-    return curve ? pointsOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task)) : [];
+    return curve ? pointsOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task), state.interpolation) : [];
   }
 
   private pointCount(task: DesignState["task"]): number {
@@ -291,6 +326,8 @@ export class DesignSession {
     this.activity.set({ kind: "busy", effort: "profile", progress: null, stage: "" });
     const profile = await this.client.post<Profile>("/v1/profiles", profileRequest(state, found), { signal });
     if (signal.aborted || epoch !== this.epoch) return;
+    const ranking = this.ranking.get();
+    if (ranking && !sameWanted(ranking, state)) this.ranking.set(null);
     this.shown.set(shownProfile(profile, state));
   }
 
@@ -298,23 +335,35 @@ export class DesignSession {
     if (signal.aborted) return;
     this.activity.set({ kind: "busy", effort: "search", progress: job.progress, stage: job.stage });
     const { partial } = job;
-    const shown = this.shown.get();
-    if (!partial || !("achieved" in partial) || !shown || !sameProfile(shown, state)) return;
-    const { family, parameters } = partial;
-    this.shown.set({ ...shown, found: { family, parameters }, x: partial.x, achieved: partial.achieved, errorBar: null, provisional: true });
+    if (!partial || !("achieved" in partial)) return;
+    const shown = shownPartial(partial, state);
+    this.takeOver(shown.found);
+    this.shown.set(shown);
   }
 
-  private accept(answer: DesignAnswer, asked: DesignState): void {
-    const found: Found = { family: answer.family, parameters: answer.parameters };
+  /** The design that is shown is the one of the sliders and of the next search. */
+  private takeOver(found: Found): void {
     const state = this.state.get();
     const kept = state.found?.family === found.family && state.fixed.length === found.parameters.length;
     this.state.set({ ...state, found, fixed: kept ? state.fixed : found.parameters.map(() => false) });
     if (!this.inGesture) this.history.amend(this.state.get());
+  }
+
+  private accept(answer: DesignAnswer, asked: DesignState): void {
+    const found: Found = { family: answer.family, parameters: answer.parameters };
+    this.takeOver(found);
+    this.rank(answer, asked);
     const { profile } = answer;
     if (profile.envelope) this.envelope.set({ ...asked, family: found.family, x: profile.x, ...profile.envelope });
     const before = this.before.get();
     if (!before || !sameProfile(before, asked)) this.before.set({ ...kindOf(asked), x: profile.x, y: profile.initial });
     this.shown.set(shownDesign(answer, asked));
+  }
+
+  private rank({ ranking }: DesignAnswer, asked: DesignState): void {
+    const before = this.ranking.get();
+    if (ranking.length > 1) this.ranking.set({ ...wantedOf(asked), candidates: ranking });
+    else if (before && !sameWanted(before, asked)) this.ranking.set(null);
   }
 
   private fail(error: unknown, effort: Effort, signal: AbortSignal): void {

@@ -1,6 +1,6 @@
 // What the plot, the cards and the exports show: answers of the server in one form.
-import type { DesignAnswer, DesignCandidate, DesignStop, Model, Profile } from "../contract/types";
-import { type DesignState, type Found, isPolar, type ProfileKind } from "./state";
+import type { DesignAnswer, DesignCandidate, DesignStop, Model, PartialDesign, Profile } from "../contract/types";
+import { type ControlPoint, type DesignState, type Found, type Interpolation, isPolar, type ProfileKind, sameProfile } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 
 export interface Band {
@@ -13,13 +13,20 @@ export interface Envelope extends ProfileKind, Band {
   readonly family: string;
 }
 
-export interface Shown extends ProfileKind {
+/** What is wanted of a design: a kind of profile and the curve that it should follow. */
+export interface Wanted extends ProfileKind {
+  readonly points: readonly ControlPoint[];
+  readonly interpolation: Interpolation;
+}
+
+export interface Shown extends Wanted {
   readonly found: Found;
   readonly model: string;
   readonly x: readonly number[];
   readonly achieved: readonly (number | null)[];
   /** The simulated value differs by no more, in 90 of 100 cases; null where nobody can say. */
   readonly errorBar: readonly (number | null)[] | null;
+  /** The wanted curve at the samples. */
   readonly target: readonly number[];
   readonly inRange: readonly boolean[];
   /** Which samples of the target are reached. */
@@ -76,10 +83,34 @@ export function kindOf({ task, direction, strain, measure }: ProfileKind): Profi
   return { task, direction, strain, measure };
 }
 
+/** What was wanted alone, of what has more. */
+export function wantedOf(state: Wanted): Wanted {
+  return { ...kindOf(state), points: state.points, interpolation: state.interpolation };
+}
+
+export function sameWanted(a: Wanted, b: Wanted): boolean {
+  return sameProfile(a, b) && a.points === b.points && a.interpolation === b.interpolation;
+}
+
+export function sameFound(a: Found, b: Found): boolean {
+  return a.family === b.family && a.parameters.length === b.parameters.length && a.parameters.every((value, k) => value === b.parameters[k]);
+}
+
+/**
+ * Whether an answer belongs to what was decided. `other`: it is of another kind of profile or of another family, and
+ * may not stand beside what is decided now. `outdated`: it is of an earlier target or of earlier parameters.
+ */
+export type Freshness = "current" | "outdated" | "other";
+
+export function freshness(shown: Shown | null, state: DesignState): Freshness {
+  if (!shown || !sameProfile(shown, state) || shown.found.family !== state.found?.family) return "other";
+  return sameWanted(shown, state) && sameFound(shown.found, state.found) ? "current" : "outdated";
+}
+
 export function shownDesign(answer: DesignAnswer, asked: DesignState): Shown {
   const { profile } = answer;
   return {
-    ...kindOf(asked),
+    ...wantedOf(asked),
     found: { family: answer.family, parameters: answer.parameters },
     model: answer.model,
     x: profile.x,
@@ -101,22 +132,13 @@ export function shownDesign(answer: DesignAnswer, asked: DesignState): Shown {
 }
 
 export function shownProfile(profile: Profile, asked: DesignState): Shown {
-  const target = profile.x.map(targetCurve(isPolar(asked.task), asked.points, asked.interpolation));
-  const size = Math.sqrt(target.reduce((sum, value) => sum + value * value, 0) / target.length);
-  const away = profile.y.map((value, k) => (value === null ? Infinity : Math.abs(value - target[k])));
-  const finite = away.filter(Number.isFinite);
   return {
-    ...kindOf(asked),
+    ...wantedOf(asked),
     found: { family: profile.family, parameters: profile.parameters },
     model: profile.model,
-    x: profile.x,
-    achieved: profile.y,
+    ...comparison(profile.x, profile.y, asked),
     errorBar: profile.error_bar,
-    target,
     inRange: profile.in_range,
-    reached: away.map((value) => value <= REACHED * size),
-    deviation: relativeDeviation(profile.y, target, asked.task === "poisson" ? LEAST_POISSON : 0),
-    largest: finite.length > 0 ? Math.max(...finite) : 0,
     message: profile.y.includes(null) ? "In some samples no equilibrium was found." : "",
     stopped: null,
     iterations: 0,
@@ -124,5 +146,40 @@ export function shownProfile(profile: Profile, asked: DesignState): Shown {
     seconds: profile.cost.seconds,
     byHand: true,
     provisional: false,
+  };
+}
+
+/** The best that a search has found so far, against its own target: nothing of it is of an earlier answer. */
+export function shownPartial(partial: PartialDesign, asked: DesignState): Shown {
+  return {
+    ...wantedOf(asked),
+    found: { family: partial.family, parameters: partial.parameters },
+    model: partial.model,
+    ...comparison(partial.x, partial.achieved, asked),
+    errorBar: null,
+    inRange: partial.x.map(() => true),
+    message: "",
+    stopped: null,
+    iterations: partial.iteration,
+    ranking: [],
+    seconds: 0,
+    byHand: false,
+    provisional: true,
+  };
+}
+
+/** A profile beside the target that was asked for, sample by sample. */
+function comparison(x: readonly number[], y: readonly (number | null)[], asked: Wanted): Pick<Shown, "x" | "achieved" | "target" | "reached" | "deviation" | "largest"> {
+  const target = x.map(targetCurve(isPolar(asked.task), asked.points, asked.interpolation));
+  const size = Math.sqrt(target.reduce((sum, value) => sum + value * value, 0) / target.length);
+  const away = y.map((value, k) => (value === null ? Infinity : Math.abs(value - target[k])));
+  const finite = away.filter(Number.isFinite);
+  return {
+    x,
+    achieved: y,
+    target,
+    reached: away.map((value) => value <= REACHED * size),
+    deviation: relativeDeviation(y, target, asked.task === "poisson" ? LEAST_POISSON : 0),
+    largest: finite.length > 0 ? Math.max(...finite) : 0,
   };
 }

@@ -1,6 +1,7 @@
 // Control points of a target: moved, added and removed so that their x stays increasing.
 import type { StrainMeasure, Task } from "../contract/types";
-import { type ControlPoint, isPolar } from "./state";
+import { type ControlPoint, type Interpolation, isPolar } from "./state";
+import { relativeDeviation, targetCurve } from "./spline";
 
 export type Points = readonly ControlPoint[];
 
@@ -14,10 +15,23 @@ export interface Extent {
   readonly upper: number;
 }
 
+/** Points on a profile follow it within this share, if need be with more of them than were asked for. */
+const PROFILE_DEVIATION = 0.003;
+const MOST_ON_PROFILE = 24;
+/** Poisson's ratio is compared with at least this. */
+const LEAST_POISSON = 0.1;
+/** Below this share of the largest value a stress at rest is rounding. */
+const ROUNDING = 1e-9;
+
 export const HALF_TURN: Extent = { lower: 0, upper: Math.PI };
 
 export function fewestPoints(task: Task): number {
   return isPolar(task) ? 3 : 2;
+}
+
+/** Whether a point of a target is at rest: without strain there is no stress, so that it stays where it is. */
+export function isAtRest(task: Task, [x]: ControlPoint): boolean {
+  return !isPolar(task) && Math.abs(x) < 1e-9;
 }
 
 /** The angle within [0, pi) of the same direction. */
@@ -26,16 +40,21 @@ export function wrapped(angle: number): number {
   return rest < 0 ? rest + Math.PI : rest;
 }
 
+function atRest(task: Task, point: ControlPoint): ControlPoint {
+  return isAtRest(task, point) ? [0, 0] : point;
+}
+
 /** The points with one moved, and its index among them: over directions it may pass the others. */
 export function movePoint(task: Task, points: Points, index: number, to: ControlPoint, extent: Extent): [Points, number] {
   return isPolar(task) ? moveAround(points, index, to) : [moveBetween(points, index, to, extent), index];
 }
 
 function moveBetween(points: Points, index: number, [x, y]: ControlPoint, extent: Extent): Points {
+  if (isAtRest("stress_strain", points[index])) return points;
   const gap = LEAST_GAP * (extent.upper - extent.lower);
   const lower = index > 0 ? points[index - 1][0] + gap : extent.lower;
   const upper = index + 1 < points.length ? points[index + 1][0] - gap : extent.upper;
-  const moved: ControlPoint = [Math.max(lower, Math.min(upper, x)), y];
+  const moved = atRest("stress_strain", [Math.max(lower, Math.min(upper, x)), y]);
   return points.map((point, k) => (k === index ? moved : point));
 }
 
@@ -62,7 +81,7 @@ export function addPoint(task: Task, points: Points, [x, y]: ControlPoint, exten
     const apart = Math.abs(at - other);
     if (apart < gap || (isPolar(task) && Math.PI - apart < gap)) return null;
   }
-  const added: ControlPoint = [at, y];
+  const added = atRest(task, [at, y]);
   const sorted = [...points, added].sort((a, b) => a[0] - b[0]);
   return [sorted, sorted.indexOf(added)];
 }
@@ -79,17 +98,33 @@ export function removePoint(task: Task, points: Points, index: number): Points {
   return points.length > fewestPoints(task) ? points.filter((_, k) => k !== index) : points;
 }
 
-/** `count` control points on a sampled profile, evenly spaced over its samples. */
-export function pointsOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number): Points {
+/**
+ * Control points on a sampled profile, evenly spaced over its samples: `count`, or as many more as the curve through
+ * them needs to follow the profile.
+ */
+export function pointsOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number, interpolation: Interpolation = "cubic"): Points {
   const known = x.map((value, k) => [value, y[k]] as const).filter((pair): pair is [number, number] => pair[1] !== null);
   if (known.length < fewestPoints(task)) return [];
+  const away = (points: Points) => relativeDeviation(known.map((pair) => pair[1]), known.map((pair) => pair[0]).map(targetCurve(isPolar(task), points, interpolation)), task === "poisson" ? LEAST_POISSON : 0);
+  const most = Math.max(count, Math.min(MOST_ON_PROFILE, known.length));
+  let best: Points = [];
+  for (let tried = count; tried <= most; tried += 2) {
+    const points = evenly(task, known, tried);
+    if (best.length === 0 || away(points) < away(best)) best = points;
+    if (away(best) <= PROFILE_DEVIATION) break;
+  }
+  return best;
+}
+
+function evenly(task: Task, known: readonly ControlPoint[], count: number): Points {
+  const rest = ROUNDING * Math.max(...known.map(([, value]) => Math.abs(value)));
   const chosen: ControlPoint[] = [];
   for (let k = 0; k < count; ++k) {
     const place = isPolar(task) ? (k * known.length) / count : (k * (known.length - 1)) / (count - 1);
     const point = known[Math.round(place)];
-    if (point && (chosen.length === 0 || point[0] > chosen[chosen.length - 1][0])) chosen.push(point);
+    if (point && (chosen.length === 0 || point[0] > chosen[chosen.length - 1][0])) chosen.push(Math.abs(point[1]) <= rest ? [point[0], 0] : point);
   }
-  return chosen.filter(([at]) => !isPolar(task) || at < chosen[0][0] + Math.PI - 1e-9);
+  return chosen.map((point) => atRest(task, point)).filter(([at]) => !isPolar(task) || at < chosen[0][0] + Math.PI - 1e-9);
 }
 
 /** The same strain in another measure. */

@@ -9,6 +9,8 @@ import type { DesignSession } from "./session";
 import type { Found } from "./state";
 
 const MOST_CELLS = 16;
+/** Height of the frame over its width. */
+const HEIGHT_SHARE = 3 / 4;
 /** How much smaller than at the default parameters a family's cell may become, along a side. */
 const SHRINKAGE = 1.6;
 
@@ -31,7 +33,7 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
   const shape = svg("path", { class: "solid", "fill-rule": "evenodd" });
   const scaleBar = svg("path", { class: "scale-bar" });
   const scaleWords = svg("text", { class: "scale-words" });
-  const drawing = svg("svg", { class: "tiling", role: "img", preserveAspectRatio: "xMidYMid slice" }, shape, scaleBar, scaleWords);
+  const drawing = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, shape, scaleBar, scaleWords);
   const caption = h("figcaption", {});
   const requests = new Latest();
   let asked = "";
@@ -51,7 +53,8 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
 
   function drawScale(side: number): void {
     const length = side > 30 ? 10 : 5;
-    const at = { x: side / 2 - length - side * 0.05, y: side / 2 - side * 0.05 };
+    // The frame is lower than wide: of the square only so much is seen.
+    const at = { x: side / 2 - length - side * 0.05, y: (HEIGHT_SHARE * side) / 2 - side * 0.05 };
     scaleBar.setAttribute("d", `M${at.x} ${at.y}h${length}`);
     scaleBar.setAttribute("stroke-width", String(side / 120));
     scaleWords.setAttribute("x", String(at.x));
@@ -60,9 +63,9 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
     scaleWords.textContent = `${length} mm`;
   }
 
-  session.shown.watch((shown) => {
-    if (!shown) return;
-    const { found } = shown;
+  // Of the design of the sliders, which may be ahead of its response.
+  session.state.watch(({ found }) => {
+    if (!found) return;
     const key = `${found.family} ${found.parameters.join()}`;
     if (key === asked) return;
     asked = key;

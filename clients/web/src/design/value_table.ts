@@ -2,11 +2,12 @@
 import { h, replace } from "../base/dom";
 import { degrees, digits } from "../base/format";
 import type { DesignSession } from "./session";
+import { freshness } from "./shown";
 import { type ControlPoint, isPolar, STRAIN_WORDS, TASK_WORDS } from "./state";
-import { movePoint } from "./targets";
+import { isAtRest, movePoint } from "./targets";
 
 export function valueTable(session: DesignSession): HTMLElement {
-  const curves = h("div", { class: "table-box", tabindex: 0, role: "region", "aria-label": "Values of the curves" });
+  const curves = h("div", { class: "table-box dims", tabindex: 0, role: "region", "aria-label": "Values of the curves" });
   const points = h("div", { class: "table-box" });
   const details = h("details", { class: "card table" }, h("summary", {}, "Values as tables"), h("div", { class: "tables" }, points, curves));
 
@@ -18,7 +19,7 @@ export function valueTable(session: DesignSession): HTMLElement {
 
   function showCurves(): void {
     const shown = session.shown.get();
-    if (!shown) return replace(curves);
+    if (!shown || freshness(shown, session.state.get()) === "other") return replace(curves, h("p", { class: "muted" }, "Not computed yet."));
     const polar = isPolar(shown.task);
     const { y, unit } = TASK_WORDS[shown.task];
     const head = [polar ? "Direction" : STRAIN_WORDS[shown.measure], "Target", "Design", "Reached"];
@@ -38,14 +39,17 @@ export function valueTable(session: DesignSession): HTMLElement {
     );
   }
 
-  function showPoints(): void {
-    if (points.contains(document.activeElement)) return; // somebody writes there
+  /** `anew`: also while a field has the focus, which it keeps. */
+  function showPoints(anew = false): void {
+    const fields = () => [...points.querySelectorAll("input")];
+    const focused = fields().indexOf(document.activeElement as HTMLInputElement);
+    if (focused >= 0 && !anew) return; // somebody writes there
     const state = session.state.get();
     const polar = isPolar(state.task);
     const x = (value: number) => (polar ? (value * 180) / Math.PI : value);
     const field = (point: ControlPoint, index: number, axis: 0 | 1) =>
       h("input", {
-        type: "number", step: "any", class: "number",
+        type: "number", step: "any", class: "number", disabled: isAtRest(state.task, point), title: isAtRest(state.task, point) ? "Without strain there is no stress" : null,
         value: Number((axis === 0 ? x(point[0]) : point[1]).toPrecision(6)),
         "aria-label": `Control point ${index + 1}, ${axis === 0 ? (polar ? "direction in degrees" : "strain") : TASK_WORDS[state.task].y}`,
         onchange: (event: Event) => edit(index, axis, (event.target as HTMLInputElement).value),
@@ -57,15 +61,17 @@ export function valueTable(session: DesignSession): HTMLElement {
         h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[state.task].y))),
         h("tbody", {}, ...state.points.map((point, k) => h("tr", {}, h("th", { scope: "row" }, String(k + 1)), h("td", {}, field(point, k, 0)), h("td", {}, field(point, k, 1)))))),
     );
+    if (focused >= 0) fields()[focused]?.focus();
   }
 
   function edit(index: number, axis: 0 | 1, text: string): void {
     const value = Number(text);
     const state = session.state.get();
-    if (text === "" || !Number.isFinite(value)) return;
+    if (text === "" || !Number.isFinite(value)) return showPoints(true);
     const point = state.points[index];
     const to: ControlPoint = axis === 0 ? [isPolar(state.task) ? (value * Math.PI) / 180 : value, point[1]] : [point[0], value];
     session.apply({ points: movePoint(state.task, state.points, index, to, session.extent)[0], byHand: false });
+    showPoints(true); // a value that was out of bounds is shown as the one that is used
   }
 
   details.addEventListener("toggle", show);

@@ -7,8 +7,8 @@ import { runJob } from "../contract/jobs";
 import type { DesignAnswer, DesignRequest, Job, Polish, Simulation } from "../contract/types";
 import { patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
-import type { Shown } from "./shown";
-import { type DesignState, type Found, isPolar, sameProfile } from "./state";
+import { sameFound, sameWanted, type Shown } from "./shown";
+import { type DesignState, type Found, isPolar } from "./state";
 
 export type VerificationState =
   | { kind: "none" }
@@ -128,6 +128,7 @@ export class Verification {
   }
 }
 
+/** Of the same target too: how far a simulation is from it is part of what was found. */
 function sameDesign(a: Shown, b: Shown): boolean {
-  return sameProfile(a, b) && a.found.family === b.found.family && a.found.parameters.join() === b.found.parameters.join();
+  return sameWanted(a, b) && sameFound(a.found, b.found);
 }

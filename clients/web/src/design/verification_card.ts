@@ -18,14 +18,19 @@ export function verificationCard(session: DesignSession, verification: Verificat
   const patchWords = h("p", { class: "muted" });
 
   session.shown.watch((shown) => (verify.disabled = polish.disabled = !shown));
+  let lastSeconds: number | null = null;
   verification.state.watch((state) => {
-    words.textContent = sentence(state);
+    if (state.kind === "done") lastSeconds = state.seconds;
+    words.textContent = sentence(state, lastSeconds);
     words.className = state.kind === "failed" ? "note" : state.kind === "done" ? "verdict" : "muted";
     if (state.kind === "done" || state.kind === "failed") announce(words.textContent);
     show();
   });
   verification.patch.watch((state) => {
-    if (state.kind === "done") view.show(state.simulation, state.direction);
+    if (state.kind === "done") {
+      const material = session.model(state.simulation.family)?.material;
+      view.show(state.simulation, state.direction, material ? { youngsModulus: material.youngs_modulus, poissonRatio: material.poisson_ratio } : null);
+    }
     else view.clear();
     patchWords.textContent = state.kind === "failed" ? state.sentence : "";
     show();
@@ -54,9 +59,10 @@ function progressOf(state: VerificationState, patch: PatchState): number | null 
   return patch.kind === "running" ? patch.progress : null;
 }
 
-function sentence(state: VerificationState): string {
+/** `lastSeconds`: what the last simulation took. */
+function sentence(state: VerificationState, lastSeconds: number | null): string {
   switch (state.kind) {
-    case "none": return "The curve comes from a neural model. A simulation of the whole structure takes seconds to minutes.";
+    case "none": return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`}.`;
     case "running":
       if (state.round) return `Round ${state.round.count}: ${state.round.error === null ? "not simulated" : `${percent(state.round.error)} from the target`}`;
       return state.stage ? `Simulating: ${state.stage}` : "Simulating the structure";

@@ -1,12 +1,13 @@
 // How a network comes to rest: why it stopped, how fast it got there, what the springs are like, what it cost.
 import { announce } from "../base/announce";
+import { costTables, effectTable } from "../base/bill_tables";
 import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { digits, seconds } from "../base/format";
 import { svgOf } from "../base/svg_file";
 import { table } from "../base/tables";
-import type { Cost, Effect, EmbeddedSystem } from "../contract/types";
+import type { EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
 import { hostFacts, hostLegend } from "./host_legend";
 import { frameAt } from "./network_frames";
@@ -92,7 +93,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     bill.hidden = !answer;
     showSlider(relaxing);
     if (answer) {
-      replace(bill, h("summary", {}, "Effects, bill and history"), effectTable(answer.effects), ...billTables(answer.cost), historyTable(answer));
+      replace(bill, h("summary", {}, "Effects, bill and history"), effectTable(answer.effects), ...costTables(answer.cost), historyTable(answer));
       announce([STOP_SENTENCES[answer.stopped], ...factsOf(relaxing, null, view.stretches.get()).map(([term, value]) => `${term}: ${value}`)].join(" "));
     }
     draw();
@@ -153,18 +154,6 @@ function notesOf(answer: EmbeddedSystem): string[] {
   const held = answer.at_vertices.length;
   if (held > 0) sentences.push(`${held === 1 ? "1 point" : `${held} points`} came to rest exactly at a vertex, where no direction descends.`);
   return sentences;
-}
-
-const plainName = (name: string): string => name.replace(/_/g, " ");
-
-function effectTable(effects: readonly Effect[]): HTMLElement {
-  return table("Effects", ["Effect", "Ran", "Times", "Took", "Why"], effects.map(({ name, ran, why, count, seconds: took }) => [plainName(name), ran ? "yes" : "no", count.toLocaleString("en"), ran ? seconds(took) : "–", why]), "wide");
-}
-
-function billTables({ stages, quantities, seconds: total }: Cost): HTMLElement[] {
-  const rows = stages.map(({ name, seconds: took, count }) => [plainName(name), seconds(took), count.toLocaleString("en")]);
-  const counted = Object.entries(quantities).map(([name, value]) => [plainName(name), Number.isInteger(value) ? value.toLocaleString("en") : digits(value, 4)]);
-  return [table("Stages, the time of all threads added up", ["Stage", "Took", "Times"], [...rows, ["from start to end", seconds(total), ""]]), ...(counted.length > 0 ? [table("Counted", ["What", "Number"], counted)] : [])];
 }
 
 /** Every so many iterations, and the last. */

@@ -1,6 +1,7 @@
 // Springs by colour: low to high, readable on the surface by light and by dark.
+import { cssGradient, rampColour as colourAt, type Rgb } from "../base/ramps";
 
-export type Rgb = readonly [number, number, number];
+export { cssGradient, type Rgb };
 
 /** Linear light, low to high. */
 export const SPRING_RAMP: readonly Rgb[] = [
@@ -9,16 +10,7 @@ export const SPRING_RAMP: readonly Rgb[] = [
 
 /** The colour at a share of the ramp, from 0 to 1. */
 export function rampColour(share: number, ramp: readonly Rgb[] = SPRING_RAMP): Rgb {
-  const place = Math.max(0, Math.min(1, share)) * (ramp.length - 1);
-  const k = Math.min(Math.floor(place), ramp.length - 2);
-  const part = place - k;
-  return [0, 1, 2].map((channel) => (1 - part) * ramp[k][channel] + part * ramp[k + 1][channel]) as unknown as Rgb;
-}
-
-/** The same as a picture's colours are written. */
-export function cssGradient(ramp: readonly Rgb[]): string {
-  const stops = ramp.map(([r, g, b]) => `rgb(${[r, g, b].map((value) => Math.round(255 * value ** (1 / 2.2))).join(" ")})`);
-  return `linear-gradient(to right, ${stops.join(", ")})`;
+  return colourAt(share, ramp);
 }
 
 export interface Range {

@@ -1,10 +1,9 @@
 // How the surface looks: plain, coloured by distance with isolines, or each face in a colour.
 import * as THREE from "three";
+import { RAMPS } from "../base/ramps";
 
 /** Near to far. */
-export const RAMP: readonly (readonly [number, number, number])[] = [
-  [0.05, 0.2, 0.27], [0.04, 0.43, 0.41], [0.33, 0.65, 0.54], [0.76, 0.83, 0.6], [0.99, 0.92, 0.74],
-];
+export const RAMP = RAMPS.sea;
 
 /** Light on a surface or on what covers it: lit(colour, normal, place seen from the eye). */
 export const lightOfSurface = /* glsl */ `

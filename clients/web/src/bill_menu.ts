@@ -1,0 +1,89 @@
+// The bill of what a page computed last, always in sight: how long it took, and one click away by which stages, with
+// which optional parts, how accurately, and what other accuracies cost.
+import { accuracyTable, costTables, effectTable } from "./base/bill_tables";
+import type { Bill, Bills } from "./base/bills";
+import { h, replace } from "./base/dom";
+import { seconds } from "./base/format";
+import { menu } from "./base/menu";
+import { table } from "./base/tables";
+
+const WORDS: Readonly<Record<string, string>> = {
+  "/v1/designs": "Search for a design",
+  "/v1/profiles": "Profile of a design",
+  "/v1/simulations": "Simulation of the structure",
+  "/v1/weave-layouts": "Layout of the weave",
+  "/v1/weave-homogenizations": "Stiffness of the cell",
+  "/v1/weave-simulations": "Sheet under load",
+  "/v1/weave-toolpaths": "Path of the printer",
+  "/v1/geodesics": "Shortest paths",
+  "/v1/geodesic-fields": "Distance field",
+  "/v1/karcher-means": "Mean of the points",
+  "/v1/networks": "Network on the surface",
+  "/v1/embedded-systems": "Relaxation",
+  "/v1/voronoi-diagrams": "Voronoi diagram",
+  "/v1/voronoi-optimizations": "Optimization of the sites",
+};
+
+export class BillMenu {
+  readonly element: HTMLDetailsElement;
+  private readonly body = h("div", { class: "bills" });
+  private unwatch = () => {};
+  private bills: readonly Bill[] = [];
+
+  constructor() {
+    this.element = menu("Bill", "clock", this.body);
+    this.element.classList.add("bill-menu");
+    this.element.addEventListener("toggle", () => this.draw());
+    this.tell();
+  }
+
+  /** Of the page that is in sight from now on. */
+  show(bills: Bills): void {
+    this.unwatch();
+    this.unwatch = bills.list.watch((list) => {
+      this.bills = list;
+      this.tell();
+      this.draw();
+    });
+  }
+
+  private tell(): void {
+    const label = this.element.querySelector("summary span");
+    const [newest] = this.bills;
+    if (label) label.textContent = newest ? seconds(newest.cost.seconds) : "Bill";
+    this.element.querySelector("summary")?.setAttribute("aria-label", newest ? `Bill: ${nameOf(newest)} took ${seconds(newest.cost.seconds)}` : "Bill: nothing computed yet");
+  }
+
+  private draw(): void {
+    if (!this.element.open) return;
+    if (this.bills.length === 0) return replace(this.body, h("p", { class: "muted" }, "Nothing was computed on this page yet."));
+    const opened = new Set([...this.body.querySelectorAll<HTMLDetailsElement>("details[open]")].map((one) => one.dataset.path));
+    replace(this.body,
+      h("h2", {}, "Bill of this page"),
+      h("p", { class: "muted" }, "What the last answers took on the server: stages, optional parts, accuracy."),
+      ...this.bills.map((bill, k) => section(bill, opened.size > 0 ? opened.has(bill.path) : k === 0)));
+  }
+}
+
+function nameOf({ path }: Bill): string {
+  return WORDS[path] ?? path.replace("/v1/", "").replace(/-/g, " ");
+}
+
+function section(bill: Bill, open: boolean): HTMLElement {
+  const other = h("div", { class: "accuracy-cost" });
+  void showAccuracyCost(other, bill);
+  const details = h("details", { class: "bill", "data-path": bill.path },
+    h("summary", {}, h("strong", {}, nameOf(bill)), h("span", { class: "muted" }, seconds(bill.cost.seconds))),
+    ...costTables(bill.cost),
+    bill.effects.length > 0 ? effectTable(bill.effects) : h("p", { class: "muted" }, "This answer has no optional parts."),
+    accuracyTable(bill.accuracy), other);
+  details.open = open;
+  return details;
+}
+
+/** The tables of the benchmarks are loaded when they are first looked at. */
+async function showAccuracyCost(place: HTMLElement, { path, family }: Bill): Promise<void> {
+  const { accuracyCost } = await import("./base/accuracy_cost");
+  const found = accuracyCost(path, family);
+  if (found) replace(place, table(`Accuracy against time. ${found.caption}; measured on the machine of the benchmarks`, found.head, found.rows));
+}

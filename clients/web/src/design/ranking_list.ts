@@ -1,0 +1,58 @@
+// Which families come closest to the target, each to be looked at or laid over the design shown.
+import { button } from "../base/controls";
+import { h, replace } from "../base/dom";
+import { percent } from "../base/format";
+import type { DesignCandidate } from "../contract/types";
+import type { Overlays } from "./overlays";
+import type { DesignSession } from "./session";
+import { expectedDeviation } from "./shown";
+import { ANY } from "./state";
+
+export function rankingList(session: DesignSession, overlays: Overlays): HTMLElement {
+  const list = h("ol");
+  const again = button("Search all families", () => session.apply({ family: ANY, byHand: false }), { kind: "quiet" });
+  const element = h("div", { class: "ranking dims" },
+    h("h3", {}, "Families, best first"),
+    h("p", { class: "muted" }, "Bar: the deviation that a simulation is expected to show, made of the design’s deviation and of the model’s mean error (±). Shorter is better."),
+    list, again);
+
+  function row(candidate: DesignCandidate, longest: number): HTMLElement {
+    const { family } = candidate;
+    const chosen = family === session.state.get().found?.family;
+    const expected = expectedDeviation(candidate);
+    const words = candidate.model_error === null ? "an unknown error" : `${percent(expected)} expected`;
+    const bar = h("meter", { min: 0, max: 1, value: Math.max(0.02, Math.min(1, expected / longest)), title: words, "aria-hidden": "true" });
+    const look = h("button",
+      { type: "button", class: "rank", "aria-current": chosen ? "true" : null, title: `Look at ${family}: ${words}`, onclick: () => session.lookAt(candidate) },
+      h("span", { class: "rank-name" }, family), bar,
+      h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
+      h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`));
+    const overlaid = overlays.has(family);
+    const overlay = button("", () => void overlays.toggle(candidate), { icon: "overlay", kind: "quiet", title: `Overlay the curve of ${family}` });
+    overlay.setAttribute("aria-pressed", String(overlaid));
+    return h("li", {}, look, overlay);
+  }
+
+  let signature = "";
+  let drawn: object | null = null;
+  function show(): void {
+    const ranking = session.ranking.get();
+    const { found, family } = session.state.get();
+    element.hidden = !ranking;
+    again.hidden = family === ANY;
+    const now = `${found?.family} ${overlays.list.get().map((curve) => curve.name).join()}`;
+    if (!ranking || (now === signature && drawn === ranking)) return; // a list that is built anew loses the focus
+    [signature, drawn] = [now, ranking];
+    // A family whose model's error nobody knows has a full bar, and does not make those of all others vanish.
+    const longest = Math.max(...ranking.candidates.filter((one) => one.model_error !== null).map(expectedDeviation), 1e-9);
+    const focused = [...list.querySelectorAll("button")].indexOf(document.activeElement as HTMLButtonElement);
+    replace(list, ...ranking.candidates.map((candidate) => row(candidate, longest)));
+    if (focused >= 0) list.querySelectorAll("button")[focused]?.focus();
+  }
+  for (const part of [session.ranking, session.state, overlays.list]) part.watch(show);
+  return element;
+}
+
+function modelWords({ model_error: error }: DesignCandidate): string {
+  return error === null ? "an unknown amount" : percent(error);
+}

@@ -1,0 +1,42 @@
+// How close a design comes, in words that keep in mind how far its model can be trusted.
+import { percent } from "../base/format";
+import type { ModelError, Shown } from "./shown";
+
+/** `within`: nearer to the target than the model to a simulation, or within 1 % at every sample. */
+export type Verdict = "within" | "close" | "out";
+
+export interface Judgement {
+  readonly verdict: Verdict;
+  /** Some words for a label. */
+  readonly words: string;
+  /** The numbers, as a sentence. */
+  readonly sentence: string;
+}
+
+/** A deviation is close up to this share of the target, or up to so many times the model's error. */
+const CLOSE = 0.05;
+const CLOSE_ERRORS = 3;
+
+const WORDS: Record<Verdict, string> = { within: "Within the model’s error", close: "Close", out: "Out of reach" };
+
+type Judged = Pick<Shown, "deviation" | "reached" | "found" | "byHand" | "achieved" | "target" | "errorBar">;
+
+/** Root mean square of the error bars over that of the target; null where a sample has none. */
+export function barsOf({ errorBar, target }: Pick<Shown, "errorBar" | "target">): number | null {
+  if (!errorBar || errorBar.some((bar) => bar === null)) return null;
+  const size = (values: readonly (number | null)[]) => Math.sqrt(values.reduce<number>((sum, value) => sum + (value ?? 0) ** 2, 0));
+  const whole = size(target);
+  return whole > 0 ? size(errorBar) / whole : null;
+}
+
+export function judge(shown: Judged, error: ModelError | null): Judgement {
+  const { deviation, found, byHand } = shown;
+  const bars = barsOf(shown);
+  const trusted = error?.mean ?? bars;
+  const complete = shown.achieved.every((value) => value !== null);
+  const allReached = shown.reached.length > 0 && shown.reached.every(Boolean);
+  const verdict = !complete ? "out" : allReached || (trusted !== null && deviation <= trusted) ? "within" : deviation <= Math.max(CLOSE, CLOSE_ERRORS * (trusted ?? 0)) ? "close" : "out";
+  const who = byHand || verdict !== "out" ? found.family : `The closest design of ${found.family} that was found`;
+  const model = error ? `the model itself errs by ${percent(error.mean)} in the mean` : bars !== null ? `in 90 of 100 cases a simulation is within ${percent(bars)} of the model` : "how far the model errs is not known";
+  return { verdict, words: WORDS[verdict], sentence: `${who} is ${percent(deviation)} from the target (root mean square); ${model}.` };
+}
