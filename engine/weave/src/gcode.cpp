@@ -105,7 +105,7 @@ std::string to_gcode(const Toolpath& toolpath, const PrinterProfile& profile) {
   }
   for (const Move& move : toolpath.moves) {
     std::string comment = "; " + std::string(to_string(move.kind));
-    if (move.strand >= 0) comment += " strand " + std::to_string(move.strand);
+    if (move.strand >= 0) comment += (move.kind == MoveKind::strand ? " " : " strand ") + std::to_string(move.strand);
     if (move.crossing >= 0) comment += " crossing " + std::to_string(move.crossing);
     writer.line(comment);
     if (move.kind == MoveKind::travel)

@@ -385,5 +385,11 @@ TEST(Gcode, CarriesTheProfilesTemperaturesAndOwnLines) {
   EXPECT_LT(gcode.find("M106 S255\n"), gcode.find("M104 S0"));
 }
 
+TEST(Gcode, NamesEachMovesStrandOnce) {
+  const std::string gcode = to_gcode(toolpath(sliding_cross(), PrinterProfile{}), PrinterProfile{});
+  EXPECT_NE(gcode.find("; strand 0\n"), std::string::npos);
+  EXPECT_EQ(gcode.find("strand strand"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace supple::weave
