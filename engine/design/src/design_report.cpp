@@ -20,6 +20,17 @@ std::string percent(double share) {
   return text.str();
 }
 
+/// Where a profile is sampled, as a person says it: a strain, or a direction in degrees.
+std::string place(Task task, double x) {
+  std::ostringstream text;
+  text.precision(3);
+  if (task == Task::stress_strain)
+    text << "at a strain of " << x;
+  else
+    text << "at " << x * 180 / std::numbers::pi << " degrees";
+  return text.str();
+}
+
 /// Nothing where all samples are in range.
 std::string message_about_trust(const Design& design, const char* gap) {
   long outside = 0;
@@ -51,9 +62,16 @@ std::string message_about(const Design& design, const neural::Model& model, cons
     const auto& main = design.profiles.front();
     Eigen::Index worst = 0;
     main.target.deviations(main.achieved).cwiseAbs().maxCoeff(&worst);
-    text << "No design of " << model.family << " that was found reaches the target; the closest deviates by "
-         << percent(design.error.relative_rms)
-         << " (root mean square), most at x = " << main.target.samples.x[static_cast<std::size_t>(worst)] << ".";
+    const std::string deviation = percent(design.error.relative_rms) + " (root mean square)";
+    const auto model_error =
+        main.target.samples.task == Task::poisson ? std::nullopt : neural::mean_stress_error(model);
+    if (model_error && design.error.relative_rms <= *model_error)
+      text << "The closest design of " << model.family << " that was found deviates by " << deviation
+           << ", no more than the model errs in the mean (" << percent(*model_error) << "); most ";
+    else
+      text << "No design of " << model.family << " that was found reaches the target; the closest deviates by "
+           << deviation << ", most ";
+    text << place(main.target.samples.task, main.target.samples.x[static_cast<std::size_t>(worst)]) << ".";
     for (const Eigen::Index k : free) {
       const double rounding = bound_share * (model.network.upper[k] - model.network.lower[k]);
       const bool low = design.parameters[k] <= model.network.lower[k] + rounding;

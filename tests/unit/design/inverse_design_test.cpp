@@ -96,6 +96,20 @@ TEST(InverseDesign, SaysThatATargetIsOutOfReachAndGivesTheClosest) {
     EXPECT_GE(error(test.at({random.uniform(), random.uniform()})), design.error.relative_rms - 1e-6);
 }
 
+TEST(InverseDesign, SaysInDegreesWhereATargetIsMissedAndWhetherTheModelErrsByMore) {
+  TestSpace test(2, 5);
+  auto target = target_of(test, test.at({0.5, 0.5}), Task::stiffness);
+  for (auto& point : target.control_points) point[1] *= 100;
+  const auto missed = find_design(test.space(), {{target}, {}, {}});
+  EXPECT_EQ(missed.message.rfind("No design of IH5 that was found reaches the target", 0), 0U) << missed.message;
+  EXPECT_NE(missed.message.find(" degrees."), std::string::npos) << missed.message;
+  test.model.design_split.emplace().gradient.mean = 10;
+  const auto trusted = find_design(test.space(), {{target}, {}, {}});
+  EXPECT_EQ(trusted.message.find("No design"), std::string::npos) << trusted.message;
+  EXPECT_NE(trusted.message.find("no more than the model errs in the mean (1e+03 %)"), std::string::npos)
+      << trusted.message;
+}
+
 TEST(InverseDesign, KeepsFixedParametersAndTheBounds) {
   const TestSpace test(3, 6);
   const auto parameters = test.at({0.5, 0.9, 0.2});
