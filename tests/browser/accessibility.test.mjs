@@ -152,7 +152,7 @@ describe("a screen reader", () => {
     const design = await DesignPage.open(browser, server.url);
     await design.drag(4, 0, -30);
     await design.settled();
-    await until(async () => /^IH\d+, parameters .*(Target reached|Deviation)/.test(await design.page.locator("#announcements").textContent()), "the announcement");
+    await until(async () => /^IH\d+, parameters .*% from the target/.test(await design.page.locator("#announcements").textContent()), "the announcement");
     await closePage(design.page);
   });
 });

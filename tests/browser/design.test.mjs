@@ -26,6 +26,19 @@ describe("stress over strain", () => {
       assert.match(await page.locator(".envelope").getAttribute("d"), /^M/);
       assert.ok((await design.deviation()) < 10, "the first target is one that a design reaches");
       assert.match(await design.tiling(), /^M/);
+      const [bar, frame] = [await page.locator(".scale-words").boundingBox(), await page.locator(".tiling").boundingBox()];
+      assert.ok(bar.y > frame.y && bar.y + bar.height < frame.y + frame.height, "the scale is within the picture");
+      assert.match(await page.locator(".legend").textContent(), /each value by itself/, "an envelope says that it is pointwise");
+      const ground = await page.locator(".plot .ground").boundingBox();
+      await page.mouse.move(ground.x + 0.3 * ground.width, ground.y + 0.9 * ground.height);
+      await until(async () => /^Stress at a strain of .*: target .* MPa, design .* MPa/.test(await page.locator(".plot-card .reading").textContent()), "the values under the pointer");
+      const summary = page.locator(".bill-menu summary");
+      assert.match(await summary.getAttribute("aria-label"), /^Bill: Search for a design took/);
+      await summary.click();
+      const bill = page.locator(".bills details").first();
+      for (const caption of [/^Stages/, /^Effects/, /^Accuracy, asked/, /^Accuracy against time/]) await bill.locator("caption", { hasText: caption }).waitFor();
+      await picture(page, "design-bill");
+      await page.keyboard.press("Escape");
       await picture(page, "design-light");
     }));
 
@@ -52,7 +65,7 @@ describe("stress over strain", () => {
   it("starts each search of a drag from the design before, in its family", () =>
     withPage(async (design, page) => {
       const first = page.designs.asked.length;
-      await design.drag(2, 0, -40);
+      await design.drag(4, 0, -40);
       await design.settled();
       const [follow] = page.designs.asked.slice(first);
       assert.notEqual(follow.family, "any");
@@ -93,7 +106,18 @@ describe("stress over strain", () => {
       await design.settled();
       assert.match(await page.locator(".legend").textContent(), /Missed/);
       assert.ok((await page.locator(".missed path").count()) > 0);
-      assert.equal(await page.locator(".result .chip").textContent(), "Closest design");
+      assert.equal(await page.locator(".result .chip").textContent(), "Out of reach");
+      assert.match(await page.locator(".advice").textContent(), /Control point 1, at a strain of .*, keeps this design away most/);
+      await picture(page, "design-out");
+      await design.button("Snap to the closest reachable").click();
+      await until(async () => (await page.locator(".result .chip").textContent()) === "Within the model’s error", "a target that is reached");
+      await design.settled();
+      // The point at rest stays there, whatever pulls at it.
+      const rest = await design.handles.evaluateAll((all) => all.findIndex((one) => one.classList.contains("held")));
+      const words = await design.pointWords(rest);
+      assert.match(words, /^strain 0, stress 0 MPa/);
+      await design.drag(rest, 20, -60);
+      assert.equal(await design.pointWords(rest), words);
     }));
 
   it("undoes and redoes, by buttons and by keys", () =>
@@ -126,6 +150,11 @@ describe("parameters", () => {
       await until(async () => (await design.curve("achieved")) !== curve, "the profile of the parameters");
       await until(async () => (await page.locator(".result .chip").textContent()) === "Set by hand", "word of it");
       assert.equal(await page.locator(".parameters .number").first().inputValue(), "0.11");
+      // A field shows the value that is used.
+      await page.locator(".parameters .number").first().fill("9");
+      await page.keyboard.press("Enter");
+      const most = await page.locator(".parameters .number").first().getAttribute("max");
+      assert.equal(Number(await page.locator(".parameters .number").first().inputValue()), Number(Number(most).toFixed(4)));
       const far = await design.deviation();
       await design.button("Fit to the target").click();
       await until(async () => (await design.deviation()) < far, "a nearer design");
@@ -148,6 +177,18 @@ describe("parameters", () => {
       await page.getByLabel("Stiffness", { exact: true }).check();
       await until(async () => (await page.locator(".ranking li").count()) >= 2, "a ranking of both families");
       await design.settled();
+      // The other family is laid over, then looked at; the ranking stays.
+      const other = page.locator(".ranking li", { has: page.locator(".rank:not([aria-current])") }).first();
+      const family = await other.locator(".rank-name").textContent();
+      await page.getByRole("button", { name: `Overlay the curve of ${family}` }).click();
+      await until(async () => (await page.locator(".legend li", { hasText: family }).count()) > 0 && (await page.locator(".plot .curve.pin").count()) === 1, "the overlaid curve, in the legend too");
+      await picture(page, "design-ranking");
+      await page.locator(".rank", { hasText: family }).click();
+      await until(async () => (await design.family()) === family, "the other family");
+      await design.settled();
+      assert.ok((await page.locator(".ranking li").count()) >= 2, "the ranking is still there");
+      await design.button("Search all families").click();
+      await design.settled();
       await page.getByLabel("Family of tilings").selectOption("IH67");
       await until(async () => (await design.family()) === "IH67", "a design of IH67");
       await design.settled();
@@ -162,7 +203,9 @@ describe("profiles over direction", () => {
       withPage(async (design, page) => {
         await page.getByLabel(name, { exact: true }).check();
         await page.locator(".plot.polar").waitFor();
+        assert.doesNotMatch((await page.locator(".result").textContent()).replace(/of Stress/g, ""), /Stress|at a strain/, "no word of the task before");
         await design.settled();
+        assert.ok((await design.deviation()) < 5, `a target that a design comes close to, not ${await design.deviation()} % away`);
         assert.match(await design.curve("achieved"), /Z$/, "a closed curve");
         assert.equal(await page.locator(".echo").count(), await design.handles.count(), "each point has its echo half a turn on");
         const curve = await design.curve("target");
@@ -175,6 +218,15 @@ describe("profiles over direction", () => {
         const angles = page.designs.asked.at(-1).target.control_points.map((point) => point[0]);
         assert.ok(angles.every((angle) => angle >= 0 && angle < Math.PI));
         await picture(page, `design-${task}`);
+        // Pulled through the centre a point stays on its side.
+        const [left, top] = await design.centre(1);
+        const angle = (await design.pointWords(1)).match(/direction ([^,]*),/)[1];
+        await design.drag(1, (box.x + box.width / 2 - left) * 1.6, (box.y + box.height / 2 - top) * 1.6, async () => {
+          const [x, y] = await design.centre(1);
+          assert.ok(Math.hypot(x - box.x - box.width / 2, y - box.y - box.height / 2) < 12, "it stops at the centre");
+        });
+        assert.equal((await design.pointWords(1)).match(/direction ([^,]*),/)[1], angle);
+        await design.settled();
         await page.getByLabel("Stress", { exact: true }).check();
         await page.locator(".plot.cartesian").waitFor();
         await design.settled();

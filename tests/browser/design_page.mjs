@@ -77,12 +77,16 @@ export class DesignPage {
     await mouse.up();
   }
 
-  /** Double-clicks on the first line or path of a kind that reaches across the plot, at a share of its length. */
+  /** Double-clicks on the first line or path of a kind that reaches across the plot, at a share of its length or beyond, beside all control points. */
   async doubleClickOn(selector, share) {
     const [x, y] = await this.page.locator(selector).evaluateAll((lines, at) => {
       const across = lines.find((line) => line.getBoundingClientRect().width > 100);
-      const { x, y } = across.getPointAtLength(at * across.getTotalLength()).matrixTransform(across.getScreenCTM());
-      return [x, y];
+      const handles = [...document.querySelectorAll(".handle .dot")].map((dot) => dot.getBoundingClientRect());
+      for (let share = at; share < 0.98; share += 0.01) {
+        const { x, y } = across.getPointAtLength(share * across.getTotalLength()).matrixTransform(across.getScreenCTM());
+        if (handles.every((box) => Math.hypot(box.x + box.width / 2 - x, box.y + box.height / 2 - y) > 22)) return [x, y];
+      }
+      throw new Error("there are control points everywhere");
     }, share);
     await this.page.mouse.dblclick(x, y);
   }

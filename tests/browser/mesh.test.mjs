@@ -1,6 +1,7 @@
 // The mesh page: surfaces, points, paths, distances, means.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
+import { readFile } from "node:fs/promises";
 import { browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
 
 setUp({ webgl: true });
@@ -11,6 +12,15 @@ async function open(options) {
   const page = await openPage(browser, `${server.url}/#/mesh`, options);
   await page.getByText("Open a mesh").waitFor();
   return page;
+}
+
+async function exported(page, entry) {
+  const menu = page.locator(".mesh-stage .menu");
+  await menu.locator("summary").click();
+  const waiting = page.waitForEvent("download");
+  await menu.getByText(entry, { exact: true }).click();
+  const file = await waiting;
+  return { name: file.suggestedFilename(), bytes: await readFile(await file.path()) };
 }
 
 const fact = (page, term) => page.locator('[aria-label="Result"] dt', { hasText: term }).locator("+ dd").textContent();
@@ -27,9 +37,23 @@ describe("the mesh page", () => {
     const length = Number(await fact(page, "Together"));
     assert.ok(length > 1 && length < 40, `paths of ${length}`);
     await picture(page, "mesh-path");
+    const paths = await exported(page, "Paths (OBJ)");
+    assert.equal(paths.name, "the-sample-paths.obj");
+    assert.equal(paths.bytes.toString().match(/^l /gm)?.length, 2, "a polyline for each path");
+    assert.match((await exported(page, "Paths (CSV)")).bytes.toString(), /^path,point,x,y,z,length_from_start\n1,0,/);
     await page.getByLabel("Distance", { exact: true }).check();
     await until(async () => (await page.locator(".ramp-box").isVisible()) && (await fact(page, "Error")) === "exact up to rounding", "the field");
+    assert.ok((await page.locator(".ramp-ticks span").count()) >= 4, "ticks at the ramp");
+    await page.getByLabel("Colours", { exact: true }).selectOption("viridis");
+    await page.getByLabel("Spacing of the isolines, mesh units").fill("2");
+    await page.getByLabel("Spacing of the isolines, mesh units").press("Enter");
+    await page.getByRole("button", { name: "Wireframe" }).click();
     await picture(page, "mesh-distance");
+    assert.match((await exported(page, "Distances on the mesh (PLY)")).bytes.toString(), /^ply\nformat ascii 1.0\n[^]*property double distance/);
+    assert.match((await exported(page, "Distances (CSV)")).bytes.toString(), /^vertex,x,y,z,distance\n0,/);
+    const image = await exported(page, "Picture (PNG)");
+    assert.equal(image.name, "the-sample-view.png");
+    assert.equal(image.bytes.subarray(1, 4).toString(), "PNG");
     await page.getByLabel("Mean", { exact: true }).check();
     await until(async () => /converged|kink|descent/.test((await page.locator('[aria-label="Result"]').textContent()) ?? ""), "the mean");
     await picture(page, "mesh-mean");
@@ -54,6 +78,19 @@ describe("the mesh page", () => {
     await until(async () => (await page.locator(".points li button").count()) === 2, "two points");
     await page.locator('[aria-label="Result"]').waitFor();
     assert.ok(Number(await fact(page, "Length")) > 0);
+    // A picked point is dragged along the surface, in one step to undo.
+    const words = () => page.locator(".points li span").first().textContent();
+    const [length, place] = [await fact(page, "Length"), await words()];
+    await page.mouse.move(x - 20, y);
+    await page.mouse.down();
+    for (let step = 1; step <= 6; ++step) await page.mouse.move(x - 20 - 5 * step, y + 3 * step);
+    await page.mouse.up();
+    await until(async () => (await fact(page, "Length")) !== length, "another path");
+    await page.getByRole("button", { name: "Undo (Ctrl+Z)" }).click();
+    await until(async () => (await words()) === place, "the point where it was");
+    await page.keyboard.press("Control+Shift+Z");
+    await until(async () => (await words()) !== place, "the point where it went");
+    await page.getByRole("button", { name: "Fit view" }).click();
     await page.locator(".points li button").first().click();
     await until(async () => !(await page.locator('[aria-label="Result"]').isVisible()), "no path of one point");
     await closePage(page);
@@ -84,6 +121,8 @@ describe("the mesh page", () => {
     await upload(page, "broken.obj", "v 0 0 0\nf 1 2 3\n");
     await page.locator(".mesh-stage .note").waitFor();
     assert.ok((await page.locator(".mesh-stage .note").textContent()).length > 20);
+    const [note, view] = [await page.locator(".mesh-stage .note").boundingBox(), await page.locator(".viewer").boundingBox()];
+    assert.ok(note.y < view.y + 60, "it stands above the view, not below it");
     await closePage(page);
   });
 

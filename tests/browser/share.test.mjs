@@ -8,9 +8,10 @@ import { browser, closePage, server, setUp, until } from "./harness.mjs";
 setUp();
 
 async function saved(page, name) {
-  await page.locator(".menu summary").click();
+  const menu = page.locator("main .menu", { has: page.locator("summary", { hasText: "Export" }) });
+  await menu.locator("summary").click();
   const waiting = page.waitForEvent("download");
-  await page.locator(".menu").getByText(name).click();
+  await menu.getByText(name).click();
   const file = await waiting;
   return { name: file.suggestedFilename(), bytes: await readFile(await file.path()) };
 }

@@ -6,9 +6,14 @@ import { WeavePage } from "./weave_page.mjs";
 
 setUp();
 
+const SQUARES = "pattern=interlacing_squares&type=2&side=12&overlap=3&radius=0.25&strain=0.1";
+
 describe("a pattern", () => {
   it("is shown with its crossings, its profile and its deformed cell, for each type", async () => {
-    const weave = await WeavePage.open(browser, server.url);
+    const opened = await WeavePage.open(browser, server.url);
+    assert.equal(await opened.crossings.count(), 4, "the page opens on circles, which are quick");
+    await closePage(opened.page);
+    const weave = await WeavePage.open(browser, server.url, SQUARES);
     const { page } = weave;
     assert.equal(await weave.crossings.count(), 16);
     assert.match(await weave.words(2), /^Crossing 3 of strands 1 and 6: strand 1 slides$/);
@@ -24,6 +29,12 @@ describe("a pattern", () => {
     await until(async () => (await weave.crossings.count()) === 4, "the circles");
     await weave.settled();
     await picture(page, "weave-circles");
+    // Rings do not repeat: nothing of the cell before them stays, and nothing is wider than the page.
+    await page.getByLabel("Pattern").selectOption("actuated_rings");
+    await until(async () => !(await page.locator(".profile").isVisible()), "no stiffness of rings");
+    assert.equal(await page.locator(".cell").isVisible(), false);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
+    await picture(page, "weave-rings");
     await closePage(page);
   });
 

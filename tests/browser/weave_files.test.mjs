@@ -7,8 +7,8 @@ import { saved, WeavePage } from "./weave_page.mjs";
 setUp();
 
 const exported = (page, name) => saved(page, async () => {
-  await page.locator(".menu summary").click();
-  await page.locator(".menu").getByText(name).click();
+  await page.locator("main .menu summary").click();
+  await page.locator("main .menu").getByText(name).click();
 });
 
 describe("an export", () => {
@@ -45,7 +45,7 @@ describe("a shared link", () => {
 
   it("that is broken opens the page as it is for everyone", async () => {
     const weave = await WeavePage.open(browser, server.url, "pattern=layout&layout=%3Cscript%3E");
-    assert.equal(await weave.crossings.count(), 16);
+    assert.equal(await weave.crossings.count(), 4);
     await closePage(weave.page);
   });
 });
@@ -56,15 +56,15 @@ describe("a pinned weave", () => {
     const { page } = weave;
     await weave.button("Pin").click();
     await page.locator(".pins li").waitFor();
-    await page.getByLabel("Connections of its crossings").selectOption("3");
+    await page.getByLabel("Connections of its crossings").selectOption("2");
     await weave.settled();
     await until(async () => (await page.locator(".curve.pin").count()) >= 2, "the pinned curves in both plots");
     await picture(page, "weave-pinned");
     await page.waitForTimeout(400); // the link is written after a pause
     await page.reload();
     await page.locator(".pins li").waitFor();
-    await page.getByRole("button", { name: /^Go back to Interlacing squares, 2/ }).click();
-    await until(async () => (await page.getByLabel("Connections of its crossings").inputValue()) === "2", "the pinned weave");
+    await page.getByRole("button", { name: /^Go back to Interlacing circles, 1/ }).click();
+    await until(async () => (await page.getByLabel("Connections of its crossings").inputValue()) === "1", "the pinned weave");
     await weave.settled();
     await page.getByRole("button", { name: /^Remove Interlacing/ }).click();
     assert.equal(await page.locator(".pins li").count(), 0);

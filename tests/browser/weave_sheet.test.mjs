@@ -42,7 +42,8 @@ describe("a sheet under load", () => {
     const { name, text } = await saved(page, () => weave.button("G-code").click());
     assert.equal(name, "regular-sheet.gcode");
     assert.match(text, /^G1 .*E/m);
-    await page.locator(".sheet .note", { hasText: /16 channels.*The checker finds nothing wrong/ }).waitFor();
+    assert.ok(!text.includes("strand strand"), "each strand is named once");
+    await page.locator(".sheet .note.good", { hasText: /16 channels.*The checker finds nothing wrong/ }).waitFor();
     await weave.settled();
     await closePage(page);
   });

@@ -2,6 +2,9 @@
 // which optional parts, how accurately, and what other accuracies cost.
 import { accuracyTable, costTables, effectTable } from "./base/bill_tables";
 import type { Bill, Bills } from "./base/bills";
+import { announce } from "./base/announce";
+import { button } from "./base/controls";
+import { curlText } from "./base/curl";
 import { h, replace } from "./base/dom";
 import { seconds } from "./base/format";
 import { menu } from "./base/menu";
@@ -76,7 +79,7 @@ function section(bill: Bill, open: boolean): HTMLElement {
     h("summary", {}, h("strong", {}, nameOf(bill)), h("span", { class: "muted" }, seconds(bill.cost.seconds))),
     ...costTables(bill.cost),
     bill.effects.length > 0 ? effectTable(bill.effects) : h("p", { class: "muted" }, "This answer has no optional parts."),
-    accuracyTable(bill.accuracy), other);
+    accuracyTable(bill.accuracy), other, bill.request !== null && copyButton(bill));
   details.open = open;
   return details;
 }
@@ -86,4 +89,16 @@ async function showAccuracyCost(place: HTMLElement, { path, family }: Bill): Pro
   const { accuracyCost } = await import("./base/accuracy_cost");
   const found = accuracyCost(path, family);
   if (found) replace(place, table(`Accuracy against time. ${found.caption}; measured on the machine of the benchmarks`, found.head, found.rows));
+}
+
+function copyButton({ path, request }: Bill): HTMLElement {
+  const words = "Copy the request as curl";
+  const element = button(words, () => void copy(), { icon: "code", kind: "quiet" });
+  async function copy(): Promise<void> {
+    const text = curlText(location.origin, path, request);
+    const told = await navigator.clipboard.writeText(text).then(() => "Copied", () => "This page may not write to the clipboard");
+    element.querySelector("span")?.replaceChildren(told);
+    announce(told);
+  }
+  return element;
 }

@@ -9,6 +9,8 @@ export interface Bill {
   readonly effects: readonly Effect[];
   /** What was asked for and reached; names and numbers. */
   readonly accuracy: Readonly<Record<string, unknown>>;
+  /** What was asked. */
+  readonly request: unknown;
   /** Of the answer's structure, where it has one. */
   readonly family: string | null;
 }
@@ -19,13 +21,13 @@ export class Bills {
   readonly list = new Observable<readonly Bill[]>([]);
 
   /** Keeps the bill of an answer, where it has one. */
-  readonly hear = (path: string, answer: unknown): void => {
-    const bill = billOf(path, answer);
+  readonly hear = (path: string, answer: unknown, request?: unknown): void => {
+    const bill = billOf(path, answer, request);
     if (bill) this.list.set([bill, ...this.list.get().filter((other) => other.path !== bill.path)].slice(0, MOST_BILLS));
   };
 }
 
-export function billOf(path: string, answer: unknown): Bill | null {
+export function billOf(path: string, answer: unknown, request: unknown = null): Bill | null {
   if (typeof answer !== "object" || answer === null) return null;
   const { cost, effects, accuracy, family } = answer as { cost?: Cost; effects?: unknown; accuracy?: unknown; family?: unknown };
   if (!cost || typeof cost.seconds !== "number" || !Array.isArray(cost.stages)) return null;
@@ -34,6 +36,7 @@ export function billOf(path: string, answer: unknown): Bill | null {
     cost,
     effects: Array.isArray(effects) ? (effects as Effect[]) : [],
     accuracy: typeof accuracy === "object" && accuracy !== null ? (accuracy as Record<string, unknown>) : {},
+    request,
     family: typeof family === "string" ? family : null,
   };
 }

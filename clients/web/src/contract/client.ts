@@ -50,8 +50,8 @@ export class Client {
     private readonly listener: ConnectionListener = () => {},
     /** Resolves once somebody has signed in; a request that the server asked a key for is then sent again. */
     private readonly signIn?: () => Promise<void>,
-    /** Hears each answer of a computation and the path that it was asked at. */
-    readonly hear: (path: string, answer: unknown) => void = () => {},
+    /** Hears each answer of a computation, the path that it was asked at and the request. */
+    readonly hear: (path: string, answer: unknown, request: unknown) => void = () => {},
   ) {}
 
   /** The response to a request, once it is one that the server meant as a success. */
@@ -90,7 +90,7 @@ export class Client {
   /** The answer of an immediate computation. */
   async post<Answer>(path: string, document: unknown, options: CallOptions = {}): Promise<Answer> {
     const answer = await readJson<Answer>(await this.postResponse(path, document, options));
-    this.hear(path, answer);
+    this.hear(path, answer, document);
     return answer;
   }
 

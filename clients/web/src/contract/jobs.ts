@@ -18,7 +18,7 @@ export async function runJob<Answer>(client: Client, path: string, document: unk
   const response = await client.postResponse(path, document, { headers: { Prefer: prefer }, signal: options.signal });
   if (response.status !== 202) {
     const answer = await readJson<Answer>(response);
-    client.hear(path, answer);
+    client.hear(path, answer, document);
     return answer;
   }
   const job = await readJson<Job>(response);
@@ -31,7 +31,7 @@ export async function runJob<Answer>(client: Client, path: string, document: unk
   try {
     await finished(client, job, options);
     const answer = await client.get<Answer>(`/v1/jobs/${job.id}/result`, { signal: options.signal });
-    client.hear(path, answer);
+    client.hear(path, answer, document);
     return answer;
   } finally {
     options.signal.removeEventListener("abort", dismiss);

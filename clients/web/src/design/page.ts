@@ -1,11 +1,13 @@
 // The design page, put together.
 import { button } from "../base/controls";
+import { copyMenu } from "../base/copy_as";
 import { h } from "../base/dom";
 import { late } from "../base/late";
 import { shareButton } from "../base/share";
 import { undoKeys } from "../base/undo_keys";
 import { ConnectionLost, explain } from "../contract/client";
 import type { Page, Surroundings } from "../page";
+import { commandOf, curlOf, pythonOf } from "./copy_text";
 import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
 import { Measured } from "./measured";
@@ -19,6 +21,8 @@ import { Pins } from "./pins";
 import { PlotPanel } from "./plot_panel";
 import { resultCard } from "./result_card";
 import { DesignSession } from "./session";
+import { startMenu } from "./start_menu";
+import type { DesignState } from "./state";
 import { targetControls } from "./target_controls";
 import { tilingPreview } from "./tiling_preview";
 import { valueTable } from "./value_table";
@@ -36,8 +40,13 @@ export function designPage({ client, link }: Surroundings): Page {
   const overlays = new Overlays(session);
   const share = shareButton("Copy a link to this design", () => link.write(writeLink(session.state.get())));
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
+  const copied = (write: (state: DesignState, origin: string) => string) => (session.state.get().points.length > 0 ? write(session.state.get(), location.origin) : null);
   const panel: PlotPanel = new PlotPanel(session, verification, pins, overlays, measured, [
-    pin, share, exportMenu(session, verification, client, () => panel.plot.element),
+    pin, share, copyMenu([
+      { words: "curl", text: () => copied(curlOf) },
+      { words: "Command line", text: () => copied(commandOf) },
+      { words: "Python", text: () => copied(pythonOf) },
+    ]), exportMenu(session, verification, client, () => panel.plot.element),
   ]);
   const empty = h("p", { class: "card note wide", role: "alert", hidden: true }, "This server has no neural models: start it with --models and a folder of them.");
   const element = h(
@@ -45,7 +54,7 @@ export function designPage({ client, link }: Surroundings): Page {
     { class: "design-page" },
     h("h1", { class: "visually-hidden" }, "Design"),
     empty,
-    h("div", { class: "column left" }, targetControls(session), measuredCard(measured), parameterPanel(session)),
+    h("div", { class: "column left" }, targetControls(session, startMenu(session)), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
     h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
   );

@@ -196,8 +196,8 @@ export class PlotPanel {
       measured: drawnBehind(this.measured.data.get(), state),
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
-      // Marks belong to the target that they miss.
-      missed: shown && fresh === "current" && !this.dragging ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
+      // Marks belong to the target that they miss, by more than the model errs.
+      missed: shown && fresh === "current" && !this.dragging && judge(shown, modelError(this.session.model(shown.found.family), shown)).verdict !== "within" ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,
     };

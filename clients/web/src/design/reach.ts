@@ -72,5 +72,5 @@ export function snappedPoints(shown: Answer): Points {
   const response = targetCurve(polar, once, "cubic");
   const moved = points.map((point): ControlPoint => (isAtRest(task, point) ? point : [point[0], response(point[0])]));
   if (deviationFrom(shown, sampled(shown, moved)) <= SNAPPED) return moved;
-  return pointsOnProfile(task, x, achieved, points.length, interpolation);
+  return pointsOnProfile(task, x, achieved, points.length, interpolation, SNAPPED);
 }

@@ -4,7 +4,8 @@ import { h } from "../base/dom";
 import type { DesignSession } from "./session";
 import { ANY, type Interpolation, isPolar, TASK_WORDS, TASKS } from "./state";
 
-export function targetControls(session: DesignSession): HTMLElement {
+/** `examples` are targets to start from. */
+export function targetControls(session: DesignSession, examples: HTMLElement): HTMLElement {
   const task = new Segments(
     "What the target shows",
     TASKS.map((value) => ({ value, words: TASK_WORDS[value].short })),
@@ -52,7 +53,7 @@ export function targetControls(session: DesignSession): HTMLElement {
     strain.element.hidden = !isPolar(state.task);
   });
   const more = h("details", { class: "more" }, h("summary", {}, "More"), measure.element, curve.element);
-  return h("section", { class: "card controls", "aria-label": "Target" }, task.element, family.element, direction.element, strain.element, more);
+  return h("section", { class: "card controls", "aria-label": "Target" }, examples, task.element, family.element, direction.element, strain.element, more);
 }
 
 function parameterCount(count: number): string {

@@ -16,7 +16,7 @@ export interface Extent {
 }
 
 /** Points on a profile follow it within this share, if need be with more of them than were asked for. */
-const PROFILE_DEVIATION = 0.003;
+const PROFILE_DEVIATION = 0.01;
 const MOST_ON_PROFILE = 24;
 /** Poisson's ratio is compared with at least this. */
 const LEAST_POISSON = 0.1;
@@ -102,29 +102,30 @@ export function removePoint(task: Task, points: Points, index: number): Points {
  * Control points on a sampled profile, evenly spaced over its samples: `count`, or as many more as the curve through
  * them needs to follow the profile.
  */
-export function pointsOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number, interpolation: Interpolation = "cubic"): Points {
+export function pointsOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number, interpolation: Interpolation = "cubic", tolerance = PROFILE_DEVIATION): Points {
   const known = x.map((value, k) => [value, y[k]] as const).filter((pair): pair is [number, number] => pair[1] !== null);
   if (known.length < fewestPoints(task)) return [];
-  const away = (points: Points) => relativeDeviation(known.map((pair) => pair[1]), known.map((pair) => pair[0]).map(targetCurve(isPolar(task), points, interpolation)), task === "poisson" ? LEAST_POISSON : 0);
-  const most = Math.max(count, Math.min(MOST_ON_PROFILE, known.length));
-  let best: Points = [];
-  for (let tried = count; tried <= most; tried += 2) {
-    const points = evenly(task, known, tried);
-    if (best.length === 0 || away(points) < away(best)) best = points;
-    if (away(best) <= PROFILE_DEVIATION) break;
+  const rest = ROUNDING * Math.max(...known.map(([, value]) => Math.abs(value)));
+  const pointAt = (k: number): ControlPoint => atRest(task, Math.abs(known[k][1]) <= rest ? [known[k][0], 0] : known[k]);
+  const values = known.map(([, value]) => value);
+  // Evenly at first; then one more where the curve is farthest from the profile.
+  let chosen = evenly(task, known, count);
+  while (chosen.length < Math.min(MOST_ON_PROFILE, known.length)) {
+    const curve = known.map(([at]) => at).map(targetCurve(isPolar(task), chosen.map(pointAt), interpolation));
+    if (relativeDeviation(values, curve, task === "poisson" ? LEAST_POISSON : 0) <= tolerance) break;
+    const free = known.map((_, k) => k).filter((k) => !chosen.includes(k) && !(isPolar(task) && known[k][0] >= known[0][0] + Math.PI - 1e-9));
+    if (free.length === 0) break;
+    const worst = free.reduce((most, k) => (Math.abs(curve[k] - values[k]) > Math.abs(curve[most] - values[most]) ? k : most));
+    chosen = [...chosen, worst].sort((x, y) => x - y);
   }
-  return best;
+  return chosen.map(pointAt);
 }
 
-function evenly(task: Task, known: readonly ControlPoint[], count: number): Points {
-  const rest = ROUNDING * Math.max(...known.map(([, value]) => Math.abs(value)));
-  const chosen: ControlPoint[] = [];
-  for (let k = 0; k < count; ++k) {
-    const place = isPolar(task) ? (k * known.length) / count : (k * (known.length - 1)) / (count - 1);
-    const point = known[Math.round(place)];
-    if (point && (chosen.length === 0 || point[0] > chosen[chosen.length - 1][0])) chosen.push(Math.abs(point[1]) <= rest ? [point[0], 0] : point);
-  }
-  return chosen.map((point) => atRest(task, point)).filter(([at]) => !isPolar(task) || at < chosen[0][0] + Math.PI - 1e-9);
+/** Indices of so many samples, evenly spaced; over directions without one that repeats the first, over strain with the state at rest. */
+function evenly(task: Task, known: readonly ControlPoint[], count: number): number[] {
+  const places = Array.from({ length: count }, (_, k) => Math.round(isPolar(task) ? (k * known.length) / count : (k * (known.length - 1)) / (count - 1)));
+  const rest = known.findIndex((point) => isAtRest(task, point));
+  return [...new Set(rest < 0 ? places : [...places, rest])].sort((a, b) => a - b).filter((k) => k < known.length && (!isPolar(task) || known[k][0] < known[0][0] + Math.PI - 1e-9));
 }
 
 /** The same strain in another measure. */

@@ -1,6 +1,6 @@
 // The structure of the design shown, drawn from the server's file.
 import { h, svg } from "../base/dom";
-import { digits } from "../base/format";
+import { digits, percent } from "../base/format";
 import { Latest } from "../base/latest";
 import { type Client, isAbort } from "../contract/client";
 import type { Family } from "../contract/types";
@@ -35,6 +35,8 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
   const scaleWords = svg("text", { class: "scale-words" });
   const drawing = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, shape, scaleBar, scaleWords);
   const caption = h("figcaption", {});
+  // On a small screen the card of the design is far away while a point is dragged.
+  const live = h("p", { class: "live", "aria-hidden": "true" });
   const requests = new Latest();
   let asked = "";
 
@@ -80,5 +82,8 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
       }
     });
   });
-  return h("figure", { class: "card preview" }, drawing, caption);
+  session.shown.watch((shown) => {
+    if (shown) live.textContent = `${shown.found.family}: ${percent(shown.deviation)} from the target`;
+  });
+  return h("figure", { class: "card preview" }, drawing, live, caption);
 }

@@ -78,3 +78,17 @@ export function roundStep(most: number, count: number): number {
   const lead = raw / power;
   return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
 }
+
+const ISOLINES = 18;
+const RAMP_TICKS = 5;
+
+/** A round spacing of isolines for a field that reaches so far. */
+export function isolineSpacing(largest: number): number {
+  return roundStep(largest || 1, ISOLINES);
+}
+
+/** Round values from 0 up to the largest. */
+export function rampTicks(largest: number): number[] {
+  const step = roundStep(largest || 1, RAMP_TICKS);
+  return Array.from({ length: Math.floor((largest || 1) / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));
+}

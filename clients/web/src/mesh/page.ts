@@ -2,6 +2,9 @@
 import sampleUrl from "../../../../api/examples/meshes/trefoil-knot.obj?url";
 import { announce } from "../base/announce";
 import { h, replace } from "../base/dom";
+import { shareButton } from "../base/share";
+import { undoKeys } from "../base/undo_keys";
+import type { RampName } from "../base/ramps";
 import { Working } from "../base/working";
 import type { Page, Surroundings } from "../page";
 import { findings } from "./findings";
@@ -11,6 +14,7 @@ import { NetworkSession } from "./network_session";
 import { NetworkView } from "./network_view";
 import { relaxationCard } from "./relaxation_card";
 import { type MeshActivity, MeshSession } from "./session";
+import { viewTools } from "./view_tools";
 import { MeshViewer, type Pick } from "./viewer";
 import { voronoiCard } from "./voronoi_card";
 import { VoronoiSession } from "./voronoi_session";
@@ -31,11 +35,13 @@ export function meshPage({ client, link }: Surroundings): Page {
   const stage = h("section", { class: "card mesh-stage", "aria-label": "View" });
   const card = h("div", {}, relaxationCard(network, view));
   const diagram = h("div", {}, voronoiCard(voronoi, cells));
-  const element = h("div", { class: "mesh-page" },
-    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, voronoi, { site: nudge, support: nudgeSupport }, () => void openSample()), h("div", { class: "column right" }, stage, card, diagram));
   const viewer = makeViewer();
+  const look = { ramp: (name: RampName) => viewer?.setRamp(name), spacing: (spacing: number | null) => viewer?.setSpacing(spacing) };
+  const element = h("div", { class: "mesh-page" },
+    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, voronoi, { site: nudge, support: nudgeSupport }, () => void openSample(), look), h("div", { class: "column right" }, stage, card, diagram));
   const hint = h("p", { class: "hint" });
-  replace(stage, viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint, status);
+  const share = shareButton("Copy a link to this mesh and its points", () => (session.mesh.get() ? writeLink() : "Open a mesh first"));
+  replace(stage, viewTools(session, viewer, share), h("div", { class: "status-place" }, status), viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint);
 
   function makeViewer(): MeshViewer | null {
     try {
@@ -122,7 +128,11 @@ export function meshPage({ client, link }: Surroundings): Page {
     viewer.onNudge = (right, down) => (ofNetwork() ? nudgeSupport(right, down) : nudge(right, down));
     viewer.onDragSupport = (index, to) => network.moveSupport(network.state.get().host.supports[index], to);
     viewer.onDrag = (site, { face, barycentric }, done) => voronoi.move(site, { face, barycentric: [...barycentric] }, done);
-    session.tool.watch(() => (viewer.drags = ofVoronoi()));
+    viewer.onDragMark = (mark, { face, barycentric }, done) => session.movePoint(mark, { face, barycentric: [...barycentric] }, done);
+    session.tool.watch(() => {
+      viewer.drags = ofVoronoi();
+      viewer.dragsMarks = !ofVoronoi() && !ofNetwork();
+    });
     session.mesh.watch((loaded) => {
       if (loaded) viewer.setMesh(loaded.data, `Surface of ${loaded.info.faces} faces`);
     });
@@ -151,7 +161,8 @@ export function meshPage({ client, link }: Surroundings): Page {
       const click = ofNetwork() && network.supporting.get() ? "Click to hold the nearest vertex or let it go" : !ofNetwork() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
       const { kind, supports } = network.state.get().host;
       const hasSupports = ofNetwork() && kind !== "rigid" && supports.length > 0;
-      hint.textContent = `${click}, drag ${hasSupports ? "a support to move it, beside it" : ""} to turn, scroll to come nearer. With the keyboard: arrows and + −${hasSupports ? "; with Shift, arrows move the chosen support" : ""}.`.replace("  ", " ");
+      const dragged = hasSupports ? "a support to move it, beside it" : ofNetwork() ? "" : "a point to move it, beside it";
+      hint.textContent = `${click}, drag ${dragged} to turn, scroll to come nearer. With the keyboard: arrows and + −${hasSupports ? "; with Shift, arrows move the chosen support" : ""}.`.replace("  ", " ");
     });
   }
   session.tool.watch(() => {
@@ -199,9 +210,12 @@ export function meshPage({ client, link }: Surroundings): Page {
     if (file) void session.upload(file, file.name);
   });
 
+  const keys = undoKeys(session);
+
   return {
     element,
     async open(text) {
+      document.addEventListener("keydown", keys);
       void session.list();
       const linked = readMeshLink(text);
       if (linked && linked.mesh !== session.mesh.get()?.info.id) {
@@ -212,7 +226,9 @@ export function meshPage({ client, link }: Surroundings): Page {
         if (linked.network && session.mesh.get()?.info.id === linked.mesh) network.restore(linked.network);
       } else writeLink();
     },
-    close() {},
+    close() {
+      document.removeEventListener("keydown", keys);
+    },
     reconnected() {
       void session.list();
       session.retry();

@@ -4,20 +4,28 @@ import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import type { Mesh } from "../contract/types";
 import { pointWords, readPoint } from "./link";
+import { nameOf } from "./names";
 import { networkPanel } from "./network_panel";
 import type { NetworkSession } from "./network_session";
 import { ordered, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { type MeshSession, MOST_STARTS, type Tool } from "./session";
-import { cssGradient } from "./spring_colours";
-import { RAMP } from "./surface_material";
+import { cssGradient, RAMP_NAMES, RAMP_WORDS, type RampName, RAMPS } from "../base/ramps";
+import { isolineSpacing, rampTicks } from "./mesh_data";
 import type { Nudge } from "./nudge_buttons";
 import { voronoiPanel } from "./voronoi_panel";
 import type { VoronoiSession } from "./voronoi_session";
 
+/** How a field is seen. */
+export interface FieldLook {
+  ramp(name: RampName): void;
+  /** Between isolines; a round one with null. */
+  spacing(spacing: number | null): void;
+}
+
 const FILE_TYPES = ".obj,.off,.ply,.stl";
 
-export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: { readonly site: Nudge; readonly support: Nudge }, sample: () => void): HTMLElement {
-  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network, nudge.support), voronoiPanel(session, voronoi, nudge.site), findingCard(session));
+export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: { readonly site: Nudge; readonly support: Nudge }, sample: () => void, look: FieldLook): HTMLElement {
+  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network, nudge.support), voronoiPanel(session, voronoi, nudge.site), findingCard(session, look));
 }
 
 function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
@@ -42,8 +50,7 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
       ["Components", String(info.components)], ["Boundaries", String(info.boundary_loops)], ["Handles", String(info.genus)], ["Area", digits(info.area, 4)],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    const sentences = info.repair ? [repairSentence(info, info.repair), ...info.warnings] : info.warnings;
-    replace(warnings, ...sentences.map((sentence) => h("p", { class: "note" }, sentence)));
+    replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)), ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)));
   });
   return h("section", { class: "card controls", "aria-label": "Surface" },
     h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a mesh"), file, button("Sample", sample)),
@@ -73,7 +80,8 @@ function repairControls(session: MeshSession): HTMLElement {
 }
 
 function meshWords(mesh: Mesh): string {
-  return `${mesh.faces.toLocaleString("en")} faces, genus ${mesh.genus} (${mesh.id.slice(0, 6)})`;
+  const name = nameOf(mesh.id);
+  return `${name ? `${name}: ` : ""}${mesh.faces.toLocaleString("en")} faces, genus ${mesh.genus} (${mesh.id.slice(0, 6)})`;
 }
 
 function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
@@ -133,20 +141,41 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, starts.element, list, form, clear);
 }
 
-function findingCard(session: MeshSession): HTMLElement {
+function findingCard(session: MeshSession, look: FieldLook): HTMLElement {
   const facts = h("dl", { class: "facts" });
   const notes = h("div");
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
-  bar.style.background = cssGradient(RAMP);
-  const scale = h("div", { class: "ramp-box" }, bar, h("div", { class: "ramp-words" }, h("span", {}, "0"), h("span", {})));
+  const ticks = h("div", { class: "ramp-ticks" });
+  const ramp = new Select<RampName>("Colours", RAMP_NAMES.map((value) => ({ value, words: RAMP_WORDS[value] })), show);
+  const id = uniqueId("spacing");
+  const spacing = h("input", { type: "number", class: "number", id, min: 0, step: "any", placeholder: "automatic", onchange: () => {
+    const value = Number(spacing.value);
+    const used = spacing.value !== "" && value > 0 ? value : null;
+    if (used === null) spacing.value = "";
+    look.spacing(used);
+  } });
+  const scale = h("div", { class: "ramp-box controls" }, h("div", {}, bar, ticks), ramp.element,
+    h("div", { class: "field" }, h("label", { for: id }, "Spacing of the isolines, mesh units"), spacing));
   const card = h("section", { class: "card", "aria-label": "Result", hidden: true }, h("h2", {}, "Result"), scale, facts, notes);
+
+  function show(name: RampName): void {
+    bar.style.background = cssGradient(RAMPS[name]);
+    look.ramp(name);
+  }
+  show("sea");
   session.finding.watch((finding) => {
     card.hidden = finding.facts.length === 0;
     replace(facts, ...finding.facts.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
     replace(notes, ...finding.notes.map((sentence) => h("p", { class: "note" }, sentence)));
     scale.hidden = finding.distances === null;
-    const last = scale.querySelector("span:last-child");
-    if (last && finding.distances) last.textContent = digits(Math.max(...finding.distances.slice(0, 1), finding.distances.reduce((a, b) => Math.max(a, b), 0)), 3);
+    if (!finding.distances) return;
+    const largest = finding.distances.reduce((most, value) => Math.max(most, value), 0);
+    spacing.placeholder = `automatic: ${digits(isolineSpacing(largest))}`;
+    replace(ticks, ...rampTicks(largest).map((value) => {
+      const tick = h("span", {}, digits(value));
+      tick.style.left = `${(100 * value) / (largest || 1)}%`;
+      return tick;
+    }));
   });
   return card;
 }

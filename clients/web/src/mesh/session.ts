@@ -1,10 +1,12 @@
 // The mesh at hand, the points picked on it, and what the server says about them.
+import { History } from "../base/history";
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort, Problem, readJson } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { Geodesics, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
+import { keepName } from "./names";
 import { helpAgainst, ordered, uploadPath } from "./repair";
 
 export type Tool = "path" | "distance" | "mean" | "network" | "voronoi";
@@ -61,6 +63,8 @@ export class MeshSession {
   /** What uploads ask for. */
   readonly repairs = new Observable<readonly Repair[]>([]);
   readonly refused = new Observable<Refused | null>(null);
+  readonly steps = new Observable({ undo: false, redo: false });
+  private history = new History<readonly SurfacePoint[]>([]);
   private readonly requests = new Latest();
   private unanswered = false;
 
@@ -95,7 +99,9 @@ export class MeshSession {
         this.offerRepairs(content, words, error);
         throw error;
       });
-      await this.show(await readJson<Mesh>(response));
+      const info = await readJson<Mesh>(response);
+      keepName(info.id, words);
+      await this.show(info);
       this.forgetRefused();
       void this.list();
     });
@@ -130,14 +136,47 @@ export class MeshSession {
     if (loaded && isOn(loaded.info, point)) this.setPoints([...this.points.get(), point]);
   }
 
+  /** One step to undo. */
   setPoints(points: readonly SurfacePoint[]): void {
+    this.history.push(points);
+    this.take(points);
+  }
+
+  /** A picked point goes along the surface; it is one step to undo once it is let go. */
+  movePoint(index: number, to: SurfacePoint, done: boolean): void {
+    const points = this.points.get().map((point, k) => (k === index ? to : point));
+    if (done) return this.setPoints(points);
     this.points.set(points);
-    this.compute();
+    this.compute(false);
+  }
+
+  undo(): void {
+    if (this.isFollowing && this.history.undo()) this.take(this.history.current);
+  }
+
+  redo(): void {
+    if (this.isFollowing && this.history.redo()) this.take(this.history.current);
   }
 
   setTool(tool: Tool): void {
     this.tool.set(tool);
+    this.tellSteps();
     this.compute();
+  }
+
+  /** Networks and Voronoi diagrams number their points: these are not undone behind their backs. */
+  private get isFollowing(): boolean {
+    return !["network", "voronoi"].includes(this.tool.get());
+  }
+
+  private take(points: readonly SurfacePoint[]): void {
+    this.points.set(points);
+    this.tellSteps();
+    this.compute();
+  }
+
+  private tellSteps(): void {
+    this.steps.set({ undo: this.isFollowing && this.history.canUndo, redo: this.isFollowing && this.history.canRedo });
   }
 
   setStarts(starts: number): void {
@@ -176,10 +215,12 @@ export class MeshSession {
     this.points.set([]);
     this.finding.set(NOTHING);
     this.mesh.set({ info, data });
-    this.setPoints(points);
+    this.history = new History(points);
+    this.take(points);
   }
 
-  private compute(): void {
+  /** `urgent`: what runs is stopped; while a point is dragged it may end first, or nothing would ever be seen. */
+  private compute(urgent = true): void {
     const mesh = this.mesh.get();
     const points = this.points.get();
     const tool = this.tool.get();
@@ -202,7 +243,7 @@ export class MeshSession {
         this.unanswered = true;
         this.activity.set(error instanceof ConnectionLost ? { kind: "idle" } : { kind: "failed", sentence: explain(error) });
       }
-    }, true);
+    }, urgent);
   }
 
   private async ask(tool: Following, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {

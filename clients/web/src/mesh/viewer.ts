@@ -3,20 +3,20 @@ import * as THREE from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { type RampName, RAMPS } from "../base/ramps";
 import { dark } from "../base/theme";
 import { SceneView } from "../scene/scene_view";
 import { drape, type Drape } from "./membrane_drape";
 import { MembraneDrawing } from "./membrane_drawing";
 import { CellDrawing, type CellPicture } from "./cell_drawing";
 import { HostDrawing } from "./host_drawing";
-import { barycentricOf, type MeshData, roundStep, type Vector } from "./mesh_data";
+import { barycentricOf, isolineSpacing, type MeshData, type Vector } from "./mesh_data";
 import { SurfaceGrid } from "./nearest_on_surface";
 import { NetworkDrawing, type NetworkPicture } from "./network_drawing";
 import type { Rgb } from "./spring_colours";
 import { surfaceMaterial } from "./surface_material";
 
 const CLICK_PIXELS = 5;
-const ISOLINES = 18;
 /** Where a surface is looked at from at first. */
 const FROM = new THREE.Vector3(0.35, 0.45, 1);
 
@@ -51,6 +51,9 @@ export class MeshViewer {
   onPick: (pick: Pick) => void = () => {};
   /** Whether a point of the network, when it is seized, is dragged along the surface instead of turning the view. */
   drags = false;
+  /** Whether a marked point, when it is seized, is dragged along the surface. */
+  dragsMarks = false;
+  onDragMark: (mark: number, place: Place, done: boolean) => void = () => {};
   /** A point that is dragged, the place that it is at, and whether it was let go there. */
   onDrag: (point: number, place: Place, done: boolean) => void = () => {};
   /** Whether a vertex that is held, when it is seized, is dragged through space instead of turning the view. */
@@ -68,6 +71,10 @@ export class MeshViewer {
   private readonly supports = new NetworkDrawing();
   private readonly host = new HostDrawing();
   private readonly cells = new CellDrawing();
+  private readonly edges = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ wireframe: true, transparent: true, opacity: 0.35 }));
+  private marked: readonly Vector[] = [];
+  private distances: ArrayLike<number> | null = null;
+  private wantedSpacing: number | null = null;
   private supported: readonly Vector[] = [];
   private chosenSupport = -1;
   /** Of the surface as it is seen, once a membrane lies on it. */
@@ -90,10 +97,12 @@ export class MeshViewer {
       for (const drawing of [this.network, this.supports]) drawing.resized(width, height, this.view.pixelRatio);
       this.membrane.resized(width, height);
     };
-    this.view.scene.add(this.marks, this.lines, this.host.group, this.cells.group, this.membrane.group, this.supports.group, this.network.group);
+    this.view.scene.add(this.marks, this.lines, this.host.group, this.cells.group, this.membrane.group, this.supports.group, this.network.group, this.edges);
+    this.edges.visible = false;
     this.listen();
     dark.watch((isDark) => {
       this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
+      this.edges.material.color.set(isDark ? 0xffffff : 0x101317);
       this.setNetwork(this.picture);
       this.setSupports(this.supported, this.chosenSupport);
     });
@@ -118,6 +127,7 @@ export class MeshViewer {
     geometry.computeBoundingSphere();
     this.surface = new THREE.Mesh(geometry, this.material);
     this.view.scene.add(this.surface);
+    this.edges.geometry = geometry;
     this.view.words = words;
     const sphere = geometry.boundingSphere as THREE.Sphere;
     this.radius = sphere.radius || 1;
@@ -179,8 +189,37 @@ export class MeshViewer {
     this.view.draw();
   }
 
-  /** Colours by distance, one for each vertex (below 0 where there is none); plain without. Returns the spacing of the isolines. */
-  setField(distances: ArrayLike<number> | null): number {
+  /** Looks at the whole surface again. */
+  fit(): void {
+    const geometry = this.surface?.geometry;
+    geometry?.computeBoundingSphere();
+    if (geometry?.boundingSphere) this.view.showAll(geometry.boundingSphere, FROM);
+  }
+
+  setWireframe(shown: boolean): void {
+    this.edges.visible = shown;
+    this.view.draw();
+  }
+
+  setRamp(name: RampName): void {
+    this.material.uniforms.ramp.value = RAMPS[name].map((rgb) => new THREE.Vector3(...rgb));
+    this.view.draw();
+  }
+
+  /** Between isolines; a round one with null. */
+  setSpacing(spacing: number | null): void {
+    this.wantedSpacing = spacing;
+    this.setField(this.distances);
+  }
+
+  /** What is seen now, as a picture. */
+  snapshot(): Promise<Blob | null> {
+    return this.view.picture();
+  }
+
+  /** Colours by distance, one for each vertex (below 0 where there is none); plain without. */
+  setField(distances: ArrayLike<number> | null): void {
+    this.distances = distances;
     const { uniforms } = this.material;
     const attribute = this.surface?.geometry.getAttribute("distance0") as THREE.BufferAttribute | undefined;
     uniforms.largest.value = 0;
@@ -192,10 +231,9 @@ export class MeshViewer {
       }
       attribute.needsUpdate = true;
       uniforms.largest.value = largest;
-      uniforms.spacing.value = roundStep(largest || 1, ISOLINES);
+      uniforms.spacing.value = this.wantedSpacing ?? isolineSpacing(largest);
     }
     this.view.draw();
-    return uniforms.spacing.value as number;
   }
 
   setPaths(paths: readonly (readonly Vector[])[]): void {
@@ -219,6 +257,7 @@ export class MeshViewer {
       mark.position.set(...place);
       this.marks.add(mark);
     };
+    this.marked = points;
     for (const place of points) ball(place, 0.018, "--target");
     if (mean) ball(mean, 0.028, "--simulated");
     this.view.draw();
@@ -250,11 +289,13 @@ export class MeshViewer {
     let down: readonly [number, number] | null = null;
     let dragged: { point: number; place: Place | null } | null = null;
     let support: { index: number; at: Vector; moved: boolean } | null = null;
+    let isMark = false;
     canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
     // Before the controls that turn the view, which then hear nothing of it.
     canvas.addEventListener("pointerdown", (event) => {
       const isFirst = event.button === 0 && event.isPrimary;
-      const point = this.drags && isFirst ? this.pointAt(event) : null;
+      isMark = this.dragsMarks;
+      const point = !isFirst ? null : isMark ? this.markAt(event) : this.drags ? this.pointAt(event) : null;
       const held = this.dragsSupports && isFirst ? this.nearestTo(event, this.supports) : null;
       if (point === null && held === null) return;
       event.stopImmediatePropagation();
@@ -275,13 +316,13 @@ export class MeshViewer {
       const place = this.hit(this.placeOf(event))?.place;
       if (!place) return;
       dragged.place = place;
-      this.onDrag(dragged.point, place, false);
+      (isMark ? this.onDragMark : this.onDrag)(dragged.point, place, false);
     });
     const release = (event: PointerEvent) => {
       const { point, place } = dragged ?? { point: 0, place: null };
       const wasDragged = place !== null || support?.moved === true;
       [dragged, support] = [null, null];
-      if (place) this.onDrag(point, place, true);
+      if (place) (isMark ? this.onDragMark : this.onDrag)(point, place, true);
       else if (event.type === "pointerup" && down && event.button === 0 && !wasDragged && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) this.pick(event);
       down = null;
     };
@@ -315,6 +356,22 @@ export class MeshViewer {
 
   private pointAt(event: PointerEvent): number | null {
     return this.nearestTo(event, this.network);
+  }
+
+  /** The marked point next to the pointer, unless it is hidden behind the surface. */
+  private markAt(event: PointerEvent): number | null {
+    const box = this.view.canvas.getBoundingClientRect();
+    const hit = this.hit(this.placeOf(event));
+    const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
+    let [best, least]: [number | null, number] = [null, POINT_PIXELS];
+    this.marked.forEach((mark, k) => {
+      const at = new THREE.Vector3(...mark);
+      if (at.distanceTo(this.view.camera.position) > depth) return;
+      at.project(this.view.camera);
+      const away = Math.hypot(((at.x + 1) / 2) * box.width - (event.clientX - box.left), ((1 - at.y) / 2) * box.height - (event.clientY - box.top));
+      if (away < least) [best, least] = [k, away];
+    });
+    return best;
   }
 
   private nearestTo(event: PointerEvent, drawing: NetworkDrawing): number | null {

@@ -19,6 +19,8 @@ export class SceneView {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly controls: OrbitControls;
   private scheduled = false;
+  /** What all of is looked at until the person turns to something else. */
+  private whole: { sphere: THREE.Sphere; from: THREE.Vector3 } | null = null;
 
   /** Throws where the browser has no WebGL. */
   constructor(words: string) {
@@ -27,6 +29,7 @@ export class SceneView {
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("start", () => (this.whole = null));
     this.element.append(this.canvas);
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.resize()).observe(this.element);
@@ -51,10 +54,11 @@ export class SceneView {
     });
   }
 
-  /** Looks at all of the sphere, from a direction. */
+  /** Looks at all of the sphere, from a direction, whatever the proportions of the picture. */
   showAll(sphere: THREE.Sphere, from: THREE.Vector3): void {
+    const away = distanceOfAll(sphere.radius || 1, this.camera.aspect);
     const radius = sphere.radius || 1;
-    const away = (ROOM * radius) / Math.sin((FIELD_OF_VIEW / 2) * (Math.PI / 180));
+    this.whole = { sphere, from };
     this.controls.target.copy(sphere.center);
     this.camera.position.copy(sphere.center).add(from.clone().normalize().multiplyScalar(away));
     this.camera.near = radius / 100;
@@ -64,6 +68,12 @@ export class SceneView {
     this.draw();
   }
 
+  /** What is seen now, as a picture. */
+  picture(): Promise<Blob | null> {
+    this.renderer.render(this.scene, this.camera);
+    return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
+  }
+
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (width === 0 || height === 0) return;
@@ -71,6 +81,7 @@ export class SceneView {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.resized(width, height);
+    if (this.whole) this.showAll(this.whole.sphere, this.whole.from);
     this.draw();
   }
 
@@ -82,6 +93,7 @@ export class SceneView {
     const turn = turns[event.key];
     if (!turn) return;
     event.preventDefault();
+    this.whole = null;
     const offset = this.camera.position.clone().sub(this.controls.target);
     const spherical = new THREE.Spherical().setFromVector3(offset);
     spherical.theta += turn[0];
@@ -91,4 +103,11 @@ export class SceneView {
     this.controls.update();
     this.draw();
   }
+}
+
+/** How far away all of a sphere is in sight, in a picture of this width over its height. */
+export function distanceOfAll(radius: number, aspect: number): number {
+  const half = (FIELD_OF_VIEW / 2) * (Math.PI / 180);
+  const narrower = Math.min(half, Math.atan(Math.tan(half) * aspect));
+  return (ROOM * radius) / Math.sin(narrower);
 }

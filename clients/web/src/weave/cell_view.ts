@@ -35,6 +35,8 @@ export function cellView(session: WeaveSession, deformed: DeformedCell): HTMLEle
     note.hidden = note.textContent === "";
     drawing.classList.toggle("empty", !cell);
     if (!cell || !laidOut?.layout.lattice) {
+      for (const part of [rest, strands]) part.replaceChildren();
+      arrow.setAttribute("d", "");
       words.textContent = periodic ? "" : "Only a cell that repeats has a stiffness in every direction. The sheet below can be put under load.";
       return;
     }

@@ -18,7 +18,7 @@ import { ProfileCard } from "./profile_card";
 import { WeaveSession } from "./session";
 import { sheetCard } from "./sheet_card";
 import { SheetSession } from "./sheet_session";
-import { DEFAULT_STATE } from "./state";
+import { DEFAULT_STATE, isPeriodic } from "./state";
 import { strandPanel } from "./strand_panel";
 import { valueTable } from "./value_table";
 import { weaveControls } from "./weave_controls";
@@ -39,15 +39,21 @@ export function weavePage({ client, link }: Surroundings): Page {
     writeNow();
     return isShareable(session.state.get()) ? undefined : "Too long for a link: export the request";
   });
+  const cell = cellView(session, deformed);
   const element = h(
     "div",
     { class: "weave-page" },
     h("h1", { class: "visually-hidden" }, "Weave"),
     h("div", { class: "column left" }, weaveControls(session), strandPanel(session, draft), pinList(pins)),
     h("div", { class: "column" },
-      h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(), h("div", { class: "panels" }, editor.element, cellView(session, deformed))),
+      h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(), h("div", { class: "panels" }, editor.element, cell)),
       profile.element, valueTable(session), sheetCard(session, sheet)),
   );
+
+  // Only a cell that repeats has a stiffness over direction and a deformed cell.
+  session.state.watch((state) => {
+    profile.element.hidden = cell.hidden = !isPeriodic(state);
+  });
 
   function toolbar(): HTMLElement {
     const undo = button("", () => session.undo(), { icon: "undo", title: "Undo (Ctrl+Z)" });

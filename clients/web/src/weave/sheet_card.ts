@@ -66,6 +66,7 @@ function sheetControls(session: WeaveSession, sheet: SheetSession, printed: HTML
     download(`${session.state.get().pattern.replace(/_/g, "-")}-sheet.gcode`, "text/x-gcode", gcode);
     const found = check.violation_count === 0 ? "The checker finds nothing wrong." : `The checker objects ${check.violation_count} times, first: ${check.violations[0].message}.`;
     printed.textContent = `Saved: ${statistics.channels} channels, ${digits(statistics.filament)} mm of filament, ${digits(statistics.minutes)} minutes. ${found}`;
+    printed.className = check.violation_count === 0 ? "note good" : "note";
     printed.hidden = false;
     announce(printed.textContent);
   }

@@ -64,8 +64,9 @@ export const FIRST_LAYOUT: FreeLayout = {
 };
 
 export const DEFAULT_STATE: WeaveState = {
-  pattern: "interlacing_squares",
-  type: 2,
+  // The page opens on what is computed while one looks: a fraction of a second for all directions.
+  pattern: "interlacing_circles",
+  type: 1,
   lengths: DEFAULT_LENGTHS,
   youngsModulus: 3500,
   layout: FIRST_LAYOUT,

@@ -1,0 +1,59 @@
+// The search of the design page as a command of a shell and as a program in Python.
+import type { DesignRequest } from "../contract/types";
+import { curlText } from "../base/curl";
+import { designRequest } from "./requests";
+import type { DesignState } from "./state";
+
+/** What a search of this state asks for, by itself. */
+export function searchOf(state: DesignState): DesignRequest {
+  const { session: _, ...request } = designRequest(state, "search", "");
+  return request;
+}
+
+export function curlOf(state: DesignState, origin: string): string {
+  return curlText(origin, "/v1/designs", searchOf(state));
+}
+
+/** A pair that is written with "=", since values may begin with a minus. */
+function option(name: string, value: string | number | undefined): string[] {
+  return value === undefined ? [] : [`--${name}="${value}"`];
+}
+
+export function commandOf(state: DesignState, origin: string): string {
+  const request = searchOf(state);
+  const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
+  const parts = [
+    ...option("task", request.task), ...option("family", request.family), ...option("direction", request.direction), ...option("strain", request.strain),
+    ...option("strain-measure", request.strain_measure),
+    ...option("target", target.control_points.map((point) => point.join(",")).join(";")), ...option("interpolation", target.interpolation),
+    ...option("samples", request.samples),
+    ...option("initial", request.initial?.join(",")), ...option("fixed", request.fixed?.map((value) => value ?? "free").join(",")),
+    ...option("multi-start", request.effects?.multi_start), ...option("envelope", request.effects?.envelope),
+  ];
+  return `supple --server ${origin} design \\\n  ${parts.join(" \\\n  ")}\n`;
+}
+
+function python(value: unknown): string {
+  if (value === null || value === undefined) return "None";
+  if (Array.isArray(value)) return `[${value.map(python).join(", ")}]`;
+  return typeof value === "string" ? JSON.stringify(value) : String(value);
+}
+
+function keywords(values: Readonly<Record<string, unknown>>): string {
+  return Object.entries(values).filter(([, value]) => value !== undefined).map(([name, value]) => `${name}=${python(value)}`).join(", ");
+}
+
+export function pythonOf(state: DesignState, origin: string): string {
+  const request = searchOf(state);
+  const { target, effects } = request as { target: { control_points: unknown; interpolation?: string }; effects?: { multi_start?: string; envelope?: string } };
+  const profile = { direction: request.direction, strain: request.strain, strain_measure: request.strain_measure, interpolation: target.interpolation, samples: request.samples };
+  const search = { family: request.family === "any" ? undefined : request.family, initial: request.initial, fixed: request.fixed };
+  return [
+    "import supple", "",
+    `client = supple.Client(${python(origin)})`,
+    `target = supple.Target(${python(request.task)}, ${python(target.control_points)}, ${keywords(profile)})`,
+    `options = supple.DesignOptions(${keywords({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`,
+    `design = client.design(target, ${keywords(search)}${Object.values(search).some((value) => value !== undefined) ? ", " : ""}options=options)`,
+    "print(design.family, *design.parameters, design.error.relative_rms)", "",
+  ].join("\n");
+}

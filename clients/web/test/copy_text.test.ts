@@ -1,0 +1,30 @@
+import { describe, expect, it } from "vitest";
+import { curlText } from "../src/base/curl";
+import { commandOf, curlOf, pythonOf } from "../src/design/copy_text";
+import { DEFAULT_STATE } from "../src/design/state";
+
+const origin = "http://127.0.0.1:8080";
+const state = { ...DEFAULT_STATE, points: [[-0.1, -0.5], [0, 0], [0.2, 1]] as const, family: "IH22", found: { family: "IH22", parameters: [0.3, 0.4] }, fixed: [true, false] };
+
+describe("a search as text", () => {
+  it("is a request by curl whose quotes the shell keeps", () => {
+    expect(curlText(origin, "/v1/x", { a: "it's" })).toContain(`-d '{"a":"it'\\''s"}'`);
+    const body = /-d '(.*)'\n$/.exec(curlOf(state, origin))?.[1] ?? "";
+    expect(JSON.parse(body)).toMatchObject({ family: "IH22", fixed: [0.3, null], target: { control_points: [[-0.1, -0.5], [0, 0], [0.2, 1]] } });
+    expect(body).not.toContain("session");
+  });
+
+  it("is a command whose values may begin with a minus", () => {
+    const text = commandOf(state, origin);
+    expect(text).toContain(`--target="-0.1,-0.5;0,0;0.2,1"`);
+    expect(text).toContain(`--fixed="0.3,free"`);
+    expect(text).not.toContain("--strain=");
+  });
+
+  it("is a program in Python", () => {
+    const text = pythonOf({ ...state, task: "poisson", family: "any", fixed: [], points: [[0, 0.1], [1, 0.2], [2, 0.3]] }, origin);
+    expect(text).toContain(`supple.Target("poisson", [[0, 0.1], [1, 0.2], [2, 0.3]], strain=0.05`);
+    expect(text).toContain("design = client.design(target, options=options)");
+    expect(pythonOf(state, origin)).toContain("fixed=[0.3, None]");
+  });
+});
