@@ -102,6 +102,41 @@ TEST(MultifrontalCholesky, ReadsTheLowerTriangleOnly) {
   EXPECT_LT((x - y).norm(), 1e-13 * x.norm());
 }
 
+// Places come and go one by one, as where paths lead over other faces: fronts grow, shrink and get other parents.
+TEST(MultifrontalCholesky, FollowsAPatternThatChangesALittleManyTimes) {
+  constexpr int n = 300;
+  RandomStream random("multifrontal", 5);
+  MultifrontalCholesky cholesky;
+  std::vector<Eigen::Triplet<double>> added;
+  const auto around = [](int i) { return (i + n) % n; };
+  for (int round = 0; round < 60; ++round) {
+    for (int k = 0; k < 3; ++k) {
+      // Most near each other, some far apart.
+      const int i = random.below(n);
+      const int j = random.below(8) == 0 ? random.below(n) : around(i + 1 + random.below(6));
+      if (i == j) continue;
+      added.emplace_back(i, j, random.uniform(-1, 1));
+      added.emplace_back(j, i, added.back().value());
+    }
+    if (added.size() > 60) added.erase(added.begin(), added.begin() + 30);
+    std::vector<Eigen::Triplet<double>> entries(added);
+    for (int i = 0; i < n; ++i) {
+      entries.emplace_back(i, i, 40);
+      for (const int away : {-2, -1, 1, 2}) entries.emplace_back(i, around(i + away), -1);
+    }
+    SparseMatrix matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    cholesky.analyze(matrix);
+    ASSERT_TRUE(cholesky.factorize(matrix, 0.5)) << "round " << round;
+    for (const int columns : {1, 3}) {
+      const Eigen::MatrixXd b = random_columns(n, columns);
+      Eigen::MatrixXd x = b;
+      cholesky.solve(x);
+      ASSERT_LT((matrix * x + 0.5 * x - b).norm(), 1e-13 * b.norm()) << "round " << round;
+    }
+  }
+}
+
 TEST(MultifrontalCholesky, AgreesWithTheSignOfTheLowestEigenvalue) {
   const SparseMatrix matrix = random_matrix(60, 4, 3);
   const double lowest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(matrix)).eigenvalues()[0];
