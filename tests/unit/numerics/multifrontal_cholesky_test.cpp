@@ -56,6 +56,29 @@ TEST(PartialCholesky, LeavesFactorsAndTheSchurComplementForEveryShapeOfFront) {
   }
 }
 
+// Large fronts go another way; their last panels, tiles and columns are seldom full.
+TEST(PartialCholesky, LeavesTheSameOfLargeFronts) {
+  RandomStream random("fronts", 1);
+  for (const int rows : {319, 320, 321, 327, 557}) {
+    const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(rows, rows, [&random] { return random.uniform(-1, 1); });
+    const Eigen::MatrixXd spd = a * a.transpose() + rows * Eigen::MatrixXd::Identity(rows, rows);
+    for (const int pivots : {1, 4, 47, 48, 49, 97, rows - 5, rows - 1, rows}) {
+      const int ld = rows + random.below(4);
+      Eigen::VectorXd front = Eigen::VectorXd::Constant(ld * rows + 16, 0.25);
+      Eigen::Map<Eigen::MatrixXd> inside(front.data(), ld, rows);
+      inside.topRows(rows) = spd;
+      ASSERT_TRUE(partial_cholesky(front.data(), ld, rows, pivots));
+      const Eigen::MatrixXd panel = inside.topLeftCorner(rows, pivots).triangularView<Eigen::Lower>();
+      Eigen::MatrixXd left = spd - panel * panel.transpose();
+      left.bottomRightCorner(rows - pivots, rows - pivots) -=
+          inside.block(pivots, pivots, rows - pivots, rows - pivots);
+      EXPECT_LT(Eigen::MatrixXd(left.triangularView<Eigen::Lower>()).cwiseAbs().maxCoeff(), 1e-10)
+          << rows << " rows, " << pivots << " pivots";
+      EXPECT_EQ(front.tail(16), Eigen::VectorXd::Constant(16, 0.25)) << rows << " rows, " << pivots << " pivots";
+    }
+  }
+}
+
 TEST(PartialCholesky, RefusesAFrontThatIsNotPositiveDefiniteInItsPivots) {
   Eigen::MatrixXd front = Eigen::MatrixXd::Identity(12, 12);
   front(5, 5) = -1;
