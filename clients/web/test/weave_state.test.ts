@@ -7,6 +7,7 @@ import { DEFAULT_STATE, FIRST_LAYOUT, isPeriodic, usableStrain, type WeaveState 
 
 const state: WeaveState = {
   ...DEFAULT_STATE,
+  pattern: "interlacing_squares", type: 2,
   overrides: [{ crossing: 2, slides: [] }, { crossing: 5, slides: [0, 1], backward: 0.5, forward: null }],
   strain: 0.25, shear: "suppressed", space: "off", segments: 6,
   sheet: { columns: 4, rows: 7, load: "shear", amount: -0.3 },
