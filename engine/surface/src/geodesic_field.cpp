@@ -17,6 +17,18 @@ Eigen::Vector2d side_direction(const EdgeFrame& frame, int side) {
   return Eigen::Vector2d(-frame.apex_x(), -frame.apex_y) / frame.left_length;
 }
 
+/// Where a source that lies in a face, or on an edge of it, is in the plane of the face.
+Eigen::Vector2d planar_source(const GeodesicField::Data& data, std::int32_t face, std::int32_t source) {
+  const SurfacePoint& point = data.sources[source];
+  Eigen::Vector3d barycentric = point.barycentric;
+  if (index(point.face) != face) {
+    // On the common edge, written in the other face.
+    const int side = side_of(point);
+    barycentric = across_side(point, side, data.mesh->mesh->twin(3 * index(point.face) + side));
+  }
+  return planar_point(data.mesh->frames[3 * face], barycentric, 0);
+}
+
 }  // namespace
 
 void GeodesicField::Data::sort_sources() {
@@ -130,16 +142,8 @@ void GeodesicField::arrivals(FaceId face, std::vector<FaceArrival>& arrivals) co
     if (data.vertex_sources[v] < 0) continue;
     arrivals.push_back({.image = corners[i], .sigma = data.distances[v], .source = data.vertex_sources[v]});
   }
-  data.visit_sources(f, [&](std::int32_t i) {
-    Eigen::Vector3d barycentric = data.sources[i].barycentric;
-    if (index(data.sources[i].face) != f) {
-      // On the common edge, written in the other face.
-      const int side = side_of(data.sources[i]);
-      const std::int32_t across = data.mesh->mesh->twin(3 * index(data.sources[i].face) + side);
-      barycentric = across_side(data.sources[i], side, across);
-    }
-    arrivals.push_back({.image = planar_point(frame, barycentric, 0), .sigma = 0, .source = i});
-  });
+  data.visit_sources(
+      f, [&](std::int32_t i) { arrivals.push_back({.image = planar_source(data, f, i), .sigma = 0, .source = i}); });
   if (!data.kept) return;
   for (int side = 0; side < 3; ++side) {
     const Eigen::Vector2d along = side_direction(frame, side);
@@ -155,6 +159,48 @@ void GeodesicField::arrivals(FaceId face, std::vector<FaceArrival>& arrivals) co
                           .everywhere = false});
     }
   }
+}
+
+PathStart GeodesicField::start_of_path(FaceId face, std::size_t arrival, const Eigen::Vector2d& place) const {
+  const Data& data = *data_;
+  if (!data.kept) throw not_kept();
+  const std::int32_t f = index(face);
+  const EdgeFrame& frame = data.mesh->frames[3 * f];
+  const std::array<Eigen::Vector2d, 3> corners{Eigen::Vector2d(0, 0), Eigen::Vector2d(frame.length, 0),
+                                               Eigen::Vector2d(frame.apex_x(), frame.apex_y)};
+  SearchTarget target;
+  target.point.face = face;
+  for (int side = 0; side < 3; ++side) {
+    const Eigen::Vector2d along = side_direction(frame, side);
+    const Eigen::Vector2d way = place - corners[side];
+    target.planar[side] = {way.dot(along), along.x() * way.y() - along.y() * way.x()};
+  }
+  // As arrivals() counts: corners that are reached, sources in the face, windows.
+  auto left = static_cast<std::int32_t>(arrival);
+  for (int corner = 0; corner < 3; ++corner) {
+    const std::int32_t v = data.mesh->mesh->faces()[f][corner];
+    if (data.vertex_sources[v] < 0 || left-- != 0) continue;
+    target.best.kind = Arrival::Kind::vertex;
+    target.best.vertex = v;
+    return start_of(data.state(), target);
+  }
+  data.visit_sources(f, [&](std::int32_t i) {
+    if (left-- != 0) return;
+    target.best.kind = Arrival::Kind::direct;
+    target.best.source = i;
+    target.best.image = planar_source(data, f, i) - place;
+  });
+  if (target.best.kind == Arrival::Kind::none) {
+    const std::int32_t number = data.first[3 * f] + left;
+    std::int32_t h = 3 * f;
+    while (data.first[h + 1] <= number) ++h;
+    const Window& window = data.windows[number];
+    target.best.kind = Arrival::Kind::window;
+    target.best.halfedge = h;
+    target.best.trail = window.trail;
+    target.best.origin = window.origin;
+  }
+  return start_of(data.state(), target);
 }
 
 }  // namespace supple::surface

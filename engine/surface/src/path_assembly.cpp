@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numbers>
 
 #include "near_vertex.h"
@@ -104,6 +105,18 @@ class Backtrace {
   const std::vector<std::int32_t>& pins() const { return pins_; }
   std::vector<PathPoint>& points() { return points_; }
   double first_length() const { return first_length_; }
+
+  /// At a source on a vertex, the angle around it under which the path leaves; NaN elsewhere.
+  double from_angle() const {
+    if (!departure_ || corner_of(state_.sources[source_]) < 0) return std::numeric_limits<double>::quiet_NaN();
+    // The departure is in the frame of an outgoing halfedge of the vertex.
+    const std::int32_t h = departure_->halfedge;
+    const double angle = mesh_.polar_angle(h) + std::atan2(departure_->vector.y(), departure_->vector.x());
+    // A path along the first edge of a fan that closes up may lie on either side of it by rounding.
+    return angle < 0 && !mesh_.mesh->is_boundary(mesh_.mesh->tail(h))
+               ? angle + mesh_.mesh->vertex_angle(mesh_.mesh->tail(h))
+               : std::max(0.0, angle);
+  }
 
   /// Unit direction of travel at the source, in the tangent frame of the source point's face.
   Vector2d from_direction() const {
@@ -386,6 +399,16 @@ int source_of(const SearchState& state, const SearchTarget& target) {
   Backtrace trace(state, false);
   trace.from_target(target);
   return trace.source();
+}
+
+PathStart start_of(const SearchState& state, const SearchTarget& target) {
+  PathStart start;
+  if (target.best.kind == Arrival::Kind::none) return start;
+  Backtrace trace(state, false);
+  trace.from_target(target);
+  start.direction = trace.from_direction();
+  start.angle = trace.from_angle();
+  return start;
 }
 
 Geodesic assemble(const SearchState& state, const SearchTarget& target, const GeodesicOptions& options) {

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "supple/surface/geodesic.h"
+#include "supple/surface/path_start.h"
 #include "window_search.h"
 
 namespace supple::surface {
@@ -30,6 +31,9 @@ Geodesic assemble(const SearchState& state, const SearchTarget& target, const Ge
 
 /// Index of the source at which the arrival's path begins; -1 if there is none.
 int source_of(const SearchState& state, const SearchTarget& target);
+
+/// How the arrival's path leaves its source.
+PathStart start_of(const SearchState& state, const SearchTarget& target);
 
 /// Closed-form derivatives of the distance from its ends' directions and lengths.
 GeodesicDerivatives end_derivatives(const TriangleMesh& mesh, const SurfacePoint& from, const SurfacePoint& to,

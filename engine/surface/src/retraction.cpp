@@ -12,8 +12,6 @@ using std::numbers::pi;
 /// A vertex whose angle is within this of 2 pi (radians) is treated as a point of a flat face.
 constexpr double flat_angle = 1e-12;
 
-double stretch(const VertexCone& cone) { return (cone.open() ? pi : 2 * pi) / cone.total_angle(); }
-
 /// The share of a length that was walked: all of it unless the boundary ended the path.
 double walked_share(const ExponentialMap& walked, double length) {
   return walked.reached_boundary && length > 0 ? std::min(1.0, walked.length / length) : 1.0;
@@ -25,15 +23,17 @@ Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen
   double angle = std::atan2(step[1], step[0]);
   if (angle < 0) angle += 2 * pi;
   const double length = step.norm();
-  const VertexCone::Direction direction = cone.direction(std::min(angle / stretch(cone), cone.total_angle()));
+  const VertexCone::Direction direction = cone.direction(std::min(angle / cone_stretch(cone), cone.total_angle()));
   const ExponentialMap walked = exponential_map(mesh, direction.vertex, length * direction.vector, false);
   return {walked.end, walked_share(walked, length) * step, 0, false};
 }
 
 }  // namespace
 
+double cone_stretch(const VertexCone& cone) { return (cone.open() ? pi : 2 * pi) / cone.total_angle(); }
+
 Eigen::Vector2d cone_coordinates(const VertexCone& cone, double angle) {
-  return {std::cos(angle * stretch(cone)), std::sin(angle * stretch(cone))};
+  return {std::cos(angle * cone_stretch(cone)), std::sin(angle * cone_stretch(cone))};
 }
 
 bool on_cone_tip(const TriangleMesh& mesh, const SurfacePoint& point) {
