@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "arrival_pulls.h"
+#include "planar_cross.h"
 #include "planar_face.h"
+#include "straight_regions.h"
 #include "supple/base/parallel_tasks.h"
 
 namespace supple::voronoi {
@@ -16,10 +20,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using surface::TriangleMesh;
 
-/// Relative to the mean edge: places that unfolding shows a site at that are closer than this are one.
-constexpr double same_place = 1e-9;
-/// How often a triangle is divided in four for quadrature.
-constexpr int most_quarterings = 3;
+/// Relative: an angle round a vertex that is larger than a flat one by no more is flat.
+constexpr double flat_angle = 1e-12;
 /// Most faces of one task: each takes some microseconds.
 constexpr std::int32_t most_faces_of_a_task = 256;
 /// As many tasks keep all threads busy where faces are few.
@@ -27,27 +29,17 @@ constexpr std::int32_t least_tasks = 16;
 
 }  // namespace
 
-/// In which direction paths of an arrival leave the site, for one of them: others of the same image are turned against
-/// it by as much as they are where they arrive.
-struct DiagramFaces::Departure {
-  bool known = false;
-  Eigen::Vector2d turn = Eigen::Vector2d::Zero();      ///< where the path turns last
-  Eigen::Vector2d arriving = Eigen::Vector2d::Zero();  ///< its direction in the face
-  Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
-};
-
 struct DiagramFaces::Workspace {
   FaceDistances distances;
   Active active;
   Active kept;
-  std::vector<Departure> departures;  ///< one for each arrival of the face
 };
 
 /// Cuts faces one after the other.
 class DiagramFaces::Task {
  public:
-  Task(DiagramFaces& faces, const surface::GeodesicField& field, std::span<const std::int32_t> site_of_source)
-      : faces_(faces), field_(field), site_of_source_(site_of_source) {}
+  Task(DiagramFaces& faces, const Source& source)
+      : faces_(faces), source_(source), pulls_(faces.mesh(), source.field, source.sites, work_.distances) {}
 
   /// Tells whether the face may be cut, and cuts the sides that it owns and `takes` says yes to.
   template <typename Takes>
@@ -69,8 +61,9 @@ class DiagramFaces::Task {
     }
   }
 
-  /// Cuts the inside of a face whose sides are cut.
+  /// Cuts the inside of a face whose sides are cut, and works out what derivatives need.
   void cut_inside(std::int32_t face) {
+    if (wants_moments()) faces_.moments_[static_cast<std::size_t>(face)].clear();
     faces_.cut_faces_[static_cast<std::size_t>(face)].reset();
     std::int32_t& site = faces_.face_sites_[static_cast<std::size_t>(face)];
     if (site == unreached_face_site) return;
@@ -81,40 +74,34 @@ class DiagramFaces::Task {
       const LabelledSegment& side = sides[static_cast<std::size_t>(i)];
       whole = whole && side.cuts.empty() && side.sites.front() == site;
     }
-    if (whole) return;
+    if (whole && !wants_moments()) return;
     find_arrivals(face);
-    CutFace result = voronoi::cut_face(work_.distances, planar_corners(mesh(), face), {&sides[0], &sides[1], &sides[2]},
-                                       faces_.options_.border_samples);
+    const std::array<Vector2d, 3> corners = planar_corners(mesh(), face);
+    if (wants_pulls()) pulls_.start(face);
+    if (whole) return add_moments(face, site, corners, corners);
+    CutFace result = voronoi::cut_face(work_.distances, corners, {&sides[0], &sides[1], &sides[2]},
+                                       faces_.options_.border_samples || wants_moments());
+    if (wants_moments()) add_moments(face, result, corners);
     if (result.borders.empty() && result.pieces.size() == 1) {
       site = result.pieces.front().site;
       return;
     }
     site = cut_face_site;
+    if (wants_pulls()) add_pulls(result);
     faces_.cut_faces_[static_cast<std::size_t>(face)] = std::make_unique<CutFace>(std::move(result));
-  }
-
-  /// Points of quadrature in the cells' parts of a face that is cut.
-  void sample(std::int32_t face) {
-    std::vector<CellSample>& samples = faces_.samples_[static_cast<std::size_t>(face)];
-    samples.clear();
-    const std::int32_t site = faces_.face_sites_[static_cast<std::size_t>(face)];
-    if (site == unreached_face_site) return;
-    const std::array<Vector2d, 3> corners = planar_corners(mesh(), face);
-    find_arrivals(face);
-    work_.departures.assign(work_.distances.arrivals().size(), {});
-    if (site >= 0) return sample_polygon(face, site, corners, {corners.begin(), corners.end()}, samples);
-    for (const FacePiece& piece : faces_.cut_face(face)->pieces)
-      sample_polygon(face, piece.site, corners, piece.corners, samples);
   }
 
  private:
   const TriangleMesh& mesh() const { return *faces_.mesh_; }
   std::int32_t site_at(std::int32_t vertex) const { return faces_.vertex_sites_[static_cast<std::size_t>(vertex)]; }
 
+  bool wants_moments() const { return !faces_.moments_.empty(); }
+  bool wants_pulls() const { return wants_moments() || faces_.options_.vertex_pulls || faces_.options_.border_samples; }
+
   void find_arrivals(std::int32_t face) {
-    field_.arrivals(FaceId(face), work_.distances.arrivals());
+    source_.field.arrivals(FaceId(face), work_.distances.arrivals());
     for (surface::FaceArrival& arrival : work_.distances.arrivals())
-      arrival.source = site_of_source_[static_cast<std::size_t>(arrival.source)];
+      arrival.source = source_.site_of_source[static_cast<std::size_t>(arrival.source)];
   }
 
   /// The site of the whole face, or `cut_face_site` where more than one may have a part of it. Fills `kept`.
@@ -136,73 +123,102 @@ class DiagramFaces::Task {
     return site;
   }
 
-  /// Points of quadrature in a polygon, the triangles of which are divided where paths from the site come from several
-  /// directions.
-  void sample_polygon(std::int32_t face, std::int32_t site, const std::array<Vector2d, 3>& corners,
-                      const std::vector<Vector2d>& polygon, std::vector<CellSample>& samples) {
-    work_.active.clear();
-    const auto& arrivals = work_.distances.arrivals();
-    for (std::size_t i = 0; i < arrivals.size(); ++i)
-      if (arrivals[i].source == site) work_.active.push_back(static_cast<std::int32_t>(i));
-    const double tolerance = same_place * mesh().mean_edge_length();
-    const auto divide = [&](const auto& self, const Vector2d& a, const Vector2d& b, const Vector2d& c,
-                            int divisions) -> void {
-      if (divisions > 0) {
-        const Slope at_a = work_.distances.from_site(work_.active, site, a);
-        for (const Vector2d& other : {b, c, Vector2d((a + b + c) / 3)}) {
-          const Slope there = work_.distances.from_site(work_.active, site, other);
-          if (there.arrival < 0 || work_.distances.same_paths(at_a.arrival, a, there.arrival, other, tolerance))
-            continue;
-          const Vector2d ab = 0.5 * (a + b);
-          const Vector2d bc = 0.5 * (b + c);
-          const Vector2d ca = 0.5 * (c + a);
-          self(self, a, ab, ca, divisions - 1);
-          self(self, b, bc, ab, divisions - 1);
-          self(self, c, ca, bc, divisions - 1);
-          return self(self, ab, bc, ca, divisions - 1);
+  /// The pulls of a face's vertices and at the samples of its borders.
+  void add_pulls(CutFace& cut) {
+    work_.distances.all(work_.active);
+    if (faces_.options_.vertex_pulls) {
+      for (const FaceBorder& border : cut.borders) {
+        for (const std::int32_t end : {border.from, border.to}) {
+          if (end < 0 || !cut.points[static_cast<std::size_t>(end)].vertex) continue;
+          for (const std::int32_t site : {border.left, border.right}) {
+            const auto known = [&](const auto& pull) { return pull.first == end && pull.second.site == site; };
+            if (std::any_of(cut.vertex_pulls.begin(), cut.vertex_pulls.end(), known)) continue;
+            cut.vertex_pulls.emplace_back(
+                end, pulls_.at(work_.active, site, cut.points[static_cast<std::size_t>(end)].place));
+          }
         }
       }
-      const double doubled = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-      if (doubled == 0) return;
-      for (const Vector2d& corner : {a, b, c}) {
-        const Vector2d place = (a + b + c + 3 * corner) / 6;
-        const Slope slope = work_.distances.from_site(work_.active, site, place);
-        if (slope.arrival < 0) continue;
-        CellSample& sample = samples.emplace_back();
-        sample.site = site;
-        sample.point = {FaceId(face), barycentric(corners, place)};
-        sample.weight = doubled / 6;
-        sample.distance = slope.distance;
-        sample.by_site = gradient_by_site(sample.point, place, slope);
-      }
-    };
-    for (std::size_t i = 2; i < polygon.size(); ++i)
-      divide(divide, polygon[0], polygon[i - 1], polygon[i], most_quarterings);
+    }
+    if (faces_.options_.border_samples) {
+      cut.border_samples.reserve(cut.samples.size());
+      for (const FaceSample& sample : cut.samples)
+        cut.border_samples.push_back(
+            {{pulls_.at(work_.active, sample.left, sample.place), pulls_.at(work_.active, sample.right, sample.place)},
+             sample.weight});
+    }
+    cut.samples = {};
   }
 
-  /// One walk back to the site for each bundle of paths: a path of the same straight bundle that arrives turned by some
-  /// angle has left turned by that angle, and one that turns at a vertex has left like all that do.
-  Vector2d gradient_by_site(const surface::SurfacePoint& point, const Vector2d& place, const Slope& slope) {
-    const surface::FaceArrival& arrival = work_.distances.arrivals()[static_cast<std::size_t>(slope.arrival)];
-    const Vector2d& turn = arrival.turns_at(place);
-    Departure& departure = work_.departures[static_cast<std::size_t>(slope.arrival)];
-    if (!departure.known || departure.turn != turn) {
-      const surface::Geodesic geodesic = field_.geodesic(point, {.derivatives = 1});
-      if (!geodesic.derivatives) return Vector2d::Zero();
-      departure = {true, turn, slope.gradient, geodesic.derivatives->tangent_gradient.head<2>()};
-      return departure.by_site;
+  CellMoments& moments_of(std::int32_t face, std::int32_t site) {
+    PartMoments& moments = faces_.moments_[static_cast<std::size_t>(face)];
+    for (auto& [of_site, sum] : moments)
+      if (of_site == site) return sum;
+    return moments.emplace_back(site, CellMoments{}).second;
+  }
+
+  void add_moments(std::int32_t face, const CutFace& cut, const std::array<Vector2d, 3>& corners) {
+    for (const FacePiece& piece : cut.pieces) add_moments(face, piece.site, corners, piece.corners);
+    work_.distances.all(work_.active);
+    for (const FaceSample& sample : cut.samples) {
+      if (sample.area == 0) continue;
+      for (const auto& [site, area] : {std::pair(sample.left, -sample.area), {sample.right, sample.area}}) {
+        const Slope slope = work_.distances.from_site(work_.active, site, sample.beside);
+        if (slope.arrival >= 0) pulls_.add_area(slope.arrival, sample.beside, area, moments_of(face, site));
+      }
     }
-    if (arrival.sigma > 0 || &turn != &arrival.image) return departure.by_site;
-    const double c = departure.arriving.dot(slope.gradient);
-    const double s = departure.arriving.x() * slope.gradient.y() - departure.arriving.y() * slope.gradient.x();
-    return {c * departure.by_site.x() - s * departure.by_site.y(),
-            s * departure.by_site.x() + c * departure.by_site.y()};
+  }
+
+  /// Of a site's part of a face, a polygon.
+  void add_moments(std::int32_t face, std::int32_t site, const std::array<Vector2d, 3>& corners,
+                   std::span<const Vector2d> polygon) {
+    Active& of_site = work_.active;
+    of_site.clear();
+    const auto& arrivals = work_.distances.arrivals();
+    for (std::size_t i = 0; i < arrivals.size(); ++i)
+      if (arrivals[i].source == site && !is_idle(face, arrivals[i], corners))
+        of_site.push_back(static_cast<std::int32_t>(i));
+    double size = 0;
+    for (std::size_t i = 0; i < 3; ++i) size = std::max(size, (corners[(i + 1) % 3] - corners[i]).norm());
+    CellMoments& sum = moments_of(face, site);
+    StraightRegions regions(work_.distances, size);
+    const auto add = [&](std::span<const Vector2d> part, double sign) {
+      regions.clear();
+      regions.divide(part, of_site);
+      for (std::size_t i = 0; i < regions.count(); ++i) pulls_.add_region(regions.region(i), sign, sum);
+      for (const Sliver& sliver : regions.slivers()) {
+        pulls_.add_area(sliver.loses, sliver.place, -sign * sliver.area, sum);
+        pulls_.add_area(sliver.gains, sliver.place, sign * sliver.area, sum);
+      }
+    };
+    if (is_convex(polygon)) return add(polygon, 1);
+    // Triangles of one corner and the sides; what those that lie outside count too much, others take away.
+    for (std::size_t i = 2; i < polygon.size(); ++i) {
+      const bool turned = cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]) < 0;
+      add(std::array{polygon[0], polygon[turned ? i : i - 1], polygon[turned ? i - 1 : i]}, turned ? -1 : 1);
+    }
+  }
+
+  /// Whether an arrival stands for the way by a corner at which no path turns.
+  bool is_idle(std::int32_t face, const surface::FaceArrival& arrival, const std::array<Vector2d, 3>& corners) const {
+    if (!arrival.everywhere || !(arrival.sigma > 0) || faces_.options_.method != DiagramMethod::exact) return false;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (arrival.image == corners[i])
+        return faces_.bends_paths_[static_cast<std::size_t>(mesh().faces()[static_cast<std::size_t>(face)][i])] == 0;
+    return false;
+  }
+
+  static bool is_convex(std::span<const Vector2d> polygon) {
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Vector2d& corner = polygon[(i + 1) % polygon.size()];
+      if (cross(corner - polygon[i], polygon[(i + 2) % polygon.size()] - corner) < 0) return false;
+    }
+    return true;
   }
 
   DiagramFaces& faces_;
-  const surface::GeodesicField& field_;
-  std::span<const std::int32_t> site_of_source_;
+  const Source& source_;
   Workspace work_;
+  ArrivalPulls pulls_;
 };
 
 DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& options)
@@ -213,7 +229,15 @@ DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& optio
       face_sites_(static_cast<std::size_t>(mesh.face_count()), unreached_face_site),
       sides_(static_cast<std::size_t>(mesh.halfedge_count())),
       cut_faces_(face_sites_.size()),
-      samples_(options.cell_samples ? face_sites_.size() : 0) {}
+      moments_(options.cell_moments && options.method != DiagramMethod::edges ? face_sites_.size() : 0) {
+  if (options_.method == DiagramMethod::edges) options_.vertex_pulls = options_.border_samples = false;
+  if (moments_.empty()) return;
+  bends_paths_.resize(vertex_sites_.size());
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const double flat = (mesh.is_boundary(v) ? 1 : 2) * std::numbers::pi;
+    bends_paths_[static_cast<std::size_t>(v)] = mesh.vertex_angle(v) > flat * (1 + flat_angle) ? 1 : 0;
+  }
+}
 
 LabelledSegment DiagramFaces::side_seen(std::int32_t h) const {
   if (owns_side(h)) return side(h);
@@ -225,20 +249,18 @@ LabelledSegment DiagramFaces::side_seen(std::int32_t h) const {
   return result;
 }
 
-void DiagramFaces::cut_all(const surface::GeodesicField& field, std::span<const std::int32_t> site_of_source,
-                           const Execution& execution) {
-  vertex_distances_ = field.vertex_distances();
-  vertex_sites_ = field.vertex_sources();
+void DiagramFaces::cut_all(const Source& source, const Execution& execution) {
+  vertex_distances_ = source.field.vertex_distances();
+  vertex_sites_ = source.field.vertex_sources();
   for (std::int32_t& site : vertex_sites_)
-    if (site >= 0) site = site_of_source[static_cast<std::size_t>(site)];
+    if (site >= 0) site = source.site_of_source[static_cast<std::size_t>(site)];
   std::vector<std::int32_t> all(face_sites_.size());
   std::iota(all.begin(), all.end(), 0);
-  cut(all, nullptr, field, site_of_source, execution);
+  cut(all, nullptr, source, execution);
 }
 
-void DiagramFaces::cut_again(const std::vector<std::int32_t>& faces, const surface::GeodesicField& field,
-                             std::span<const std::int32_t> site_of_source, const std::vector<std::uint8_t>& changed,
-                             const Execution& execution) {
+void DiagramFaces::cut_again(const std::vector<std::int32_t>& faces, const Source& given,
+                             const std::vector<std::uint8_t>& changed, const Execution& execution) {
   std::vector<std::uint8_t> again(face_sites_.size(), 0);
   for (const std::int32_t face : faces) again[static_cast<std::size_t>(face)] = 1;
   const auto is_changed = [&](std::int32_t site) { return site >= 0 && changed[static_cast<std::size_t>(site)] != 0; };
@@ -253,27 +275,26 @@ void DiagramFaces::cut_again(const std::vector<std::int32_t>& faces, const surfa
   };
   for (const std::int32_t face : faces) {
     for (const std::int32_t v : mesh_->faces()[static_cast<std::size_t>(face)]) {
-      const std::int32_t source = field.vertex_sources()[static_cast<std::size_t>(v)];
-      const std::int32_t site = source < 0 ? -1 : site_of_source[static_cast<std::size_t>(source)];
+      const std::int32_t source = given.field.vertex_sources()[static_cast<std::size_t>(v)];
+      const std::int32_t site = source < 0 ? -1 : given.site_of_source[static_cast<std::size_t>(source)];
       std::int32_t& own = vertex_sites_[static_cast<std::size_t>(v)];
       if (!(is_changed(own) || is_changed(site)) || !surrounded(v)) continue;
       own = site;
-      vertex_distances_[static_cast<std::size_t>(v)] = field.vertex_distances()[static_cast<std::size_t>(v)];
+      vertex_distances_[static_cast<std::size_t>(v)] = given.field.vertex_distances()[static_cast<std::size_t>(v)];
     }
   }
-  cut(faces, &again, field, site_of_source, execution);
+  cut(faces, &again, given, execution);
 }
 
 void DiagramFaces::cut(const std::vector<std::int32_t>& faces, const std::vector<std::uint8_t>* again,
-                       const surface::GeodesicField& field, std::span<const std::int32_t> site_of_source,
-                       const Execution& execution) {
+                       const Source& source, const Execution& execution) {
   Execution quiet = execution;
   quiet.progress = nullptr;
   const auto count = static_cast<std::int32_t>(faces.size());
   const std::int32_t of_a_task = std::clamp(count / least_tasks, 1, most_faces_of_a_task);
   const auto for_faces = [&](const auto& body) {
     parallel_tasks((count + of_a_task - 1) / of_a_task, quiet, "cells", [&](int number, const Execution& /*own*/) {
-      Task task(*this, field, site_of_source);
+      Task task(*this, source);
       const std::int32_t begin = number * of_a_task;
       for (std::int32_t i = begin; i < std::min(count, begin + of_a_task); ++i)
         body(task, faces[static_cast<std::size_t>(i)]);
@@ -285,7 +306,6 @@ void DiagramFaces::cut(const std::vector<std::int32_t>& faces, const std::vector
   };
   for_faces([&](Task& task, std::int32_t face) { task.label_sides(face, takes); });
   for_faces([&](Task& task, std::int32_t face) { task.cut_inside(face); });
-  if (options_.cell_samples) for_faces([&](Task& task, std::int32_t face) { task.sample(face); });
 }
 
 }  // namespace supple::voronoi

@@ -24,16 +24,20 @@ class DiagramFaces {
   /// `mesh` outlives this.
   DiagramFaces(const surface::TriangleMesh& mesh, const DiagramOptions& options);
 
-  /// Cuts every face, by a field that keeps its windows and whose i-th source is the site site_of_source[i]. In
-  /// parallel; bills nothing.
-  void cut_all(const surface::GeodesicField& field, std::span<const std::int32_t> site_of_source,
-               const Execution& execution);
+  /// Where distances come from: a field that keeps its windows, whose i-th source is the site site_of_source[i].
+  struct Source {
+    const surface::GeodesicField& field;
+    std::span<const std::int32_t> site_of_source;
+    std::span<const surface::SurfacePoint> sites;  ///< all of the diagram
+  };
 
-  /// Cuts these faces again, ascending, by a field that is right in them. Sides between one of them and another face
+  /// Cuts every face. In parallel; bills nothing.
+  void cut_all(const Source& source, const Execution& execution);
+
+  /// Cuts these faces again, ascending, by distances that are right in them. Sides between one of them and another face
   /// stay as they are, and so do vertices that sites of `changed` (a flag for each) neither had nor get, or that not
   /// all faces round are among these: what differs there is rounding. O(faces), in parallel.
-  void cut_again(const std::vector<std::int32_t>& faces, const surface::GeodesicField& field,
-                 std::span<const std::int32_t> site_of_source, const std::vector<std::uint8_t>& changed,
+  void cut_again(const std::vector<std::int32_t>& faces, const Source& source, const std::vector<std::uint8_t>& changed,
                  const Execution& execution);
 
   const surface::TriangleMesh& mesh() const { return *mesh_; }
@@ -44,10 +48,9 @@ class DiagramFaces {
   const std::vector<std::int32_t>& face_sites() const { return face_sites_; }
   /// Null for faces that are not cut.
   const CutFace* cut_face(std::int32_t face) const { return cut_faces_[static_cast<std::size_t>(face)].get(); }
-  /// Empty unless they were asked for.
-  const std::vector<CellSample>& cell_samples(std::int32_t face) const {
-    return samples_[static_cast<std::size_t>(face)];
-  }
+  /// Of the sites that have a part of the face; empty unless they were asked for.
+  using PartMoments = std::vector<std::pair<std::int32_t, CellMoments>>;
+  const PartMoments& moments(std::int32_t face) const { return moments_[static_cast<std::size_t>(face)]; }
 
   /// Whether the face of a halfedge is the one that its side belongs to.
   bool owns_side(std::int32_t h) const { return mesh_->twin(h) < 0 || h < mesh_->twin(h); }
@@ -71,13 +74,11 @@ class DiagramFaces {
   }
 
  private:
-  struct Departure;
   struct Workspace;
   class Task;
 
   /// `again` has a flag for each face, or is null where all are cut.
-  void cut(const std::vector<std::int32_t>& faces, const std::vector<std::uint8_t>* again,
-           const surface::GeodesicField& field, std::span<const std::int32_t> site_of_source,
+  void cut(const std::vector<std::int32_t>& faces, const std::vector<std::uint8_t>* again, const Source& source,
            const Execution& execution);
 
   const surface::TriangleMesh* mesh_;
@@ -87,7 +88,9 @@ class DiagramFaces {
   std::vector<std::int32_t> face_sites_;
   std::vector<LabelledSegment> sides_;  ///< of halfedges that own theirs
   std::vector<std::unique_ptr<CutFace>> cut_faces_;
-  std::vector<std::vector<CellSample>> samples_;
+  std::vector<PartMoments> moments_;
+  /// Whether paths can turn at each vertex: if not, the way by it is nowhere the only shortest.
+  std::vector<std::uint8_t> bends_paths_;
 };
 
 /// Fills all of a diagram that has its sites and an empty cell for each: of the faces' parts, in their order. O(points

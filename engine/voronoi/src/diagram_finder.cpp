@@ -49,76 +49,47 @@ void solve_motion(VertexMotion& motion) {
   }
 }
 
-void find_motions(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites, Found& found,
-                  const Execution& execution) {
-  std::vector<surface::SurfacePoint> places;
-  std::vector<std::int32_t> of_sites;
+/// Geodesics for pulls that the diagram does not know, of vertices that have become one.
+void search_missing(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites, Found& found,
+                    const Execution& execution) {
+  std::vector<surface::PointPair> pairs;
+  std::vector<SitePull*> missing;
+  std::size_t next = 0;
   for (const DiagramVertex& vertex : found.diagram.vertices) {
     for (const std::int32_t site : vertex.sites) {
-      places.push_back(found.diagram.points[static_cast<std::size_t>(vertex.point)].point);
-      of_sites.push_back(site);
+      SitePull& pull = found.diagram.vertex_pulls[next++];
+      if (pull.site >= 0) continue;
+      pull.site = site;
+      missing.push_back(&pull);
+      pairs.push_back({found.diagram.points[static_cast<std::size_t>(vertex.point)].point,
+                       sites.points()[static_cast<std::size_t>(site)], nullptr});
     }
   }
-  const std::vector<SitePull> pulls = site_pulls(solver, sites, places, of_sites, execution);
+  if (pairs.empty()) return;
+  std::vector<TangentGeodesic> geodesics(pairs.size());
+  solver.tangent_geodesics(pairs, geodesics, false, unbilled(execution));
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    SitePull& pull = *missing[i];
+    pull = {pull.site, geodesics[i].distance, -geodesics[i].from_direction,
+            gradient_at(sites, solver.mesh(), pull.site, geodesics[i])};
+  }
+}
+
+void find_motions(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites, Found& found,
+                  const Execution& execution) {
+  search_missing(solver, sites, found, execution);
   found.motions.resize(found.diagram.vertices.size());
-  std::size_t next = 0;
+  auto next = found.diagram.vertex_pulls.begin();
   for (std::size_t v = 0; v < found.motions.size(); ++v) {
     VertexMotion& motion = found.motions[v];
-    for (std::size_t k = 0; k < found.diagram.vertices[v].sites.size(); ++k) motion.pulls.push_back(pulls[next++]);
+    const auto count = static_cast<std::ptrdiff_t>(found.diagram.vertices[v].sites.size());
+    motion.pulls.assign(next, next + count);
+    next += count;
     solve_motion(motion);
   }
 }
 
-void find_border_pulls(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites, Found& found,
-                       const Execution& execution) {
-  std::vector<surface::SurfacePoint> places;
-  std::vector<std::int32_t> of_sites;
-  for (const BorderSample& sample : found.diagram.border_samples) {
-    for (const std::int32_t site : sample.sites) {
-      places.push_back(sample.point);
-      of_sites.push_back(site);
-    }
-  }
-  found.border_pulls = site_pulls(solver, sites, places, of_sites, execution);
-}
-
-/// What the diagram knows already, but for sites on vertices, whose coordinates are those of the cone.
-void find_cell_pulls(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites, Found& found,
-                     const Execution& execution) {
-  std::vector<surface::SurfacePoint> places;
-  std::vector<std::int32_t> of_sites;
-  std::vector<std::size_t> numbers;
-  found.cell_pulls.clear();
-  for (const CellSample& sample : found.diagram.cell_samples) {
-    if (sites.on_tip(static_cast<std::size_t>(sample.site))) {
-      numbers.push_back(found.cell_pulls.size());
-      places.push_back(sample.point);
-      of_sites.push_back(sample.site);
-    }
-    found.cell_pulls.push_back({sample.site, sample.distance, Vector2d::Zero(), sample.by_site});
-  }
-  const std::vector<SitePull> pulls = site_pulls(solver, sites, places, of_sites, execution);
-  for (std::size_t i = 0; i < numbers.size(); ++i) found.cell_pulls[numbers[i]] = pulls[i];
-}
-
 }  // namespace
-
-std::vector<SitePull> site_pulls(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites,
-                                 const std::vector<surface::SurfacePoint>& places,
-                                 const std::vector<std::int32_t>& of_sites, const Execution& execution) {
-  std::vector<surface::PointPair> pairs;
-  pairs.reserve(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i)
-    pairs.push_back({places[i], sites.points()[static_cast<std::size_t>(of_sites[i])], nullptr});
-  std::vector<TangentGeodesic> geodesics(pairs.size());
-  solver.tangent_geodesics(pairs, geodesics, false, unbilled(execution));
-  std::vector<SitePull> pulls;
-  pulls.reserve(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    pulls.push_back({of_sites[i], geodesics[i].distance, -geodesics[i].from_direction,
-                     gradient_at(sites, solver.mesh(), of_sites[i], geodesics[i])});
-  return pulls;
-}
 
 std::vector<TangentGeodesic> measure_edges(const surface::GeodesicSolver& solver, const Diagram& diagram,
                                            std::vector<std::int32_t>& edges, const Execution& execution) {
@@ -149,15 +120,11 @@ void DiagramFinder::find(SitesState& state, int order, const Execution& executio
     const StageTimer timer(execution.cost, "derivatives");
     if (needs_.edge_lengths)
       found->edge_lengths = measure_edges(solver_, found->diagram, found->measured_edges, execution);
-    if (needs_.cell_samples) find_cell_pulls(solver_, state.sites(), *found, execution);
     state.set_found(found);
   }
-  if (order < 1 || (found->motions.size() == found->diagram.vertices.size() &&
-                    (!needs_.border_pulls || found->border_pulls.size() == 2 * found->diagram.border_samples.size())))
-    return;
+  if (order < 1 || !needs_.motions || found->motions.size() == found->diagram.vertices.size()) return;
   const StageTimer timer(execution.cost, "derivatives");
-  if (found->motions.size() != found->diagram.vertices.size()) find_motions(solver_, state.sites(), *found, execution);
-  if (needs_.border_pulls) find_border_pulls(solver_, state.sites(), *found, execution);
+  find_motions(solver_, state.sites(), *found, execution);
 }
 
 }  // namespace supple::voronoi

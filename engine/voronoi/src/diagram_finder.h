@@ -12,8 +12,9 @@ namespace supple::voronoi {
 /// Which of what a state can know the terms need.
 struct Needs {
   bool edge_lengths = false;
+  bool motions = false;
   bool border_pulls = false;
-  bool cell_samples = false;
+  bool cell_moments = false;
 };
 
 /// Finds what terms ask for at a state, once. Diagrams are made anew only round sites that have moved where most are
@@ -24,9 +25,12 @@ class DiagramFinder {
   DiagramFinder(const surface::GeodesicSolver& solver, Needs needs)
       : solver_(solver),
         needs_(needs),
-        moving_(solver, {.border_samples = needs.border_pulls, .cell_samples = needs.cell_samples}) {}
+        moving_(
+            solver,
+            {.vertex_pulls = needs.motions, .border_samples = needs.border_pulls, .cell_moments = needs.cell_moments}) {
+  }
 
-  /// Order 0: the diagram, and what values need; 1: motions and pulls too.
+  /// Order 0: the diagram, and what values need; 1: motions of vertices too.
   void find(SitesState& state, int order, const Execution& execution) const;
 
   const surface::GeodesicSolver& solver() const { return solver_; }
@@ -36,11 +40,6 @@ class DiagramFinder {
   Needs needs_;
   mutable MovingDiagram moving_;  ///< never changes what is found
 };
-
-/// Geodesics from places to sites as pulls, in parallel. sites[i] is the site of places[i].
-std::vector<SitePull> site_pulls(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites,
-                                 const std::vector<surface::SurfacePoint>& places,
-                                 const std::vector<std::int32_t>& of_sites, const Execution& execution);
 
 /// The geodesics between the vertices of all edges that have two: `edges` receives their indices.
 std::vector<surface::TangentGeodesic> measure_edges(const surface::GeodesicSolver& solver, const Diagram& diagram,

@@ -35,13 +35,9 @@ class DiagramWriter {
     in_parallel(static_cast<std::int32_t>(places_.size()), [&](std::int32_t i) { write_face(places_[i]); });
     add_areas();
     close_at_boundary();
-    if (options_.cell_samples) {
-      for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
-        const std::vector<CellSample>& samples = faces_.cell_samples(face);
-        diagram_.cell_samples.insert(diagram_.cell_samples.end(), samples.begin(), samples.end());
-      }
-    }
+    if (options_.cell_moments && options_.method != DiagramMethod::edges) add_moments();
     assemble_cells(parts_, same_vertex * mesh_.mean_edge_length(), diagram_);
+    if (options_.vertex_pulls && options_.method != DiagramMethod::edges) gather_vertex_pulls();
     if (execution_.cost == nullptr) return;
     execution_.cost->add_quantity("cut_faces", static_cast<double>(places_.size()));
     execution_.cost->add_quantity("subdivisions", static_cast<double>(subdivisions_));
@@ -86,7 +82,7 @@ class DiagramWriter {
       next.part += own->borders.size();
       next.piece += own->pieces.size();
       for (const FacePiece& piece : own->pieces) next.corner += piece.corners.size();
-      next.sample += own->samples.size();
+      next.sample += own->border_samples.size();
     }
     diagram_.points.resize(next.point);
     parts_.resize(next.part);
@@ -145,9 +141,8 @@ class DiagramWriter {
                                         static_cast<std::int32_t>(piece.corners.size())};
       for (const Vector2d& corner : piece.corners) diagram_.corners[place.corner++] = barycentric(corners, corner);
     }
-    for (const FaceSample& sample : own.samples)
-      diagram_.border_samples[place.sample++] = {
-          {sample.left, sample.right}, {id, barycentric(corners, sample.place)}, sample.weight};
+    std::copy(own.border_samples.begin(), own.border_samples.end(),
+              diagram_.border_samples.begin() + static_cast<std::ptrdiff_t>(place.sample));
   }
 
   void add_areas() {
@@ -171,6 +166,33 @@ class DiagramWriter {
     if (unresolved > 0)
       diagram_.warnings.push_back("In " + std::to_string(unresolved) +
                                   " faces many sites are so near to each other that borders are only about right.");
+  }
+
+  void add_moments() {
+    diagram_.cell_moments.resize(diagram_.cells.size());
+    for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
+      for (const auto& [site, part] : faces_.moments(face)) {
+        CellMoments& sum = diagram_.cell_moments[static_cast<std::size_t>(site)];
+        sum.squared_distance += part.squared_distance;
+        sum.pull += part.pull;
+      }
+    }
+  }
+
+  /// What the faces know of the vertices. Vertices that have become one with others have sites that they do not know.
+  void gather_vertex_pulls() {
+    for (const DiagramVertex& vertex : diagram_.vertices) {
+      const auto number = static_cast<std::size_t>(vertex.point);
+      const auto after = std::upper_bound(places_.begin(), places_.end(), number,
+                                          [](std::size_t point, const Place& place) { return point < place.point; });
+      const Place& place = *std::prev(after);
+      const auto own = static_cast<std::int32_t>(number - place.point);
+      for (const std::int32_t site : vertex.sites) {
+        SitePull& pull = diagram_.vertex_pulls.emplace_back();
+        for (const auto& [point, known] : faces_.cut_face(place.face)->vertex_pulls)
+          if (point == own && known.site == site) pull = known;
+      }
+    }
   }
 
   /// The mesh's boundary closes the cells there.

@@ -449,9 +449,12 @@ class Cutter {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       if (!curved) points[i] = {curve.begin + nodes[i] * curve.way};
       const double part = weights[i] * points[i].stretch * curve.length;
-      area += weights[i] * points[i].height * curve.length;
+      const double beside = weights[i] * points[i].height * curve.length;
+      area += beside;
       along += part;
-      if (samples_) result_.samples.push_back({curve.left, curve.right, points[i].place, part});
+      if (samples_)
+        result_.samples.push_back({curve.left, curve.right, points[i].place, part,
+                                   points[i].place - 0.5 * points[i].height * curve.normal, beside});
     }
     // A border that lies on the left of its straight line takes from the cell there.
     areas_.emplace_back(curve.left, -area);

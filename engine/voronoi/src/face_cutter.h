@@ -7,6 +7,7 @@
 
 #include "face_distances.h"
 #include "labelled_segment.h"
+#include "supple/voronoi/diagram.h"
 
 namespace supple::voronoi {
 
@@ -33,6 +34,10 @@ struct FaceSample {
   std::int32_t right = -1;
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   double weight = 0;
+  /// Of the area between the border and the straight line between its ends, which is the right cell's and not the left
+  /// one's, or the other way round where it is negative: a point of quadrature, and its weight.
+  Eigen::Vector2d beside = Eigen::Vector2d::Zero();
+  double area = 0;
 };
 
 /// A cell's part of a face: corners in the plane of the face, counterclockwise.
@@ -47,6 +52,10 @@ struct CutFace {
   std::vector<FaceBorder> borders;
   std::vector<FacePiece> pieces;
   std::vector<FaceSample> samples;  ///< if asked for
+  /// What DiagramFaces works out where it is asked for: of points that are vertices their pulls, ascending by point,
+  /// and of the samples.
+  std::vector<std::pair<std::int32_t, SitePull>> vertex_pulls;
+  std::vector<BorderSample> border_samples;
   /// Of each site that has a part of the face, its area with curved borders.
   std::vector<std::pair<std::int32_t, double>> areas;
   std::int64_t subdivisions = 0;

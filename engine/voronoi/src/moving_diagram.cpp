@@ -76,7 +76,7 @@ struct MovingDiagram::Implementation {
       return field(sources, {}, execution);
     }();
     const StageTimer timer(execution.cost, "cells");
-    faces.cut_all(all, site_of_source, execution);
+    faces.cut_all({all, site_of_source, sites}, execution);
     last = {false, static_cast<std::int32_t>(sites.size()), mesh().face_count()};
   }
 
@@ -178,7 +178,7 @@ struct MovingDiagram::Implementation {
       around.emplace(field(sources, known, execution));
     }
     const StageTimer timer(execution.cost, "cells");
-    faces.cut_again(again, *around, site_of_source, changed, execution);
+    faces.cut_again(again, {*around, site_of_source, sites}, changed, execution);
     last = {true, static_cast<std::int32_t>(std::count(changed.begin(), changed.end(), 1)),
             static_cast<std::int32_t>(again.size())};
     return true;

@@ -214,12 +214,10 @@ void RegularityTerm::add(const SitesState& state, int order, EnergySum& sum) con
 void CentroidalTerm::add(const SitesState& state, int order, EnergySum& sum) const {
   const Found& found = *state.found();
   const double scale = weight() / squared(squared(unit()));
-  for (std::size_t i = 0; i < found.cell_pulls.size(); ++i) {
-    const SitePull& pull = found.cell_pulls[i];
-    const double area = found.diagram.cell_samples[i].weight;
-    sum.value += 0.5 * scale * area * squared(pull.distance);
-    if (order < 1) continue;
-    sum.gradient.segment<2>(2 * pull.site) += scale * area * pull.distance * pull.by_site;
+  const std::vector<CellMoments>& cells = found.diagram.cell_moments;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    sum.value += 0.5 * scale * cells[i].squared_distance;
+    if (order >= 1) sum.gradient.segment<2>(2 * static_cast<Eigen::Index>(i)) += scale * cells[i].pull;
   }
   if (order < 2) return;
   for (std::size_t i = 0; i < found.diagram.cells.size(); ++i) {
@@ -238,13 +236,13 @@ void EqualAreaTerm::add(const SitesState& state, int order, EnergySum& sum) cons
   for (const DiagramCell& cell : diagram.cells) sum.value += 0.5 * scale * squared(cell.area - mean);
   if (order < 1) return;
   std::vector<SiteRows> rows(diagram.cells.size(), SiteRows(1));
-  for (std::size_t i = 0; i < diagram.border_samples.size(); ++i) {
-    const SitePull& left = found.border_pulls[2 * i];
-    const SitePull& right = found.border_pulls[2 * i + 1];
+  for (const BorderSample& sample : diagram.border_samples) {
+    const auto& [left, right] = sample.pulls;
+    if (left.site < 0 || right.site < 0) continue;
     const double steepness = (left.by_place - right.by_place).norm();
     if (!(steepness > 0)) continue;
     // Towards the right the border moves by minus the change of the difference of the distances, over its slope.
-    const double share = diagram.border_samples[i].weight / steepness;
+    const double share = sample.weight / steepness;
     for (const double side : {1.0, -1.0}) {
       SiteRows& own = rows[static_cast<std::size_t>(side > 0 ? left.site : right.site)];
       own.of(left.site).row(0) -= side * share * left.by_site.transpose();

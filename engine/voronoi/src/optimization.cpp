@@ -107,7 +107,10 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
   const surface::TriangleMesh& mesh = solver.mesh();
   const ObjectiveWeights& w = options.weights;
   const auto finder =
-      std::make_shared<const DiagramFinder>(solver, Needs{w.edge_length > 0, w.equal_area > 0, w.centroidal > 0});
+      std::make_shared<const DiagramFinder>(solver, Needs{.edge_lengths = w.edge_length > 0,
+                                                          .motions = w.edge_length + w.planarity + w.regularity > 0,
+                                                          .border_pulls = w.equal_area > 0,
+                                                          .cell_moments = w.centroidal > 0});
   Execution quiet = execution;
   quiet.progress = nullptr;
   Optimization result;

@@ -13,15 +13,6 @@
 
 namespace supple::voronoi {
 
-/// The gradient of a place's distance from a site: by the place, in tangent_frame of its face, and by the site's two
-/// coordinates.
-struct SitePull {
-  std::int32_t site = -1;
-  double distance = 0;
-  Eigen::Vector2d by_place = Eigen::Vector2d::Zero();
-  Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
-};
-
 /// How a Voronoi vertex moves with its sites (thesis eq. A.23): its tangent coordinates change by the sum over them of
 /// along (by_site . ds).
 struct VertexMotion {
@@ -35,8 +26,6 @@ struct Found {
   std::vector<VertexMotion> motions;                   ///< of the vertices
   std::vector<std::int32_t> measured_edges;            ///< edges between two vertices
   std::vector<surface::TangentGeodesic> edge_lengths;  ///< of these, from the first vertex to the second
-  std::vector<SitePull> border_pulls;                  ///< of each border sample two: on the left and on the right
-  std::vector<SitePull> cell_pulls;                    ///< of each cell sample
 };
 
 /// Sites that move on a surface, and the diagram where they are.

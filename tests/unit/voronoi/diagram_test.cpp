@@ -9,6 +9,8 @@
 #include <numbers>
 #include <set>
 
+#include "supple/surface/moving_points.h"
+#include "supple/surface/vertex_cone.h"
 #include "support/cgal_geodesics.h"
 #include "support/expect_error.h"
 #include "support/sampling.h"
@@ -215,6 +217,46 @@ TEST(Diagram, NamesTheSiteThatIsNoPoint) {
   EXPECT_EQ(error.details()[0].where, "sites/2/face");
   testing::expect_error("voronoi.no_sites", [&] { made(mesh, {}); });
   testing::expect_error("voronoi.too_many_sites", [&] { random_sites(mesh, 10'000'000); });
+}
+
+// The diagram knows them from its propagation; here each is a geodesic of its own.
+TEST(Diagram, KnowsHowDistancesAtVerticesChange) {
+  for (const auto& [mesh, count] : {std::pair(testing::icosphere(2), 25),
+                                    {testing::torus(20, 10), 40},
+                                    {testing::genus3(2), 60},
+                                    {testing::saddle(6), 20},
+                                    {testing::slit_annulus(), 15}}) {
+    const GeodesicSolver solver(testing::share(mesh));
+    std::vector<SurfacePoint> sites = random_sites(mesh, count, 5);
+    sites[0].barycentric = {0.3, 0, 0.7};
+    sites[1].barycentric = {0, 0, 1};
+    const Diagram found = diagram(solver, sites, {.vertex_pulls = true});
+    const surface::MovingPoints points(mesh, found.sites);
+    std::size_t next = 0;
+    int known = 0;
+    for (const DiagramVertex& vertex : found.vertices) {
+      const SurfacePoint& place = found.points[static_cast<std::size_t>(vertex.point)].point;
+      for (const std::int32_t site : vertex.sites) {
+        const SitePull& pull = found.vertex_pulls[next++];
+        if (pull.site < 0) continue;
+        ++known;
+        EXPECT_EQ(pull.site, site);
+        const auto number = static_cast<std::size_t>(site);
+        const surface::Geodesic path = solver.geodesic(place, found.sites[number], {.derivatives = 1, .path = true});
+        EXPECT_NEAR(pull.distance, path.distance, 1e-12 * mesh.diagonal());
+        ASSERT_TRUE(path.derivatives);
+        EXPECT_LE((pull.by_place - path.derivatives->tangent_gradient.head<2>()).norm(), 1e-8);
+        Eigen::Vector2d by_site = path.derivatives->tangent_gradient.tail<2>();
+        if (points.on_tip(number)) {
+          const surface::VertexCone cone(mesh, points.vertex_of(mesh, number));
+          by_site = -surface::cone_coordinates(cone, cone.angle_to(path.path[path.path.size() - 2].point));
+        }
+        EXPECT_LE((pull.by_site - by_site).norm(), 1e-8) << "site " << site << ", " << mesh.face_count() << " faces";
+      }
+    }
+    EXPECT_EQ(next, found.vertex_pulls.size());
+    EXPECT_GT(known, 10);
+  }
 }
 
 }  // namespace

@@ -74,8 +74,9 @@ TEST(MovingDiagram, WithBoundaryIsTheOneMadeAnew) {
     expect_same_after_moves(mesh, 20, 10, 0.3, 8);
 }
 
-TEST(MovingDiagram, HasTheSamplesOfTheOneMadeAnew) {
-  expect_same_after_moves(testing::torus(24, 12), 60, 10, 0.3, 9, {.border_samples = true, .cell_samples = true});
+TEST(MovingDiagram, HasTheDerivativesOfTheOneMadeAnew) {
+  expect_same_after_moves(testing::torus(24, 12), 60, 10, 0.3, 9,
+                          {.vertex_pulls = true, .border_samples = true, .cell_moments = true});
 }
 
 TEST(MovingDiagram, OfSeveralSitesThatMoveAtOnceIsTheOneMadeAnew) {

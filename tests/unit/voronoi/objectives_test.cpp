@@ -17,7 +17,7 @@ namespace {
 using surface::GeodesicSolver;
 using surface::TriangleMesh;
 
-constexpr Needs everything{true, true, true};
+constexpr Needs everything{true, true, true, true};
 
 /// The derivative of a term along a random direction by central differences, and by its gradient.
 struct Compared {
@@ -75,18 +75,8 @@ TEST(DiagramTerms, PlanarityHasItsGradient) {
 TEST(DiagramTerms, RegularityHasItsGradient) {
   expect_gradient([](const Finder& finder) { return std::make_shared<RegularityTerm>(finder, 1, 0.5); });
 }
-// The integral of squared distances is a sum over triangles in which these are not quadratic where paths come from
-// several directions: where the surface is flat the gradient is exact to 1e-6, on a fine sphere to 1e-4, across coarse
-// edges to 5e-2.
 TEST(DiagramTerms, CentroidalHasItsGradient) {
-  const auto make = [](const Finder& finder) { return std::make_shared<CentroidalTerm>(finder, 1, 0.5); };
-  for (const auto& [mesh, sites, tolerance] : {std::tuple(testing::flat_grid(5, 4), 25, 1e-6),
-                                               {testing::icosphere(3), 60, 1e-4},
-                                               {testing::torus(20, 10), 40, 5e-2}}) {
-    const Compared found = compare(mesh, sites, 4, make, 1e-4);
-    EXPECT_NEAR(found.analytic, found.numeric, tolerance * std::max(1.0, std::abs(found.numeric)))
-        << mesh.face_count() << " faces";
-  }
+  expect_gradient([](const Finder& finder) { return std::make_shared<CentroidalTerm>(finder, 1, 0.5); }, 1e-6);
 }
 TEST(DiagramTerms, EqualAreaHasItsGradient) {
   expect_gradient([](const Finder& finder) { return std::make_shared<EqualAreaTerm>(finder, 1, 0.5); });
@@ -213,7 +203,9 @@ TEST(Optimization, MakesDiagramsAnewOnlyRoundTheSitesThatAreNotHeld) {
   ASSERT_EQ(anew.diagram.cells.size(), result.diagram.cells.size());
   for (std::size_t i = 0; i < anew.diagram.cells.size(); ++i)
     EXPECT_NEAR(anew.diagram.cells[i].area, result.diagram.cells[i].area, 1e-12);
-  EXPECT_EQ(anew.diagram.cell_samples.size(), result.diagram.cell_samples.size());
+  ASSERT_EQ(anew.diagram.cell_moments.size(), result.diagram.cell_moments.size());
+  for (std::size_t i = 0; i < anew.diagram.cell_moments.size(); ++i)
+    EXPECT_NEAR(anew.diagram.cell_moments[i].squared_distance, result.diagram.cell_moments[i].squared_distance, 1e-12);
 }
 
 }  // namespace

@@ -25,27 +25,34 @@ struct DiagramOptions {
   DiagramMethod method = DiagramMethod::exact;
   /// Of `bounded`: the allowed relative error of every distance, in (0, 1].
   double relative_error = 1e-2;
-  /// Whether points of quadrature along the borders and in the cells are wanted.
+  // What derivatives need, of `exact` and `bounded` diagrams:
+  bool vertex_pulls = false;
   bool border_samples = false;
-  bool cell_samples = false;
+  bool cell_moments = false;
+};
+
+/// The gradient of a place's distance from a site: by the place, in tangent_frame of its face, and by the site's two
+/// tangent coordinates, of tangent_frame of its face or, on a vertex, of cone_coordinates.
+struct SitePull {
+  std::int32_t site = -1;
+  double distance = 0;
+  Eigen::Vector2d by_place = Eigen::Vector2d::Zero();
+  Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
 };
 
 /// A point of a border for integrals along it: three for each part of a border within a face (Gauss and Legendre's).
 struct BorderSample {
-  std::array<std::int32_t, 2> sites{-1, -1};
-  surface::SurfacePoint point;
-  double weight = 0;  ///< length of the border that it stands for
+  std::array<SitePull, 2> pulls;  ///< of the sites on the left and on the right
+  double weight = 0;              ///< length of the border that it stands for
 };
 
-/// A point of a cell for integrals over it: three for each triangle, exact for quadratic functions there. Triangles
-/// that shortest paths from the site reach from several directions are divided up to three times.
-struct CellSample {
-  std::int32_t site = -1;
-  surface::SurfacePoint point;
-  double weight = 0;  ///< area that it stands for
-  double distance = 0;
-  /// Gradient of the distance by the site, in tangent_frame of its face.
-  Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
+/// Integrals over a cell. Where the shortest paths from the site come straight from one image of it, they are exact;
+/// what curved borders add is found by quadrature, to some 1e-9 of the whole.
+struct CellMoments {
+  double squared_distance = 0;  ///< of the squared distance from the site, mesh units to the fourth
+  /// Of the distance times its gradient by the site, in the site's tangent coordinates: half the derivative of
+  /// squared_distance, because borders, which move too, are as far from the one site as from the other.
+  Eigen::Vector2d pull = Eigen::Vector2d::Zero();
 };
 
 /// A point of the cells' borders. Borders are curves (arcs of hyperbolas, smooth within a face but for cut loci);
@@ -113,11 +120,14 @@ struct Diagram {
   /// The site of each vertex of the mesh: the nearest, of several one; -1 where no path leads to one.
   std::vector<std::int32_t> vertex_sites;
   /// Faces that more than one cell has a part of are cut into pieces; all other faces belong to one.
-  std::vector<std::int32_t> face_sites;      ///< of each face the site, -1 if it is cut, -2 where no path leads to one
-  std::vector<DiagramPiece> pieces;          ///< of cut faces, ascending by face
-  std::vector<Eigen::Vector3d> corners;      ///< barycentric coordinates in the piece's face
+  std::vector<std::int32_t> face_sites;  ///< of each face the site, -1 if it is cut, -2 where no path leads to one
+  std::vector<DiagramPiece> pieces;      ///< of cut faces, ascending by face
+  std::vector<Eigen::Vector3d> corners;  ///< barycentric coordinates in the piece's face
+  /// Of each vertex the pulls of its sites, one vertex after the other; of site -1 where one is not known. Empty unless
+  /// asked for.
+  std::vector<SitePull> vertex_pulls;
   std::vector<BorderSample> border_samples;  ///< empty unless asked for
-  std::vector<CellSample> cell_samples;      ///< empty unless asked for
+  std::vector<CellMoments> cell_moments;     ///< of each cell; empty unless asked for
   double unreached_area = 0;                 ///< of components without a site
   /// What deserves attention, one sentence each: sites in one place, components without a site.
   std::vector<std::string> warnings;

@@ -1,0 +1,318 @@
+#include "straight_regions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "planar_cross.h"
+#include "quadrature.h"
+
+namespace supple::voronoi {
+namespace {
+
+using Eigen::Vector2d;
+using surface::FaceArrival;
+
+/// Relative to the face: lengths and places that differ by less are the same.
+constexpr double same_region = 1e-12;
+/// Polygons are halved this often at most, where many arrivals of different images compete.
+constexpr int most_halvings = 32;
+/// Of its chord: a border that bulges by less is a curve that slivers make up for.
+constexpr double flat_bulge = 0.03;
+constexpr int most_sliver_steps = 20;
+
+/// Where |x - a| - |x - b| = c, c > 0, on the way from `from` to `to`: shares in (0, 1), ascending.
+struct Roots {
+  std::array<double, 2> shares{};
+  std::size_t count = 0;
+};
+Roots roots_between(const Vector2d& a, const Vector2d& b, double c, const Vector2d& from, const Vector2d& to) {
+  const Vector2d way = to - from;
+  const Vector2d to_a = a - from;
+  const Vector2d to_b = b - from;
+  // |x - a|^2 - |x - b|^2 - c^2 = p t + q, which is 2 c |x - b|.
+  const double p = -2 * way.dot(a - b);
+  const double q = to_a.squaredNorm() - to_b.squaredNorm() - c * c;
+  const double qa = p * p - 4 * c * c * way.squaredNorm();
+  const double half = p * q + 4 * c * c * to_b.dot(way);
+  const double qc = q * q - 4 * c * c * to_b.squaredNorm();
+  const double square = half * half - qa * qc;
+  Roots roots;
+  if (!(square >= 0)) return roots;
+  const double big = -(half + std::copysign(std::sqrt(square), half));
+  const auto offer = [&](double share) {
+    if (!(share > 0 && share < 1) || p * share + q < 0) return;
+    // Newton's method brings back the digits that squaring has lost.
+    for (int i = 0; i < 2; ++i) {
+      const Vector2d from_a = from + share * way - a;
+      const Vector2d from_b = from + share * way - b;
+      const double slope = from_a.dot(way) / from_a.norm() - from_b.dot(way) / from_b.norm();
+      const double next = share - (from_a.norm() - from_b.norm() - c) / slope;
+      if (!(next > 0 && next < 1) || !(std::abs(next - share) < 1e-3)) break;
+      share = next;
+    }
+    roots.shares[roots.count++] = share;
+  };
+  if (qa != 0) offer(big / qa);
+  if (big != 0) offer(qc / big);
+  if (roots.count == 2 && roots.shares[1] < roots.shares[0]) std::swap(roots.shares[0], roots.shares[1]);
+  return roots;
+}
+
+}  // namespace
+
+void StraightRegions::clear() {
+  regions_.clear();
+  corners_.clear();
+  slivers_.clear();
+}
+
+StraightRegion StraightRegions::region(std::size_t i) const {
+  const Stored& stored = regions_[i];
+  return {stored.arrival, {corners_.data() + stored.first_corner, stored.corners}};
+}
+
+void StraightRegions::add(const Polygon& polygon, std::int32_t arrival) {
+  if (polygon.size() < 3) return;
+  regions_.push_back({arrival, corners_.size(), polygon.size()});
+  corners_.insert(corners_.end(), polygon.begin(), polygon.end());
+}
+
+double StraightRegions::straight_length(std::int32_t arrival, const Vector2d& point) const {
+  const FaceArrival& from = distances_.arrivals()[static_cast<std::size_t>(arrival)];
+  return from.sigma + (point - from.image).norm();
+}
+
+StraightRegions::Outside StraightRegions::outside(std::int32_t arrival, const Vector2d& point) const {
+  const FaceArrival& from = distances_.arrivals()[static_cast<std::size_t>(arrival)];
+  if (from.everywhere) return {-1, -1};
+  const Vector2d to = point - from.image;
+  const auto beyond = [&](const Vector2d& end, double side) {
+    const Vector2d edge = end - from.image;
+    const double length = edge.norm();
+    return length > same_region * size_ ? side * cross(edge, to) / length : -1.0;
+  };
+  return {beyond(from.begin, 1), beyond(from.end, -1)};
+}
+
+void StraightRegions::divide(std::span<const Vector2d> polygon, const Active& active) {
+  divide(Polygon(polygon.begin(), polygon.end()), active, 0);
+}
+
+void StraightRegions::divide(const Polygon& polygon, const Active& active, int depth) {
+  if (polygon.size() < 3 || active.empty()) return;
+  Vector2d centre = Vector2d::Zero();
+  for (const Vector2d& corner : polygon) centre += corner / static_cast<double>(polygon.size());
+  double radius = 0;
+  for (const Vector2d& corner : polygon) radius = std::max(radius, (corner - centre).norm());
+  if (radius <= same_region * size_) return;
+  Active kept;
+  distances_.prune(active, centre, radius, kept);
+  drop_longer(polygon, kept);
+  if (divided_by_bundles(polygon, kept, depth)) return;
+  // Here all of the polygon sees an image or none of it does.
+  Active seen;
+  for (const std::int32_t i : kept) {
+    const Outside at = outside(i, centre);
+    if (at.begin <= 0 && at.end <= 0) seen.push_back(i);
+  }
+  if (seen.empty()) return add(polygon, kept.front());  // a gap as wide as rounding
+  drop_longer(polygon, seen);
+  if (seen.size() == 1) return add(polygon, seen.front());
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = 0;
+  for (const std::int32_t i : seen) {
+    const double sigma = distances_.arrivals()[static_cast<std::size_t>(i)].sigma;
+    least = std::min(least, sigma);
+    greatest = std::max(greatest, sigma);
+  }
+  if (greatest - least <= same_region * size_) return divide_by_bisectors(polygon, seen);
+  if (seen.size() == 2 && divide_by_curve(polygon, seen[0], seen[1])) return;
+  if (depth < most_halvings) return halve(polygon, seen, depth);
+  add(polygon, *std::min_element(seen.begin(), seen.end(), [&](std::int32_t i, std::int32_t j) {
+        return straight_length(i, centre) < straight_length(j, centre);
+      }));
+}
+
+void StraightRegions::drop_longer(const Polygon& polygon, Active& active) const {
+  const auto& arrivals = distances_.arrivals();
+  const auto seen_by_all = [&](std::int32_t i) {
+    return std::all_of(polygon.begin(), polygon.end(), [&](const Vector2d& corner) {
+      const Outside at = outside(i, corner);
+      return at.begin <= same_region * size_ && at.end <= same_region * size_;
+    });
+  };
+  // Whether no path from the image of `i` is shorter than the straight one of `j`.
+  const auto longer = [&](std::int32_t i, std::int32_t j) {
+    const FaceArrival& own = arrivals[static_cast<std::size_t>(i)];
+    const FaceArrival& other = arrivals[static_cast<std::size_t>(j)];
+    const double between = (own.image - other.image).norm();
+    if (other.sigma + between <= own.sigma + same_region * size_) return true;
+    // Where j is shorter is convex then: it has all of the polygon if it has the corners.
+    return own.sigma >= other.sigma - same_region * size_ && own.sigma <= other.sigma + same_region * size_ &&
+           std::all_of(polygon.begin(), polygon.end(), [&](const Vector2d& corner) {
+             return straight_length(j, corner) <= straight_length(i, corner);
+           });
+  };
+  for (std::size_t j = 0; j < active.size(); ++j) {
+    if (active.size() == 1 || !seen_by_all(active[j])) continue;
+    const std::int32_t stays = active[j];
+    std::size_t before = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < active.size(); ++i) {
+      if (active[i] != stays && longer(active[i], stays)) {
+        if (i < j) ++before;
+        continue;
+      }
+      active[count++] = active[i];
+    }
+    active.resize(count);
+    j -= before;
+  }
+}
+
+bool StraightRegions::divided_by_bundles(const Polygon& polygon, const Active& active, int depth) {
+  for (const std::int32_t i : active) {
+    const FaceArrival& from = distances_.arrivals()[static_cast<std::size_t>(i)];
+    if (from.everywhere) continue;
+    for (const double side : {1.0, -1.0}) {
+      double least = 0;
+      double greatest = 0;
+      for (const Vector2d& corner : polygon) {
+        const Outside at = outside(i, corner);
+        const double beyond = side > 0 ? at.begin : at.end;
+        least = std::min(least, beyond);
+        greatest = std::max(greatest, beyond);
+      }
+      // A polygon that lies outside on the other side is none of this arrival's.
+      if (!(least < -same_region * size_ && greatest > same_region * size_)) continue;
+      const Vector2d edge = (side > 0 ? from.begin : from.end) - from.image;
+      const Vector2d normal = side * Vector2d(-edge.y(), edge.x()).normalized();
+      divide_by_line(polygon, normal, normal.dot(from.image), active, depth);
+      return true;
+    }
+  }
+  return false;
+}
+
+void StraightRegions::divide_by_line(const Polygon& polygon, const Vector2d& normal, double offset,
+                                     const Active& active, int depth) {
+  Polygon part;
+  clip(polygon, normal, offset, part);
+  divide(part, active, depth);
+  clip(polygon, -normal, -offset, part);
+  divide(part, active, depth);
+}
+
+void StraightRegions::halve(const Polygon& polygon, const Active& active, int depth) {
+  std::size_t first = 0;
+  std::size_t second = 1;
+  double longest = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double length = (polygon[i] - polygon[j]).squaredNorm();
+      if (!(length > longest)) continue;
+      longest = length;
+      first = i;
+      second = j;
+    }
+  }
+  const Vector2d normal = (polygon[second] - polygon[first]).normalized();
+  divide_by_line(polygon, normal, 0.5 * normal.dot(polygon[first] + polygon[second]), active, depth + 1);
+}
+
+void StraightRegions::divide_by_bisectors(const Polygon& polygon, const Active& active) {
+  const auto& arrivals = distances_.arrivals();
+  Polygon part;
+  Polygon next;
+  for (const std::int32_t i : active) {
+    const Vector2d& own = arrivals[static_cast<std::size_t>(i)].image;
+    part = polygon;
+    for (const std::int32_t j : active) {
+      if (j == i) continue;
+      const Vector2d& other = arrivals[static_cast<std::size_t>(j)].image;
+      const Vector2d normal = (other - own).normalized();
+      clip(part, normal, 0.5 * normal.dot(own + other), next);
+      part.swap(next);
+    }
+    add(part, i);
+  }
+}
+
+bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, std::int32_t other) {
+  const auto& arrivals = distances_.arrivals();
+  // The nearer (pseudo-)source of the two has more to go in the face: |x - a| - |x - b| = c > 0.
+  if (arrivals[static_cast<std::size_t>(one)].sigma > arrivals[static_cast<std::size_t>(other)].sigma)
+    std::swap(one, other);
+  const Vector2d& a = arrivals[static_cast<std::size_t>(one)].image;
+  const Vector2d& b = arrivals[static_cast<std::size_t>(other)].image;
+  const double c = arrivals[static_cast<std::size_t>(other)].sigma - arrivals[static_cast<std::size_t>(one)].sigma;
+  const auto gap = [&](const Vector2d& x) { return (x - a).norm() - (x - b).norm() - c; };
+  Polygon round;
+  std::vector<std::size_t> cuts;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector2d& from = polygon[i];
+    const Vector2d& to = polygon[(i + 1) % polygon.size()];
+    round.push_back(from);
+    const Roots roots = roots_between(a, b, c, from, to);
+    for (std::size_t k = 0; k < roots.count; ++k) {
+      cuts.push_back(round.size());
+      round.push_back(from + roots.shares[k] * (to - from));
+    }
+  }
+  const auto part_between = [&](std::size_t begin, std::size_t end) {
+    Polygon part;
+    for (std::size_t i = begin;; i = (i + 1) % round.size()) {
+      part.push_back(round[i]);
+      if (i == end) return part;
+    }
+  };
+  // The corner or the middle that tells most surely whose a part is.
+  const auto winner = [&](const Polygon& part) {
+    double surest = 0;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const double at = gap(part[i]);
+      if (std::abs(at) > std::abs(surest)) surest = at;
+    }
+    return surest > 0 ? other : one;
+  };
+  if (cuts.size() < 2) {
+    add(polygon, winner(polygon));
+    return true;
+  }
+  if (cuts.size() > 2) return false;
+  const Polygon first = part_between(cuts[0], cuts[1]);
+  const Polygon second = part_between(cuts[1], cuts[0]);
+  // The chord leads from the second cut to the first, with `first` on its left.
+  const Vector2d& begin = round[cuts[1]];
+  const Vector2d way = round[cuts[0]] - begin;
+  const double length = way.norm();
+  const bool short_chord = !(length > 1e-9 * size_);
+  const std::int32_t left = first.size() > 2 ? winner(first) : (winner(second) == one ? other : one);
+  const std::int32_t right = left == one ? other : one;
+  std::array<Sliver, three_nodes.size()> slivers;
+  if (!short_chord) {
+    const Vector2d normal(-way.y() / length, way.x() / length);
+    for (std::size_t k = 0; k < three_nodes.size(); ++k) {
+      const Vector2d base = begin + three_nodes[k] * way;
+      double height = 0;
+      for (int step = 0; step < most_sliver_steps; ++step) {
+        const Vector2d x = base + height * normal;
+        const double slope = normal.dot((x - a).normalized() - (x - b).normalized());
+        const double change = -gap(x) / slope;
+        if (!std::isfinite(change) || std::abs(height + change) > length) return false;
+        height += change;
+        if (std::abs(change) <= same_region * size_) break;
+      }
+      if (std::abs(height) > flat_bulge * length) return false;
+      slivers[k] = {left, right, base + 0.5 * height * normal, three_weights[k] * height * length};
+    }
+    slivers_.insert(slivers_.end(), slivers.begin(), slivers.end());
+  }
+  add(first, left);
+  add(second, right);
+  return true;
+}
+
+}  // namespace supple::voronoi
