@@ -75,7 +75,16 @@ class Assembly {
     const std::int32_t point = end_of(way);
     const auto [begin, end] = leaving(point);
     if (is_vertex(point)) {
-      // The next clockwise: between the two lies the cell.
+      Way only = -1;
+      int ways = 0;
+      for (std::int32_t i = begin; i < end; ++i) {
+        const Way next = leaving_[static_cast<std::size_t>(i)];
+        if (left_of(next) != left_of(way)) continue;
+        only = next;
+        ++ways;
+      }
+      if (ways == 1) return only;
+      // A cell that meets the vertex more than once: the next clockwise, so that the cell lies between the two.
       for (std::int32_t i = begin; i < end; ++i)
         if (leaving_[static_cast<std::size_t>(i)] == back(way))
           return leaving_[static_cast<std::size_t>(i == begin ? end - 1 : i - 1)];

@@ -17,8 +17,8 @@ struct BorderPart {
 };
 
 /// Fills vertices, edges, dual and of the cells boundary, vertices and neighbours of a diagram that has its points,
-/// from the parts of all borders. Those that leave a point of kind `vertex` come counterclockwise. Voronoi vertices
-/// that are nearer to each other than `merged` along a border are one.
+/// from the parts of all borders. Those that leave a point of kind `vertex` which a cell meets more than once come
+/// counterclockwise. Voronoi vertices that are nearer to each other than `merged` along a border are one.
 void assemble_cells(const std::vector<BorderPart>& parts, double merged, Diagram& diagram);
 
 }  // namespace supple::voronoi

@@ -3,10 +3,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <utility>
 
+#include "bisector_borders.h"
 #include "planar_cross.h"
+#include "polygon_sides.h"
+#include "quadrature.h"
 
 namespace supple::voronoi {
 namespace {
@@ -45,65 +49,42 @@ constexpr int most_bend_samples = 8;
 /// only where derivatives need them.
 constexpr int most_images = 4;
 constexpr int most_changes = 12;  // of the ways along one part
-/// Points of Gauss and Legendre's quadrature in [0, 1] along a part of a border.
-constexpr std::array<double, 3> nodes{0.1127016653792583, 0.5, 0.8872983346207417};
-constexpr std::array<double, 3> weights{5.0 / 18, 8.0 / 18, 5.0 / 18};
 
-/// A side of a triangle: its cuts, by their number, and the sites between them.
-struct Side {
-  Vector2d from, to;
-  std::vector<std::int32_t> cuts;
-  std::vector<double> shares;
-  std::vector<std::int32_t> sites;
-};
+/// Room that a thread keeps from face to face, so that cutting one asks for little memory.
+struct CutterRoom {
+  /// Of each polygon that is being divided.
+  struct Level {
+    std::vector<Stop> round;
+    std::vector<std::size_t> cuts;  ///< stops that are none of its corners
+    Active kept;
+  };
+  std::deque<Level> levels;
+  std::vector<Vector2d> cut_places;
+  std::vector<std::pair<std::int32_t, double>> areas;
+  BisectorBorders bisectors;
+  std::vector<Vector2d> polygon;
 
-Side reversed(const Side& side) {
-  Side result{side.to, side.from, side.cuts, side.shares, side.sites};
-  std::reverse(result.cuts.begin(), result.cuts.end());
-  std::reverse(result.shares.begin(), result.shares.end());
-  std::reverse(result.sites.begin(), result.sites.end());
-  for (double& share : result.shares) share = 1 - share;
-  return result;
-}
-
-/// The parts of a side before and after a share of it.
-std::pair<Side, Side> split(const Side& side, double at) {
-  const Vector2d middle = side.from + at * (side.to - side.from);
-  Side first{side.from, middle, {}, {}, {}};
-  Side second{middle, side.to, {}, {}, {}};
-  const auto before =
-      static_cast<std::size_t>(std::upper_bound(side.shares.begin(), side.shares.end(), at) - side.shares.begin());
-  for (std::size_t i = 0; i < side.shares.size(); ++i) {
-    Side& part = i < before ? first : second;
-    part.cuts.push_back(side.cuts[i]);
-    part.shares.push_back(i < before ? side.shares[i] / at : (side.shares[i] - at) / (1 - at));
+  Level& level(int depth) {
+    while (levels.size() <= static_cast<std::size_t>(depth)) levels.emplace_back();
+    Level& found = levels[static_cast<std::size_t>(depth)];
+    found.round.clear();
+    found.cuts.clear();
+    return found;
   }
-  first.sites.assign(side.sites.begin(), side.sites.begin() + static_cast<std::ptrdiff_t>(before) + 1);
-  second.sites.assign(side.sites.begin() + static_cast<std::ptrdiff_t>(before), side.sites.end());
-  return {first, second};
-}
-
-/// The sides of a convex polygon, counterclockwise.
-using Sides = std::vector<Side>;
-
-/// A place on a polygon's border.
-struct BorderPlace {
-  std::size_t side = 0;
-  double share = 0;
-};
-
-/// What one meets on the way round a polygon: corners and cuts.
-struct Stop {
-  Vector2d place;
-  std::int32_t cut = 0;    ///< number of the cut, `corner` for a corner
-  std::int32_t site = -1;  ///< of what follows
-  static constexpr std::int32_t corner = std::numeric_limits<std::int32_t>::min();
 };
 
 class Cutter {
  public:
-  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples, CutFace& result)
-      : distances_(distances), samples_(samples), result_(result) {
+  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples, CutterRoom& room,
+         CutFace& result)
+      : distances_(distances),
+        samples_(samples),
+        result_(result),
+        room_(room),
+        cut_places_(room.cut_places),
+        areas_(room.areas) {
+    cut_places_.clear();
+    areas_.clear();
     for (const surface::FaceArrival& arrival : distances.arrivals())
       if (arrival.everywhere && arrival.sigma == 0) sites_.push_back({arrival.image, arrival.source});
     for (int i = 0; i < 3; ++i) size_ = std::max(size_, (corners[(i + 1) % 3] - corners[i]).norm());
@@ -121,8 +102,7 @@ class Cutter {
       radius = std::max(radius, (side.from - centre).norm());
       longest = std::max(longest, (side.to - side.from).norm());
     }
-    std::vector<Stop> round;
-    std::vector<std::size_t> cuts;
+    auto& [round, cuts, kept] = room_.level(depth);
     for (const Side& side : sides) {
       round.push_back({side.from, Stop::corner, side.sites.front()});
       for (std::size_t i = 0; i < side.cuts.size(); ++i) {
@@ -132,8 +112,8 @@ class Cutter {
     }
     const bool hidden = has_hidden_site(sides, round);
     if (!hidden && cuts.empty()) return add_piece(round.front().site, round, 0, round.size(), {});
-    Active kept;
     distances_.prune(active, centre, radius, kept);
+    if (cut_by_bisectors(sides, round, cuts, kept)) return;
     if (!hidden && cuts.size() == 2) return cut_in_two(round, cuts, kept);
     const bool small = !(longest > smallest_triangle * size_) || result_.subdivisions >= most_divisions;
     if (!hidden && cuts.size() >= 3 && all_differ(round, cuts)) {
@@ -166,7 +146,6 @@ class Cutter {
     Vector2d place;
     std::int32_t site;
   };
-
   const Vector2d& place_of(std::int32_t cut) const {
     return cut < 0 ? cut_places_[static_cast<std::size_t>(-1 - cut)]
                    : result_.points[static_cast<std::size_t>(cut)].place;
@@ -255,10 +234,14 @@ class Cutter {
     piece.corners.reserve(end - begin + beyond.size());
     for (std::size_t i = begin; i < end; ++i) piece.corners.push_back(round[i % round.size()].place);
     piece.corners.insert(piece.corners.end(), beyond.begin(), beyond.end());
+    add_piece(std::move(piece));
+  }
+
+  void add_piece(FacePiece piece) {
     double doubled = 0;
     for (std::size_t i = 2; i < piece.corners.size(); ++i)
       doubled += cross(piece.corners[i - 1] - piece.corners[0], piece.corners[i] - piece.corners[0]);
-    areas_.emplace_back(site, 0.5 * doubled);
+    areas_.emplace_back(piece.site, 0.5 * doubled);
     result_.pieces.push_back(std::move(piece));
   }
 
@@ -297,12 +280,45 @@ class Cutter {
     }
   }
 
+  /// Where all borders in the polygon are bisectors, and meet its sides where these are cut.
+  bool cut_by_bisectors(const Sides& sides, const std::vector<Stop>& round, const std::vector<std::size_t>& cuts,
+                        const Active& active) {
+    room_.polygon.clear();
+    for (const Side& side : sides) room_.polygon.push_back(side.from);
+    BisectorBorders& found = room_.bisectors;
+    const auto first = static_cast<std::int32_t>(result_.points.size());
+    if (!found.find(distances_, active, room_.polygon, round, cuts, first, size_)) return false;
+    result_.points.insert(result_.points.end(), found.points().begin(), found.points().end());
+    for (const FaceBorder& border : found.borders())
+      add_straight_border(border.from, border.to, border.left, border.right);
+    for (std::size_t image = 0; image < found.pieces(); ++image) {
+      FacePiece piece{found.site_of_piece(image), {}};
+      found.write_piece(
+          image, [&](std::int32_t end) -> const Vector2d& { return place_of(end); }, piece.corners);
+      if (piece.corners.size() > 2) add_piece(std::move(piece));
+    }
+    return true;
+  }
+
+  void add_straight_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) {
+    const Vector2d& begin = place_of(from);
+    const Vector2d way = place_of(to) - begin;
+    const double length = way.norm();
+    result_.borders.push_back({from, to, left, right, length});
+    if (!samples_) return;
+    for (std::size_t i = 0; i < three_nodes.size(); ++i) {
+      const Vector2d place = begin + three_nodes[i] * way;
+      result_.samples.push_back({left, right, place, three_weights[i] * length, place, 0});
+    }
+  }
+
   /// A border as a function over the straight line between its ends.
   struct Curve {
     Vector2d begin, way, along, normal;
     double length = 0;
     std::int32_t left = -1, right = -1;
     Active from_left, from_right;  ///< the arrivals that matter along it
+    bool bisects = false;          ///< images as far from their sites, so that it is straight
     int other_images = 0;          ///< that paths from the sites may come from besides one for each
   };
   /// A place of it.
@@ -313,6 +329,18 @@ class Cutter {
     Slope left{}, right{};
   };
 
+  double sigma_of(const Active& active) const {
+    return active.empty() ? 0 : distances_.arrivals()[static_cast<std::size_t>(active.front())].sigma;
+  }
+
+  /// Whether one of the arrivals, which have one image, reaches both ends of a border straight, and so all of it.
+  bool comes_straight(const Active& active, const Vector2d& from, const Vector2d& to) const {
+    return std::any_of(active.begin(), active.end(), [&](std::int32_t i) {
+      const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(i)];
+      return &arrival.turns_at(from) == &arrival.image && &arrival.turns_at(to) == &arrival.image;
+    });
+  }
+
   void lay_curve(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right, const Active& active,
                  Curve& curve) const {
     curve.begin = place_of(from);
@@ -321,6 +349,7 @@ class Cutter {
     curve.left = left;
     curve.right = right;
     curve.other_images = 0;
+    curve.bisects = false;
     if (!(curve.length > shortest_curve * size_)) return;
     curve.along = curve.way / curve.length;
     curve.normal = Vector2d(-curve.along.y(), curve.along.x());
@@ -330,6 +359,9 @@ class Cutter {
     const double tolerance = same_image * size_;
     curve.other_images = distances_.prune_site(active, left, middle, radius, tolerance, curve.from_left) +
                          distances_.prune_site(active, right, middle, radius, tolerance, curve.from_right);
+    curve.bisects = curve.other_images == 0 && comes_straight(curve.from_left, curve.begin, place_of(to)) &&
+                    comes_straight(curve.from_right, curve.begin, place_of(to)) &&
+                    std::abs(sigma_of(curve.from_left) - sigma_of(curve.from_right)) <= tie_gap * size_;
   }
 
   /// A border between two points: where it bends because paths from one of its sites come another way, it has a point.
@@ -436,20 +468,20 @@ class Cutter {
 
   /// A part of a border without bends: the area between it and the straight line, its length, points of quadrature.
   void add_smooth_border(std::int32_t from, std::int32_t to, const Curve& curve) {
-    std::array<CurvePoint, nodes.size()> points;
-    bool curved = curve.length > shortest_curve * size_;
-    for (std::size_t i = 0; i < nodes.size() && curved; ++i) {
+    std::array<CurvePoint, three_nodes.size()> points;
+    bool curved = curve.length > shortest_curve * size_ && !curve.bisects;
+    for (std::size_t i = 0; i < three_nodes.size() && curved; ++i) {
       // Through the ends and the nodes before goes a parabola, and then a cubic.
       if (i == 1) points[1].height = 2.5 * points[0].height;
       if (i == 2) points[2].height = 0.8 * points[1].height - points[0].height;
-      curved = on_curve(curve, nodes[i], points[i]) && std::abs(points[i].height) < curve.length;
+      curved = on_curve(curve, three_nodes[i], points[i]) && std::abs(points[i].height) < curve.length;
     }
     double area = 0;
     double along = 0;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (!curved) points[i] = {curve.begin + nodes[i] * curve.way};
-      const double part = weights[i] * points[i].stretch * curve.length;
-      const double beside = weights[i] * points[i].height * curve.length;
+    for (std::size_t i = 0; i < three_nodes.size(); ++i) {
+      if (!curved) points[i] = {curve.begin + three_nodes[i] * curve.way};
+      const double part = three_weights[i] * points[i].stretch * curve.length;
+      const double beside = three_weights[i] * points[i].height * curve.length;
       area += beside;
       along += part;
       if (samples_)
@@ -489,82 +521,6 @@ class Cutter {
     return true;
   }
 
-  /// The straight line between two arcs of the border that are not neighbours: of the same site if there are such, so
-  /// that nothing but that site may lie on it.
-  static bool choose_chord(const Sides& sides, BorderPlace& begin, BorderPlace& end) {
-    struct Arc {
-      std::int32_t site;
-      BorderPlace middle;  ///< of its longest straight part
-      double length = -1;
-    };
-    std::vector<Arc> arcs;
-    for (std::size_t k = 0; k < sides.size(); ++k) {
-      const Side& side = sides[k];
-      const double length = (side.to - side.from).norm();
-      double before = 0;
-      for (std::size_t i = 0; i < side.sites.size(); ++i) {
-        const double after = i < side.shares.size() ? side.shares[i] : 1;
-        if (arcs.empty() || i > 0) arcs.push_back({side.sites[i], {}});
-        Arc& arc = arcs.back();
-        if ((after - before) * length > arc.length) {
-          arc.length = (after - before) * length;
-          arc.middle = {k, 0.5 * (before + after)};
-        }
-        before = after;
-      }
-    }
-    if (arcs.size() > 1 && arcs.front().site == arcs.back().site) {
-      if (arcs.back().length > arcs.front().length) arcs.front() = arcs.back();
-      arcs.pop_back();
-    }
-    const Arc* first = nullptr;
-    const Arc* second = nullptr;
-    bool of_one_site = false;
-    std::size_t smaller = 0;  // of the numbers of arcs on either side
-    double best = 0;
-    for (std::size_t i = 0; i < arcs.size(); ++i) {
-      for (std::size_t j = i + 2; j < arcs.size() && j - i + 1 < arcs.size(); ++j) {
-        if (arcs[i].middle.side == arcs[j].middle.side) continue;
-        const bool same = arcs[i].site == arcs[j].site;
-        const std::size_t fewer = std::min(j - i, arcs.size() - (j - i));
-        const double length = std::min(arcs[i].length, arcs[j].length);
-        if (!(length > 0) || (of_one_site && !same)) continue;
-        // Lines within a cell first, those that leave as much on either side before others.
-        if (same == of_one_site && (same ? std::pair(fewer, length) <= std::pair(smaller, best) : length <= best))
-          continue;
-        of_one_site = same;
-        smaller = fewer;
-        best = length;
-        first = &arcs[i];
-        second = &arcs[j];
-      }
-    }
-    if (first == nullptr) return false;
-    begin = first->middle;
-    end = second->middle;
-    if (end.side < begin.side) std::swap(begin, end);
-    return true;
-  }
-
-  /// The straight line from the middle of the longest side to the corner or middle that is farthest from it along the
-  /// border.
-  static void choose_middle(const Sides& sides, double longest, BorderPlace& begin, BorderPlace& end) {
-    begin = {0, 0.5};
-    while ((sides[begin.side].to - sides[begin.side].from).norm() < longest) ++begin.side;
-    double best = -1;
-    const Vector2d from = 0.5 * (sides[begin.side].from + sides[begin.side].to);
-    for (std::size_t k = 1; k < sides.size(); ++k) {
-      const std::size_t side = (begin.side + k) % sides.size();
-      const double height = std::min(std::abs(cross(sides[begin.side].to - sides[begin.side].from,
-                                                    0.5 * (sides[side].from + sides[side].to) - from)),
-                                     longest * longest);
-      if (!(height > best)) continue;
-      best = height;
-      end = {side, 0.5};
-    }
-    if (end.side < begin.side) std::swap(begin, end);
-  }
-
   /// Cuts the two parts of a polygon on the sides of a straight line between two places of different sides.
   void divide(const Sides& sides, const BorderPlace& begin, const BorderPlace& end, const Active& active, int depth) {
     ++result_.subdivisions;
@@ -594,11 +550,13 @@ class Cutter {
   const FaceDistances& distances_;
   bool samples_;
   CutFace& result_;
-  std::vector<Vector2d> cut_places_;
   std::vector<InnerSite> sites_;
-  std::vector<std::pair<std::int32_t, double>> areas_;
   double size_ = 0;
   Curve curve_;
+  CutterRoom& room_;
+  // Parts of it:
+  std::vector<Vector2d>& cut_places_;
+  std::vector<std::pair<std::int32_t, double>>& areas_;
 };
 
 }  // namespace
@@ -606,7 +564,8 @@ class Cutter {
 CutFace cut_face(const FaceDistances& distances, const std::array<Vector2d, 3>& corners,
                  const std::array<const LabelledSegment*, 3>& sides, bool samples) {
   CutFace result;
-  Cutter cutter(distances, corners, samples, result);
+  static thread_local CutterRoom room;
+  Cutter cutter(distances, corners, samples, room, result);
   Sides whole(3);
   std::int32_t number = 0;
   for (int i = 0; i < 3; ++i) {

@@ -35,6 +35,7 @@ class Labeller {
     const double middle = 0.5 * (begin + end);
     const double radius = 0.5 * (end - begin) * length_;
     const Nearest nearest = distances_.prune(active, at(middle), radius, kept);
+    if (kept.size() > 2) drop_longer(kept, begin, end);
     if (distances_.of_one_site(kept)) return append(begin, nearest.site);
     if (kept.size() <= most_straight && straight(kept, begin) && straight(kept, end))
       return label_straight(kept, begin, end);
@@ -83,6 +84,27 @@ class Labeller {
       second = site;
     }
     return true;
+  }
+
+  /// Drops arrivals of which another is shorter at both ends of a part, and so all along: two images that are equally
+  /// far from their sites are equally near at one place of a line at most.
+  void drop_longer(Active& active, double begin, double end) const {
+    const Vector2d first = at(begin);
+    const Vector2d last = at(end);
+    for (std::size_t j = 0; j < active.size(); ++j) {
+      const FaceArrival& by = distances_.arrivals()[active[j]];
+      if (&by.turns_at(first) != &by.image || &by.turns_at(last) != &by.image) continue;
+      const double at_first = (first - by.image).squaredNorm();
+      const double at_last = (last - by.image).squaredNorm();
+      for (std::size_t i = active.size(); i-- > 0;) {
+        const FaceArrival& other = distances_.arrivals()[active[i]];
+        if (i == j || other.sigma != by.sigma || !((first - other.image).squaredNorm() > at_first * (1 + tie)) ||
+            !((last - other.image).squaredNorm() > at_last * (1 + tie)))
+          continue;
+        active.erase(active.begin() + static_cast<std::ptrdiff_t>(i));
+        if (i < j) --j;
+      }
+    }
   }
 
   /// Whether each arrival comes straight from its image.
