@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "descent_direction.h"
 #include "supple/base/error.h"
@@ -59,7 +60,7 @@ class Minimization {
       if (has_hessian()) result_.factorized_at = result_.iterations;
       const double slope = d.size() > 0 ? at_.gradient.dot(d) : 0;
       LineSearch search;
-      if (slope < 0) search = line_search(d, slope);
+      if (slope < 0) search = raises_slope() ? wolfe_search(d, slope) : line_search(d, slope);
       if (!search.whole) {
         if (const auto distance = objective_.snap()) {
           take_snap(*distance);
@@ -88,6 +89,8 @@ class Minimization {
     if (!regularized) indefinite_since_ = last.gradient_norm;
     return regularized && last.gradient_norm <= options_.saddle_contraction * indefinite_since_;
   }
+
+  bool raises_slope() const { return options_.method == MinimizerMethod::lbfgs && options_.slope_contraction > 0; }
 
   bool has_hessian() const { return !std::holds_alternative<std::monostate>(at_.hessian); }
 
@@ -120,6 +123,43 @@ class Minimization {
       t *= backtrack(value, t * slope);
     }
     return {};
+  }
+
+  /// Halves and doubles the step until it is neither too long for the decrease of the value nor too short for that of
+  /// the slope (Lewis and Overton 2013, algorithm 2.6). The last step that has lowered the value is good enough where
+  /// no other is left.
+  LineSearch wolfe_search(const Eigen::VectorXd& d, double slope) {
+    const double length = d.norm();
+    const double longest = objective_.largest_step(d);
+    double low = 0;
+    double high = std::numeric_limits<double>::infinity();
+    double t = std::min(1.0, longest);
+    for (int trial = 0; trial <= options_.max_backtracks && t * length > options_.step_tolerance; ++trial) {
+      Eigen::VectorXd travelled = objective_.move(t * d);
+      if (!(travelled.norm() > options_.step_tolerance)) break;
+      const double value = evaluate(0).value;
+      if (!acceptable(value, at_.gradient.dot(travelled))) {
+        objective_.reject();
+        high = t;
+        t = low > 0 ? 0.5 * (low + high) : t * backtrack(value, t * slope);
+        continue;
+      }
+      // Along the way as it goes on at its end.
+      Eigen::VectorXd onwards = travelled;
+      const bool known = objective_.transport(onwards);
+      const double end_slope = evaluate(1).gradient.dot(onwards) / t;
+      if (!known || end_slope >= options_.slope_contraction * slope || t >= longest ||
+          high - t <= options_.step_tolerance / length || trial == options_.max_backtracks)
+        return {.accepted = true, .step = std::move(travelled), .whole = trial == 0};
+      objective_.reject();
+      low = t;
+      t = high < std::numeric_limits<double>::infinity() ? 0.5 * (low + high) : std::min(2 * t, longest);
+    }
+    objective_.reject();
+    if (!(low > 0)) return {};
+    Eigen::VectorXd travelled = objective_.move(low * d);
+    evaluate(0);
+    return {.accepted = true, .step = std::move(travelled), .whole = false};
   }
 
   /// From the trial state of the whole step, of that value, to longer ones; the trial state is the longest good one.

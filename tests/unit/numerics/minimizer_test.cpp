@@ -55,6 +55,25 @@ class Crease : public Objective {
   Eigen::Vector2d trial_;
 };
 
+TEST(Minimizer, LbfgsTakesStepsThatAreLongEnoughForTheSlopeToRise) {
+  // Along -g the slope of |x0| + x1^2 / 2 at (10, 2) is -5 + 4 t: it has risen to 0.9 of its start at t = 1 / 8.
+  MinimizerOptions options = with_method(MinimizerMethod::lbfgs, 1);
+  options.first_step = 1e-3;
+  Crease without(Eigen::Vector2d(10, 2));
+  EXPECT_LT(minimize(without, options).history[1].step_length, 0.01);
+  options.slope_contraction = 0.9;
+  Crease crease(Eigen::Vector2d(10, 2));
+  EXPECT_GT(minimize(crease, options).history[1].step_length, 0.1);
+}
+
+TEST(Minimizer, LbfgsWithSlopesThatMustRiseFindsSmoothMinima) {
+  VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
+  MinimizerOptions options = with_method(MinimizerMethod::lbfgs, 300);
+  options.slope_contraction = 0.9;
+  EXPECT_EQ(minimize(system, options).stop, MinimizerStop::converged);
+  EXPECT_LT((system.state().x - Eigen::Vector2d(1, 1)).norm(), 1e-6);
+}
+
 TEST(Minimizer, NewtonFindsTheMinimumOfRosenbrocksValley) {
   VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
   const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));

@@ -60,6 +60,11 @@ struct MinimizerOptions {
   /// stops. 0 means never.
   double saddle_contraction = 0;
   int lbfgs_history = 10;
+  /// L-BFGS: a step is long enough once the slope along it has risen to this share of the slope at its start (the weak
+  /// Wolfe condition); in (armijo, 1), or 0 not to ask for it. Every trial step that lowers the value then needs a
+  /// gradient. With it, pairs always show curvature, so that L-BFGS goes on across kinks of the value, along which it
+  /// would otherwise stop (Lewis and Overton 2013).
+  double slope_contraction = 0;
   /// L-BFGS, gradient descent: the first direction is -first_step * g. Later directions get their length from the
   /// measured curvature.
   double first_step = 1;
