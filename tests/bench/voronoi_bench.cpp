@@ -52,9 +52,9 @@ std::vector<Row> rows(bool quick) {
   all.push_back({"sphere", testing::icosphere(3), 98, "edge_length", 1.90, its(200)});
   all.push_back({"rabbit (duck)", testing::rabbit(3), 125, "edge_length", 4.39, its(200)});
   all.push_back({"genus 3 (cactus)", testing::genus3(4), 107, "edge_length", 4.03, its(200)});
-  all.push_back({"sphere", testing::icosphere(3), 396, "planarity", 0.474, its(300)});
-  all.push_back({"torus", testing::torus(24, 12), 155, "planarity", 0.0733, its(300)});
-  all.push_back({"rabbit (duck)", testing::rabbit(3), 487, "planarity", 1.17, its(300)});
+  all.push_back({"sphere", testing::icosphere(3), 396, "planarity", 0.474, its(1000)});
+  all.push_back({"torus", testing::torus(24, 12), 155, "planarity", 0.0733, its(1000)});
+  all.push_back({"rabbit (duck)", testing::rabbit(3), 487, "planarity", 1.17, its(1000)});
   if (quick) return all;
   all.push_back({"genus 3 (fertility)", testing::genus3(4), 2250, "regularity", 7.09, 60});
   all.push_back({"rabbit (cow)", testing::rabbit(5), 2928, "regularity", 39.3, 60});

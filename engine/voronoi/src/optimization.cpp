@@ -48,6 +48,9 @@ void check(const OptimizationOptions& options, std::size_t sites) {
   }
 }
 
+/// Of the slope at the start of a step: as much may be left at its end.
+constexpr double least_slope = 0.9;
+
 /// Only areas can become all but equal, so that what the Gauss-Newton Hessian leaves out vanishes.
 bool takes_gauss_newton(const OptimizationOptions& options) {
   const ObjectiveWeights& w = options.weights;
@@ -141,6 +144,8 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
   minimizer.max_iterations = options.max_iterations;
   minimizer.step_tolerance = 1e-12 * unit;
   minimizer.first_step = unit * unit;
+  // Where corners cross edges of the mesh, their places in space have kinks, along which minima lie.
+  if (w.planarity > 0) minimizer.slope_contraction = least_slope;
   minimizer.after_step = [&](const numerics::MinimizerStep& step) {
     result.history.push_back({step.value, step.gradient_norm, step.step_length});
     if (options.observer && system.state().found())
