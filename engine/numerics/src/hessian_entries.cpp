@@ -204,18 +204,22 @@ bool HessianEntries::add_to_pattern() {
   std::vector<std::uint32_t> moved(values_.size());
   merged.reserve(pattern_.size() + fresh.size());
   values.reserve(merged.capacity() + 1);
-  auto next = fresh.begin();
-  for (std::size_t i = 0; i < pattern_.size(); ++i) {
-    for (; next != fresh.end() && *next < pattern_[i]; ++next) {
-      merged.push_back(*next);
-      values.push_back(0);
-    }
-    moved[i + 1] = static_cast<std::uint32_t>(values.size());
-    merged.push_back(pattern_[i]);
-    values.push_back(values_[i + 1]);
+  // What lies between two new places moves as a whole.
+  std::size_t taken = 0;
+  const auto take_up_to = [&](std::size_t end) {
+    const std::size_t shift = merged.size() - taken;
+    for (std::size_t i = taken; i < end; ++i) moved[i + 1] = static_cast<std::uint32_t>(i + 1 + shift);
+    const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+    merged.insert(merged.end(), pattern_.begin() + at(taken), pattern_.begin() + at(end));
+    values.insert(values.end(), values_.begin() + at(taken + 1), values_.begin() + at(end + 1));
+    taken = end;
+  };
+  for (const Place place : fresh) {
+    take_up_to(find(place));
+    merged.push_back(place);
+    values.push_back(0);
   }
-  merged.insert(merged.end(), next, fresh.end());
-  values.resize(merged.size() + 1, 0.0);
+  take_up_to(pattern_.size());
   for (std::uint32_t& slot : slots_) slot = moved[slot];
   pattern_ = std::move(merged);
   values_ = std::move(values);

@@ -13,6 +13,8 @@ namespace {
 constexpr double worth_reordering = 1.3;
 /// Supernodes are given up once their fronts have this many times the entries they had when they were made.
 constexpr double worth_regrouping = 1.1;
+/// Patterns of fewer unknowns are analysed anew: that takes CHOLMOD less than a millisecond.
+constexpr int unknowns_worth_keeping = 1000;
 
 /// A multiple of four rows: every column of a panel then starts at the same alignment.
 int padded(int rows) { return (rows + 3) / 4 * 4; }
@@ -22,7 +24,7 @@ int padded(int rows) { return (rows + 3) / 4 * 4; }
 void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
   // A few more places, as contacts and paths over other faces bring them, change the best supernodes and the best
   // ordering little; finding these anew costs more than some factorizations.
-  if (n_ == matrix.rows() && n_ > 0) {
+  if (n_ == matrix.rows() && n_ >= unknowns_worth_keeping) {
     std::vector<int> first;
     for (const Supernode& node : supernodes_) first.push_back(node.first);
     group_entries(matrix, first);

@@ -127,13 +127,13 @@ TEST(MultifrontalCholesky, ReadsTheLowerTriangleOnly) {
 
 // Places come and go one by one, as where paths lead over other faces: fronts grow, shrink and get other parents.
 TEST(MultifrontalCholesky, FollowsAPatternThatChangesALittleManyTimes) {
-  constexpr int n = 300;
+  constexpr int n = 1200;
   RandomStream random("multifrontal", 5);
   MultifrontalCholesky cholesky;
   std::vector<Eigen::Triplet<double>> added;
   const auto around = [](int i) { return (i + n) % n; };
   for (int round = 0; round < 60; ++round) {
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 8; ++k) {
       // Most near each other, some far apart.
       const int i = random.below(n);
       const int j = random.below(8) == 0 ? random.below(n) : around(i + 1 + random.below(6));
@@ -141,7 +141,7 @@ TEST(MultifrontalCholesky, FollowsAPatternThatChangesALittleManyTimes) {
       added.emplace_back(i, j, random.uniform(-1, 1));
       added.emplace_back(j, i, added.back().value());
     }
-    if (added.size() > 60) added.erase(added.begin(), added.begin() + 30);
+    if (added.size() > 200) added.erase(added.begin(), added.begin() + 100);
     std::vector<Eigen::Triplet<double>> entries(added);
     for (int i = 0; i < n; ++i) {
       entries.emplace_back(i, i, 40);
