@@ -43,7 +43,7 @@ export function frame(connection: Connection, account: HTMLElement, bill: HTMLEl
     { class: "frame" },
     skip,
     h("header", {},
-      h("a", { class: "brand", href: "#/design" }, h("img", { src: "./favicon.svg", alt: "", width: 28, height: 28 }), "Supple"),
+      h("a", { class: "brand", href: "#/design" }, h("img", { src: "./favicon.svg", alt: "", width: 28, height: 28 }), h("span", { class: "brand-name" }, "Supple")),
       h("nav", { "aria-label": "Pages" }, ...links),
       bill,
       account,

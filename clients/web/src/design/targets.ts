@@ -29,9 +29,12 @@ export function fewestPoints(task: Task): number {
   return isPolar(task) ? 3 : 2;
 }
 
+/** Strains below are rounding of numbers that were written with few digits. */
+const REST = 1e-6;
+
 /** Whether a point of a target is at rest: without strain there is no stress, so that it stays where it is. */
 export function isAtRest(task: Task, [x]: ControlPoint): boolean {
-  return !isPolar(task) && Math.abs(x) < 1e-9;
+  return !isPolar(task) && Math.abs(x) < REST;
 }
 
 /** The angle within [0, pi) of the same direction. */
