@@ -1,0 +1,55 @@
+// Pictures of every page for the documents: wide, wide and dark, and on a phone.
+//
+//     node pictures.mjs http://127.0.0.1:8080 ../../docs/images/pages
+//
+// of a server that is running with all models and the built editor.
+import { mkdir } from "node:fs/promises";
+import path from "node:path";
+import { chromium } from "playwright-core";
+
+const [url, folder] = process.argv.slice(2);
+if (!url || !folder) {
+  console.error("usage: node pictures.mjs URL FOLDER");
+  process.exit(1);
+}
+const KINDS = [
+  ["1440", { viewport: { width: 1440, height: 900 }, colorScheme: "light" }],
+  ["1440-dark", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
+  ["390", { viewport: { width: 390, height: 844 }, colorScheme: "light" }],
+];
+/** A page's address and what makes it ready to be seen. */
+const PAGES = [
+  ["design", async (page) => {
+    await page.locator(".result .chip.good, .result .chip.close, .result .chip.out").waitFor();
+  }],
+  ["weave", async (page) => {
+    await page.locator(".reading strong").first().waitFor();
+    await page.locator('.profile[aria-busy="false"]').waitFor();
+  }],
+  ["mesh", async (page) => {
+    await page.getByRole("button", { name: "Sample" }).click();
+    await page.locator('[aria-label="Result"]').waitFor();
+    await page.getByRole("radio", { name: "Distance", exact: true }).check();
+    await page.locator(".ramp-box").waitFor();
+  }],
+];
+
+await mkdir(folder, { recursive: true });
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+for (const [kind, options] of KINDS) {
+  for (const [name, ready] of PAGES) {
+    const context = await browser.newContext(options);
+    const page = await context.newPage();
+    page.setDefaultTimeout(120_000);
+    await page.goto(`${url}/#/${name}`);
+    await ready(page);
+    await page.waitForTimeout(1500); // what was asked for last is drawn
+    await page.screenshot({ path: path.join(folder, `${name}-${kind}.png`) });
+    await context.close();
+    console.log(`${name}-${kind}.png`);
+  }
+}
+await browser.close();
