@@ -224,8 +224,10 @@ describe("profiles over direction", () => {
         const [left, top] = await design.centre(1);
         const angle = (await design.pointWords(1)).match(/direction ([^,]*),/)[1];
         await design.drag(1, (box.x + box.width / 2 - left) * 1.6, (box.y + box.height / 2 - top) * 1.6, async () => {
-          const [x, y] = await design.centre(1);
-          assert.ok(Math.hypot(x - box.x - box.width / 2, y - box.y - box.height / 2) < 12, "it stops at the centre");
+          await until(async () => {
+            const [x, y] = await design.centre(1);
+            return Math.hypot(x - box.x - box.width / 2, y - box.y - box.height / 2) < 12;
+          }, "it stops at the centre");
         });
         assert.equal((await design.pointWords(1)).match(/direction ([^,]*),/)[1], angle);
         await design.settled();

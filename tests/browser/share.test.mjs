@@ -76,18 +76,19 @@ describe("a pinned design", () => {
   it("is drawn beside others, is still there after a reload, and leads back", async () => {
     const design = await DesignPage.open(browser, server.url);
     const { page } = design;
-    const height = await design.pointHeight(4);
+    const last = (await design.handles.count()) - 1;
+    const height = await design.pointHeight(last);
     await design.button("Pin").click();
     await page.locator(".pins li").waitFor();
-    await design.drag(4, 0, -70);
+    await design.drag(last, 0, -70);
     await design.settled();
     await until(async () => (await page.locator(".plot .curve.pin").count()) === 1, "the pinned curve");
     await page.reload();
     await design.settled();
     await page.locator(".pins li").waitFor();
-    assert.notEqual(await design.pointHeight(4), height);
+    assert.notEqual(await design.pointHeight(last), height);
     await page.getByRole("button", { name: /^Go back to/ }).click();
-    await until(async () => Math.abs((await design.pointHeight(4)) - height) < 1e-6 * Math.max(1, Math.abs(height)) + 1e-5, "the pinned target");
+    await until(async () => Math.abs((await design.pointHeight(last)) - height) < 1e-6 * Math.max(1, Math.abs(height)) + 1e-5, "the pinned target");
     await design.settled();
     await page.getByRole("button", { name: /^Remove IH/ }).click();
     assert.equal(await page.locator(".pins li").count(), 0);
