@@ -76,7 +76,7 @@ def curve_from_wire(answer: Mapping[str, Any]) -> MeasuredCurve:
         offset=answer["offset"],
         units=(units["x"], units["y"]),
         message=answer["message"],
-        cost=cost_from_wire(answer),
+        cost=cost_from_wire(answer["cost"]),
     )
 
 
@@ -116,7 +116,7 @@ def measured_curve(
         if array.ndim != 2 or array.shape[1] != 2:
             raise ValueError(f"points have the shape {array.shape}; expected (n, 2)")
         document["points"] = array.tolist()
-    groups = {
+    groups: Dict[str, Mapping[str, Any]] = {
         "columns": dict(zip("xy", columns or ())),
         "units": dict(zip("xy", units or ())),
         "specimen": {"gauge_length": gauge_length, "area": area},

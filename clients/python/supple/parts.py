@@ -148,7 +148,7 @@ def part_from_wire(answer: Mapping[str, Any]) -> Part:
         smallest_wall=checked["smallest_wall"],
         trimmed_area=checked["trimmed_area"],
         crumbs=checked["crumbs"],
-        cost=cost_from_wire(answer),
+        cost=cost_from_wire(answer["cost"]),
     )
 
 
@@ -174,7 +174,7 @@ def part_file(
     if kind not in PART_FILE_TYPES:
         raise ValueError(f"kind must be one of {', '.join(PART_FILE_TYPES)}, got {kind!r}")
     document = _document(outline, family, parameters, options, deadline)
-    return Computation("/v1/parts", document, lambda answer: answer.body, PART_FILE_TYPES[kind])
+    return Computation("/v1/parts", document, lambda answer: answer.content, PART_FILE_TYPES[kind])
 
 
 def _document(
