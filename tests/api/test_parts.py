@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import struct
 import xml.etree.ElementTree as ElementTree
 import zipfile
@@ -12,7 +13,7 @@ from typing import Any, Dict, Tuple
 import numpy as np
 import pytest
 
-from harness import Api, pointers, problem_code
+from harness import ROOT, Api, pointers, problem_code
 
 PARTS = "/v1/parts"
 IH21 = {"family": "IH21"}
@@ -138,3 +139,12 @@ def test_what_no_part_has_is_named(api: Api, change: Dict[str, Any], place: str)
 def test_requests_that_the_schema_forbids_are_refused(api: Api, change: Dict[str, Any], place: str) -> None:
     answer = api.post(PARTS, {**COUPON, **change}, faulty=True)
     assert problem_code(answer) == "request.invalid" and pointers(answer) == [place], answer.text
+
+
+def test_the_sole_of_the_examples_is_watertight(api: Api) -> None:
+    request = json.loads((ROOT / "api" / "examples" / "parts" / "sole.json").read_text())
+    answer = api.ok(PARTS, request)
+    assert answer["checks"]["pieces"] == 1 and answer["size"][2] == 12
+    corners = stl_triangles(api.post(PARTS, request, headers={"Accept": "model/stl"}).content)
+    assert assert_watertight(corners) == pytest.approx(answer["volume"], rel=1e-4)
+    assert size_of(corners) == pytest.approx(tuple(answer["size"]), abs=1e-4)

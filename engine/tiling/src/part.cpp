@@ -226,7 +226,7 @@ Paths trimmed(const Paths& solid, double wall, double& trimmed_area) {
   if (wall <= 0) return solid;
   const Paths opened = grown(grown(solid, -disk * wall, ClipperLib::jtSquare), disk * wall, ClipperLib::jtSquare);
   const Paths result = operation(ClipperLib::ctIntersection, solid, grown(opened, corner * wall, ClipperLib::jtSquare));
-  trimmed_area = area_of(solid) - area_of(result);
+  trimmed_area = std::max(0.0, area_of(solid) - area_of(result));  // but for rounding
   return result;
 }
 
