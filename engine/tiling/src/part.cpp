@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "clipper_paths.h"
-#include "part_codec.h"
+#include "part_tasks.h"
 #include "polygon.h"
 #include "supple/base/faults.h"
 

@@ -18,7 +18,4 @@ Part read_part(ByteReader& reader);
 std::vector<SolidFace> read_faces(ByteReader& reader);
 meshing::PlanarMesh read_planar_mesh(ByteReader& reader);
 
-/// `make_part` in this process, whatever helpers it has.
-Part make_part_here(const PartDesign& design);
-
 }  // namespace supple::tiling

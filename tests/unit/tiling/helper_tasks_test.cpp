@@ -7,7 +7,7 @@
 
 #include "designs.h"
 #include "file_makers.h"
-#include "part_codec.h"
+#include "part_tasks.h"
 #include "supple/base/error.h"
 #include "support/expect_error.h"
 
