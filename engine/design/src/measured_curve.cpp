@@ -15,7 +15,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-constexpr double period = std::numbers::pi;
+constexpr double half_turn = std::numbers::pi;
 /// Averages of neighbours that are fitted, at most, for each control point there may be, and at least in all.
 constexpr std::size_t fitted_for_each = 16;
 constexpr std::size_t least_fitted = 400;
@@ -31,7 +31,7 @@ constexpr double least_gap = 0.004;
 /// that is worth having does by more than this multiple.
 constexpr double significant = 8;
 
-[[noreturn]] void refuse(const std::string& where, const std::string& message) {
+[[noreturn]] void refuse_curve(const std::string& where, const std::string& message) {
   throw Error("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
 }
 
@@ -335,9 +335,9 @@ class KnotSearch {
 
 void check(const ReductionOptions& options) {
   if (options.max_control_points < least_control_points || options.max_control_points > most_control_points) {
-    refuse("max_control_points", "must be from " + std::to_string(least_control_points) + " to " +
-                                     std::to_string(most_control_points) + ", got " +
-                                     std::to_string(options.max_control_points));
+    refuse_curve("max_control_points", "must be from " + std::to_string(least_control_points) + " to " +
+                                           std::to_string(most_control_points) + ", got " +
+                                           std::to_string(options.max_control_points));
   }
 }
 
@@ -354,9 +354,9 @@ Points counted(const MeasuredCurve& curve, const ReductionOptions& options, std:
     }
     points.push_back(p);
     if (curve.task != Task::stress_strain) {
-      double x = std::fmod(p.x(), period);
-      if (x < 0) x += period;
-      points.back().x() = x < period ? x : 0;
+      double x = std::fmod(p.x(), half_turn);
+      if (x < 0) x += half_turn;
+      points.back().x() = x < half_turn ? x : 0;
     }
   }
   return points;
@@ -411,7 +411,7 @@ std::vector<double> first_knots(const Points& points, bool periodic, bool origin
   if (periodic) {
     // Four directions at least, unless all lie in a part of half a turn.
     std::vector<double> knots;
-    for (int k = 0; k < 4; ++k) knots.push_back(lower + k * std::min(range, 0.75 * period) / 3);
+    for (int k = 0; k < 4; ++k) knots.push_back(lower + k * std::min(range, 0.75 * half_turn) / 3);
     return knots;
   }
   if (!origin) return {lower, upper};
@@ -445,19 +445,19 @@ ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options,
   reduced.interpolation = options.interpolation;
   Points points = counted(curve, options, reduced.set_aside);
   if (points.size() < 2)
-    refuse("points", "must have at least two points that are finite and within the range asked for");
+    refuse_curve("points", "must have at least two points that are finite and within the range asked for");
   if (!periodic) {
     keep_first_loading(points, options.loading, reduced, execution);
   } else if (execution.cost) {
     execution.cost->add_effect("loading", false, "directions are not loaded and unloaded");
   }
   reduced.points = sorted(std::move(points));
-  if (reduced.points.size() < 2) refuse("points", "must have at least two points of different x");
+  if (reduced.points.size() < 2) refuse_curve("points", "must have at least two points of different x");
   reduced.through_origin = passes_origin(reduced.points, curve.task, options.origin, execution);
   if (reduced.through_origin) reduced.offset = value_at_zero(reduced.points);
 
   const Fitted data = averaged(reduced.points, options.max_control_points);
-  const KnotFit fit(data, options.interpolation, periodic ? std::optional(period) : std::nullopt);
+  const KnotFit fit(data, options.interpolation, periodic ? std::optional(half_turn) : std::nullopt);
   const double scale = root_mean_square(reduced.points);
   const double scatter = scatter_of(reduced.points);
   if (scale > 0) reduced.noise = scatter / scale;
@@ -482,7 +482,8 @@ ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options,
   const auto& x = search.knots();
   const auto& y = search.result().y;
   for (std::size_t k = 0; k < x.size(); ++k) reduced.control_points.emplace_back(x[k], y[k]);
-  judge(numerics::Interpolant(x, y, options.interpolation, periodic ? std::optional(period) : std::nullopt), reduced);
+  judge(numerics::Interpolant(x, y, options.interpolation, periodic ? std::optional(half_turn) : std::nullopt),
+        reduced);
   if (execution.cost) {
     execution.cost->add_quantity("points", static_cast<double>(reduced.points.size()));
     execution.cost->add_quantity("control_points", static_cast<double>(x.size()));

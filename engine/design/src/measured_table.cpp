@@ -232,7 +232,7 @@ std::size_t read_header(const std::vector<std::string_view>& lines, std::size_t 
   return two ? 2 : 1;
 }
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_table(const std::string& message) {
   throw Error("design.unreadable_table", message, {{"text", message}});
 }
 
@@ -252,13 +252,14 @@ MeasuredTable read_table(std::string_view text, const CancellationToken& cancell
   }
   const std::size_t columns = best.cells;
   if (best.rows == 0) {
-    refuse(
+    refuse_table(
         "No line of the text holds two numbers: a table has columns that commas, semicolons, tabs or blanks separate, "
         "one "
         "row in a line.");
   }
   if (columns > most_columns) {
-    refuse("The table has " + std::to_string(columns) + " columns, the limit is " + std::to_string(most_columns) + ".");
+    refuse_table("The table has " + std::to_string(columns) + " columns, the limit is " + std::to_string(most_columns) +
+                 ".");
   }
   MeasuredTable table;
   table.delimiter = format.delimiter;
@@ -274,7 +275,7 @@ MeasuredTable read_table(std::string_view text, const CancellationToken& cancell
     }
     if (!first_row) first_row = i;
     if (table.rows() == most_rows)
-      refuse("The table has more than " + std::to_string(most_rows) + " rows, which is the limit.");
+      refuse_table("The table has more than " + std::to_string(most_rows) + " rows, which is the limit.");
     std::size_t c = 0;
     for_each_cell(lines[i], format.delimiter, [&](std::string_view cell) {
       table.columns[c++].values.push_back(number_in(cell, format.decimal).value_or(missing));

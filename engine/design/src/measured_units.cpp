@@ -92,7 +92,7 @@ const Unit* find_unit(std::string_view written) {
   return unit == units.end() ? nullptr : unit;
 }
 
-[[noreturn]] void refuse(const std::string& where, const std::string& message) {
+[[noreturn]] void refuse_unit(const std::string& where, const std::string& message) {
   throw Error("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
 }
 
@@ -105,14 +105,14 @@ const Unit& unit_of(const std::string& written, std::span<const Quantity> quanti
     if (std::find(quantities.begin(), quantities.end(), candidate.quantity) == quantities.end()) continue;
     list.append(list.empty() ? "" : ", ").append(candidate.name);
   }
-  refuse(where, "must be one of " + list + ", got \"" + written.substr(0, 40) + "\"");
+  refuse_unit(where, "must be one of " + list + ", got \"" + written.substr(0, 40) + "\"");
 }
 
 /// A positive length or area that a unit needs.
 double needed(const std::optional<double>& value, const std::string& unit, const std::string& field,
               const std::string& what) {
   if (value && *value > 0) return *value;
-  refuse("specimen/" + field, "must be the specimen's " + what + ", above 0: numbers in " + unit + " need it");
+  refuse_unit("specimen/" + field, "must be the specimen's " + what + ", above 0: numbers in " + unit + " need it");
 }
 
 }  // namespace

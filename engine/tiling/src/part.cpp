@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -25,7 +26,7 @@ constexpr std::size_t most_tiles = 50'000;
 /// Whether outlines cross themselves is looked at side by side.
 constexpr std::size_t most_corners = 5'000;
 /// Sides that are shorter (beam widths) are points, as in other files.
-constexpr double smallest_side = 0.005;
+constexpr double smallest_part_side = 0.005;
 /// How far corners that touch are parted on either side, mm: less than any printer or laser sees.
 constexpr double parting = 2e-3;
 /// Walls are narrow where no disk of this share of the smallest wall fits in.
@@ -166,9 +167,11 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Box& box, const Ei
                 {{"beam_width", "more than 50000 tiles would fill the part"}});
   }
   std::vector<Polygon> tiles;
-  for (double b = first.y(); b <= last.y(); ++b) {
-    for (double a = first.x(); a <= last.x(); ++a) {
-      const Eigen::Vector2d offset = centre + lattice * Eigen::Vector2d(a, b);
+  const auto rows = static_cast<std::int64_t>(counts.y()), columns = static_cast<std::int64_t>(counts.x());
+  for (std::int64_t b = 0; b < rows; ++b) {
+    for (std::int64_t a = 0; a < columns; ++a) {
+      const Eigen::Vector2d offset =
+          centre + lattice * (first + Eigen::Vector2d(static_cast<double>(a), static_cast<double>(b)));
       for (const Polygon& tile : cell) {
         Polygon moved = tile;
         for (auto& p : moved) p += offset;
@@ -225,7 +228,7 @@ Paths filled(const Filling& filling, const Paths& area, const Eigen::Vector2d& c
 Paths trimmed(const Paths& solid, double wall, double& trimmed_area) {
   if (wall <= 0) return solid;
   const Paths opened = grown(grown(solid, -disk * wall, ClipperLib::jtSquare), disk * wall, ClipperLib::jtSquare);
-  const Paths result = operation(ClipperLib::ctIntersection, solid, grown(opened, corner * wall, ClipperLib::jtSquare));
+  Paths result = operation(ClipperLib::ctIntersection, solid, grown(opened, corner * wall, ClipperLib::jtSquare));
   trimmed_area = std::max(0.0, area_of(solid) - area_of(result));  // but for rounding
   return result;
 }
@@ -317,7 +320,7 @@ Part make_part_here(const PartDesign& design) {
   part.outline_area = area_of(outline);
   solid = trimmed(solid, design.smallest_wall, part.trimmed_area);
   if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
-  auto faces = cleaned_faces(solid, smallest_side * finest);
+  auto faces = cleaned_faces(solid, smallest_part_side * finest);
   keep_largest(faces, part);
   if (part.faces.empty()) {
     throw Error("tiling.part",

@@ -7,11 +7,11 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr std::size_t most_points = 1'000'000;
-constexpr std::size_t longest_name = 200;
+constexpr std::size_t most_measured_points = 1'000'000;
+constexpr std::size_t longest_column_name = 200;
 constexpr std::size_t longest_unit = 40;
-constexpr int most_columns = 256;
-constexpr double largest_length = 1e6;
+constexpr int most_table_columns = 256;
+constexpr double largest_specimen_length = 1e6;
 
 std::optional<std::string> read_text(Fields& fields, std::string_view name, std::size_t longest) {
   const auto* value = fields.optional(name);
@@ -26,18 +26,18 @@ std::optional<std::string> read_text(Fields& fields, std::string_view name, std:
 void read_column(Fields& fields, std::string_view name, design::ColumnChoice& out) {
   const auto* value = fields.optional(name);
   if (!value) return;
-  if (value->is_number_integer() && value->get<double>() >= 0 && value->get<double>() < most_columns) {
+  if (value->is_number_integer() && value->get<double>() >= 0 && value->get<double>() < most_table_columns) {
     out = value->get<int>();
-  } else if (value->is_string() && value->get_ref<const std::string&>().size() <= longest_name) {
+  } else if (value->is_string() && value->get_ref<const std::string&>().size() <= longest_column_name) {
     out = value->get<std::string>();
   } else {
     fields.faults().add(fields.at(name), "must be a column's index, an integer from 0 to " +
-                                             std::to_string(most_columns - 1) + ", or its name in the header");
+                                             std::to_string(most_table_columns - 1) + ", or its name in the header");
   }
 }
 
 void read_points(Fields& fields, std::vector<Eigen::Vector2d>& out) {
-  const auto* points = fields.array("points", false, 2, most_points, "");
+  const auto* points = fields.array("points", false, 2, most_measured_points, "");
   if (!points) return;
   out.resize(points->size());
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -47,7 +47,7 @@ void read_points(Fields& fields, std::vector<Eigen::Vector2d>& out) {
 
 void read_length(Fields& fields, std::string_view name, std::optional<double>& out) {
   double value = 0;
-  fields.number(name, value, 0, largest_length, true);
+  fields.number(name, value, 0, largest_specimen_length, true);
   if (value > 0) out = value;
 }
 

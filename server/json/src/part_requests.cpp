@@ -10,30 +10,31 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr double largest_length = 2000;  // mm
-constexpr double largest_thickness = 1000;
+constexpr double largest_part_length = 2000;  // mm
+constexpr double largest_part_thickness = 1000;
 constexpr double largest_beam_width = 100;
-constexpr std::size_t most_polygons = 100;
-constexpr std::size_t most_corners = 5'000;
-constexpr std::size_t most_regions = 50;
-constexpr std::size_t longest_name = 100;
+constexpr std::size_t most_part_polygons = 100;
+constexpr std::size_t most_part_corners = 5'000;
+constexpr std::size_t most_part_regions = 50;
+constexpr std::size_t longest_region_name = 100;
 
 tiling::Polygon read_polygon(const Document& value, const std::string& pointer, Faults& faults) {
   tiling::Polygon polygon;
-  if (!value.is_array() || value.size() < 3 || value.size() > most_corners) {
-    faults.add(pointer, "must be an array of 3 to " + std::to_string(most_corners) + " points");
+  if (!value.is_array() || value.size() < 3 || value.size() > most_part_corners) {
+    faults.add(pointer, "must be an array of 3 to " + std::to_string(most_part_corners) + " points");
     return polygon;
   }
   polygon.resize(value.size());
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    read_components(value[i], pointer + "/" + std::to_string(i), faults, polygon[i], -largest_length, largest_length);
+    read_components(value[i], pointer + "/" + std::to_string(i), faults, polygon[i], -largest_part_length,
+                    largest_part_length);
   }
   return polygon;
 }
 
 double length(Fields& fields, std::string_view name, double usual, bool may_vanish = false) {
   double value = usual;
-  fields.number(name, value, 0, largest_length, !may_vanish);
+  fields.number(name, value, 0, largest_part_length, !may_vanish);
   return value;
 }
 
@@ -50,10 +51,10 @@ tiling::PartShape read_shape(Fields& fields) {
   }
   if (const auto* size = outline.optional("rectangle")) {
     Eigen::Vector2d sides(1, 1);
-    read_components(*size, outline.at("rectangle"), fields.faults(), sides, 0.01, largest_length);
+    read_components(*size, outline.at("rectangle"), fields.faults(), sides, 0.01, largest_part_length);
     shape = tiling::tensile_coupon(sides[0], sides[1], 0);
   }
-  if (const auto* polygons = outline.array("polygons", false, 1, most_polygons, "")) {
+  if (const auto* polygons = outline.array("polygons", false, 1, most_part_polygons, "")) {
     for (std::size_t i = 0; i < polygons->size(); ++i) {
       shape.outline.push_back(
           read_polygon((*polygons)[i], outline.at("polygons") + "/" + std::to_string(i), fields.faults()));
@@ -90,10 +91,11 @@ FillingSpec read_filling(Fields& fields, const Limits& limits) {
 PartRegionSpec read_region(Fields& fields, const Limits& limits) {
   PartRegionSpec region;
   if (const auto* name = fields.optional("name")) {
-    if (name->is_string() && name->get_ref<const std::string&>().size() <= longest_name) {
+    if (name->is_string() && name->get_ref<const std::string&>().size() <= longest_region_name) {
       region.name = name->get<std::string>();
     } else {
-      fields.faults().add(fields.at("name"), "must be a string of at most " + std::to_string(longest_name) + " bytes");
+      fields.faults().add(fields.at("name"),
+                          "must be a string of at most " + std::to_string(longest_region_name) + " bytes");
     }
   }
   if (const auto* outline = fields.required("outline"))
@@ -114,7 +116,7 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
   request.design.solids = std::move(shape.solids);
   request.filling = read_filling(fields, limits);
   double finest = request.filling.beam_width;
-  if (const auto* regions = fields.array("regions", false, 0, most_regions, "")) {
+  if (const auto* regions = fields.array("regions", false, 0, most_part_regions, "")) {
     for (std::size_t i = 0; i < regions->size(); ++i) {
       Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), faults);
       request.regions.push_back(read_region(region, limits));
@@ -127,7 +129,7 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
   fields.choice("rim", request.design.rim, {"clipped", "whole"});
   request.design.smallest_wall = 2 * finest / 3;
   fields.number("smallest_wall", request.design.smallest_wall, 0, largest_beam_width);
-  fields.number("thickness", request.design.thickness, 1e-3, largest_thickness);
+  fields.number("thickness", request.design.thickness, 1e-3, largest_part_thickness);
   nested(fields, "material",
          [&](Fields& material) { material.number("density", request.material_density, 0, 25, true); });
   fields.boolean("svg", request.svg);
