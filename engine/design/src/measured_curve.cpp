@@ -188,7 +188,7 @@ class KnotFit {
 
   /// Goes along the change, less far where that is no improvement. False where nothing was.
   bool improve(const std::vector<double>& x, const Eigen::VectorXd& change, Result& result) const {
-    for (double share = 1; share > 0.05; share /= 2) {
+    for (const double share : {1.0, 0.5, 0.25, 0.125, 0.0625}) {
       Result next = result;
       for (Eigen::Index j = 0; j < change.size(); ++j) next.y[static_cast<std::size_t>(j)] += share * change[j];
       evaluate(x, next);
@@ -410,9 +410,8 @@ std::vector<double> first_knots(const Points& points, bool periodic, bool origin
   const double lower = points.front().x(), upper = points.back().x(), range = upper - lower;
   if (periodic) {
     // Four directions at least, unless all lie in a part of half a turn.
-    std::vector<double> knots;
-    for (int k = 0; k < 4; ++k) knots.push_back(lower + k * std::min(range, 0.75 * half_turn) / 3);
-    return knots;
+    const double step = std::min(range, 0.75 * half_turn) / 3;
+    return {lower, lower + step, lower + 2 * step, lower + 3 * step};
   }
   if (!origin) return {lower, upper};
   if (lower < -noticeable * range && upper > noticeable * range) return {lower, 0, upper};
