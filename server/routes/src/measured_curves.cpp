@@ -14,11 +14,11 @@ using Column = design::MeasuredTable::Column;
 /// The request's unit, else the header's where it is one of the table of units, else the profile's own.
 std::string unit_of(const std::optional<std::string>& asked, const Column* column, const char* usual) {
   if (asked) {
-    const std::string known = design::known_unit(*asked);
+    std::string known = design::known_unit(*asked);
     return known.empty() ? *asked : known;
   }
   if (column && !column->unit.empty()) {
-    const std::string known = design::known_unit(column->unit);
+    std::string known = design::known_unit(column->unit);
     if (!known.empty()) return known;
   }
   return usual;
