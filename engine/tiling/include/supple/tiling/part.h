@@ -52,7 +52,8 @@ struct PartShape {
 
 /// A strip for a tensile test: `length` of the structure along y between solid grips of `grip_length` (mm).
 PartShape tensile_coupon(double width, double length, double grip_length);
-/// A block for a compression test: `height` of the structure along y between solid plates of the thickness `plate` (mm).
+/// A block for a compression test: `height` of the structure along y between solid plates of the thickness `plate`
+/// (mm).
 PartShape compression_block(double width, double height, double plate);
 
 /// The solid of a part.
@@ -70,10 +71,10 @@ struct Part {
 /// Fills the outline. A lattice point of every filling lies in the middle of the outline's bounding box. Where the cut
 /// leaves two corners that touch, they are parted by some micrometres, so that the solid is a manifold. Throws
 /// "tiling.part" where an outline is empty, crosses itself or is larger than 2000 mm, a length is out of range, the
-/// smallest wall is wider than the beams, the outlines have more than 5,000 corners, or more than 50,000 tiles would fill a region (each with its place:
-/// "outline/0", "regions/2/outline"); with `rim` whole also where no tile lies within. The union of the beams is made
-/// by a helper process where there is one and there are many tiles. O(n log n) for n sides of all tiles: some 30 ms for
-/// 300 tiles, seconds for 10,000.
+/// smallest wall is wider than the beams, the outlines have more than 5,000 corners, or more than 50,000 tiles would
+/// fill a region (each with its place: "outline/0", "regions/2/outline"); with `rim` whole also where no tile lies
+/// within. The union of the beams is made by a helper process where there is one and there are many tiles. O(n log n)
+/// for n sides of all tiles: some 30 ms for 300 tiles, seconds for 10,000.
 Part make_part(const PartDesign& design, const Execution& execution = {});
 
 // The part as files, lengths in millimetres; their titles give the size. STL and 3MF are closed, consistently oriented
