@@ -71,6 +71,19 @@ double turning_back(const Points& points) {
   return greatest > least ? back / (greatest - least) : 0;
 }
 
+/// The same with x the other way around: compression as if it were tension.
+Points mirrored(Points points) {
+  for (auto& p : points) p.x() = -p.x();
+  return points;
+}
+
+/// Whether the strain of greatest size is a compression.
+bool is_compression(const Points& points) {
+  const auto largest = std::max_element(points.begin(), points.end(),
+                                        [](const auto& a, const auto& b) { return std::abs(a.x()) < std::abs(b.x()); });
+  return largest->x() < 0;
+}
+
 /// By x, with the average y of equal ones.
 Points sorted(Points points) {
   std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
@@ -363,7 +376,8 @@ Points counted(const MeasuredCurve& curve, const ReductionOptions& options, std:
 }
 
 void keep_first_loading(Points& points, Switch wanted, ReducedCurve& reduced, const Execution& execution) {
-  const double back = turning_back(points);
+  // A strain that only falls does not turn back either.
+  const double back = std::min(turning_back(points), turning_back(mirrored(points)));
   reduced.first_loading = wanted == Switch::on || (wanted == Switch::automatic && back > noticeable);
   std::string why = "the request asks for it";
   if (wanted == Switch::off) why = "the request leaves it out";
@@ -373,7 +387,7 @@ void keep_first_loading(Points& points, Switch wanted, ReducedCurve& reduced, co
   }
   if (execution.cost) execution.cost->add_effect("loading", reduced.first_loading, why);
   if (!reduced.first_loading) return;
-  const auto [begin, end] = first_loading(points);
+  const auto [begin, end] = first_loading(is_compression(points) ? mirrored(points) : points);
   reduced.set_aside += points.size() - (end - begin);
   points =
       Points(points.begin() + static_cast<std::ptrdiff_t>(begin), points.begin() + static_cast<std::ptrdiff_t>(end));

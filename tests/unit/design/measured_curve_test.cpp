@@ -169,6 +169,22 @@ TEST(Reduction, TakesTheFirstLoadingOfACycle) {
   EXPECT_NEAR(curve_of(mean)(0.25), 0.75 * j_curve(0.25), 0.02 * j_curve(0.25));
 }
 
+TEST(Reduction, TakesCompressionAsItTakesTension) {
+  MeasuredCurve test = sampled(0, -0.3, 300, [](double x) { return -j_curve(-x); });
+  const auto loaded = reduce(test, ReductionOptions{});
+  EXPECT_FALSE(loaded.first_loading);
+  EXPECT_EQ(loaded.points.size(), 300U);
+  EXPECT_LE(loaded.relative_rms, 0.005);
+  const auto unloading = sampled(-0.3, 0, 300, [](double x) { return -0.5 * j_curve(-x); });
+  test.points.insert(test.points.end(), unloading.points.begin(), unloading.points.end());
+  const auto cycle = reduce(test, ReductionOptions{});
+  EXPECT_TRUE(cycle.first_loading);
+  EXPECT_EQ(cycle.set_aside, 300U);
+  EXPECT_NEAR(curve_of(cycle)(-0.25), -j_curve(0.25), 0.01 * j_curve(0.25));
+  for (const auto& [from, to] : {std::pair(-0.2, 0.1), std::pair(0.1, -0.2), std::pair(0.2, -0.1)})
+    EXPECT_FALSE(reduce(sampled(from, to, 200, [](double x) { return x; }), ReductionOptions{}).first_loading);
+}
+
 TEST(Reduction, AStrainThatShakesIsNoCycle) {
   auto measured = sampled(0, 0.3, 300, j_curve);
   for (std::size_t i = 0; i < measured.points.size(); i += 2) measured.points[i].x() += 0.003;

@@ -74,7 +74,7 @@ struct Part {
 /// smallest wall is wider than the beams, the outlines have more than 5,000 corners, or more than 50,000 tiles would
 /// fill a region (each with its place: "outline/0", "regions/2/outline"); with `rim` whole also where no tile lies
 /// within. The union of the beams is made by a helper process where there is one and there are many tiles. O(n log n)
-/// for n sides of all tiles: some 30 ms for 300 tiles, seconds for 10,000.
+/// for n sides of all tiles: some 5 ms for 40 holes, 0.5 s for 2,300.
 Part make_part(const PartDesign& design, const Execution& execution = {});
 
 // The part as files, lengths in millimetres; their titles give the size. STL and 3MF are closed, consistently oriented
