@@ -75,7 +75,8 @@ struct ReducedCurve {
 /// points' scatter, moved to where they serve best, and left out again where they are not needed. Of many points
 /// averages of neighbours are fitted, 400 or 16 for each control point; deviations are those of all points. Directions
 /// are taken modulo pi. The bill has the effects "origin" and "loading". Throws "design.invalid_measurement" where
-/// fewer than two points of different x remain. Milliseconds for hundreds of points, some 50 ms for a million.
+/// fewer than two points of different x remain. Some 20 ms for
+/// 500 points and 12 control points, seconds for 64 control points or a million points.
 ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options, const Execution& execution = {});
 
 }  // namespace supple::design
