@@ -92,12 +92,12 @@ def test_a_uniaxial_load_is_shown_and_written_as_csv(program: Program, api: Api)
     (["evaluate", "ih21", *DESIGN, "--strain", "0,0"], 1, "no Green strain"),
     (["evaluate", "ih21", "--parameters", "a,b", "--strain", "0,0,0"], 1, "list of parameters"),
     (["evaluate", "ih21", *DESIGN, "--strain", "0,0,0", "-d", "3"], 1, "derivatives"),
-    (["evaluate", "ih21", "--parameters", "0.1", "--strain", "0,0,0"], 2, "/parameters/0"),
+    (["evaluate", "ih21", "--parameters", "0.1", "--strain", "0,0,0"], 2, "--parameters at index 0: must be 2 numbers"),
     (["evaluate", "ih21", *DESIGN, "--strain", "0,0,0", "--csv", "no/such/folder.csv"], 5, "no/such/folder.csv"),
     (["uniaxial", "ih21", *DESIGN, "--direction", "0"], 1, "no load"),
     (["uniaxial", "ih21", *DESIGN, "--direction", "x", "--stretches", "1.1"], 1, "radians"),
     (["uniaxial", "ih21", *DESIGN, "--direction", "0", "--stretches", "1.1", "--green-strains", "0.1"], 1, "excludes"),
-    (["uniaxial", "ih21", *DESIGN, "--direction", "0", "--stretches", "100"], 2, "/stretches/0"),
+    (["uniaxial", "ih21", *DESIGN, "--direction", "0", "--stretches", "100"], 2, "--stretches at index 0"),
 ])
 def test_a_failure_has_its_exit_code_and_one_clear_message(
         program: Program, arguments: List[str], code: int, message: str) -> None:

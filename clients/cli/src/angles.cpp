@@ -60,6 +60,11 @@ std::vector<double> parse_angles(const std::string& text, const char* option) {
     const double last = parse_angle(text.substr(first_colon + 1, second_colon - first_colon - 1), option);
     return parse_series(fmt::format("{:.17g}:{:.17g}{}", first, last, text.substr(second_colon)), "list of angles");
   }
+  if (first_colon != std::string::npos)
+    throw Failure(ExitCode::usage,
+                  fmt::format("{}: '{}' is no list of angles: write them separated by commas, or first:last:n for n of "
+                              "them (2 or more)",
+                              option, text));
   std::vector<double> angles;
   std::size_t begin = 0;
   while (true) {

@@ -49,7 +49,6 @@ nlohmann::json request_in_file(const std::string& file) {
   return request;
 }
 
-/// What is given on the command line takes the place of what the file says.
 /// The target of a file of measurements. Instruments measure stretch and force over rest width.
 void take_measured_target(Session& session, const DesignArguments& arguments, nlohmann::json& request) {
   const std::string task = request.value("task", "stress_strain");
@@ -60,6 +59,7 @@ void take_measured_target(Session& session, const DesignArguments& arguments, nl
   if (!session.json()) fmt::print(stderr, "target      {}\n", reduction_words(answer));
 }
 
+/// What is given on the command line takes the place of what the file says.
 nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   nlohmann::json request =
       arguments.request_file.empty() ? nlohmann::json::object() : request_in_file(arguments.request_file);
@@ -68,10 +68,11 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
       throw Failure(ExitCode::local_file, fmt::format("{}: {} is no JSON object", arguments.request_file, group));
   }
   request.update(profile_fields(arguments.profile));
-  if (!arguments.target.empty() && (arguments.measured.any() || is_measured(arguments.target))) {
+  const bool over_directions = is_over_directions(request.value("task", ""));
+  if (!arguments.target.empty() && (arguments.measured.any() || is_measured(arguments.target, over_directions))) {
     take_measured_target(session, arguments, request);
   } else if (!arguments.target.empty()) {
-    request["target"] = parse_target(arguments.target, is_over_directions(request.value("task", "")));
+    request["target"] = parse_target(arguments.target, over_directions);
   }
   if (arguments.request_file.empty() && !(request.contains("task") && request.contains("target")))
     throw Failure(ExitCode::usage, "no problem: give --task and --target, or a file with --request");

@@ -11,6 +11,7 @@
 #include "failure.h"
 #include "load_arguments.h"
 #include "numbers.h"
+#include "profile_arguments.h"
 
 namespace supple::cli {
 namespace {
@@ -51,7 +52,7 @@ void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& argum
       ->check(CLI::Range(2, static_cast<int>(most_control_points)));
 }
 
-bool is_measured(const std::string& target) {
+bool is_measured(const std::string& target, bool over_directions) {
   if (target == "-") return true;
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(target, ignored)) return false;
@@ -61,9 +62,8 @@ bool is_measured(const std::string& target) {
   const auto rows = parse_rows(target, is_file);
   if (rows.size() > most_control_points + 1) return true;
   // The first row may be a header.
-  return std::any_of(rows.begin() + (rows.empty() ? 0 : 1), rows.end(), [](const std::string& row) {
-    const auto numbers = numbers_in(row);
-    return !numbers || numbers->size() < 2 || numbers->size() > 4;
+  return std::any_of(rows.begin() + (rows.empty() ? 0 : 1), rows.end(), [over_directions](const std::string& row) {
+    return !control_point_in(row, over_directions);
   });
 }
 

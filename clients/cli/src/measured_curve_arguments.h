@@ -22,8 +22,8 @@ struct MeasuredCurveArguments {
 void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& arguments);
 
 /// Whether the argument of --target is a file of measurements rather than of control points: standard input (-), more
-/// rows than a target may have, or rows that are no control points.
-bool is_measured(const std::string& target);
+/// rows than a target may have, or rows that are no control points (whose x may be angles with a unit over directions).
+bool is_measured(const std::string& target, bool over_directions);
 
 /// The answer of the server to the measurements of a file, or of standard input where it is "-". Throws Failure.
 nlohmann::json reduce_curve(Session& session, const std::string& file, const std::string& task,

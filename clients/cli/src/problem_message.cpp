@@ -21,7 +21,8 @@ struct FieldName {
   std::string_view pointer;
   std::string_view name;
 };
-constexpr std::array<FieldName, 24> field_names{{
+constexpr std::array<FieldName, 25> field_names{{
+    {"design", "/target/control_points", "--target"},
     {"evaluate", "/green_strain", "--strain"},
     {"simulate", "/load/uniaxial/direction", "--uniaxial"},
     {"simulate", "/load/biaxial/direction", "--biaxial"},
@@ -100,6 +101,15 @@ std::string quoted_value(const CLI::Option& option, const std::vector<std::strin
   return fmt::format(" '{}'", values[static_cast<std::size_t>(*index)]);
 }
 
+/// Where in an option's value a fault lies: the number in a list (" at index 1", from 0), or the name of an entry
+/// (" 'beauty'").
+std::string place_in_value(const std::vector<std::string>& parts, std::size_t at) {
+  const auto index = std::find_if(parts.begin() + static_cast<std::ptrdiff_t>(std::min(at, parts.size())), parts.end(),
+                                  [](const std::string& part) { return integer_in(part).has_value(); });
+  if (index != parts.end()) return " at index " + *index;
+  return at + 1 == parts.size() ? fmt::format(" '{}'", parts[at]) : std::string();
+}
+
 /// Both ends of geodesics are told in turn.
 std::string name_of_end(const CLI::App& command, const std::vector<std::string>& parts) {
   const CLI::Option* points = option_named(command, "points");
@@ -147,13 +157,19 @@ std::string name_of_field(const std::string& pointer, const std::vector<const CL
   if (command.get_name() == "geodesic" && parts.front() == "pairs") return name_of_end(command, parts);
   for (const auto& known : field_names) {
     const bool here = known.command.empty() || known.command == command.get_name();
-    if (here && lies_within(pointer, known.pointer)) return from_file ? field : std::string(known.name);
+    if (!here || !lies_within(pointer, known.pointer)) continue;
+    if (from_file) return field;
+    // Entries of several options are counted together, which tells nothing of one of them.
+    const bool several = known.name.find(" or ") != std::string_view::npos;
+    return std::string(known.name) + (several ? "" : place_in_value(parts, parts_of(std::string(known.pointer)).size()));
   }
   for (std::size_t at = parts.size(); at-- > 0;) {
     const CLI::Option* option = option_named(command, parts[at]);
     if (option == nullptr) continue;
     if (from_file && option->count() == 0) return field;
-    return shown_name(*option) + quoted_value(*option, parts, at);
+    const auto quoted = quoted_value(*option, parts, at);
+    const bool is_list = at + 1 < parts.size() && integer_in(parts[at + 1]);
+    return shown_name(*option) + (quoted.empty() && is_list ? place_in_value(parts, at + 1) : quoted);
   }
   return field;
 }

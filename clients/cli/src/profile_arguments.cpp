@@ -19,18 +19,21 @@ namespace {
 constexpr std::size_t fewest_columns = 2;
 constexpr std::size_t most_columns = 4;
 
-/// The numbers of a control point; over directions the first is an angle, which may have a unit.
-std::optional<std::vector<double>> point_in(const std::string& row, bool over_directions) {
-  if (!over_directions) return numbers_in(row);
-  const std::size_t comma = row.find(',');
-  const auto angle = angle_in(std::string_view(row).substr(0, comma));
-  auto numbers = comma == std::string::npos ? std::nullopt : numbers_in(std::string_view(row).substr(comma + 1));
-  if (!angle || !numbers) return std::nullopt;
-  numbers->insert(numbers->begin(), *angle);
-  return numbers;
-}
-
 }  // namespace
+
+std::optional<std::vector<double>> control_point_in(const std::string& row, bool over_directions) {
+  std::optional<std::vector<double>> numbers;
+  if (over_directions) {
+    const std::size_t comma = row.find(',');
+    const auto angle = angle_in(std::string_view(row).substr(0, comma));
+    if (comma != std::string::npos) numbers = numbers_in(std::string_view(row).substr(comma + 1));
+    if (!angle || !numbers) return std::nullopt;
+    numbers->insert(numbers->begin(), *angle);
+  } else {
+    numbers = numbers_in(row);
+  }
+  return numbers && numbers->size() >= fewest_columns && numbers->size() <= most_columns ? numbers : std::nullopt;
+}
 
 void add_profile_options(CLI::App& command, ProfileArguments& arguments) {
   command.add_option("--task", arguments.task, "stress_strain, or over directions stiffness or poisson")
@@ -68,9 +71,9 @@ nlohmann::json parse_target(const std::string& argument, bool over_directions) {
   const auto rows = parse_rows(argument, is_file);
   std::vector<std::vector<double>> points;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    auto numbers = point_in(rows[i], over_directions);
+    auto numbers = control_point_in(rows[i], over_directions);
     if (!numbers && is_file && i == 0) continue;
-    if (!numbers || numbers->size() < fewest_columns || numbers->size() > most_columns) {
+    if (!numbers) {
       throw Failure(is_file ? ExitCode::local_file : ExitCode::usage,
                     fmt::format("'{}' is no control point: write x,y for each, perhaps x,y,weight or x,y,weight,band; "
                                 "one in a line or separated by ;",

@@ -2,7 +2,9 @@
 
 #include <CLI/App.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace supple::cli {
 
@@ -20,6 +22,10 @@ void add_profile_options(CLI::App& command, ProfileArguments& arguments);
 
 /// The fields of a request that have been given. Throws Failure(usage).
 nlohmann::json profile_fields(const ProfileArguments& arguments);
+
+/// The two to four numbers of a control point "x,y,weight,band"; over directions the first is an angle, which may have
+/// a unit. Nothing where the text is none.
+std::optional<std::vector<double>> control_point_in(const std::string& row, bool over_directions);
 
 /// A target spline from control points "x,y;x,y" or the lines of a file, whose first may be a heading. A third number
 /// for each is its weight, a fourth its band. Where the task is over directions each x is an angle, in radians or with

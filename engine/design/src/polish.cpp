@@ -35,7 +35,7 @@ constexpr int probed_patience = 4;
 constexpr double probed_change = 2;
 constexpr double shortest_probe = 1e-3;
 constexpr double longest_probe = 0.05;
-/// Where steps after probes did not bring the deviation below this share, others would not either.
+/// Where steps after probes, or all rounds of a turn, did not bring the deviation below this share, others would not.
 constexpr double slow_share = 0.7;
 /// One start has so many rounds at least.
 constexpr int least_rounds = 8;
@@ -124,7 +124,8 @@ class Polish {
     int rejected = 0;             ///< steps in a row
     bool probed = false;          ///< around the best design
     double probed_at = infinite;  ///< deviation at the last probes
-    std::size_t first_round = 0;
+    std::size_t first_round = 0;  ///< of its present turn
+    double deviation_at_first_round = infinite;
   };
 
   template <class Work>
@@ -190,11 +191,10 @@ class Polish {
     descent.best = from;
     descent.slope = Eigen::MatrixXd::Zero(from.simulated.size(), model_.width().size());
     descent.first_round = result_.rounds.size();
+    descent.deviation_at_first_round = from.deviation;
     while (true) {
       if (const auto stop = stop_reached()) return stop;
-      // Half of what is left is kept for other starts.
-      const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
-      if (spent > std::max(least_rounds, options_.max_rounds / 2)) return std::nullopt;
+      if (turn_is_over(descent)) return std::nullopt;
       const CorrectedModel::Step step =
           model_.step_within(around_best(descent), descent.radius, execution_.cancellation);
       const bool promising =
@@ -207,6 +207,16 @@ class Polish {
       descent.probed = true;
       if (const auto stop = probe(descent, step.x - descent.best.x)) return stop;
     }
+  }
+
+  /// Half of all rounds are kept for other starts, unless those before have brought this one far.
+  bool turn_is_over(Descent& descent) const {
+    const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
+    if (spent <= std::max(least_rounds, options_.max_rounds / 2)) return false;
+    if (descent.best.deviation > slow_share * descent.deviation_at_first_round) return true;
+    descent.first_round = result_.rounds.size();
+    descent.deviation_at_first_round = descent.best.deviation;
+    return false;
   }
 
   void try_step(Descent& descent, const CorrectedModel::Step& step) {
@@ -262,6 +272,8 @@ class Polish {
       learn(descent, known);
       if (known.deviation < least.deviation) least = known;
     }
+    // A probe that is a better design is another place, around which nothing was probed yet.
+    descent.probed = least.deviation >= from.deviation;
     descent.best = least;
     descent.radius = probed_radius;
     descent.rejected = 0;
