@@ -25,27 +25,21 @@ def sphere(subdivisions: int) -> Mesh:
     g = (1 + 5**0.5) / 2
     vertices = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
                 (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
-    points = [np.asarray(v) / np.linalg.norm(v) for v in vertices]
-    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6),
-             (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10),
-             (8, 6, 7), (9, 8, 1)]
+    points = np.asarray(vertices) / np.hypot(1, g)
+    faces = np.array([(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6),
+                      (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10),
+                      (8, 6, 7), (9, 8, 1)])
     for _ in range(subdivisions):
-        middles: "dict[tuple[int, int], int]" = {}
-
-        def middle(i: int, j: int) -> int:
-            key = (min(i, j), max(i, j))
-            if key not in middles:
-                point = points[i] + points[j]
-                middles[key] = len(points)
-                points.append(point / np.linalg.norm(point))
-            return middles[key]
-
-        finer = []
-        for i, j, k in faces:
-            a, b, c = middle(i, j), middle(j, k), middle(k, i)
-            finer += [(i, a, c), (j, b, a), (k, c, b), (a, b, c)]
-        faces = finer
-    return np.asarray(points), np.asarray(faces)
+        # The middles of the edges become vertices, numbered in the order in which the faces meet them.
+        edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+        _, first, which = np.unique(edges[:, 0] * len(points) + edges[:, 1], return_index=True, return_inverse=True)
+        number = np.empty(len(first), dtype=int)
+        number[np.argsort(first)] = np.arange(len(first))
+        (i, j, k), (a, b, c) = faces.T, (len(points) + number[which]).reshape(-1, 3).T
+        middles = points[edges[np.sort(first)]].sum(axis=1)
+        points = np.concatenate([points, middles / np.linalg.norm(middles, axis=1)[:, None]])
+        faces = np.stack([i, a, c, j, b, a, k, c, b, a, b, c], axis=1).reshape(-1, 3)
+    return points, faces
 
 
 def bumpy_sphere(subdivisions: int, seed: int = 1) -> Mesh:
