@@ -33,7 +33,7 @@ std::string command_pattern(const std::vector<DescribedCommand>& commands, const
 /// "'supple design --task' | 'supple design -t'": an option right after which a value stands.
 std::string option_pattern(const std::string& called, const CLI::Option& option) {
   std::vector<std::string> patterns;
-  for (const auto& name : spellings(option)) patterns.push_back(quoted(called + " " + name));
+  for (const auto& name : spellings(option)) patterns.push_back(quoted(fmt::format("{} {}", called, name)));
   return joined(patterns, " | ");
 }
 
