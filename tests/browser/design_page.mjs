@@ -1,4 +1,5 @@
 // The design page as a person meets it: what can be read there, and done.
+import assert from "node:assert/strict";
 import { openPage, until, WAIT_MS } from "./harness.mjs";
 
 /** Numbers as the page writes them, with its own minus. */
@@ -62,8 +63,22 @@ export class DesignPage {
     return [box.x + box.width / 2, box.y + box.height / 2];
   }
 
-  /** Takes hold of a point, brought into view, and moves it in steps; `on` is called before it is let go. */
-  async drag(index, right, down, on = async () => {}) {
+  /** The middle one of the control points that can be moved. The point at rest cannot, and how many there are before it is the page's choice. */
+  async movable() {
+    const words = await this.handles.evaluateAll((all) => all.map((handle) => handle.getAttribute("aria-valuetext")));
+    const free = words.flatMap((text, index) => (/at rest/.test(text) ? [] : [index]));
+    return free[Math.floor(free.length / 2)];
+  }
+
+  /** Moves a point; a test that takes hold of the one at rest would wait for what cannot happen, or find that nothing has changed. */
+  async drag(index, right, down, on) {
+    const words = await this.pointWords(index);
+    assert.doesNotMatch(words, /at rest/, `control point ${index + 1} cannot be moved`);
+    await this.pull(index, right, down, on);
+  }
+
+  /** Takes hold of a point, brought into view, and pulls at it in steps; `on` is called before it is let go. */
+  async pull(index, right, down, on = async () => {}) {
     const { mouse } = this.page;
     await this.handles.nth(index).locator(".dot").scrollIntoViewIfNeeded();
     const [x, y] = await this.centre(index);

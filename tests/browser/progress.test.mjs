@@ -29,7 +29,7 @@ describe("the button that stops work stays while its progress changes", () => {
     const design = await DesignPage.open(browser, server.url);
     const job = await heldJob(design.page, "/v1/designs", (request) => request.postDataJSON()?.effects?.multi_start !== "off");
     job.tell(0.25, "starts");
-    await design.drag(4, 0, -30);
+    await design.drag(await design.movable(), 0, -30);
     await stopsWhileItGoesOn(design.page, job, ".plot-card");
   });
 

@@ -33,6 +33,9 @@ describe("signing in", () => {
     await page.reload();
     await page.getByRole("button", { name: "Sign out" }).waitFor();
     assert.ok(!(await dialog(page).isVisible()));
+    await page.setViewportSize({ width: 360, height: 740 });
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "who is signed in does not make the page wider than a small screen");
+    await picture(page, "sign-in-small");
     await closePage(page);
   });
 

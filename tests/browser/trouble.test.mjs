@@ -22,10 +22,11 @@ describe("a search that takes long", () => {
       }
       await route.continue().catch(() => {});
     });
-    await design.drag(4, 0, -30);
+    const index = await design.movable();
+    await design.drag(index, 0, -30);
     await until(() => held === 1, "a search that is held up");
     const answered = page.designs.answered;
-    await design.drag(4, 0, -30, async () => {
+    await design.drag(index, 0, -30, async () => {
       await until(() => page.designs.answered > answered, "answers to the drag");
       assert.equal(ended, 1, "the search was stopped");
     });
@@ -33,7 +34,7 @@ describe("a search that takes long", () => {
     // Not by counting requests: one that was stopped while it was held up may never be told of.
     await until(async () => (await page.locator(".plot-card").getAttribute("aria-busy")) === "false", "the end of the search");
     const values = await design.values();
-    const height = await design.pointHeight(4);
+    const height = await design.pointHeight(index);
     const target = values.map((row) => row[1]);
     assert.ok(Math.min(...target.map((value) => Math.abs(value - height))) < 0.1 * Math.max(...target.map(Math.abs)), "the answer is that of the last target");
     await closePage(page);
@@ -50,7 +51,7 @@ describe("a search that takes long", () => {
       await route.fulfill({ status: 409, contentType: "application/problem+json", body });
     });
     const curve = await design.curve("achieved");
-    await design.drag(4, 0, -30);
+    await design.drag(await design.movable(), 0, -30);
     await until(() => replaced === 1, "a search that is replaced");
     await design.settled();
     assert.notEqual(await design.curve("achieved"), curve);
@@ -65,7 +66,7 @@ describe("a search that takes long", () => {
       if (isSearch(route.request())) await new Promise((resolve) => setTimeout(resolve, 5000));
       await route.continue().catch(() => {});
     });
-    await design.drag(4, 0, -30);
+    await design.drag(await design.movable(), 0, -30);
     await page.locator(".working").getByRole("button", { name: "Cancel" }).click();
     await until(async () => (await page.locator(".working").count()) === 0, "the end of the search");
     await page.unroute("**/v1/designs");
@@ -79,7 +80,7 @@ describe("a problem", () => {
     const { page } = design;
     await page.route("**/v1/designs", (route) =>
       route.fulfill({ status: 503, contentType: "application/problem+json", body: JSON.stringify({ type: "urn:supple:error:job.queue_full", title: "Queue full", status: 503, detail: "The queue is full of jobs.", code: "job.queue_full" }) }));
-    await design.drag(4, 0, -30);
+    await design.drag(await design.movable(), 0, -30);
     await page.locator(".status .note").getByText("The queue is full of jobs.").waitFor();
     await page.unroute("**/v1/designs");
     await design.button("Try again").click();
@@ -94,15 +95,16 @@ describe("a connection that is lost", () => {
     const design = await DesignPage.open(browser, server.url);
     const { page } = design;
     await server.stop();
-    await design.drag(4, 0, -50);
+    const index = await design.movable();
+    await design.drag(index, 0, -50);
     await page.locator(".lost").getByText("The server does not answer").waitFor();
-    const height = await design.pointHeight(4);
+    const height = await design.pointHeight(index);
     const curve = await design.curve("achieved");
     await server.run();
     await until(async () => !(await page.locator(".lost").isVisible()), "the end of the banner");
     await until(async () => (await design.curve("achieved")) !== curve, "a design for the new target");
     await design.settled();
-    assert.equal(await design.pointHeight(4), height, "the target is the one that was drawn");
+    assert.equal(await design.pointHeight(index), height, "the target is the one that was drawn");
     await closePage(page);
   });
 

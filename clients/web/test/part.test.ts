@@ -1,22 +1,30 @@
 import { describe, expect, it } from "vitest";
 import type { Client } from "../src/contract/client";
-import { FIRST_PART, fileName, Part, partRequest } from "../src/design/part";
+import { FIRST_PART, fileName, hasLostAnEnd, Part, partRequest } from "../src/design/part";
 
 const FOUND = { family: "IH21", parameters: [0.1, 0.6] };
 
 describe("a part", () => {
   it("is asked for in each of its shapes", () => {
     expect(partRequest(FOUND, FIRST_PART)).toEqual({
-      outline: { coupon: { width: 20, length: 60, grip_length: 15 } }, structure: { family: "IH21", parameters: [0.1, 0.6] },
-      beam_width: 0.8, thickness: 4, frame: 0, rim: "clipped", material: { density: 1.2 },
+      outline: { coupon: { width: 30, length: 60, grip_length: 15 } }, structure: { family: "IH21", parameters: [0.1, 0.6] },
+      beam_width: 0.4, thickness: 4, frame: 0, rim: "clipped", material: { density: 1.2 },
     });
-    expect(partRequest(FOUND, { ...FIRST_PART, kind: "block", end: 2, whole: true })).toMatchObject({ outline: { block: { width: 20, height: 60, plate: 2 } }, rim: "whole" });
-    expect(partRequest(FOUND, { ...FIRST_PART, kind: "rectangle" }).outline).toEqual({ rectangle: [20, 60] });
+    expect(partRequest(FOUND, { ...FIRST_PART, kind: "block", end: 2, whole: true })).toMatchObject({ outline: { block: { width: 30, height: 60, plate: 2 } }, rim: "whole" });
+    expect(partRequest(FOUND, { ...FIRST_PART, kind: "rectangle" }).outline).toEqual({ rectangle: [30, 60] });
   });
 
   it("has the name that the server gives its file", () => {
     expect(fileName('attachment; filename="supple-IH21-20x90x4mm.stl"', "stl")).toBe("supple-IH21-20x90x4mm.stl");
     expect(fileName(null, "3mf")).toBe("part.3mf");
+  });
+
+  it("has lost a grip or a plate where it is shorter than its ends and its structure together", () => {
+    expect(hasLostAnEnd(FIRST_PART, [30, 90, 4])).toBe(false);
+    expect(hasLostAnEnd(FIRST_PART, [30, 42.7, 4])).toBe(true);
+    expect(hasLostAnEnd({ ...FIRST_PART, kind: "block", end: 2 }, [30, 62, 4])).toBe(true);
+    expect(hasLostAnEnd({ ...FIRST_PART, end: 0 }, [30, 59.8, 4]), "what is cut off at the edge is no end").toBe(false);
+    expect(hasLostAnEnd({ ...FIRST_PART, kind: "rectangle" }, [30, 59.8, 4])).toBe(false);
   });
 
   it("is described with a picture, and says why it cannot be made", async () => {
@@ -28,7 +36,7 @@ describe("a part", () => {
     await new Promise((resolve) => setTimeout(resolve, 0));
     expect(asked[0][0]).toBe("/v1/parts");
     expect(asked[0][1].svg).toBe(true);
-    expect(part.state.get()).toEqual({ kind: "made", answer });
+    expect(part.state.get()).toEqual({ kind: "made", answer, settings: FIRST_PART });
     answer = new Error("too narrow");
     part.describe(FOUND);
     await new Promise((resolve) => setTimeout(resolve, 0));

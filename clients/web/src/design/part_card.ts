@@ -5,7 +5,7 @@ import { download } from "../base/download";
 import { digits } from "../base/format";
 import { late } from "../base/late";
 import { explain } from "../contract/client";
-import type { Part, PartFormat, PartSettings } from "./part";
+import { hasLostAnEnd, type Part, type PartFormat, type PartSettings, type PartState } from "./part";
 import type { DesignSession } from "./session";
 
 const PAUSE_MS = 400;
@@ -13,7 +13,19 @@ type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "f
 const LABELS: Record<NumberSetting, string> = {
   width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³",
 };
+const LOST_END_WORDS = {
+  rectangle: "",
+  coupon: "A grip is missing: the structure does not reach from one to the other in one piece.",
+  block: "A plate is missing: the structure does not reach from one to the other in one piece.",
+} as const;
 const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm" } as const;
+
+/** What stands in the way of making this part, and what helps. */
+function noteOf(state: PartState): string {
+  if (state.kind === "failed") return state.sentence;
+  if (state.kind === "none" || !hasLostAnEnd(state.settings, state.answer.size)) return "";
+  return `${LOST_END_WORDS[state.settings.kind]} Thinner walls, whose tiles are smaller, a greater width or a frame hold it together.`;
+}
 
 export function partCard(session: DesignSession, part: Part): HTMLElement {
   const shape = svg("path", { class: "solid", "fill-rule": "evenodd" });
@@ -79,7 +91,7 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   session.shown.watch(() => later.ask());
   element.addEventListener("toggle", () => describe());
   part.state.watch((state) => {
-    note.textContent = state.kind === "failed" ? state.sentence : "";
+    note.textContent = noteOf(state);
     drawing.classList.toggle("old", state.kind === "failed");
     if (state.kind !== "made") return;
     const { answer } = state;

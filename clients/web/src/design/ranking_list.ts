@@ -6,7 +6,7 @@ import type { DesignCandidate } from "../contract/types";
 import type { Overlays } from "./overlays";
 import type { DesignSession } from "./session";
 import { expectedDeviation } from "./shown";
-import { ANY } from "./state";
+import { ANY, sameProfile } from "./state";
 
 export function rankingList(session: DesignSession, overlays: Overlays): HTMLElement {
   const list = h("ol");
@@ -36,8 +36,11 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
   let signature = "";
   let drawn: object | null = null;
   function show(): void {
-    const ranking = session.ranking.get();
-    const { found, family } = session.state.get();
+    const state = session.state.get();
+    const { found, family } = state;
+    const ranked = session.ranking.get();
+    // A ranking of another kind of profile says nothing of this target, and a family of it that is looked at would end it.
+    const ranking = ranked && sameProfile(ranked, state) ? ranked : null;
     element.hidden = !ranking;
     again.hidden = family === ANY;
     const now = `${found?.family} ${overlays.list.get().map((curve) => curve.name).join()}`;
