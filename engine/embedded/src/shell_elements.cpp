@@ -1,7 +1,9 @@
 #include "shell_elements.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -51,12 +53,54 @@ Matrix3d cross_matrix(const Vector3d& v) {
   return matrix;
 }
 
-/// The nearest positive semidefinite matrix: of its eigenvalues the negative ones become zero.
+/// The nearest positive semidefinite matrix: of its eigenvalues the negative ones become zero. False where it is one.
 template <class Matrix>
-Matrix without_negative_curvature(const Matrix& curvature) {
+bool take_out_negative_curvature(Matrix& curvature) {
+  // Far cheaper than the eigenvalues, and as good where it succeeds.
+  if (Eigen::LLT<Matrix>(curvature).info() == Eigen::Success) return false;
   const Eigen::SelfAdjointEigenSolver<Matrix> modes(curvature);
-  if (modes.eigenvalues()[0] >= 0) return curvature;
-  return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
+  if (modes.eigenvalues()[0] >= 0) return false;
+  curvature = modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
+  return true;
+}
+
+/// The nearest positive semidefinite matrix to the curvature of a face's energy by its corners, which is in its place.
+/// `sides` run round the face, `first` and `second` are derivatives by their squared lengths.
+///
+/// Motions of the whole face do nothing, and motions along its normal change no length to the first order: in an
+/// orthonormal basis of the others the matrix falls into one of 2 x 2 for the normal and one of 4 x 4 in the plane.
+void take_out_negative_curvature_of_face(const std::array<Vector3d, 3>& sides, const Vector3d& first,
+                                         const Matrix3d& second, Eigen::Matrix<double, 9, 9>& curvature) {
+  // Columns: two ways in which corners part, orthonormal and at right angles to that of all together.
+  Eigen::Matrix<double, 3, 2> apart;
+  apart << 1 / std::numbers::sqrt2, 1 / std::sqrt(6.0), -1 / std::numbers::sqrt2, 1 / std::sqrt(6.0), 0,
+      -2 / std::sqrt(6.0);
+  Eigen::Matrix<double, 3, 2> plane;
+  plane.col(0) = sides[0].normalized();
+  const Vector3d normal = sides[0].cross(sides[1]).normalized();
+  plane.col(1) = normal.cross(Vector3d(plane.col(0)));
+  Eigen::Matrix<double, 4, 3> slopes;
+  Eigen::Matrix2d across = Eigen::Matrix2d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector2d parting = (apart.row((k + 1) % 3) - apart.row(k)).transpose();
+    const Eigen::Vector2d side = plane.transpose() * sides[static_cast<std::size_t>(k)];
+    slopes.col(k) << 2 * parting[0] * side, 2 * parting[1] * side;
+    across += 2 * first[k] * parting * parting.transpose();
+  }
+  Eigen::Matrix4d along = slopes * second * slopes.transpose();
+  for (int a = 0; a < 2; ++a)
+    for (int b = 0; b < 2; ++b) along.block<2, 2>(2 * a, 2 * b).diagonal().array() += across(a, b);
+  const bool along_changed = take_out_negative_curvature(along);
+  const bool across_changed = take_out_negative_curvature(across);
+  if (!along_changed && !across_changed) return;
+  curvature.setZero();
+  for (int a = 0; a < 2; ++a)
+    for (int b = 0; b < 2; ++b) {
+      const Matrix3d both =
+          plane * along.block<2, 2>(2 * a, 2 * b) * plane.transpose() + across(a, b) * normal * normal.transpose();
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) curvature.block<3, 3>(3 * i, 3 * j) += apart(i, a) * apart(j, b) * both;
+    }
 }
 
 /// The constants with which the law of space gives that of plane stress: E / 2 (1 + nu) stays, and lambda becomes
@@ -165,7 +209,7 @@ void ShellMembrane::add(const NetworkState& state, int order, numerics::EnergySu
       }
     }
     if (order >= 2) curvature += slopes * energy.second * slopes.transpose();
-    if (order >= 2 && sum.convex) curvature = without_negative_curvature(curvature);
+    if (order >= 2 && sum.convex) take_out_negative_curvature_of_face(sides, energy.first, energy.second, curvature);
     share.write(slopes * energy.first, curvature, order);
   };
   numerics::add_elements<Share>(faces_.size(), faces_of_a_task, evaluate, [&](std::size_t i, const Share& share) {
@@ -205,7 +249,8 @@ void ShellHinges::add(const NetworkState& state, int order, numerics::EnergySum&
   using Share = NodesShare<4>;
   const auto evaluate = [&](std::size_t i, Share& share) {
     const Hinge& hinge = hinges_[i];
-    const HingeAngle at = hinge_angle(corners_at(state, hinge.nodes), order);
+    // What of the curvature is surely convex needs no second derivatives of the angle.
+    const HingeAngle at = hinge_angle(corners_at(state, hinge.nodes), sum.convex ? std::min(order, 1) : order);
     // An angle is known up to whole turns: the way from the angle at rest is the shorter one.
     const double change = std::remainder(at.angle - hinge.rest_angle, 2 * std::numbers::pi);
     share.value = hinge.weight * change * change;

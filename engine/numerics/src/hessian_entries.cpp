@@ -22,13 +22,28 @@ HessianEntries::HessianEntries(Numbering numbering)
 
 Eigen::Index HessianEntries::core_size() const { return numbering_.empty() ? border_ : unknowns_; }
 
+std::size_t HessianEntries::find(Place place) const {
+  const std::size_t column = place >> 32;
+  if (column + 1 >= column_begin_.size()) return pattern_.size();
+  const auto begin = pattern_.begin();
+  return index(std::lower_bound(begin + static_cast<std::ptrdiff_t>(column_begin_[column]),
+                                begin + static_cast<std::ptrdiff_t>(column_begin_[column + 1]), place) -
+               begin);
+}
+
 std::uint32_t HessianEntries::slot_of(Place place) const {
-  if (place == held) return 0;
-  return static_cast<std::uint32_t>(std::ranges::lower_bound(pattern_, place) - pattern_.begin()) + 1;
+  return place == held ? 0 : static_cast<std::uint32_t>(find(place)) + 1;
+}
+
+void HessianEntries::index_columns() {
+  column_begin_.clear();
+  for (std::size_t i = 0; i < pattern_.size(); ++i)
+    while (column_begin_.size() <= pattern_[i] >> 32) column_begin_.push_back(i);
+  column_begin_.push_back(pattern_.size());
 }
 
 void HessianEntries::clear() {
-  if (diverged_ || cursor_ < sequence_.size()) learn();
+  if (diverged_ || !replaced_.empty() || cursor_ < sequence_.size()) learn();
   std::ranges::fill(values_, 0.0);
   border_columns_.setZero();
   cursor_ = 0;
@@ -42,6 +57,16 @@ void HessianEntries::add_block(std::span<const std::int32_t> rows, const double*
   lower += entries_of(in_core);
   for (std::size_t k = in_core; k < rows.size(); ++k)
     for (std::size_t l = 0; l <= k; ++l) add(rows[k], rows[l], *lower++);
+}
+
+void HessianEntries::replace_block(const std::int32_t* rows, std::size_t size, const double* lower) {
+  replaced_.push_back({next_block_, size});
+  replaced_rows_.insert(replaced_rows_.end(), rows, rows + size);
+  for (std::size_t k = 0; k < size; ++k)
+    for (std::size_t l = 0; l <= k; ++l)
+      replaced_entries_.emplace_back(place_of(std::min(rows[k], rows[l]), std::max(rows[k], rows[l])), *lower++);
+  cursor_ += entries_of(blocks_[next_block_].size);
+  ++next_block_;
 }
 
 void HessianEntries::note_block(const std::int32_t* rows, std::size_t size) {
@@ -75,12 +100,10 @@ void HessianEntries::grow_border(Eigen::Index high) {
 void HessianEntries::learn() {
   // Those that did not come this time stand for places that the sequence no longer has.
   drop_blocks();
-  if (!diverged_) {
-    // The sequence ended early: what it lost may come back, its places stay.
-    sequence_.resize(cursor_);
-    slots_.resize(cursor_);
-    return;
-  }
+  // Where the sequence ended early, what it lost may come back: its places stay.
+  sequence_.resize(cursor_);
+  slots_.resize(cursor_);
+  if (!diverged_ && replaced_.empty()) return;
   const bool grew = add_to_pattern();
   for (const auto& [place, value] : unexpected_) {
     if (sequence_.size() % places_between_looks == 0) look_for_stop();
@@ -89,11 +112,61 @@ void HessianEntries::learn() {
     sequence_.push_back(place);
     slots_.push_back(slot);
   }
-  cursor_ = sequence_.size();
   unexpected_.clear();
   diverged_ = false;
+  if (!replaced_.empty()) put_in_sequence();
+  cursor_ = sequence_.size();
   // Only where the pattern is another one anyway.
   if (grew) forget_unfilled();
+}
+
+/// The blocks that came where others were expected take their places, and what follows moves up.
+void HessianEntries::put_in_sequence() {
+  const std::size_t from = blocks_[replaced_.front().block].cursor;
+  const std::size_t from_row = blocks_[replaced_.front().block].first;
+  const std::vector<Place> places(sequence_.begin() + static_cast<std::ptrdiff_t>(from), sequence_.end());
+  const std::vector<std::uint32_t> slots(slots_.begin() + static_cast<std::ptrdiff_t>(from), slots_.end());
+  const std::vector<std::int32_t> rows(block_rows_.begin() + static_cast<std::ptrdiff_t>(from_row), block_rows_.end());
+  sequence_.resize(from);
+  slots_.resize(from);
+  block_rows_.resize(from_row);
+  std::size_t taken = 0;  // of the old sequence, from `from` on
+  const auto take_up_to = [&](std::size_t end) {
+    for (; taken < end; ++taken) {
+      sequence_.push_back(places[taken]);
+      slots_.push_back(slots[taken]);
+    }
+  };
+  const std::int32_t* row = replaced_rows_.data();
+  const Entry* entry = replaced_entries_.data();
+  auto next = replaced_.begin();
+  for (std::size_t b = next->block; b < blocks_.size(); ++b) {
+    Block& block = blocks_[b];
+    take_up_to(block.cursor - from);
+    block.cursor = sequence_.size();
+    const std::size_t old_first = block.first - from_row;
+    block.first = block_rows_.size();
+    if (next == replaced_.end() || next->block != b) {
+      block_rows_.insert(block_rows_.end(), rows.data() + old_first, rows.data() + old_first + block.size);
+      continue;
+    }
+    look_for_stop();
+    taken += entries_of(block.size);
+    block.size = next->size;
+    block_rows_.insert(block_rows_.end(), row, row + block.size);
+    row += block.size;
+    for (std::size_t i = 0; i < entries_of(block.size); ++i, ++entry) {
+      const std::uint32_t slot = slot_of(entry->first);
+      values_[slot] += entry->second;
+      sequence_.push_back(entry->first);
+      slots_.push_back(slot);
+    }
+    ++next;
+  }
+  take_up_to(places.size());
+  replaced_.clear();
+  replaced_rows_.clear();
+  replaced_entries_.clear();
 }
 
 void HessianEntries::forget_unfilled() {
@@ -112,13 +185,17 @@ void HessianEntries::forget_unfilled() {
   pattern_.resize(next);
   values_.resize(next + 1);
   for (std::uint32_t& slot : slots_) slot = moved[slot];
+  index_columns();
 }
 
 bool HessianEntries::add_to_pattern() {
-  slots_.resize(sequence_.size());
   std::vector<Place> fresh;
-  for (const auto& [place, value] : unexpected_)
-    if (place != held && !std::ranges::binary_search(pattern_, place)) fresh.push_back(place);
+  for (const auto* entries : {&replaced_entries_, &unexpected_})
+    for (const auto& [place, value] : *entries) {
+      if (place == held) continue;
+      const std::size_t at = find(place);
+      if (at == pattern_.size() || pattern_[at] != place) fresh.push_back(place);
+    }
   if (fresh.empty()) return false;
   sort_stoppably(fresh, cancellation_ ? *cancellation_ : CancellationToken());
   fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
@@ -127,21 +204,26 @@ bool HessianEntries::add_to_pattern() {
   std::vector<std::uint32_t> moved(values_.size());
   merged.reserve(pattern_.size() + fresh.size());
   values.reserve(merged.capacity() + 1);
-  auto next = fresh.begin();
-  for (std::size_t i = 0; i < pattern_.size(); ++i) {
-    for (; next != fresh.end() && *next < pattern_[i]; ++next) {
-      merged.push_back(*next);
-      values.push_back(0);
-    }
-    moved[i + 1] = static_cast<std::uint32_t>(values.size());
-    merged.push_back(pattern_[i]);
-    values.push_back(values_[i + 1]);
+  // What lies between two new places moves as a whole.
+  std::size_t taken = 0;
+  const auto take_up_to = [&](std::size_t end) {
+    const std::size_t shift = merged.size() - taken;
+    for (std::size_t i = taken; i < end; ++i) moved[i + 1] = static_cast<std::uint32_t>(i + 1 + shift);
+    const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+    merged.insert(merged.end(), pattern_.begin() + at(taken), pattern_.begin() + at(end));
+    values.insert(values.end(), values_.begin() + at(taken + 1), values_.begin() + at(end + 1));
+    taken = end;
+  };
+  for (const Place place : fresh) {
+    take_up_to(find(place));
+    merged.push_back(place);
+    values.push_back(0);
   }
-  merged.insert(merged.end(), next, fresh.end());
-  values.resize(merged.size() + 1, 0.0);
+  take_up_to(pattern_.size());
   for (std::uint32_t& slot : slots_) slot = moved[slot];
   pattern_ = std::move(merged);
   values_ = std::move(values);
+  index_columns();
   return true;
 }
 
@@ -166,7 +248,8 @@ SparseMatrix HessianEntries::matrix(Eigen::Index n) {
 
 void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
   const Eigen::Index core = core_size();
-  if (diverged_ || into.core.rows() != core || into.core.nonZeros() != static_cast<Eigen::Index>(pattern_.size())) {
+  if (diverged_ || !replaced_.empty() || into.core.rows() != core ||
+      into.core.nonZeros() != static_cast<Eigen::Index>(pattern_.size())) {
     learn();
     into.core = lower(core);
   } else {

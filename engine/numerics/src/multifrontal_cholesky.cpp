@@ -11,6 +11,10 @@ namespace {
 
 /// A known ordering is given up once the factor has this many times the entries it had with its own pattern.
 constexpr double worth_reordering = 1.3;
+/// Supernodes are given up once their fronts have this many times the entries they had when they were made.
+constexpr double worth_regrouping = 1.1;
+/// Patterns of fewer unknowns are analysed anew: that takes CHOLMOD less than a millisecond.
+constexpr int unknowns_worth_keeping = 1000;
 
 /// A multiple of four rows: every column of a panel then starts at the same alignment.
 int padded(int rows) { return (rows + 3) / 4 * 4; }
@@ -18,8 +22,18 @@ int padded(int rows) { return (rows + 3) / 4 * 4; }
 }  // namespace
 
 void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
-  // A few more places, as contacts bring them, change the best ordering little; finding it anew costs more than some
-  // factorizations.
+  // A few more places, as contacts and paths over other faces bring them, change the best supernodes and the best
+  // ordering little; finding these anew costs more than some factorizations.
+  if (n_ == matrix.rows() && n_ >= unknowns_worth_keeping) {
+    std::vector<int> first;
+    for (const Supernode& node : supernodes_) first.push_back(node.first);
+    group_entries(matrix, first);
+    if (std::optional<Fronts> fronts = fronts_of_same_supernodes()) {
+      if (sort_into_postorder(*fronts)) group_entries(matrix, fronts->first);
+      set_fronts(*fronts);
+      return;
+    }
+  }
   std::vector<int> known;
   if (n_ == matrix.rows()) known = old_index_;
   SymbolicAnalysis analysis = analyse(matrix, known, cancellation_);
@@ -27,14 +41,22 @@ void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
     analysis = analyse(matrix, {}, cancellation_);
   if (known.empty() || analysis.entries < best_entries_) best_entries_ = analysis.entries;
   n_ = static_cast<int>(matrix.rows());
-  const std::vector<int>& first = analysis.first;
-  const std::vector<int>& row_begin = analysis.row_begin;
-  old_index_ = std::move(analysis.old_index);
+  set_order(std::move(analysis.old_index));
+  group_entries(matrix, analysis.first);
+  set_fronts({std::move(analysis.first), std::move(analysis.row_begin), std::move(analysis.rows)});
+  front_entries_ = static_cast<std::int64_t>(factor_.size());
+}
+
+void MultifrontalCholesky::set_order(std::vector<int> old_index) {
+  old_index_ = std::move(old_index);
   new_index_.resize(static_cast<std::size_t>(n_));
   for (int i = 0; i < n_; ++i) new_index_[static_cast<std::size_t>(old_index_[static_cast<std::size_t>(i)])] = i;
+}
 
+void MultifrontalCholesky::set_fronts(const Fronts& fronts) {
+  const std::vector<int>& first = fronts.first;
   const std::size_t count = first.size() - 1;
-  rows_ = std::move(analysis.rows);
+  rows_ = fronts.rows;
   supernodes_.assign(count + 1, {});
   std::int64_t panel = 0;
   std::int64_t relative = 0;
@@ -42,9 +64,9 @@ void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
     Supernode& node = supernodes_[s];
     node.first = first[s];
     node.pivots = first[s + 1] - first[s];
-    node.rows = row_begin[s + 1] - row_begin[s];
+    node.rows = fronts.row_begin[s + 1] - fronts.row_begin[s];
     node.ld = padded(node.rows);
-    node.row_list = row_begin[s];
+    node.row_list = fronts.row_begin[s];
     node.panel = panel;
     node.relative = relative;
     panel += static_cast<std::int64_t>(node.ld) * node.pivots;
@@ -55,14 +77,146 @@ void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
   factor_.resize(static_cast<std::size_t>(panel));
   find_relative_rows();
   cancellation_.throw_if_requested();
-  place_entries(matrix);
+  place_entries();
+}
+
+void MultifrontalCholesky::group_entries(const SparseMatrix& matrix, const std::vector<int>& first) {
+  const std::size_t count = first.size() - 1;
+  supernode_of_.resize(static_cast<std::size_t>(n_));
+  for (std::size_t s = 0; s < count; ++s)
+    std::fill(supernode_of_.begin() + first[s], supernode_of_.begin() + first[s + 1], static_cast<int>(s));
+  constexpr int columns_between_looks = 1 << 15;
+  const auto for_each_entry = [&](const auto& take) {
+    for (int column = 0; column < n_; ++column) {
+      if (column % columns_between_looks == 0) cancellation_.throw_if_requested();
+      const int b = new_index_[static_cast<std::size_t>(column)];
+      for (int slot = matrix.outerIndexPtr()[column]; slot < matrix.outerIndexPtr()[column + 1]; ++slot) {
+        const int row = matrix.innerIndexPtr()[slot];
+        if (row < column) continue;
+        const int a = new_index_[static_cast<std::size_t>(row)];
+        take(std::min(a, b), std::max(a, b), slot);
+      }
+    }
+  };
+  const auto supernode_of = [&](int pivot) {
+    return static_cast<std::size_t>(supernode_of_[static_cast<std::size_t>(pivot)]);
+  };
+  entry_begin_.assign(count + 1, 0);
+  for_each_entry([&](int pivot, int, int) { ++entry_begin_[supernode_of(pivot) + 1]; });
+  for (std::size_t s = 0; s < count; ++s) entry_begin_[s + 1] += entry_begin_[s];
+  std::vector<std::int64_t> next(entry_begin_.begin(), entry_begin_.end() - 1);
+  entries_.resize(static_cast<std::size_t>(entry_begin_.back()));
+  for_each_entry([&](int pivot, int row, int slot) {
+    entries_[static_cast<std::size_t>(next[supernode_of(pivot)]++)] = {pivot, row, slot};
+  });
+}
+
+/// The fronts of the grouped entries: the rows of each supernode are its pivots, those of its entries and those that
+/// its children hand on. Nothing where they have grown too much.
+std::optional<MultifrontalCholesky::Fronts> MultifrontalCholesky::fronts_of_same_supernodes() const {
+  const std::size_t count = supernodes_.size() - 1;
+  Fronts fronts;
+  fronts.row_begin.push_back(0);
+  fronts.rows.reserve(rows_.size());
+  std::vector<int> seen_by(static_cast<std::size_t>(n_), -1);
+  std::vector<int> child(count, -1);  // a child of each, and the next one of the same parent
+  std::vector<int> sibling(count, -1);
+  std::int64_t entries = 0;
+  for (std::size_t s = 0; s < count; ++s) {
+    if (s % 1024 == 0) cancellation_.throw_if_requested();
+    const int begin = supernodes_[s].first;
+    const int end = supernodes_[s + 1].first;
+    fronts.first.push_back(begin);
+    for (int k = begin; k < end; ++k) fronts.rows.push_back(k);
+    const std::size_t below = fronts.rows.size();
+    const auto take = [&](int row) {
+      if (row < end || seen_by[static_cast<std::size_t>(row)] == static_cast<int>(s)) return;
+      seen_by[static_cast<std::size_t>(row)] = static_cast<int>(s);
+      fronts.rows.push_back(row);
+    };
+    for (std::int64_t e = entry_begin_[s]; e < entry_begin_[s + 1]; ++e)
+      take(entries_[static_cast<std::size_t>(e)].row);
+    for (int c = child[s]; c >= 0; c = sibling[static_cast<std::size_t>(c)]) {
+      const auto own = static_cast<std::size_t>(c);
+      const int pivots = supernodes_[own + 1].first - supernodes_[own].first;
+      for (int r = fronts.row_begin[own] + pivots; r < fronts.row_begin[own + 1]; ++r)
+        take(fronts.rows[static_cast<std::size_t>(r)]);
+    }
+    std::sort(fronts.rows.begin() + static_cast<std::ptrdiff_t>(below), fronts.rows.end());
+    if (fronts.rows.size() > below) {
+      const auto parent = static_cast<std::size_t>(supernode_of_[static_cast<std::size_t>(fronts.rows[below])]);
+      sibling[s] = child[parent];
+      child[parent] = static_cast<int>(s);
+    }
+    const auto rows = static_cast<int>(fronts.rows.size());
+    entries += static_cast<std::int64_t>(padded(rows - fronts.row_begin.back())) * (end - begin);
+    fronts.row_begin.push_back(rows);
+    if (static_cast<double>(entries) > worth_regrouping * static_cast<double>(front_entries_)) return std::nullopt;
+  }
+  fronts.first.push_back(n_);
+  return fronts;
+}
+
+/// What supernodes hand on waits on a stack: children come right before their parents. New places may give a supernode
+/// another parent; the order then changes, and with it the numbers of columns and rows. Whether it did.
+bool MultifrontalCholesky::sort_into_postorder(Fronts& fronts) {
+  const std::size_t count = fronts.first.size() - 1;
+  const auto pivots_of = [&](std::size_t s) { return fronts.first[s + 1] - fronts.first[s]; };
+  std::vector<int> child(count, -1);
+  std::vector<int> sibling(count, -1);
+  std::vector<int> roots;
+  for (std::size_t s = count; s-- > 0;) {
+    const int below = fronts.row_begin[s] + pivots_of(s);
+    if (below == fronts.row_begin[s + 1]) {
+      roots.push_back(static_cast<int>(s));
+      continue;
+    }
+    const auto parent =
+        static_cast<std::size_t>(supernode_of_[static_cast<std::size_t>(fronts.rows[static_cast<std::size_t>(below)])]);
+    sibling[s] = child[parent];
+    child[parent] = static_cast<int>(s);
+  }
+  std::vector<std::size_t> order;
+  order.reserve(count);
+  std::vector<int> waiting(roots);  // the first root is the last
+  while (!waiting.empty()) {
+    const int s = waiting.back();
+    const int c = child[static_cast<std::size_t>(s)];
+    if (c >= 0) {
+      child[static_cast<std::size_t>(s)] = sibling[static_cast<std::size_t>(c)];
+      waiting.push_back(c);
+      continue;
+    }
+    order.push_back(static_cast<std::size_t>(s));
+    waiting.pop_back();
+  }
+  if (std::is_sorted(order.begin(), order.end())) return false;
+  std::vector<int> moved(static_cast<std::size_t>(n_));  // the new number of each column
+  Fronts sorted;
+  for (int next = 0; const std::size_t s : order) {
+    sorted.first.push_back(next);
+    for (int k = fronts.first[s]; k < fronts.first[s + 1]; ++k) moved[static_cast<std::size_t>(k)] = next++;
+  }
+  sorted.first.push_back(n_);
+  sorted.row_begin.push_back(0);
+  sorted.rows.reserve(fronts.rows.size());
+  for (const std::size_t s : order) {
+    const auto begin = static_cast<std::ptrdiff_t>(sorted.rows.size());
+    for (int r = fronts.row_begin[s]; r < fronts.row_begin[s + 1]; ++r)
+      sorted.rows.push_back(moved[static_cast<std::size_t>(fronts.rows[static_cast<std::size_t>(r)])]);
+    std::sort(sorted.rows.begin() + begin, sorted.rows.end());
+    sorted.row_begin.push_back(static_cast<int>(sorted.rows.size()));
+  }
+  std::vector<int> old_index(static_cast<std::size_t>(n_));
+  for (int i = 0; i < n_; ++i)
+    old_index[static_cast<std::size_t>(moved[static_cast<std::size_t>(i)])] = old_index_[static_cast<std::size_t>(i)];
+  set_order(std::move(old_index));
+  fronts = std::move(sorted);
+  return true;
 }
 
 void MultifrontalCholesky::find_relative_rows() {
   const std::size_t count = supernodes_.size() - 1;
-  std::vector<int> supernode_of(static_cast<std::size_t>(n_));
-  for (std::size_t s = 0; s < count; ++s)
-    std::fill_n(supernode_of.begin() + supernodes_[s].first, supernodes_[s].pivots, static_cast<int>(s));
   relative_.clear();
   std::size_t largest_front = 0;
   std::size_t stacked = 0;
@@ -75,7 +229,7 @@ void MultifrontalCholesky::find_relative_rows() {
     stacked -= waiting[s];
     if (below == 0) continue;
     const int* list = rows_.data() + node.row_list + node.pivots;
-    node.parent = supernode_of[static_cast<std::size_t>(list[0])];
+    node.parent = supernode_of_[static_cast<std::size_t>(list[0])];
     const Supernode& parent = supernodes_[static_cast<std::size_t>(node.parent)];
     const int* at = rows_.data() + parent.row_list;
     int place = 0;
@@ -92,46 +246,26 @@ void MultifrontalCholesky::find_relative_rows() {
   updates_.resize(most_stacked);
 }
 
-void MultifrontalCholesky::place_entries(const SparseMatrix& matrix) {
-  struct Entry {
-    int supernode;
-    std::int32_t place;
-    std::int64_t slot;
-  };
+void MultifrontalCholesky::place_entries() {
   const std::size_t count = supernodes_.size() - 1;
-  std::vector<int> supernode_of(static_cast<std::size_t>(n_));
-  for (std::size_t s = 0; s < count; ++s)
-    std::fill_n(supernode_of.begin() + supernodes_[s].first, supernodes_[s].pivots, static_cast<int>(s));
-  std::vector<Entry> entries;
-  entries.reserve(static_cast<std::size_t>(matrix.nonZeros()));
-  constexpr int columns_between_looks = 1 << 15;
-  for (int column = 0; column < n_; ++column) {
-    if (column % columns_between_looks == 0) cancellation_.throw_if_requested();
-    for (int slot = matrix.outerIndexPtr()[column]; slot < matrix.outerIndexPtr()[column + 1]; ++slot) {
-      const int row = matrix.innerIndexPtr()[slot];
-      if (row < column) continue;
-      const int a = new_index_[static_cast<std::size_t>(row)];
-      const int b = new_index_[static_cast<std::size_t>(column)];
-      const int pivot = std::min(a, b);
-      const int s = supernode_of[static_cast<std::size_t>(pivot)];
-      const Supernode& node = supernodes_[static_cast<std::size_t>(s)];
-      const int* list = rows_.data() + node.row_list;
-      const auto place = std::lower_bound(list, list + node.rows, std::max(a, b)) - list;
-      entries.push_back(
-          {s, static_cast<std::int32_t>(place + static_cast<std::int64_t>(pivot - node.first) * node.ld), slot});
+  entry_slot_.resize(entries_.size());
+  entry_place_.resize(entries_.size());
+  std::vector<int> place_of(static_cast<std::size_t>(n_));  // of each row in the front at hand
+  for (std::size_t s = 0; s < count; ++s) {
+    Supernode& node = supernodes_[s];
+    node.entries = entry_begin_[s];
+    const int* list = rows_.data() + node.row_list;
+    for (int r = 0; r < node.rows; ++r) place_of[static_cast<std::size_t>(list[r])] = r;
+    for (std::int64_t e = entry_begin_[s]; e < entry_begin_[s + 1]; ++e) {
+      const auto at = static_cast<std::size_t>(e);
+      const Entry& entry = entries_[at];
+      entry_slot_[at] = entry.slot;
+      entry_place_[at] = static_cast<std::int32_t>(place_of[static_cast<std::size_t>(entry.row)] +
+                                                   static_cast<std::int64_t>(entry.pivot - node.first) * node.ld);
     }
   }
-  std::vector<std::int64_t> next(count + 1, 0);
-  for (const Entry& entry : entries) ++next[static_cast<std::size_t>(entry.supernode) + 1];
-  for (std::size_t s = 0; s < count; ++s) next[s + 1] += next[s];
-  for (std::size_t s = 0; s <= count; ++s) supernodes_[s].entries = next[s];
-  entry_slot_.resize(entries.size());
-  entry_place_.resize(entries.size());
-  for (const Entry& entry : entries) {
-    const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(entry.supernode)]++);
-    entry_slot_[at] = entry.slot;
-    entry_place_[at] = entry.place;
-  }
+  supernodes_[count].entries = entry_begin_[count];
+  entries_ = std::vector<Entry>();
 }
 
 void MultifrontalCholesky::extend_add(const Supernode& child, const double* update, const Supernode& parent,
@@ -153,7 +287,9 @@ bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
     cancellation_.throw_if_requested();
     const Supernode& node = supernodes_[s];
     double* front = front_.data();
-    std::fill_n(front, static_cast<std::int64_t>(node.ld) * node.rows, 0.0);
+    // What is above the diagonal is never read.
+    for (int c = 0; c < node.rows; ++c)
+      std::fill_n(front + static_cast<std::int64_t>(c) * node.ld + c, node.ld - c, 0.0);
     for (std::int64_t e = node.entries; e < supernodes_[s + 1].entries; ++e)
       front[entry_place_[static_cast<std::size_t>(e)]] += values[entry_slot_[static_cast<std::size_t>(e)]];
     for (int k = 0; k < node.pivots; ++k) front[static_cast<std::int64_t>(k) * node.ld + k] += shift;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "supple/base/cancellation.h"
@@ -20,7 +21,7 @@ class MultifrontalCholesky {
   void stop_with(const CancellationToken& cancellation) { cancellation_ = cancellation; }
 
   /// Orders and analyses the pattern of the lower triangle of `matrix` (entries above the diagonal are ignored). A
-  /// pattern of the size of the last one keeps its ordering as long as that serves it well.
+  /// pattern of the size of the last one keeps its supernodes, then its ordering, as long as these serve it well.
   void analyze(const SparseMatrix& matrix);
   /// Of matrix + shift I, which has the analysed pattern. False where it is not numerically positive definite.
   bool factorize(const SparseMatrix& matrix, double shift);
@@ -40,17 +41,39 @@ class MultifrontalCholesky {
     std::int64_t relative = 0;  ///< into relative_
   };
 
+  /// An entry of the matrix, in the new order: that of the earlier of its two unknowns and of the later.
+  struct Entry {
+    int pivot;
+    int row;
+    std::int64_t slot;
+  };
+  /// The columns and rows of fronts, as of SymbolicAnalysis.
+  struct Fronts {
+    std::vector<int> first;
+    std::vector<int> row_begin;
+    std::vector<int> rows;
+  };
+
   void solve_one(double* b) const;
   int longest_below() const;
-  void place_entries(const SparseMatrix& matrix);
+  void set_order(std::vector<int> old_index);
+  void set_fronts(const Fronts& fronts);
+  void group_entries(const SparseMatrix& matrix, const std::vector<int>& first);
+  std::optional<Fronts> fronts_of_same_supernodes() const;
+  bool sort_into_postorder(Fronts& fronts);
+  void place_entries();
   void find_relative_rows();
   void extend_add(const Supernode& child, const double* update, const Supernode& parent, double* front) const;
 
   CancellationToken cancellation_;
   int n_ = 0;
-  double best_entries_ = 0;     ///< of the factor, with the ordering's own pattern
-  std::vector<int> new_index_;  ///< of each unknown
+  double best_entries_ = 0;         ///< of the factor, with the ordering's own pattern
+  std::int64_t front_entries_ = 0;  ///< of the fronts' columns, with the pattern of which CHOLMOD made the supernodes
+  std::vector<int> new_index_;      ///< of each unknown
   std::vector<int> old_index_;
+  std::vector<int> supernode_of_;          ///< of each column, in the new order
+  std::vector<Entry> entries_;             ///< of the pattern, by supernodes; until they have their places
+  std::vector<std::int64_t> entry_begin_;  ///< of each supernode in entries_, and their end
   std::vector<Supernode> supernodes_;      ///< children before parents; the last entry is an end mark
   std::vector<int> rows_;                  ///< row lists of the fronts, in the new order
   std::vector<int> relative_;              ///< for each row below the pivots its place in the parent's front

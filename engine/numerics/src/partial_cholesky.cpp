@@ -2,8 +2,10 @@
 #pragma GCC diagnostic ignored "-Wpsabi"
 #include "partial_cholesky.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "supple/base/lanes.h"
 
@@ -13,9 +15,20 @@ namespace {
 /// Columns that are updated together: with two vectors of rows their sums fill half of the registers.
 constexpr int block = 4;
 
-/// C(rows, column..column+width) -= L(rows, 0..depth) L(column..column+width, 0..depth)^T for `vectors` * 4 rows.
+/// Fronts of so many rows no longer fit the nearer caches: their columns are factorized a panel at a time, and what a
+/// panel takes from the columns behind it is worked out from a copy whose numbers lie as they are read.
+constexpr int rows_of_large_front = 320;
+/// Columns of a panel: enough that columns behind it are read and written seldom, few enough for the nearest cache.
+constexpr int panel_columns = 48;
+/// Rows of the copy that lie together, those of one panel's column side by side.
+constexpr int tile_rows = 2 * lanes;
+/// Tiles that are used for all columns in turn: with panel_columns columns about 100 kB.
+constexpr int tiles_of_a_chunk = 32;
+
+/// C(rows, column..column+width) -= L(rows, 0..depth) L(column..column+width, 0..depth)^T for `vectors` * 4 rows. The
+/// column of `front` with that number is `first` columns nearer.
 template <int vectors, int width>
-SUPPLE_INLINE void update_tile(double* front, int ld, int row, int column, int depth) {
+SUPPLE_INLINE void update_tile(double* front, int ld, int row, int column, int depth, int first) {
   Lanes sum[width][vectors];
   for (int c = 0; c < width; ++c)
     for (int v = 0; v < vectors; ++v) sum[c][v] = constant_lanes(0);
@@ -30,37 +43,37 @@ SUPPLE_INLINE void update_tile(double* front, int ld, int row, int column, int d
     }
   }
   for (int c = 0; c < width; ++c) {
-    double* to = front + static_cast<std::ptrdiff_t>(column + c) * ld + row;
+    double* to = front + static_cast<std::ptrdiff_t>(column - first + c) * ld + row;
     for (int v = 0; v < vectors; ++v) store_lanes(to + v * lanes, load_lanes(to + v * lanes) - sum[c][v]);
   }
 }
 
 template <int width>
-SUPPLE_INLINE void update_columns(double* front, int ld, int rows, int column, int depth) {
+SUPPLE_INLINE void update_columns(double* front, int ld, int rows, int column, int depth, int first) {
   if (depth == 0) return;
   int row = column;
-  for (; row + 2 * lanes <= rows; row += 2 * lanes) update_tile<2, width>(front, ld, row, column, depth);
-  for (; row + lanes <= rows; row += lanes) update_tile<1, width>(front, ld, row, column, depth);
+  for (; row + 2 * lanes <= rows; row += 2 * lanes) update_tile<2, width>(front, ld, row, column, depth, first);
+  for (; row + lanes <= rows; row += lanes) update_tile<1, width>(front, ld, row, column, depth, first);
   for (; row < rows; ++row) {
     double sum[width] = {};
     for (int k = 0; k < depth; ++k) {
       const double* at = front + static_cast<std::ptrdiff_t>(k) * ld;
       for (int c = 0; c < width; ++c) sum[c] += at[row] * at[column + c];
     }
-    for (int c = 0; c < width; ++c) front[static_cast<std::ptrdiff_t>(column + c) * ld + row] -= sum[c];
+    for (int c = 0; c < width; ++c) front[static_cast<std::ptrdiff_t>(column - first + c) * ld + row] -= sum[c];
   }
 }
 
-SUPPLE_INLINE void update_block(double* front, int ld, int rows, int column, int width, int depth) {
+SUPPLE_INLINE void update_block(double* front, int ld, int rows, int column, int width, int depth, int first = 0) {
   switch (width) {
     case 1:
-      return update_columns<1>(front, ld, rows, column, depth);
+      return update_columns<1>(front, ld, rows, column, depth, first);
     case 2:
-      return update_columns<2>(front, ld, rows, column, depth);
+      return update_columns<2>(front, ld, rows, column, depth, first);
     case 3:
-      return update_columns<3>(front, ld, rows, column, depth);
+      return update_columns<3>(front, ld, rows, column, depth, first);
     default:
-      return update_columns<4>(front, ld, rows, column, depth);
+      return update_columns<4>(front, ld, rows, column, depth, first);
   }
 }
 
@@ -90,7 +103,86 @@ SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, 
   return true;
 }
 
+/// C(0..8, 0..4) -= left right^T, with `depth` columns of a tile each.
+SUPPLE_INLINE void multiply_tiles(const double* left, const double* right, int depth, Lanes sum[block][2]) {
+  for (int c = 0; c < block; ++c) sum[c][0] = sum[c][1] = constant_lanes(0);
+  for (int k = 0; k < depth; ++k, left += tile_rows, right += tile_rows) {
+    const Lanes upper = load_lanes(left);
+    const Lanes lower = load_lanes(left + lanes);
+    for (int c = 0; c < block; ++c) {
+      const Lanes factor = constant_lanes(right[c]);
+      sum[c][0] += upper * factor;
+      sum[c][1] += lower * factor;
+    }
+  }
+}
+
+/// Copies the rows from `begin` on of `width` columns of a front; missing rows of the last tile are zero.
+SUPPLE_INLINE void copy_tiles(const double* panel, int ld, int begin, int rows, int width, double* copy) {
+  for (int row = begin; row < rows; row += tile_rows)
+    for (int k = 0; k < width; ++k, copy += tile_rows) {
+      const double* at = panel + static_cast<std::ptrdiff_t>(k) * ld + row;
+      const int count = std::min(tile_rows, rows - row);
+      for (int r = 0; r < count; ++r) copy[r] = at[r];
+      for (int r = count; r < tile_rows; ++r) copy[r] = 0;
+    }
+}
+
+/// Takes the products of a panel's rows, whose copy begins with row `begin`, from the lower triangle of the columns
+/// from there on. Entries above the diagonal are overwritten.
+SUPPLE_INLINE bool subtract_panel(double* front, int ld, int begin, int rows, int width, const double* copy,
+                                  const CancellationToken& cancellation) {
+  const int tiles = (rows - begin + tile_rows - 1) / tile_rows;
+  const auto tile_at = [&](int tile) { return copy + static_cast<std::ptrdiff_t>(tile) * tile_rows * width; };
+  for (int chunk = 0; chunk < tiles; chunk += tiles_of_a_chunk) {
+    const int end = std::min(tiles, chunk + tiles_of_a_chunk);
+    for (int column = 0; column < std::min(rows - begin, end * tile_rows); column += block) {
+      if (cancellation.requested()) return false;
+      const double* right = tile_at(column / tile_rows) + column % tile_rows;
+      for (int tile = std::max(chunk, column / tile_rows); tile < end; ++tile) {
+        Lanes sum[block][2];
+        multiply_tiles(tile_at(tile), right, width, sum);
+        const int row = begin + tile * tile_rows;
+        double* to = front + static_cast<std::ptrdiff_t>(begin + column) * ld + row;
+        if (row + tile_rows <= rows && begin + column + block <= rows) {
+          for (int c = 0; c < block; ++c, to += ld) {
+            store_lanes(to, load_lanes(to) - sum[c][0]);
+            store_lanes(to + lanes, load_lanes(to + lanes) - sum[c][1]);
+          }
+          continue;
+        }
+        for (int c = 0; c < std::min(block, rows - begin - column); ++c, to += ld)
+          for (int r = 0; r < std::min(tile_rows, rows - row); ++r) to[r] -= sum[c][r / lanes][r % lanes];
+      }
+    }
+  }
+  return true;
+}
+
+SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pivots,
+                                         const CancellationToken& cancellation) {
+  // Kept from front to front: new memory costs as much as some of the smaller ones.
+  thread_local std::vector<double> copy;
+  for (int first = 0; first < pivots; first += panel_columns) {
+    const int end = std::min(pivots, first + panel_columns);
+    double* panel = front + static_cast<std::ptrdiff_t>(first) * ld;
+    for (int column = first; column < end; column += block) {
+      if (cancellation.requested()) return false;
+      const int width = std::min(block, end - column);
+      // From the panel's own columns on: column numbers stay those of rows.
+      update_block(panel, ld, rows, column, width, column - first, first);
+      if (!factorize_block(front, ld, rows, column, width)) return false;
+    }
+    if (end == rows) break;
+    copy.resize(static_cast<std::size_t>(rows - end + tile_rows) * panel_columns);
+    copy_tiles(panel, ld, end, rows, end - first, copy.data());
+    if (!subtract_panel(front, ld, end, rows, end - first, copy.data(), cancellation)) return false;
+  }
+  return true;
+}
+
 SUPPLE_INLINE bool factorize_front(double* front, int ld, int rows, int pivots, const CancellationToken& cancellation) {
+  if (rows >= rows_of_large_front) return factorize_large_front(front, ld, rows, pivots, cancellation);
   for (int column = 0; column < pivots; column += block) {
     if (cancellation.requested()) return false;
     const int width = pivots - column < block ? pivots - column : block;

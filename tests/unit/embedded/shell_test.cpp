@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -117,6 +118,34 @@ TEST(Shell, HasAConvexMatrixNearItsHessian) {
     EXPECT_GT(least(matrices[1]), -1e-12) << term->name();
     EXPECT_LT((matrices[1] - matrices[0]).norm(), matrices[0].norm()) << term->name();
   }
+}
+
+// Of a face alone, the nearest positive semidefinite matrix is known from its eigenvalues.
+TEST(Shell, TakesNoMoreThanTheNegativeCurvatureOutOfAFace) {
+  RandomStream random("shell_convex", 2);
+  const TriangleMesh mesh = TriangleMesh::build({{0, 0, 0}, {1, 0, 0.1}, {0.2, 0.8, 0}}, {{0, 1, 2}});
+  const ShellMembrane membrane(mesh, {.thickness = 0.1, .youngs_modulus = 100, .poisson_ratio = 0.4});
+  int bent_downwards = 0;
+  for (int round = 0; round < 60; ++round) {
+    // Stretched, hardly deformed, compressed.
+    const double scale = std::array{1.4, 1.0, 0.7}[static_cast<std::size_t>(round % 3)];
+    const NetworkState state = state_of(mesh, [&](const Vector3d& p) -> Vector3d {
+      return scale * p + 0.1 * Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    });
+    numerics::EnergySum exact = sum_of(membrane, state, 2);
+    const Eigen::MatrixXd hessian = exact.hessian.matrix(9);
+    numerics::EnergySum convex;
+    convex.convex = true;
+    convex.clear(9, 2);
+    membrane.add(state, 2, convex);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(hessian);
+    const Eigen::MatrixXd nearest =
+        modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
+    EXPECT_LT((Eigen::MatrixXd(convex.hessian.matrix(9)) - nearest).norm(), 1e-12 * hessian.norm()) << round;
+    bent_downwards += modes.eigenvalues()[0] < -1e-3 * hessian.norm() ? 1 : 0;
+  }
+  EXPECT_GT(bent_downwards, 20);
+  EXPECT_LT(bent_downwards, 50);
 }
 
 TEST(Shell, FeelsNoRigidMotionAndItsForcesAndMomentsSumToZero) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "supple/base/random.h"
 #include "supple/numerics/hessian_entries.h"
@@ -189,6 +190,50 @@ TEST(HessianEntries, BlocksAddWhatTheirEntriesWould) {
     }
     SCOPED_TRACE(round);
     same();
+  }
+}
+
+TEST(HessianEntries, TakeBlocksOfOtherRowsAndSizesWhereOthersWere) {
+  RandomStream random("hessian_entries", 5);
+  constexpr int n = 30;
+  HessianEntries sum(Numbering{0,  1,  -1, 2,  3,  4,  5,  6,  7,  8,  9,  10, -1, 11, 12,
+                               13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27});
+  const std::vector<int> free = [] {
+    std::vector<int> rows;
+    for (int i = 0; i < n; ++i)
+      if (i != 2 && i != 12) rows.push_back(i);
+    return rows;
+  }();
+  std::vector<std::vector<std::int32_t>> blocks(12);
+  const auto another = [&](std::vector<std::int32_t>& rows) {
+    rows.clear();
+    for (std::int32_t row = random.below(6); row < n; row += 1 + random.below(9)) rows.push_back(row);
+  };
+  for (auto& rows : blocks) another(rows);
+  BorderedMatrix matrix;
+  for (int round = 0; round < 60; ++round) {
+    // None, one, some or all others than before; in some rounds one more, one less, or a single entry between them.
+    for (int k = 0; k < round % 4; ++k) another(blocks[static_cast<std::size_t>(random.below(12))]);
+    if (round % 20 == 13) std::ranges::for_each(blocks, another);
+    const bool shortened = round % 7 == 5;
+    const int single = round % 5 == 3 ? random.below(12) : -1;
+    std::vector<Entry> entries;
+    sum.clear();
+    for (std::size_t b = 0; b < blocks.size() - (shortened ? 1 : 0); ++b) {
+      std::vector<double> lower;
+      for (std::size_t k = 0; k < blocks[b].size(); ++k)
+        for (std::size_t l = 0; l <= k; ++l) {
+          lower.push_back(random.uniform(-1, 1));
+          entries.push_back({blocks[b][k], blocks[b][l], lower.back()});
+        }
+      sum.add_block(blocks[b], lower.data());
+      if (single != static_cast<int>(b)) continue;
+      entries.push_back({7, 3, 0.5});
+      sum.add(7, 3, 0.5);
+    }
+    if (round % 11 == 10) continue;  // not assembled: the next round has to forget it
+    sum.assemble(n, matrix);
+    ASSERT_LT((dense(matrix) - dense(entries, n)(free, free)).cwiseAbs().maxCoeff(), 1e-13) << "round " << round;
   }
 }
 

@@ -56,6 +56,29 @@ TEST(PartialCholesky, LeavesFactorsAndTheSchurComplementForEveryShapeOfFront) {
   }
 }
 
+// Large fronts go another way; their last panels, tiles and columns are seldom full.
+TEST(PartialCholesky, LeavesTheSameOfLargeFronts) {
+  RandomStream random("fronts", 1);
+  for (const int rows : {319, 320, 321, 327, 557}) {
+    const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(rows, rows, [&random] { return random.uniform(-1, 1); });
+    const Eigen::MatrixXd spd = a * a.transpose() + rows * Eigen::MatrixXd::Identity(rows, rows);
+    for (const int pivots : {1, 4, 47, 48, 49, 97, rows - 5, rows - 1, rows}) {
+      const int ld = rows + random.below(4);
+      Eigen::VectorXd front = Eigen::VectorXd::Constant(ld * rows + 16, 0.25);
+      Eigen::Map<Eigen::MatrixXd> inside(front.data(), ld, rows);
+      inside.topRows(rows) = spd;
+      ASSERT_TRUE(partial_cholesky(front.data(), ld, rows, pivots));
+      const Eigen::MatrixXd panel = inside.topLeftCorner(rows, pivots).triangularView<Eigen::Lower>();
+      Eigen::MatrixXd left = spd - panel * panel.transpose();
+      left.bottomRightCorner(rows - pivots, rows - pivots) -=
+          inside.block(pivots, pivots, rows - pivots, rows - pivots);
+      EXPECT_LT(Eigen::MatrixXd(left.triangularView<Eigen::Lower>()).cwiseAbs().maxCoeff(), 1e-10)
+          << rows << " rows, " << pivots << " pivots";
+      EXPECT_EQ(front.tail(16), Eigen::VectorXd::Constant(16, 0.25)) << rows << " rows, " << pivots << " pivots";
+    }
+  }
+}
+
 TEST(PartialCholesky, RefusesAFrontThatIsNotPositiveDefiniteInItsPivots) {
   Eigen::MatrixXd front = Eigen::MatrixXd::Identity(12, 12);
   front(5, 5) = -1;
@@ -100,6 +123,41 @@ TEST(MultifrontalCholesky, ReadsTheLowerTriangleOnly) {
   of_both.solve(x);
   of_lower.solve(y);
   EXPECT_LT((x - y).norm(), 1e-13 * x.norm());
+}
+
+// Places come and go one by one, as where paths lead over other faces: fronts grow, shrink and get other parents.
+TEST(MultifrontalCholesky, FollowsAPatternThatChangesALittleManyTimes) {
+  constexpr int n = 1200;
+  RandomStream random("multifrontal", 5);
+  MultifrontalCholesky cholesky;
+  std::vector<Eigen::Triplet<double>> added;
+  const auto around = [](int i) { return (i + n) % n; };
+  for (int round = 0; round < 60; ++round) {
+    for (int k = 0; k < 8; ++k) {
+      // Most near each other, some far apart.
+      const int i = random.below(n);
+      const int j = random.below(8) == 0 ? random.below(n) : around(i + 1 + random.below(6));
+      if (i == j) continue;
+      added.emplace_back(i, j, random.uniform(-1, 1));
+      added.emplace_back(j, i, added.back().value());
+    }
+    if (added.size() > 200) added.erase(added.begin(), added.begin() + 100);
+    std::vector<Eigen::Triplet<double>> entries(added);
+    for (int i = 0; i < n; ++i) {
+      entries.emplace_back(i, i, 40);
+      for (const int away : {-2, -1, 1, 2}) entries.emplace_back(i, around(i + away), -1);
+    }
+    SparseMatrix matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    cholesky.analyze(matrix);
+    ASSERT_TRUE(cholesky.factorize(matrix, 0.5)) << "round " << round;
+    for (const int columns : {1, 3}) {
+      const Eigen::MatrixXd b = random_columns(n, columns);
+      Eigen::MatrixXd x = b;
+      cholesky.solve(x);
+      ASSERT_LT((matrix * x + 0.5 * x - b).norm(), 1e-13 * b.norm()) << "round " << round;
+    }
+  }
 }
 
 TEST(MultifrontalCholesky, AgreesWithTheSignOfTheLowestEigenvalue) {

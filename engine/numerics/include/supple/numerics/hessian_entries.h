@@ -23,9 +23,11 @@ using Numbering = std::vector<std::int32_t>;
 /// each entry is given once, and entries of the same place add up.
 ///
 /// Terms add the same places in the same order at every state, or nearly so. The first assembly sorts them; later ones
-/// recognize the sequence and add each value straight to its place: what changes from state to state is best added
-/// last. Places once seen stay in the pattern, so that factorizations keep their symbolic analysis while contacts come
-/// and go, until many of them are empty and the pattern has to change anyway.
+/// recognize the sequence and add each value straight to its place. A block that comes in the place of another, as
+/// where a path leads over other faces, costs its own entries alone; where single entries or the number of blocks
+/// change, all that follows is looked up: what changes so is best added last. Places once seen stay in the pattern, so
+/// that factorizations keep their symbolic analysis while contacts come and go, until many of them are empty and the
+/// pattern has to change anyway.
 class HessianEntries {
  public:
   /// Degrees of freedom from `border` on are few and couple with all others: they are kept as dense columns. All are
@@ -94,6 +96,13 @@ class HessianEntries {
     std::size_t first;   ///< of its rows, in block_rows_
     std::size_t size;
   };
+  /// A block that came where another one was expected. Its rows and entries are the next in replaced_rows_ and
+  /// replaced_entries_.
+  struct Replaced {
+    std::size_t block;  ///< index into blocks_
+    std::size_t size;
+  };
+  using Entry = std::pair<Place, double>;
 
   static std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
   /// Of unknowns, for low <= high below the border; `held` where one of the two is.
@@ -121,6 +130,10 @@ class HessianEntries {
       ++next_block_;
       return;
     }
+    if (stands_where_block_was()) {
+      replace_block(rows, size, lower);
+      return;
+    }
     note_block(rows, size);
     for (std::size_t k = 0; k < size; ++k)
       for (std::size_t l = 0; l <= k; ++l)
@@ -133,6 +146,11 @@ class HessianEntries {
     return block.cursor == cursor_ && block.size == size && cursor_ + entries_of(size) <= sequence_.size() &&
            std::equal(rows, rows + size, block_rows_.data() + block.first);
   }
+  bool stands_where_block_was() const {
+    return !diverged_ && next_block_ < blocks_.size() && blocks_[next_block_].cursor == cursor_ &&
+           cursor_ + entries_of(blocks_[next_block_].size) <= sequence_.size();
+  }
+  void replace_block(const std::int32_t* rows, std::size_t size, const double* lower);
   void note_block(const std::int32_t* rows, std::size_t size);
   void drop_blocks();
   void require_border(Eigen::Index high) {
@@ -140,8 +158,12 @@ class HessianEntries {
   }
   void grow_border(Eigen::Index high);
   Eigen::Index core_size() const;
+  /// The index into pattern_ of a place, or of the one before which it would stand.
+  std::size_t find(Place place) const;
   std::uint32_t slot_of(Place place) const;
+  void index_columns();
   void learn();
+  void put_in_sequence();
   bool add_to_pattern();
   void forget_unfilled();
   void look_for_stop() const {
@@ -155,12 +177,16 @@ class HessianEntries {
   std::vector<Place> sequence_;       ///< places in the order in which they were added last
   std::vector<std::uint32_t> slots_;  ///< for each of them the index into values_
   std::size_t cursor_ = 0;
-  std::vector<Place> pattern_;  ///< places, sorted, without repetition
+  std::vector<Place> pattern_;                ///< places, sorted, without repetition
+  std::vector<std::size_t> column_begin_{0};  ///< of each column in pattern_, and its end
   /// One for each place of the pattern, after the first, which receives what is dropped.
   std::vector<double> values_{0};
   const CancellationToken* cancellation_ = nullptr;
   bool diverged_ = false;  ///< this time the sequence is another from cursor_ on
-  std::vector<std::pair<Place, double>> unexpected_;
+  std::vector<Entry> unexpected_;
+  std::vector<Replaced> replaced_;  ///< by ascending blocks, all before the sequence diverged
+  std::vector<std::int32_t> replaced_rows_;
+  std::vector<Entry> replaced_entries_;
   std::vector<Block> blocks_;  ///< those of the sequence
   std::vector<std::int32_t> block_rows_;
   std::size_t next_block_ = 0;
