@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from harness import BUILD, CLI, ROOT, SERVER, ServerProcess  # noqa: E402
-from pages import NOT_YET, RUN, blocks_of  # noqa: E402
+from pages import RUN, blocks_of  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -34,5 +34,3 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
     terminalreporter.write_line(f"{len(blocks)} blocks of code on {len(RUN)} pages, {len(left_out)} of them are not run:")
     for block in left_out:
         terminalreporter.write_line(f"  {block.place}: {block.not_run}")
-    for page, reason in NOT_YET.items():
-        terminalreporter.write_line(f"  {page}: {reason}")

@@ -17,10 +17,8 @@ LINKED = sorted(path.relative_to(ROOT).as_posix() for folder in ("", "docs", "do
                 for path in (ROOT / folder).glob("*.md"))
 #: Pages that people write, whose words are spelt. Pages under docs/bench are written by programs, and so are models' cards.
 WRITTEN = [page for page in LINKED if not page.startswith(("docs/bench/", "models/ih")) and page != "CHANGELOG.md"]
-#: Pages whose blocks are not run yet, and why.
-NOT_YET = {"docs/voronoi.md": "its blocks need a mesh of the reader's own and a job that is running"}
 #: Pages whose blocks of code are run. The clients' own pages have tests beside the clients.
-RUN = [page for page in WRITTEN if (page.startswith("docs/") or "/" not in page or page == "deploy/README.md") and page not in NOT_YET]
+RUN = [page for page in WRITTEN if (page.startswith("docs/") or "/" not in page or page == "deploy/README.md")]
 
 
 @dataclass
