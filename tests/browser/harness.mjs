@@ -78,8 +78,11 @@ class Server {
   }
 }
 
-/** WebGL is computed by the processor, which makes all pictures slow: only for what needs it. */
-const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+/**
+ * WebGL is computed by the processor here. The rest of a page is drawn without it, in half the time: Debian's Chromium would
+ * have the emulated device draw that too. Its pictures are still put together there, for to read each one back takes longer.
+ */
+const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"];
 
 function launch({ webgl = false } = {}) {
   return chromium.launch({
@@ -176,6 +179,18 @@ export async function announcements(page) {
     new MutationObserver(() => window.heard.push(region.textContent)).observe(region, { childList: true, characterData: true, subtree: true });
   });
   return () => page.evaluate(() => window.heard);
+}
+
+/** From now on keeps what the first element of a kind says, however soon it says something else; calling the result gives all of it. */
+export async function wordsOf(page, selector) {
+  await page.evaluate((wanted) => {
+    window.said = [];
+    new MutationObserver(() => {
+      const words = document.querySelector(wanted)?.textContent;
+      if (words && words !== window.said.at(-1)) window.said.push(words);
+    }).observe(document.body, { childList: true, characterData: true, subtree: true });
+  }, selector);
+  return () => page.evaluate(() => window.said);
 }
 
 /** Waits until check() gives something true, and returns it. */
