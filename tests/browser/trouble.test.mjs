@@ -108,13 +108,25 @@ describe("a connection that is lost", () => {
     await closePage(page);
   });
 
-  it("at the start is waited for", async () => {
+  it("at the start is waited for, and so is a server that is there but has not begun to serve", async () => {
     const page = await openPage(browser, "about:blank");
-    let gone = true;
-    for (const pattern of ["**/v1/**", "**/healthz"]) await page.route(pattern, (route) => (gone ? route.abort() : route.continue()));
+    const notReady = { type: "urn:supple:error:server.not_ready", title: "Not ready", status: 503, detail: "The server is starting.", code: "server.not_ready" };
+    let phase = "gone";
+    let refused = 0;
+    for (const pattern of ["**/v1/**", "**/readyz"]) {
+      await page.route(pattern, (route) => {
+        if (phase === "gone") return route.abort();
+        if (phase === "there") return route.continue();
+        ++refused;
+        return route.fulfill({ status: 503, contentType: "application/problem+json", body: JSON.stringify(notReady) });
+      });
+    }
     await page.goto(server.url);
     await page.locator(".lost").getByText("The server does not answer").waitFor();
-    gone = false;
+    phase = "starting";
+    await until(() => refused > 0, "a question to the server that starts");
+    assert.ok(await page.locator(".lost").isVisible(), "it does not serve yet");
+    phase = "there";
     await new DesignPage(page).settled();
     assert.equal(await page.locator(".lost").isVisible(), false);
     await closePage(page);

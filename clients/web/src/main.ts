@@ -5,7 +5,7 @@ import { liveRegion } from "./base/announce";
 import { startTheme } from "./base/theme";
 import { Bills } from "./base/bills";
 import { BillMenu } from "./bill_menu";
-import { Client } from "./contract/client";
+import { Client, isServing } from "./contract/client";
 import { Connection } from "./contract/connection";
 import { frame } from "./frame";
 import type { Page } from "./page";
@@ -13,13 +13,7 @@ import { type PageEntry, PAGES } from "./pages";
 
 startTheme();
 
-const connection = new Connection(async () => {
-  try {
-    return (await fetch("/healthz", { cache: "no-store" })).ok;
-  } catch {
-    return false;
-  }
-});
+const connection = new Connection(isServing);
 const account = new Account();
 const bill = new BillMenu();
 const { element, main, select } = frame(connection, account.element, bill.element);

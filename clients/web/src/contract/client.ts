@@ -38,10 +38,24 @@ export interface CallOptions {
   headers?: Record<string, string>;
 }
 
+/** Codes of a server that is there but does not serve yet, or no more: it will, and is waited for as one that is not there. */
+const NOT_SERVING: ReadonlySet<string> = new Set(["server.not_ready", "server.shutting_down"]);
+
 async function problemOf(response: Response): Promise<Error> {
   const type = response.headers.get("Content-Type") ?? "";
   if (!type.startsWith("application/problem+json")) return new ConnectionLost(); // a proxy's words, not the server's
-  return new Problem((await response.json()) as ProblemDocument);
+  const document = (await response.json()) as ProblemDocument;
+  return NOT_SERVING.has(document.code) ? new ConnectionLost() : new Problem(document);
+}
+
+/** Whether there is a server and it has begun to serve. What else troubles it, it says itself to whoever asks for more. */
+export async function isServing(): Promise<boolean> {
+  try {
+    await new Client().send("GET", "/readyz");
+    return true;
+  } catch (error) {
+    return error instanceof Problem;
+  }
 }
 
 export class Client {
