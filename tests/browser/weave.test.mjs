@@ -182,6 +182,7 @@ describe("strands of one's own", () => {
     await until(async () => (await weave.crossings.count()) === 2, "the crossings of the sheet");
     await page.getByText("Only a cell that repeats has a stiffness").waitFor();
     assert.equal(await page.locator(".panel .note:visible").count(), 0);
+    await picture(page, "weave-sheet-only");
     await closePage(page);
   });
 });

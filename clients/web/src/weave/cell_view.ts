@@ -34,6 +34,9 @@ export function cellView(session: WeaveSession, deformed: DeformedCell): HTMLEle
     note.textContent = !periodic || (fault && fault === session.fault.get()) ? "" : fault || cell?.note || "";
     note.hidden = note.textContent === "";
     drawing.classList.toggle("empty", !cell);
+    element.classList.toggle("unrepeated", !periodic);
+    drawing.toggleAttribute("hidden", !periodic);
+    counts.element.hidden = !periodic;
     if (!cell || !laidOut?.layout.lattice) {
       for (const part of [rest, strands]) part.replaceChildren();
       arrow.setAttribute("d", "");
@@ -57,8 +60,9 @@ export function cellView(session: WeaveSession, deformed: DeformedCell): HTMLEle
     drawing.setAttribute("aria-label", `Deformed cells, ${sentence.toLowerCase()}`);
   }
 
+  const element = h("div", { class: "panel" }, drawing, h("div", { class: "panel-words" }, h("div", { class: "row between" }, words, counts.element), note));
   for (const part of [session.laidOut, session.fault, deformed.cell, deformed.fault, session.state]) part.watch(draw);
-  return h("div", { class: "panel" }, drawing, h("div", { class: "panel-words" }, h("div", { class: "row between" }, words, counts.element), note));
+  return element;
 }
 
 interface Block {

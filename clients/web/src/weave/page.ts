@@ -50,9 +50,9 @@ export function weavePage({ client, link }: Surroundings): Page {
       profile.element, valueTable(session), sheetCard(session, sheet)),
   );
 
-  // Only a cell that repeats has a stiffness over direction and a deformed cell.
+  // Only a cell that repeats has a stiffness over direction; of any other the cell's panel says so.
   session.state.watch((state) => {
-    profile.element.hidden = cell.hidden = !isPeriodic(state);
+    profile.element.hidden = !isPeriodic(state);
   });
 
   function toolbar(): HTMLElement {
