@@ -33,6 +33,8 @@ describe("a pattern", () => {
     await page.getByLabel("Pattern").selectOption("actuated_rings");
     await until(async () => !(await page.locator(".profile").isVisible()), "no stiffness of rings");
     assert.equal(await page.locator(".cell").isVisible(), false);
+    await until(async () => (await weave.crossings.count()) > 16, "the rings");
+    assert.equal(await page.locator(".layout .copies > *").count(), 0, "rings are drawn once");
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
     await picture(page, "weave-rings");
     await closePage(page);

@@ -54,7 +54,8 @@ export class LayoutEditor {
   private draw(): void {
     const laidOut = this.session.laidOut.get();
     const state = laidOut?.state ?? this.session.state.get();
-    const lattice = (laidOut?.layout.lattice ?? state.layout.lattice) as Lattice | null;
+    // The lattice of strands of one's own is there before they are; a pattern has its own, or none.
+    const lattice = (laidOut?.layout.lattice ?? (state.pattern === "layout" ? state.layout.lattice : null)) as Lattice | null;
     const box = pictureBox(laidOut, state, lattice);
     this.unit = Math.max(box.width, box.height);
     this.drawing.setAttribute("viewBox", `${box.x} ${-box.y - box.height} ${box.width} ${box.height}`);
