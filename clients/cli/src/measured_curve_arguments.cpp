@@ -62,9 +62,8 @@ bool is_measured(const std::string& target, bool over_directions) {
   const auto rows = parse_rows(target, is_file);
   if (rows.size() > most_control_points + 1) return true;
   // The first row may be a header.
-  return std::any_of(rows.begin() + (rows.empty() ? 0 : 1), rows.end(), [over_directions](const std::string& row) {
-    return !control_point_in(row, over_directions);
-  });
+  return std::any_of(rows.begin() + (rows.empty() ? 0 : 1), rows.end(),
+                     [over_directions](const std::string& row) { return !control_point_in(row, over_directions); });
 }
 
 nlohmann::json reduce_curve(Session& session, const std::string& file, const std::string& task,

@@ -161,7 +161,8 @@ std::string name_of_field(const std::string& pointer, const std::vector<const CL
     if (from_file) return field;
     // Entries of several options are counted together, which tells nothing of one of them.
     const bool several = known.name.find(" or ") != std::string_view::npos;
-    return std::string(known.name) + (several ? "" : place_in_value(parts, parts_of(std::string(known.pointer)).size()));
+    return std::string(known.name) +
+           (several ? "" : place_in_value(parts, parts_of(std::string(known.pointer)).size()));
   }
   for (std::size_t at = parts.size(); at-- > 0;) {
     const CLI::Option* option = option_named(command, parts[at]);
