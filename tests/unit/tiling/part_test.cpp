@@ -2,16 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
-#include <array>
+#include <Eigen/Core>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <map>
 
 #include "designs.h"
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "support/closed_stl.h"
 #include "support/expect_error.h"
 
 namespace supple::tiling {
@@ -19,6 +16,7 @@ namespace {
 
 using supple::testing::expect_error;
 using supple::testing::places;
+using supple::testing::volume_of_closed_stl;
 using testing::preset_structure;
 
 Polygon box(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
@@ -44,32 +42,6 @@ bool is_inside(const Part& part, const Eigen::Vector2d& point) {
     for (const Polygon& polygon : face) winding += winding_number(polygon, point);
   }
   return winding > 0;
-}
-
-using StlVertex = std::array<float, 3>;
-
-/// Every edge of the surface is one of exactly two triangles, in opposite directions; returns the enclosed volume.
-double volume_of_closed_stl(const std::string& stl) {
-  std::uint32_t count = 0;
-  std::memcpy(&count, stl.data() + 80, sizeof count);
-  EXPECT_EQ(stl.size(), 84 + 50 * static_cast<std::size_t>(count));
-  std::map<std::pair<StlVertex, StlVertex>, int> edges;
-  double volume = 0;
-  for (std::uint32_t t = 0; t < count; ++t) {
-    std::array<StlVertex, 3> corners;
-    std::memcpy(corners.data(), stl.data() + 84 + 50 * static_cast<std::size_t>(t) + 12, sizeof corners);
-    for (std::size_t k = 0; k < 3; ++k) ++edges[{corners[k], corners[(k + 1) % 3]}];
-    const auto vector = [](const StlVertex& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
-    volume += vector(corners[0]).dot(vector(corners[1]).cross(vector(corners[2]))) / 6;
-  }
-  for (const auto& [edge, uses] : edges) {
-    const auto opposite = edges.find({edge.second, edge.first});
-    if (uses != 1 || opposite == edges.end() || opposite->second != 1) {
-      ADD_FAILURE() << "the surface is not a closed manifold";
-      break;
-    }
-  }
-  return volume;
 }
 
 class PartsOfEveryFamily : public ::testing::TestWithParam<const char*> {};
