@@ -29,7 +29,7 @@ declare -A about=(
   [bench]="the benchmarks' short runs: that they work, not what they measure"
   [web]="the web editor: types, unit tests, build"
   [browser]="the web editor in headless Chromium against a real server"
-  [tidy]="clang-tidy"
+  [tidy]="clang-tidy, beside the parts from api on"
   [asan]="unit tests under the address and undefined-behaviour sanitizers"
   [hostile_asan]="hostile requests to a server under the address and undefined-behaviour sanitizers"
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
@@ -84,7 +84,23 @@ part_browser() {
   echo "$reached browser tests were reached"
   [ "$reached" -gt 0 ] && return $status
 }
-part_tidy() { configure_preset release && configure_preset asan-ubsan && tests/tidy.sh "$jobs"; }
+# It builds nothing: it begins with the parts that mostly wait for servers and browsers, and takes what they leave of the cores.
+begin_tidy() {
+  configure_preset release && configure_preset asan-ubsan || return 1
+  # In a process group of its own, which ends with this script.
+  set -m
+  nice -n 19 tests/tidy.sh "$jobs" >build/tidy.log 2>&1 &
+  set +m
+  tidy_process=$!
+  trap 'kill -- "-$tidy_process" 2>/dev/null' EXIT
+}
+part_tidy() {
+  [ -n "$tidy_process" ] || begin_tidy || return 1
+  local status=0
+  wait "$tidy_process" || status=1
+  cat build/tidy.log
+  return $status
+}
 part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
   ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 # Without the tests of memory: what sanitizers take for themselves is counted with it. A finding ends the server, and the
@@ -189,11 +205,13 @@ fi
 summary=()
 minutes=()
 status=0
+tidy_process=""
 if [ "$SECONDS" -gt 5 ]; then minutes+=("| packages | $(in_minutes "$SECONDS") | installs what is missing |"); fi
 for part in "${order[@]}"; do
   [[ " ${wanted[*]} " == *" $part "* ]] || continue
   printf '\n=== %s: %s\n' "$part" "${about[$part]}"
   start=$SECONDS
+  if [[ $part == api && " ${wanted[*]} " == *" tidy "* ]]; then begin_tidy; fi
   if "part_$part"; then outcome=passed; else outcome=FAILED; status=1; fi
   took=$((SECONDS - start))
   summary+=("$(printf '%-13s %-7s %5d s' "$part" "$outcome" "$took")")
