@@ -100,7 +100,7 @@ TEST(ContactBarrier, HasTheDerivativesOfItsEnergyAtTangledStates) {
   const Eigen::Matrix2d skew = (Eigen::Matrix2d() << 1, 0.7, 0.1, 1).finished();
   int across = 0;
   for (const tiling::PeriodicMesh& mesh : {testing::comb(), testing::open_ring(), testing::comb(skew)}) {
-    for (int trial = 0; trial < 2; ++trial) {
+    for (int trial = 0; trial < 3; ++trial) {
       ContactBarrier barrier(mesh, options);
       const Eigen::VectorXd x = tangle(mesh, barrier, random);
       for (const auto& [point, segment, i, j] :
