@@ -42,7 +42,7 @@ by_name_only=(hostile_asan)
 
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
-# The machines of CI start from nothing: there a dozen of a room's files are compiled at a time, which takes half of the time.
+# The machines of CI start from nothing: there a dozen of a room's files are compiled at a time, so that their headers are read once.
 all_at_once=(-DSUPPLE_UNITY_TESTS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12)
 configure_preset() {
   [ -z "${done_already[$1]:-}" ] || return 0

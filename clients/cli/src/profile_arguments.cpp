@@ -19,6 +19,9 @@ namespace {
 constexpr std::size_t fewest_columns = 2;
 constexpr std::size_t most_columns = 4;
 
+/// Whether a row begins with a word. One that begins with a number is a control point, or a mistake to be told.
+bool is_heading(const std::string& row) { return !angle_in(std::string_view(row).substr(0, row.find(','))); }
+
 }  // namespace
 
 std::optional<std::vector<double>> control_point_in(const std::string& row, bool over_directions) {
@@ -72,7 +75,7 @@ nlohmann::json parse_target(const std::string& argument, bool over_directions) {
   std::vector<std::vector<double>> points;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     auto numbers = control_point_in(rows[i], over_directions);
-    if (!numbers && is_file && i == 0) continue;
+    if (!numbers && is_file && i == 0 && is_heading(rows[i])) continue;
     if (!numbers) {
       throw Failure(is_file ? ExitCode::local_file : ExitCode::usage,
                     fmt::format("'{}' is no control point: write x,y for each, perhaps x,y,weight or x,y,weight,band; "
