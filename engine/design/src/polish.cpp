@@ -190,11 +190,13 @@ class Polish {
     Descent descent;
     descent.best = from;
     descent.slope = Eigen::MatrixXd::Zero(from.simulated.size(), model_.width().size());
-    descent.first_round = result_.rounds.size();
-    descent.deviation_at_first_round = from.deviation;
+    begin_turn(descent);
     while (true) {
       if (const auto stop = stop_reached()) return stop;
-      if (turn_is_over(descent)) return std::nullopt;
+      if (turn_is_over(descent)) {
+        if (descent.best.deviation > slow_share * descent.deviation_at_first_round) return std::nullopt;
+        begin_turn(descent);
+      }
       const CorrectedModel::Step step =
           model_.step_within(around_best(descent), descent.radius, execution_.cancellation);
       const bool promising =
@@ -209,14 +211,15 @@ class Polish {
     }
   }
 
-  /// Half of all rounds are kept for other starts, unless those before have brought this one far.
-  bool turn_is_over(Descent& descent) const {
-    const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
-    if (spent <= std::max(least_rounds, options_.max_rounds / 2)) return false;
-    if (descent.best.deviation > slow_share * descent.deviation_at_first_round) return true;
+  void begin_turn(Descent& descent) const {
     descent.first_round = result_.rounds.size();
     descent.deviation_at_first_round = descent.best.deviation;
-    return false;
+  }
+
+  /// Half of all rounds are kept for other starts, unless those of this turn have brought it far.
+  bool turn_is_over(const Descent& descent) const {
+    const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
+    return spent > std::max(least_rounds, options_.max_rounds / 2);
   }
 
   void try_step(Descent& descent, const CorrectedModel::Step& step) {
@@ -272,8 +275,6 @@ class Polish {
       learn(descent, known);
       if (known.deviation < least.deviation) least = known;
     }
-    // A probe that is a better design is another place, around which nothing was probed yet.
-    descent.probed = least.deviation >= from.deviation;
     descent.best = least;
     descent.radius = probed_radius;
     descent.rejected = 0;
