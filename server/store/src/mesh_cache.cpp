@@ -1,6 +1,5 @@
 #include "supple/store/mesh_cache.h"
 
-#include <chrono>
 #include <limits>
 
 #include "supple/surface/mesh_io.h"
@@ -10,14 +9,6 @@ namespace {
 
 /// Mesh (150), solver (250) and two pooled searches (60 each), see their headers; with room for the vectors' slack.
 constexpr std::int64_t bytes_per_face = 700;
-
-/// Locks the mutex, unless a stop is requested meanwhile: then it throws.
-std::unique_lock<std::timed_mutex> lock_stoppably(std::timed_mutex& mutex, const CancellationToken& cancellation) {
-  constexpr std::chrono::milliseconds look_at_token{10};  // a token wakes nobody
-  std::unique_lock lock(mutex, std::defer_lock);
-  while (!lock.try_lock_for(look_at_token)) cancellation.throw_if_requested();
-  return lock;
-}
 
 }  // namespace
 

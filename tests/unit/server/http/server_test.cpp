@@ -114,7 +114,7 @@ class HttpServerTest : public testing::Test {
       const auto read = [this, broken](std::uint64_t offset, char* to, std::size_t count) {
         if (broken && offset > length_of_pieces / 2) throw std::runtime_error("the disk");
         ++pieces_;
-        largest_piece_ = std::max(largest_piece_, count);
+        largest_piece_ = std::max(largest_piece_.load(), count);
         for (std::size_t i = 0; i < count; ++i) {
           const auto left = length_of_pieces - offset - i;
           to[i] = left > 4 ? letter(offset + i) : "end!"[4 - left];
@@ -189,7 +189,7 @@ class HttpServerTest : public testing::Test {
   int port_ = 0;
   std::thread thread_;
   std::atomic<int> pieces_ = 0;
-  std::size_t largest_piece_ = 0;  // of one answer at a time
+  std::atomic<std::size_t> largest_piece_ = 0;  // of one answer at a time
   std::atomic<int> slow_{0};
   std::atomic<int> hung_up_{0};
   std::atomic<int> observed_{0};

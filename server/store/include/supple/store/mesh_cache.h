@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "supple/base/execution.h"
+#include "supple/store/stoppable_mutex.h"
 #include "supple/store/store.h"
 #include "supple/surface/geodesic_solver.h"
 
@@ -39,7 +40,7 @@ class LoadedMesh {
   void make_solver(const Execution& execution) const;
 
   const std::shared_ptr<const surface::TriangleMesh> mesh_;
-  mutable std::timed_mutex making_;
+  mutable StoppableMutex making_;
   mutable std::atomic<bool> is_made_{false};
   mutable std::optional<surface::GeodesicSolver> solver_;
 };
@@ -70,7 +71,7 @@ class MeshCache {
 
  private:
   struct Entry {
-    std::timed_mutex loading;
+    StoppableMutex loading;
     std::shared_ptr<const LoadedMesh> mesh;
     std::int64_t bytes = 0;
     std::list<std::string>::iterator place;
