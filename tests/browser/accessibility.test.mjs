@@ -60,6 +60,13 @@ describe("the rules of accessibility", () => {
     await page.getByRole("button", { name: "Simulate" }).click();
     await page.locator(".sheet .facts").waitFor();
     assert.deepEqual(await violationsInBothColours(page, "weave"), []);
+    await page.getByLabel("Pattern").selectOption("regular");
+    await openPrint(page);
+    assert.deepEqual(await violationsInBothColours(page, "print"), []);
+    await page.getByLabel("Bed along x, mm", { exact: true }).fill("1");
+    await page.keyboard.press("Tab");
+    await page.locator(".print .fault:visible").waitFor();
+    assert.deepEqual(await violationsInBothColours(page), []);
     await closePage(page);
   });
 
@@ -88,6 +95,13 @@ describe("the rules of accessibility", () => {
     await closePage(page);
   });
 });
+
+/** The dialog of a print with all of its settings in sight. */
+async function openPrint(page) {
+  await page.getByRole("button", { name: "Print", exact: true }).click();
+  await page.locator(".print .facts dd").first().waitFor();
+  for (const group of await page.locator(".print .more summary").all()) await group.click();
+}
 
 /** A Voronoi diagram with a chosen site and all that can be set of it in sight. */
 async function scatteredSites(options) {
@@ -125,6 +139,10 @@ describe("on a small screen, where nothing is wider than it, the rules are kept"
     assert.deepEqual(await violations(page), []);
     await isAsWideAsTheScreen(page);
     await picture(page, "weave-small");
+    await openPrint(page);
+    assert.deepEqual(await violations(page), []);
+    await isAsWideAsTheScreen(page);
+    await picture(page, "print-small");
     await closePage(page);
   });
 

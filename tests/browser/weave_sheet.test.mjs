@@ -36,18 +36,6 @@ describe("a sheet under load", () => {
     await closePage(page);
   });
 
-  it("is printed: its G-code is saved, and what the checker says of it is shown", async () => {
-    const weave = await WeavePage.open(browser, server.url, "pattern=regular&type=2&pitch=4&radius=0.25&strain=0.1&sheet=2,2,shear,0.3");
-    const { page } = weave;
-    const { name, text } = await saved(page, () => weave.button("G-code").click());
-    assert.equal(name, "regular-sheet.gcode");
-    assert.match(text, /^G1 .*E/m);
-    assert.ok(!text.includes("strand strand"), "each strand is named once");
-    await page.locator(".sheet .note.good", { hasText: /16 channels.*The checker finds nothing wrong/ }).waitFor();
-    await weave.settled();
-    await closePage(page);
-  });
-
   it("of strands that were drawn is tiled from their cell", async () => {
     const weave = await WeavePage.open(browser, server.url);
     const { page } = weave;

@@ -61,5 +61,7 @@ export type WeaveHomogenizationRequest = Schemas["WeaveHomogenizationRequest"];
 export type WeaveHomogenization = Schemas["WeaveHomogenizationResponse"];
 export type WeaveSimulationRequest = Schemas["WeaveSimulationRequest"];
 export type WeaveSimulation = Schemas["WeaveSimulationResponse"];
+export type WeaveToolpathRequest = Schemas["WeaveToolpathRequest"];
 export type WeaveToolpath = Schemas["WeaveToolpathResponse"];
+export type PrintMove = Schemas["PrintMove"];
 export type WeaveEquilibrium = Schemas["WeaveState"];

@@ -21,7 +21,8 @@ interface Group {
   readonly entries: readonly Entry[];
 }
 
-export function exportMenu(session: WeaveSession, card: ProfileCard, client: Client): HTMLElement {
+/** `print` opens what is to be seen before a sheet is printed. */
+export function exportMenu(session: WeaveSession, card: ProfileCard, client: Client, print: () => void): HTMLElement {
   const name = (what: string) => `${session.state.get().pattern.replace(/_/g, "-")}-${what}`;
   const groups: readonly Group[] = [
     {
@@ -29,6 +30,7 @@ export function exportMenu(session: WeaveSession, card: ProfileCard, client: Cli
       entries: [
         { words: "Drawing (SVG)", save: saveDrawing },
         { words: "Request (JSON)", save: saveRequest },
+        { words: "Sheet to print (G-code)", save: print },
       ],
     },
     {

@@ -14,6 +14,8 @@ import { LayoutEditor } from "./layout_editor";
 import { isShareable, readLink, writeLink } from "./link";
 import { pinList } from "./pin_list";
 import { Pins } from "./pins";
+import { printDialog } from "./print_dialog";
+import { PrintSession } from "./print_session";
 import { ProfileCard } from "./profile_card";
 import { WeaveSession } from "./session";
 import { sheetCard } from "./sheet_card";
@@ -30,6 +32,8 @@ export function weavePage({ client, link }: Surroundings): Page {
   const session = new WeaveSession(client);
   const deformed = new DeformedCell(session, client);
   const sheet = new SheetSession(session, client);
+  const print = new PrintSession(session, client);
+  const dialog = printDialog(print, () => session.state.get().pattern.replace(/_/g, "-"));
   const pins = new Pins(session);
   const draft = new Draft(session);
   const editor = new LayoutEditor(session, draft);
@@ -47,7 +51,8 @@ export function weavePage({ client, link }: Surroundings): Page {
     h("div", { class: "column left" }, weaveControls(session), strandPanel(session, draft), pinList(pins)),
     h("div", { class: "column" },
       h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(), h("div", { class: "panels" }, editor.element, cell)),
-      profile.element, valueTable(session), sheetCard(session, sheet)),
+      profile.element, valueTable(session), sheetCard(session, sheet, dialog.open)),
+    dialog.element,
   );
 
   // Only a cell that repeats has a stiffness over direction; of any other the cell's panel says so.
@@ -68,7 +73,7 @@ export function weavePage({ client, link }: Surroundings): Page {
     });
     session.state.watch((state) => (reset.disabled = state.overrides.length === 0));
     session.profile.watch((shown) => (pin.disabled = !shown));
-    return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share, exportMenu(session, profile, client));
+    return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share, exportMenu(session, profile, client, dialog.open));
   }
 
   const linkLater = late(writeNow, LINK_PAUSE_MS);
@@ -102,9 +107,11 @@ export function weavePage({ client, link }: Surroundings): Page {
     close() {
       document.removeEventListener("keydown", keys);
       linkLater.cancel();
+      if (dialog.element.open) dialog.element.close();
     },
     reconnected() {
       if (!started) return;
+      print.retry();
       session.retry();
       deformed.retry();
     },

@@ -5,21 +5,21 @@ import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { digits, percent, seconds } from "../base/format";
 import { Working } from "../base/working";
-import type { WeaveToolpath } from "../contract/types";
 import { STOP_WORDS } from "./profile";
 import type { WeaveSession } from "./session";
 import { LOAD_WORDS, pullOf } from "./sheet";
+import { unknownWords } from "./sheet_layout";
 import { sheetKey, type SheetResult, type SheetSession } from "./sheet_session";
 import { type Lines, SheetViewer } from "./sheet_viewer";
 import { isPeriodic, type LoadKind, MOST_AMOUNT, MOST_CELLS, type SheetState } from "./state";
 import type { Vector } from "./tubes";
 
-export function sheetCard(session: WeaveSession, sheet: SheetSession): HTMLElement {
+/** `print` opens what is to be seen before the sheet is printed. */
+export function sheetCard(session: WeaveSession, sheet: SheetSession, print: () => void): HTMLElement {
   const body = h("div", { class: "sheet-body", hidden: true });
   const stale = h("p", { class: "note", hidden: true }, "The weave or its load has changed since: simulate again.");
   const status = h("div", { class: "status" });
   const working = new Working("Progress of the simulation", () => sheet.cancel());
-  const printed = h("p", { class: "note", hidden: true });
   let view: SheetView | null = null;
 
   sheet.result.watch((result) => {
@@ -43,10 +43,10 @@ export function sheetCard(session: WeaveSession, sheet: SheetSession): HTMLEleme
     }
     working.show(status, activity.words, activity.progress);
   });
-  return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, printed), status, printed, stale, body);
+  return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, print), status, stale, body);
 }
 
-function sheetControls(session: WeaveSession, sheet: SheetSession, printed: HTMLElement): HTMLElement {
+function sheetControls(session: WeaveSession, sheet: SheetSession, openPrint: () => void): HTMLElement {
   const change = (values: Partial<SheetState>, done: boolean) => {
     session.preview({ sheet: { ...session.state.get().sheet, ...values } });
     if (done) session.finish();
@@ -61,15 +61,7 @@ function sheetControls(session: WeaveSession, sheet: SheetSession, printed: HTML
     changed: (value, done) => change({ amount: value }, done),
   });
   const run = button("Simulate", () => void sheet.run(), { kind: "primary" });
-  const print = button("G-code", () => void sheet.print(save), { icon: "download", title: "Print the sheet: save its G-code" });
-  function save({ gcode = "", statistics, check }: WeaveToolpath): void {
-    download(`${session.state.get().pattern.replace(/_/g, "-")}-sheet.gcode`, "text/x-gcode", gcode);
-    const found = check.violation_count === 0 ? "The checker finds nothing wrong." : `The checker objects ${check.violation_count} times, first: ${check.violations[0].message}.`;
-    printed.textContent = `Saved: ${statistics.channels} channels, ${digits(statistics.filament)} mm of filament, ${digits(statistics.minutes)} minutes. ${found}`;
-    printed.className = check.violation_count === 0 ? "note good" : "note";
-    printed.hidden = false;
-    announce(printed.textContent);
-  }
+  const print = button("Print", openPrint, { icon: "printer", title: "See how the sheet is printed, and save its G-code" });
   let kinds = "";
   session.state.watch((state) => {
     const offered: LoadKind[] = state.pattern === "actuated_rings" ? ["push"] : ["stretch_x", "stretch_y", "shear"];
@@ -79,7 +71,6 @@ function sheetControls(session: WeaveSession, sheet: SheetSession, printed: HTML
     columns.value = state.sheet.columns;
     rows.value = state.sheet.rows;
     amount.value = state.sheet.amount;
-    printed.hidden = true;
     columns.element.hidden = rows.element.hidden = !isPeriodic(state);
   });
   session.laidOut.watch((laidOut) => (run.disabled = print.disabled = !laidOut));
@@ -169,8 +160,6 @@ function makeViewer(): SheetViewer | null {
   }
 }
 
-function notesOf({ answer, layout, unknown }: SheetResult): string[] {
-  const words = answer.message ? [answer.message] : [];
-  if (unknown > 0) words.push(`${unknown} of ${layout.crossings.length} crossings of the sheet are none of the cell’s: they stay as they were found.`);
-  return words;
+function notesOf(result: SheetResult): string[] {
+  return [result.answer.message, unknownWords(result)].filter((words) => words !== "");
 }

@@ -2,10 +2,11 @@
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { WeaveLayout, WeaveSimulation, WeaveSimulationRequest, WeaveToolpath } from "../contract/types";
+import type { WeaveLayout, WeaveSimulation, WeaveSimulationRequest } from "../contract/types";
 import { layoutRequest } from "./requests";
 import type { WeaveSession } from "./session";
-import { sheetOverrides, sheetWeave, simulationRequest } from "./sheet";
+import { simulationRequest } from "./sheet";
+import { laySheet } from "./sheet_layout";
 import { isPeriodic, type WeaveState } from "./state";
 
 export interface SheetResult {
@@ -39,7 +40,8 @@ export class SheetSession {
   run(): Promise<void> {
     return this.attempt("Laying out the sheet", async (signal) => {
       const state = this.session.state.get();
-      const { request, layout, unknown } = await this.prepare(state, signal);
+      const { weave, layout, unknown } = await laySheet(this.client, state, signal);
+      const request = simulationRequest(state, weave, layout);
       const answer = await this.simulate(request, "Simulating", signal);
       if (!signal.aborted) this.result.set({ state, request, layout, answer, unknown });
     });
@@ -56,37 +58,14 @@ export class SheetSession {
     });
   }
 
-  /** How the sheet is printed, as G-code that its checker has read. */
-  print(take: (toolpath: WeaveToolpath) => void): Promise<void> {
-    return this.attempt("Laying out the sheet", async (signal) => {
-      const { request } = await this.prepare(this.session.state.get(), signal);
-      const toolpath = await this.compute<WeaveToolpath>("/v1/weave-toolpaths", { weave: request.weave }, "Planning the print", signal);
-      if (!signal.aborted) take(toolpath);
-    });
-  }
-
   cancel(): void {
     this.running?.abort();
     this.running = null;
     this.activity.set({ kind: "idle" });
   }
 
-  private async prepare(state: WeaveState, signal: AbortSignal): Promise<Pick<SheetResult, "request" | "layout" | "unknown">> {
-    const lay = (weave: unknown) => this.client.post<WeaveLayout>("/v1/weave-layouts", { weave }, { signal });
-    const weave = sheetWeave(state);
-    const layout = await lay(weave);
-    if (!isPeriodic(state)) return { request: simulationRequest(state, weave, layout), layout, unknown: 0 };
-    const { overrides, unknown } = sheetOverrides(await lay(layoutRequest(state).weave), layout);
-    const connected = overrides.length > 0 ? { ...weave, overrides } : weave;
-    return { request: simulationRequest(state, connected, layout), layout, unknown };
-  }
-
   private simulate(request: WeaveSimulationRequest, words: string, signal: AbortSignal): Promise<WeaveSimulation> {
-    return this.compute<WeaveSimulation>("/v1/weave-simulations", request, words, signal);
-  }
-
-  private compute<Answer>(path: string, request: unknown, words: string, signal: AbortSignal): Promise<Answer> {
-    return runJob<Answer>(this.client, path, request, {
+    return runJob<WeaveSimulation>(this.client, "/v1/weave-simulations", request, {
       signal,
       onProgress: (job) => {
         if (!signal.aborted) this.activity.set({ kind: "busy", words: job.stage ? `${words}: ${job.stage}` : words, progress: job.progress });

@@ -1,0 +1,171 @@
+// What can be set of a print: the printer's profile and how the sheet lies on the bed. Each field is a place in the request,
+// by its JSON pointer, so that what the server says of a place is shown at its field.
+import type { Weave, WeaveToolpathRequest } from "../contract/types";
+
+export type Value = number | string | boolean | null;
+/** By pointer; null is left to the server. */
+export type PrintSettings = Readonly<Record<string, Value>>;
+
+export interface Field {
+  readonly pointer: string;
+  readonly words: string;
+  readonly unit?: string;
+  readonly initial: Value;
+  readonly kind: "number" | "text" | "lines" | "switch" | "choice";
+  readonly choices?: readonly (readonly [value: string, words: string])[];
+}
+
+export interface FieldGroup {
+  readonly title: string;
+  readonly fields: readonly Field[];
+  /** What is set seldom is in sight once it is opened. */
+  readonly seldom: boolean;
+}
+
+const number = (pointer: string, words: string, initial: number | null, unit?: string): Field => ({ pointer, words, initial, unit, kind: "number" });
+
+export const PRINT_FIELDS: readonly FieldGroup[] = [
+  {
+    title: "Printer", seldom: false,
+    fields: [
+      { pointer: "/printer/name", words: "Name of the profile", initial: "Prusa i3 MK3S, PLA", kind: "text" },
+      number("/printer/bed/0", "Bed along x", 250, "mm"), number("/printer/bed/1", "Bed along y", 210, "mm"), number("/printer/bed/2", "Height", 210, "mm"),
+      number("/printer/nozzle_diameter", "Nozzle", 0.4, "mm"), number("/printer/filament_diameter", "Filament", 1.75, "mm"),
+    ],
+  },
+  {
+    title: "Temperatures", seldom: false,
+    fields: [number("/printer/nozzle_temperature", "Nozzle", 180, "°C"), number("/printer/bed_temperature", "Bed", 60, "°C")],
+  },
+  {
+    title: "Sheet on the bed", seldom: false,
+    fields: [
+      number("/overrun/start", "Overrun at starts", 0, "mm"), number("/overrun/end", "Overrun at ends", 0, "mm"),
+      number("/loop_overlap", "Overlap of loops", 0, "mm"),
+      { pointer: "/frame", words: "Frame around the sheet", initial: false, kind: "switch" },
+      number("/frame/margin", "Distance of the frame", 0, "mm"), number("/frame/lead_in", "Lead-in of the frame", 0, "mm"),
+    ],
+  },
+  {
+    title: "Speeds", seldom: true,
+    fields: [
+      number("/printer/strand_speed", "On the bed", 600, "mm/min"), number("/printer/lifted_speed", "Lifted parts", 600, "mm/min"),
+      number("/printer/channel_speed", "Channels", 300, "mm/min"), number("/printer/travel_speed", "Travels", 3000, "mm/min"),
+      number("/printer/retraction_speed", "Retraction", 2100, "mm/min"), number("/printer/retraction", "Retracted by", 0.4, "mm"),
+    ],
+  },
+  {
+    title: "Beads and heights", seldom: true,
+    fields: [
+      number("/printer/strand_height", "Nozzle over the bed", 0.5, "mm"), number("/printer/travel_clearance", "Travels over the print", 1, "mm"),
+      number("/printer/strand_width", "Width of a frame", 0.5, "mm"), number("/printer/bead_area", "Area of a bead", null, "mm²"),
+      number("/printer/lifted_flow", "Flow of lifted parts", 1), number("/printer/channel_flow", "Flow of channels", 0.5),
+    ],
+  },
+  {
+    title: "Lifts over strands", seldom: true,
+    fields: [
+      number("/printer/lift/height", "Height over a strand", 0.75, "mm"), number("/printer/lift/top", "Fully up within", 0.75, "mm"),
+      number("/printer/lift/run", "Begins to rise at", 2, "mm"), number("/printer/lift/bridge", "Stays up for less than", 2.5, "mm"),
+    ],
+  },
+  {
+    title: "Channels", seldom: true,
+    fields: [
+      { pointer: "/printer/channel/shape", words: "Shape", initial: "triangle", kind: "choice", choices: [["triangle", "Triangle"], ["arc", "Arc"]] },
+      number("/printer/channel/half_width", "First foot to crossing", 1.2, "mm"), number("/printer/channel/longer", "Second half longer by", 0.2),
+      number("/printer/channel/apex", "Apex over the feet", 1.75, "mm"),
+    ],
+  },
+  {
+    title: "G-code of your own", seldom: true,
+    fields: [
+      { pointer: "/printer/startup_gcode", words: "After heating and homing", initial: "", kind: "lines" },
+      { pointer: "/printer/footer_gcode", words: "Before the heaters are switched off", initial: "", kind: "lines" },
+    ],
+  },
+];
+
+const ALL_FIELDS = PRINT_FIELDS.flatMap((group) => group.fields);
+export const DEFAULT_SETTINGS: PrintSettings = Object.fromEntries(ALL_FIELDS.map(({ pointer, initial }) => [pointer, initial]));
+
+type Document = { [name: string]: unknown };
+
+/** What is asked of the server, all of the settings in it: an equal request has an equal answer, whatever its defaults are. */
+export function toolpathRequest(weave: Weave, settings: PrintSettings, include: WeaveToolpathRequest["include"]): WeaveToolpathRequest {
+  const request: Document = { weave };
+  for (const { pointer } of ALL_FIELDS) {
+    const value = settings[pointer];
+    // Whether there is a frame is no place of the request.
+    if (value === null || typeof value === "boolean" || (pointer.startsWith("/frame/") && settings["/frame"] !== true)) continue;
+    put(request, pointer, value);
+  }
+  return { ...request, include } as unknown as WeaveToolpathRequest;
+}
+
+function put(document: Document, pointer: string, value: Value): void {
+  const names = pointer.slice(1).split("/");
+  let place = document;
+  names.slice(0, -1).forEach((name, k) => {
+    place[name] ??= /^\d+$/.test(names[k + 1]) ? [] : {};
+    place = place[name] as Document;
+  });
+  place[names[names.length - 1]] = value;
+}
+
+/** The printer as a file, such as `supple weave print --profile` takes. */
+export function profileText(settings: PrintSettings): string {
+  const { printer } = toolpathRequest({} as Weave, settings, []);
+  return `${JSON.stringify(printer, null, 2)}\n`;
+}
+
+/** Settings with the printer of a file; what the file leaves out is as it was to begin with. Throws a sentence where it is none. */
+export function withProfile(settings: PrintSettings, text: string): PrintSettings {
+  let printer: unknown;
+  try {
+    printer = JSON.parse(text);
+  } catch {
+    throw new Error("The file is no JSON.");
+  }
+  if (!isDocument(printer)) throw new Error("The file is no printer: an object such as {\"nozzle_temperature\": 200} is.");
+  const others = Object.entries(settings).filter(([pointer]) => !pointer.startsWith("/printer/"));
+  const found = { ...DEFAULT_SETTINGS, ...Object.fromEntries(others) };
+  take(printer, "/printer", found);
+  return found;
+}
+
+function take(document: Document, pointer: string, into: Record<string, Value>): void {
+  for (const [name, value] of Object.entries(document)) {
+    const place = `${pointer}/${name}`;
+    const field = ALL_FIELDS.find((one) => one.pointer === place);
+    if (field && isValueOf(field, value)) into[place] = value;
+    else if (!field && typeof value === "object" && value !== null && ALL_FIELDS.some((one) => one.pointer.startsWith(`${place}/`))) take(value as Document, place, into);
+    else throw new Error(field ? `The file has no ${field.kind === "number" ? "number" : "text"} at ${place}.` : `A printer has no ${place}.`);
+  }
+}
+
+function isDocument(value: unknown): value is Document {
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+function isValueOf({ kind, choices, initial }: Field, value: unknown): value is Value {
+  if (kind === "number") return (typeof value === "number" && Number.isFinite(value)) || (value === null && initial === null);
+  if (kind === "switch") return typeof value === "boolean";
+  return typeof value === "string" && (!choices || choices.some(([choice]) => choice === value));
+}
+
+/** Settings that a browser has kept; the first ones for whatever is no setting, as another version may have kept it. */
+export function keptSettings(text: string | null): PrintSettings {
+  try {
+    const kept: unknown = JSON.parse(text ?? "{}");
+    const known = ALL_FIELDS.filter((field) => isDocument(kept) && isValueOf(field, kept[field.pointer]));
+    return { ...DEFAULT_SETTINGS, ...Object.fromEntries(known.map(({ pointer }) => [pointer, (kept as Document)[pointer] as Value])) };
+  } catch {
+    return DEFAULT_SETTINGS;
+  }
+}
+
+/** Fields that a place of a problem means: the field itself, what lies below it, or what it lies in. */
+export function fieldsAt(pointer: string): readonly Field[] {
+  return ALL_FIELDS.filter((field) => field.pointer === pointer || field.pointer.startsWith(`${pointer}/`) || pointer.startsWith(`${field.pointer}/`)).filter((field) => pointer.length > 1 && field.kind !== "switch");
+}

@@ -1,0 +1,104 @@
+// The printer's settings as fields, each with what the server says of it.
+import { button, Checkbox, Select } from "../base/controls";
+import { h, replace, uniqueId } from "../base/dom";
+import { download } from "../base/download";
+import type { PrintSession } from "./print_session";
+import { type Field, type FieldGroup, fieldsAt, PRINT_FIELDS, profileText, type Value } from "./printer";
+
+interface Row {
+  readonly element: HTMLElement;
+  /** Shows the value that is used. */
+  readonly show: (value: Value) => void;
+  readonly tell: (words: readonly string[]) => void;
+}
+
+export function printerForm(print: PrintSession): HTMLElement {
+  const rows = new Map<string, Row>();
+
+  function group({ title, fields, seldom }: FieldGroup): HTMLElement {
+    const body = h("div", { class: "print-fields" }, ...fields.map((field) => {
+      const row = rowOf(print, field);
+      rows.set(field.pointer, row);
+      return row.element;
+    }));
+    return seldom
+      ? h("details", { class: "more" }, h("summary", {}, title), body)
+      : h("fieldset", { class: "print-group" }, h("legend", {}, title), body);
+  }
+
+  const element = h("div", { class: "printer-form" }, profileFiles(print), ...PRINT_FIELDS.map(group));
+
+  print.settings.watch((settings) => {
+    for (const [pointer, row] of rows) row.show(settings[pointer]);
+    for (const [pointer, row] of rows) if (pointer.startsWith("/frame/")) row.element.hidden = settings["/frame"] !== true;
+  });
+  print.activity.watch((activity) => {
+    const faults = activity.kind === "failed" ? activity.faults : [];
+    // Of several fields that a place means, as those of the bed, the first one says what is wrong.
+    const first = faults.map((fault) => ({ words: fault.words, pointer: fieldsAt(fault.pointer)[0]?.pointer }));
+    for (const [pointer, row] of rows) row.tell(first.filter((fault) => fault.pointer === pointer).map((fault) => fault.words));
+    // What is wrong must be in sight.
+    if (faults.length > 0) element.querySelectorAll<HTMLDetailsElement>("details:has([aria-invalid])").forEach((details) => (details.open = true));
+  });
+  return element;
+}
+
+function rowOf(print: PrintSession, field: Field): Row {
+  const change = (value: Value) => print.change(field.pointer, value);
+  if (field.kind === "switch") {
+    const box = new Checkbox(field.words, change);
+    return { element: box.element, show: (value) => (box.value = value === true), tell: () => {} };
+  }
+  if (field.kind === "choice") {
+    const list = new Select<string>(field.words, (field.choices ?? []).map(([value, words]) => ({ value, words })), change);
+    return { element: list.element, show: (value) => (list.value = String(value)), tell: () => {} };
+  }
+  const id = uniqueId("print");
+  const fault = h("p", { class: "fault", id: `${id}-fault`, hidden: true });
+  const input =
+    field.kind === "lines" ? h("textarea", { id, class: "code", rows: 3, spellcheck: "false" })
+    : field.kind === "text" ? h("input", { id, type: "text", class: "number text", spellcheck: "false", autocomplete: "off" })
+    : h("input", { id, type: "number", class: "number", step: "any" });
+  let used: Value = null;
+  const show = (value: Value) => {
+    used = value;
+    input.value = value === null ? "" : String(value);
+  };
+  input.addEventListener("change", () => {
+    if (field.kind !== "number") return change(input.value);
+    if (input.value === "") change(field.initial);
+    else if (Number.isFinite(Number(input.value))) change(Number(input.value));
+    show(print.settings.get()[field.pointer] ?? used); // what is used, where something else was written
+  });
+  const unit = field.unit && h("span", { class: "unit", "aria-hidden": "true" }, field.unit);
+  const label = h("label", { for: id }, field.words, field.unit && h("span", { class: "visually-hidden" }, `, ${field.unit}`));
+  return {
+    element: h("div", { class: `field print-field of-${field.kind}` }, label, h("span", { class: "print-input" }, input, unit), fault),
+    show,
+    tell(words) {
+      fault.hidden = words.length === 0;
+      fault.textContent = words.join("; ");
+      if (words.length === 0) {
+        input.removeAttribute("aria-invalid");
+        input.removeAttribute("aria-describedby");
+      } else {
+        input.setAttribute("aria-invalid", "true");
+        input.setAttribute("aria-describedby", fault.id);
+      }
+    },
+  };
+}
+
+/** Profiles are files, such as the command line reads. */
+function profileFiles(print: PrintSession): HTMLElement {
+  const file = h("input", { type: "file", accept: ".json,application/json", class: "visually-hidden", id: uniqueId("file"), onchange: () => void take() });
+  async function take(): Promise<void> {
+    const chosen = file.files?.[0];
+    if (chosen) print.openProfile(await chosen.text());
+    file.value = "";
+  }
+  const save = button("Save profile", () => download("printer.json", "application/json", profileText(print.settings.get())), { title: "Save the printer’s settings as a file" });
+  const row = h("div", { class: "row profile-files", role: "group", "aria-label": "Printer’s profile" });
+  replace(row, file, h("label", { class: "button", for: file.id }, "Open profile"), save, button("Reset", () => print.reset(), { title: "All settings as they were to begin with: a Prusa i3 MK3S with PLA" }));
+  return row;
+}
