@@ -101,8 +101,16 @@ part_tidy() {
   cat build/tidy.log
   return $status
 }
+# These tests run lines that others run too, but so often that a sanitizer takes half a minute to nine minutes for each. The
+# optimized build runs them.
+much_repeated=ContactBarrier.HasTheDerivativesOfItsEnergyAtTangledStates:CellMoments.AreTheIntegralsOfTheSquaredDistance
+much_repeated+=:Hosts.AShellBulgesBetweenTheSpringsOfATightNetwork:Crossings.BeyondTheLimitAreRefusedByItsName
+much_repeated+=:RodEnergies.HaveExactDerivativesInSpaceAtRandomAndExtremeStates:Shell.HasTheDerivativesOfItsEnergy
+# Derivatives by differences, and distances beside those of other programs: these run in one thread, or in the same parallel
+# loops again and again that other tests of their rooms run.
+without_races='*Derivatives*:*HasItsGradient:*GeodesicOracle*:CellMoments*'
 part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
-  ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
+  GTEST_FILTER="-$much_repeated" ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 # Without the tests of memory: what sanitizers take for themselves is counted with it. A finding ends the server, and the
 # test that it ends in fails.
 part_hostile_asan() {
@@ -113,7 +121,7 @@ part_hostile_asan() {
 }
 # One OpenMP thread: CHOLMOD's OpenMP runtime is not instrumented, so that its own ordering looks like races.
 part_tsan() { build_preset tsan --target threaded_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
-  ctest --test-dir build/tsan -j "$jobs" -L threads --output-on-failure --no-tests=error; }
+  GTEST_FILTER="-$much_repeated:$without_races" ctest --test-dir build/tsan -j "$jobs" -L threads --output-on-failure --no-tests=error; }
 part_fuzz() {
   build_preset asan-ubsan --target fuzz_targets || return 1
   local targets share

@@ -111,6 +111,33 @@ def test_regions_come_from_a_file_and_are_drawn_side_by_side(program: Program) -
     assert any("heel <1>" in title for title in titles) and "\u03c0/2" in titles
 
 
+def test_materials_sizes_and_limits_go_with_a_design(program: Program) -> None:
+    small = ["design", "--task", "stiffness", "--family", "IH29", *QUICK, "--samples", "6", "--target", "0,4;1,5;2,4"]
+    text = program.ok(*small, "--youngs-modulus", "200,4000", "--density", "1.25", "--beam-width", "0.6")
+    answer = json.loads(program.ok("--json", *small, "--youngs-modulus", "200,4000", "--density", "1.25", "--beam-width", "0.6"))
+    assert 200 <= answer["material"]["youngs_modulus"] <= 4000 and answer["material"]["density"] == 1.25
+    assert number_after("material", text) == pytest.approx(answer["material"]["youngs_modulus"], rel=1e-4)
+    assert number_after("beams of", text) == 0.6
+    assert number_after("cells of", text) == pytest.approx(answer["structure"]["cell_size"], rel=1e-3)
+    limited = json.loads(program.ok("--json", *small, "--youngs-modulus", "500", "--cell-size", "4", "--relative-density",
+                                    "0.1,0.15", "--beam-width-limits", "0.1,0.3"))
+    assert limited["material"]["youngs_modulus"] == 500
+    assert 0.1 <= limited["structure"]["relative_density"] <= 0.15
+    assert limited["structure"]["cell_size"] == pytest.approx(4) and limited["structure"]["beam_width"] <= 0.3
+    refused = program.run(*small, "--relative-density", "0.3,0.1")
+    assert refused.returncode == 1 and "--relative-density 0.3,0.1" in refused.stderr
+    nothing = program.run(*small, "--relative-density", "0,0.01")
+    assert nothing.returncode != 0 and "relative density" in nothing.stderr
+
+
+def test_a_profile_and_a_structure_have_the_material_and_the_size_that_are_given(program: Program) -> None:
+    command = ["--json", "profile", "--task", "stiffness", "--family", "IH29", "--parameters", "0.15", "-x", "0,1"]
+    soft, stiff = (json.loads(program.ok(*command, *more)) for more in ([], ["--youngs-modulus", "52"]))
+    np.testing.assert_allclose(stiff["y"], 2 * np.array(soft["y"]), rtol=1e-12)
+    structure = json.loads(program.ok("--json", "structure", "IH29", "--beam-width", "0.6"))
+    assert structure["beam_width"] == 0.6
+
+
 def test_a_target_out_of_reach_is_said_and_no_failure(program: Program) -> None:
     finished = program.run(*IH29, "--target", "0.01,100;0.03,300")
     assert finished.returncode == 0 and "not reached" in finished.stdout and "reaches the target" in finished.stderr
@@ -186,8 +213,26 @@ def test_python_finds_a_known_design(client: supple.Client, designs: Api) -> Non
     assert result.profile.x.shape == result.profile.achieved.shape == (9,) and result.profile.reached.all()
     assert result.profile.lower is not None and (result.profile.lower <= result.profile.achieved).all()
     assert result.profile.verified is None and result.profile.strain is None and result.profile.direction == 0.3
-    assert {effect.name for effect in result.effects} == {"multi_start", "envelope", "verification", "polish"}
+    assert {effect.name for effect in result.effects} == {
+        "multi_start", "envelope", "modulus", "limits", "verification", "polish"}
     assert result.polish is None and result.residual <= result.equilibrium_tolerance and result.cost.quantities["evaluations"] > 0
+
+
+def test_python_gives_materials_sizes_and_limits(client: supple.Client) -> None:
+    target = supple.Target("stiffness", [(0, 4), (1, 5), (2, 4)], samples=6)
+    found = client.design(target, family="IH29", options=options(), cell_size=4.0, limits=supple.Limits((0.1, 0.15)),
+                          material=[supple.Material(26, name="soft"), supple.Material((200, 4000), 1.25, "hard")])
+    assert found.material.name == "hard" and 200 <= found.material.youngs_modulus <= 4000
+    assert found.size.cell_size == pytest.approx(4) and 0.1 <= (found.size.relative_density or 0) <= 0.15
+    assert found.size.density == pytest.approx(1.25 * (found.size.relative_density or 0))
+    again = client.profile("stiffness", found.parameters.tolist(), family="IH29", x=found.profile.x,
+                           material=supple.Material(found.material.youngs_modulus))
+    np.testing.assert_allclose(again.y, found.profile.achieved, rtol=1e-6)
+    picture = client.structure_file("IH29", found.parameters.tolist(), beam_width=found.size.beam_width)
+    assert picture != client.structure_file("IH29", found.parameters.tolist())
+    assert client.structure("IH29", found.parameters.tolist(), beam_width=0.6).beam_width == 0.6
+    with pytest.raises(supple.InvalidDesign, match="Poisson"):
+        client.design(target, family="IH29", material=supple.Material(poisson_ratio=0.1))
 
 
 def test_python_ranks_families_and_holds_parameters(client: supple.Client, designs: Api) -> None:

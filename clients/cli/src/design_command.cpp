@@ -23,6 +23,13 @@ struct DesignArguments {
   int samples = 0;
   std::string initial;
   std::string fixed;
+  std::string youngs_modulus;
+  double density = 0;
+  double beam_width = 0;
+  double cell_size = 0;
+  std::string density_limits;
+  std::string beam_width_limits;
+  std::string cell_size_limits;
   bool verify = false;
   int verified_samples = 0;
   double tolerance = 0;
@@ -59,11 +66,44 @@ void take_measured_target(Session& session, const DesignArguments& arguments, nl
   if (!session.json()) fmt::print(stderr, "target      {}\n", reduction_words(answer));
 }
 
+/// "1,2" is a pair, the lesser first.
+nlohmann::json parse_pair(const std::string& text, const char* option) {
+  auto pair = parse_numbers(text, option);
+  if (pair.size() != 2 || pair[0] > pair[1])
+    throw Failure(ExitCode::usage,
+                  fmt::format("{} {}: write the least and the greatest value, for example 0.1,0.3", option, text));
+  return pair;
+}
+
+void set_material(const DesignArguments& arguments, nlohmann::json& request) {
+  if (arguments.youngs_modulus.empty() && arguments.density <= 0) return;
+  if (request.contains("material") && !request.at("material").is_object())
+    throw Failure(ExitCode::usage, "--youngs-modulus and --density do not go with a list of materials");
+  auto& material = request["material"];
+  const auto& modulus = arguments.youngs_modulus;
+  if (!modulus.empty())
+    material["youngs_modulus"] = modulus.find(',') == std::string::npos
+                                     ? nlohmann::json(parse_number(modulus, "--youngs-modulus"))
+                                     : parse_pair(modulus, "--youngs-modulus");
+  if (arguments.density > 0) material["density"] = arguments.density;
+}
+
+void set_size(const DesignArguments& arguments, nlohmann::json& request) {
+  if (arguments.beam_width > 0) request["beam_width"] = arguments.beam_width;
+  if (arguments.cell_size > 0) request["cell_size"] = arguments.cell_size;
+  const auto set_limits = [&](const char* name, const std::string& text, const char* option) {
+    if (!text.empty()) request["limits"][name] = parse_pair(text, option);
+  };
+  set_limits("relative_density", arguments.density_limits, "--relative-density");
+  set_limits("beam_width", arguments.beam_width_limits, "--beam-width-limits");
+  set_limits("cell_size", arguments.cell_size_limits, "--cell-size-limits");
+}
+
 /// What is given on the command line takes the place of what the file says.
 nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   nlohmann::json request =
       arguments.request_file.empty() ? nlohmann::json::object() : request_in_file(arguments.request_file);
-  for (const char* const group : {"target", "accuracy", "effects"}) {
+  for (const char* const group : {"target", "accuracy", "effects", "limits"}) {
     if (request.contains(group) && !request.at(group).is_object())
       throw Failure(ExitCode::local_file, fmt::format("{}: {} is no JSON object", arguments.request_file, group));
   }
@@ -86,6 +126,8 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   set_number(request, "samples", arguments.samples);
   if (!arguments.initial.empty()) request["initial"] = parse_numbers(arguments.initial, "list of parameters");
   if (!arguments.fixed.empty()) request["fixed"] = parse_fixed(arguments.fixed);
+  set_material(arguments, request);
+  set_size(arguments, request);
   if (arguments.verify) request["verify"] = true;
   nlohmann::json accuracy = nlohmann::json::object();
   set_number(accuracy, "verified_samples", arguments.verified_samples);
@@ -169,6 +211,28 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
       ->check(switch_values);
 }
 
+void add_material_options(CLI::App& command, DesignArguments& arguments) {
+  command.add_option(
+      "--youngs-modulus", arguments.youngs_modulus,
+      "Young's modulus of the material in MPa (the model's, 26), or the least and the greatest one among "
+      "which it is found: 20,60");
+  command.add_option("--density", arguments.density, "Density of the material in g/cm^3 (1.2)")
+      ->check(CLI::PositiveNumber);
+  auto* const beam_width = command.add_option("--beam-width", arguments.beam_width, "Width of the beams in mm (0.3)")
+                               ->check(CLI::PositiveNumber);
+  command
+      .add_option("--cell-size", arguments.cell_size,
+                  "Instead of a width of the beams: the square root of a cell's area in mm")
+      ->check(CLI::PositiveNumber)
+      ->excludes(beam_width);
+  command.add_option("--relative-density", arguments.density_limits,
+                     "Least and greatest share of the plane that is solid, for example 0.1,0.3");
+  command.add_option("--beam-width-limits", arguments.beam_width_limits,
+                     "Least and greatest width of the beams in mm; with --cell-size");
+  command.add_option("--cell-size-limits", arguments.cell_size_limits,
+                     "Least and greatest size of the cells in mm; without --cell-size");
+}
+
 }  // namespace
 
 void add_design_command(CLI::App& program, const GlobalOptions& options) {
@@ -186,6 +250,7 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
       ->check(CLI::IsMember({"cubic", "monotone", "linear"}));
   command->add_option("--request,--regions", arguments->request_file,
                       "A request as JSON: further targets, regions; options given besides take their fields' place");
+  add_material_options(*command, *arguments);
   add_search_options(*command, *arguments);
   command->add_option("--session", arguments->session, "A newer request of the same session replaces one that runs");
   command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
@@ -201,6 +266,8 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
       "  supple design --task stress_strain --family IH67 --target \"0,0;0.1,0.6;0.2,0.9\" --plot curve.svg\n"
       "  supple design --task poisson --target \"0deg,-0.2;90deg,0.4\" --strain 0.1 --svg structure.svg\n"
       "  supple design --task stiffness --family IH67 --target target.csv --fixed 0.2,free --verify\n"
+      "  supple design --task stiffness --target \"0deg,40;90deg,10\" --youngs-modulus 2000,3500 --relative-density "
+      "0,0.4\n"
       "  supple design --request sole.json --plot regions.svg");
   command->callback([&options, arguments] { run(options, *arguments); });
 }

@@ -117,12 +117,24 @@ void print_polish(const nlohmann::json& polish) {
   fmt::print(" ({})\n", text_in(polish, "stopped"));
 }
 
+void print_structure(const nlohmann::json& material, const nlohmann::json& structure) {
+  fmt::print("material    {}{}{:.5g} MPa, {:.4g} g/cm^3\n", material.value("name", ""),
+             material.contains("name") ? ", " : "", material.at("youngs_modulus").get<double>(),
+             material.at("density").get<double>());
+  fmt::print("structure   beams of {:.4g} mm", structure.at("beam_width").get<double>());
+  if (!structure.at("cell_size").is_null())
+    fmt::print(", cells of {:.4g} mm, {:.3g} % solid, {:.3g} g/cm^3", structure.at("cell_size").get<double>(),
+               100 * structure.at("relative_density").get<double>(), structure.at("density").get<double>());
+  fmt::print("\n");
+}
+
 void print_design(const nlohmann::json& design) {
   const auto& error = design.at("error");
   const auto& profile = design.at("profile");
   if (design.contains("name")) fmt::print("region      {}\n", text_in(design, "name"));
   fmt::print("design      {} ({}) with the model {}\n", text_in(design, "family"),
              numbers_text(design.at("parameters")), text_in(design, "model"));
+  print_structure(design.at("material"), design.at("structure"));
   const bool reached = design.at("reached").get<bool>();
   fmt::print("target      {}\n", reached ? styled("reached", Style::success) : styled("not reached", Style::warning));
   fmt::print("deviation   {} (root mean square), {:.3g}{} at most\n", percent(error), error.at("max").get<double>(),

@@ -20,6 +20,7 @@ struct ProfileCommandArguments {
   std::string x;
   int samples = 0;
   double equilibrium_tolerance = 0;
+  double youngs_modulus = 0;
   double deadline = 0;
   std::string csv_file;
   std::string plot_file;
@@ -36,6 +37,7 @@ nlohmann::json request_of(const ProfileCommandArguments& arguments) {
   if (arguments.samples > 0) request["samples"] = arguments.samples;
   if (arguments.equilibrium_tolerance > 0)
     request["accuracy"]["equilibrium_tolerance"] = arguments.equilibrium_tolerance;
+  if (arguments.youngs_modulus > 0) request["material"]["youngs_modulus"] = arguments.youngs_modulus;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
   return request;
 }
@@ -68,6 +70,10 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options) {
   command
       ->add_option("--equilibrium-tolerance", arguments->equilibrium_tolerance,
                    "Relative residual of an equilibrium (1e-10)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--youngs-modulus", arguments->youngs_modulus,
+                   "Young's modulus of the material in MPa (the model's, 26)")
       ->check(CLI::PositiveNumber);
   command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
       ->check(CLI::PositiveNumber);

@@ -16,6 +16,7 @@ struct StructureArguments {
   std::string parameters;
   std::string cells;
   double height = 0;
+  double beam_width = 0;
   double mesh_size = 0;
   double corner_size = 0;
   std::string mesh_region;
@@ -58,6 +59,7 @@ void run(const GlobalOptions& options, const StructureArguments& arguments) {
   nlohmann::json request = {{"family", arguments.family}};
   if (!arguments.parameters.empty()) request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
   if (!arguments.cells.empty()) request["cells"] = parse_cells(arguments.cells);
+  if (arguments.beam_width > 0) request["beam_width"] = arguments.beam_width;
   if (arguments.height > 0) request["height"] = arguments.height;
   Session session(options);
   const auto save = [&](const std::string& file, const char* media_type) {
@@ -86,6 +88,8 @@ void add_structure_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--dxf", arguments->dxf_file, "Write a DXF file, - for the terminal");
   command->add_option("--stl", arguments->stl_file, "Write a binary STL file of the extruded solid");
   command->add_option("-c,--cells", arguments->cells, "Cells in the files, for example 4x3 (2x2)");
+  command->add_option("--beam-width", arguments->beam_width, "Width of the beams in mm (0.3)")
+      ->check(CLI::PositiveNumber);
   command->add_option("--height", arguments->height, "Height of the STL's extrusion in mm (1)")
       ->check(CLI::PositiveNumber);
   command

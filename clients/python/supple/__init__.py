@@ -51,16 +51,18 @@ from .design_answers import (
     DesignError,
     DesignProfile,
     DesignResult,
+    MadeOf,
     PartialDesign,
     PartialRound,
     Polish,
     PolishRound,
     ProfileCurve,
     RegionDesigns,
+    StructureSize,
     Verification,
 )
 from . import parts
-from .designs import DesignOptions, Region, Target
+from .designs import DesignOptions, Limits, Material, Region, Target
 from .errors import (
     AccessDenied,
     ConnectionFailed,
@@ -146,6 +148,9 @@ __all__ = [
     "DesignCandidate",
     "DesignError",
     "DesignOptions",
+    "Limits",
+    "MadeOf",
+    "Material",
     "DesignProfile",
     "DesignResult",
     "Effect",
@@ -215,6 +220,7 @@ __all__ = [
     "ProfileCurve",
     "RandomSites",
     "Region",
+    "StructureSize",
     "RegionDesigns",
     "RelaxationOptions",
     "RelaxationStep",

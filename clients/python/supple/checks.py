@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import Any, Optional, Sequence
+from typing import Any, List, Optional, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,6 +40,14 @@ def number(value: Any, name: str, what: str = "a number") -> float:
     if not math.isfinite(found):
         raise ValueError(f"{name} is {found}; expected {what}")
     return found
+
+
+def pair(values: Any, name: str) -> List[float]:
+    """Two numbers, the lesser first. Raises `ValueError`."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (2,) or not array[0] <= array[1]:
+        raise ValueError(f"{name} is {values!r}; expected a pair (least, most)")
+    return [float(array[0]), float(array[1])]
 
 
 def one_of(value: Optional[str], name: str, allowed: Sequence[str]) -> None:

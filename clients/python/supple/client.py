@@ -15,7 +15,7 @@ from . import designs, simulations, tilings
 from .answers import MeshInfo, mesh_info_from_wire, mesh_repair_from_wire
 from .conversion import arrays_of
 from .design_answers import DesignResult, ProfileCurve, RegionDesigns
-from .designs import DesignOptions, Region, Target
+from .designs import DesignOptions, Limits, Material, Region, Target
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
 from .jobs import Job, JobStatus, Progress, run, status_from_wire, submit
 from .keys import find_key
@@ -194,6 +194,7 @@ class Client(WeaveCalls, MakerCalls):
         family: str,
         parameters: Optional[Sequence[float]] = None,
         *,
+        beam_width: Optional[float] = None,
         mesh_size: Optional[float] = None,
         corner_size: Optional[float] = None,
         mesh_region: Optional[str] = None,
@@ -206,12 +207,13 @@ class Client(WeaveCalls, MakerCalls):
             family: id of the family.
             parameters: within the family's bounds; None takes its defaults. Raises `InvalidStructure` where they give no
                 valid structure.
+            beam_width: in mm; the whole structure scales with it. 0.3 on the server's side.
             mesh_size: side length of the triangles over beam width; where a mesh option is given, the cell is meshed and
                 the result has the mesh's statistics.
             corner_size: side length at re-entrant corners over that elsewhere, in (0, 1].
             mesh_region: "automatic", "tile" or "cell": what is meshed at a time.
         """
-        computation = tilings.structure(family, parameters, mesh_size, corner_size, mesh_region, deadline)
+        computation = tilings.structure(family, parameters, beam_width, mesh_size, corner_size, mesh_region, deadline)
         return run(self._transport, computation, timeout, None)
 
     def structure_file(
@@ -222,10 +224,11 @@ class Client(WeaveCalls, MakerCalls):
         kind: str = "svg",
         cells: Tuple[int, int] = (2, 2),
         height: float = 1.0,
+        beam_width: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> bytes:
         """A structure as a file: `kind` is "svg", "dxf" or "stl" (binary, extruded by `height` mm). Lengths are in mm."""
-        computation = tilings.structure_file(family, parameters, kind, cells, height)
+        computation = tilings.structure_file(family, parameters, kind, cells, height, beam_width)
         return run(self._transport, computation, timeout, None)
 
     def simulate(
@@ -320,6 +323,10 @@ class Client(WeaveCalls, MakerCalls):
         also: Sequence[Target] = (),
         initial: Optional[Sequence[float]] = None,
         fixed: Optional[Sequence[Optional[float]]] = None,
+        material: Union[Material, Sequence[Material], None] = None,
+        beam_width: Optional[float] = None,
+        cell_size: Optional[float] = None,
+        limits: Optional[Limits] = None,
         verify: bool = False,
         options: Optional[DesignOptions] = None,
         session: Optional[str] = None,
@@ -336,13 +343,20 @@ class Client(WeaveCalls, MakerCalls):
             also: further targets of the same design.
             initial: parameters to start from, shape (p,); with a family or model.
             fixed: parameters that keep their value, None for those to be found, shape (p,); with a family or model.
+            material: what the structure is made of, or several materials of which the search chooses the one that serves
+                the targets best; None takes the material of the model's data.
+            beam_width, cell_size: the size of the structure in mm, by the one or the other; its response does not depend on
+                it. Beams of 0.3 mm on the server's side.
+            limits: what the structure may measure. Raises `InvalidDesign` where nothing is within them.
             verify: whether the design found is simulated at its native scale too and corrected until the simulation follows
                 the target (`DesignOptions.polish`); that takes seconds to minutes.
             session: a newer request of the same session replaces this one while it runs (`Superseded`).
 
         A target that no design reaches is no exception: see `Design.reached` and `Design.message`. Raises `InvalidDesign`.
         """
-        problem = Region(target, None, family, model, also, initial, fixed)
+        problem = Region(
+            target, None, family, model, also, initial, fixed, material, beam_width, cell_size, limits
+        )
         return run(self._transport, designs.design(problem, options, verify, session, deadline), timeout, progress)
 
     def start_design(
@@ -354,13 +368,19 @@ class Client(WeaveCalls, MakerCalls):
         also: Sequence[Target] = (),
         initial: Optional[Sequence[float]] = None,
         fixed: Optional[Sequence[Optional[float]]] = None,
+        material: Union[Material, Sequence[Material], None] = None,
+        beam_width: Optional[float] = None,
+        cell_size: Optional[float] = None,
+        limits: Optional[Limits] = None,
         verify: bool = False,
         options: Optional[DesignOptions] = None,
         session: Optional[str] = None,
         deadline: Optional[float] = None,
     ) -> Job[DesignResult]:
         """`design` as a job, whose `status().partial` is the best design so far."""
-        problem = Region(target, None, family, model, also, initial, fixed)
+        problem = Region(
+            target, None, family, model, also, initial, fixed, material, beam_width, cell_size, limits
+        )
         return submit(self._transport, designs.design(problem, options, verify, session, deadline))
 
     def design_regions(
@@ -404,6 +424,7 @@ class Client(WeaveCalls, MakerCalls):
         limits: Optional[Tuple[float, float]] = None,
         samples: Optional[int] = None,
         equilibrium_tolerance: Optional[float] = None,
+        material: Optional[Material] = None,
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
@@ -418,10 +439,11 @@ class Client(WeaveCalls, MakerCalls):
             limits: or first and last strain; (-0.1, 0.2) on the server's side. Directions cover half a turn.
             samples: number of evenly spaced samples. 31 on the server's side, 50 over directions.
             equilibrium_tolerance: relative residual of an equilibrium. 1e-10 on the server's side.
+            material: what the structure is made of, with one Young's modulus; None takes the material of the model's data.
         """
         computation = designs.profile(
             task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
-            equilibrium_tolerance, deadline,
+            equilibrium_tolerance, material, deadline,
         )
         return run(self._transport, computation, timeout, progress)
 
@@ -439,12 +461,13 @@ class Client(WeaveCalls, MakerCalls):
         limits: Optional[Tuple[float, float]] = None,
         samples: Optional[int] = None,
         equilibrium_tolerance: Optional[float] = None,
+        material: Optional[Material] = None,
         deadline: Optional[float] = None,
     ) -> Job[ProfileCurve]:
         """`profile` as a job."""
         computation = designs.profile(
             task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
-            equilibrium_tolerance, deadline,
+            equilibrium_tolerance, material, deadline,
         )
         return submit(self._transport, computation)
 

@@ -170,6 +170,41 @@ class DesignCandidate(Shown):
 
 
 @dataclass(frozen=True, repr=False)
+class MadeOf(Shown):
+    """The material that profiles are of.
+
+    Attributes:
+        name: empty where the request gives none.
+        youngs_modulus: in MPa; the one found, where the request leaves a choice.
+        law, poisson_ratio: those of the model's data.
+        density: in g/cm^3.
+    """
+
+    name: str
+    youngs_modulus: float
+    law: str
+    poisson_ratio: float
+    density: float
+
+
+@dataclass(frozen=True, repr=False)
+class StructureSize(Shown):
+    """What the structure of a design measures; None where there is no such structure (the design's `message` says why).
+
+    Attributes:
+        beam_width: in mm.
+        cell_size: square root of the area of a cell, in mm.
+        relative_density: solid area / area of the cell.
+        density: mass / volume of the structure, holes included, in g/cm^3.
+    """
+
+    beam_width: float
+    cell_size: Optional[float]
+    relative_density: Optional[float]
+    density: Optional[float]
+
+
+@dataclass(frozen=True, repr=False)
 class Design(Drawn):
     """A design that was found.
 
@@ -177,6 +212,7 @@ class Design(Drawn):
         name: of its region; empty where it has none.
         family, parameters: the structure; `Client.structure_file` writes it.
         model, sha256: the neural model that was searched, and its file.
+        material: what it is made of; `size` is what its structure measures.
         profile: the main target and what was achieved.
         also: the further targets, in their order.
         error: how far it is from them.
@@ -207,6 +243,8 @@ class Design(Drawn):
     polish: Optional[Polish]
     ranking: Tuple[DesignCandidate, ...]
     structure: Dict[str, str]
+    material: MadeOf
+    size: StructureSize
 
     def _drawing(self) -> Drawing:
         off = 100 * self.error.relative_rms
@@ -221,7 +259,7 @@ class DesignResult(Design):
     Attributes:
         tolerance, equilibrium_tolerance: as asked for.
         residual: largest one of the design's equilibria.
-        effects: "multi_start", "envelope", "verification" and "polish".
+        effects: "multi_start", "envelope", "modulus", "limits", "verification" and "polish".
     """
 
     tolerance: float
@@ -286,6 +324,7 @@ class ProfileCurve(Drawn):
         x: strains or angles, shape (n,).
         y: shape (n,), MPa or dimensionless; nan where no equilibrium was found.
         error_bar, in_range: of y, as in `DesignProfile`.
+        material: that the profile is of.
         equilibrium_tolerance: as asked for; `residual` is the largest one of the equilibria.
         sha256: of the model's file that answered.
     """
@@ -302,6 +341,7 @@ class ProfileCurve(Drawn):
     y: Array
     error_bar: Optional[Array]
     in_range: Flags
+    material: MadeOf
     equilibrium_tolerance: float
     residual: float
     effects: Tuple[Effect, ...]
@@ -393,6 +433,16 @@ def _profile(document: Mapping[str, Any]) -> DesignProfile:
     )
 
 
+def _made_of(document: Mapping[str, Any]) -> MadeOf:
+    return MadeOf(
+        name=str(document.get("name", "")),
+        youngs_modulus=float(document["youngs_modulus"]),
+        law=str(document["law"]),
+        poisson_ratio=float(document["poisson_ratio"]),
+        density=float(document["density"]),
+    )
+
+
 def _candidate(document: Mapping[str, Any]) -> DesignCandidate:
     return DesignCandidate(
         family=str(document["family"]),
@@ -422,7 +472,14 @@ def _design_fields(document: Mapping[str, Any]) -> Dict[str, Any]:
         "message": str(document["message"]),
         "polish": _polish(document["polish"]),
         "ranking": tuple(_candidate(candidate) for candidate in document["ranking"]),
-        "structure": {str(kind): str(path) for kind, path in document["structure"].items()},
+        "structure": {kind: str(document["structure"][kind]) for kind in ("svg", "dxf", "stl")},
+        "material": _made_of(document["material"]),
+        "size": StructureSize(
+            beam_width=float(document["structure"]["beam_width"]),
+            cell_size=_number_or_none(document["structure"]["cell_size"]),
+            relative_density=_number_or_none(document["structure"]["relative_density"]),
+            density=_number_or_none(document["structure"]["density"]),
+        ),
     }
 
 
@@ -481,6 +538,7 @@ def profile_from_wire(document: Mapping[str, Any]) -> ProfileCurve:
         y=_array(document["y"]),
         error_bar=_bars(document["error_bar"]),
         in_range=_flags(document["in_range"]),
+        material=_made_of(document["material"]),
         equilibrium_tolerance=float(document["accuracy"]["equilibrium_tolerance"]),
         residual=float(document["accuracy"]["residual"]),
         effects=effects_from_wire(document["effects"]),

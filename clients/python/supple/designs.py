@@ -112,6 +112,67 @@ def _measured(
 
 
 @dataclass(frozen=True)
+class Material:
+    """What a structure is made of. What is None is left to the server, which takes the material of the model's data.
+
+    Attributes:
+        youngs_modulus: E in MPa, to which stresses and stiffnesses are proportional. A pair (least, most) leaves it to the
+            search to find the modulus that serves the targets best; of several materials each needs one.
+        density: in g/cm^3. 1.2 on the server's side.
+        name: which the answer repeats.
+        poisson_ratio, law: a model knows those of its data alone. Others are refused (`InvalidDesign`).
+    """
+
+    youngs_modulus: Union[float, Tuple[float, float], None] = None
+    density: Optional[float] = None
+    name: Optional[str] = None
+    poisson_ratio: Optional[float] = None
+    law: Optional[str] = None
+
+    def to_wire(self) -> Dict[str, Any]:
+        modulus: Union[float, Sequence[float], None] = None
+        if self.youngs_modulus is not None:
+            values = np.asarray(self.youngs_modulus, dtype=np.float64)
+            if values.shape not in ((), (2,)):
+                raise ValueError(f"youngs_modulus has the shape {values.shape}; expected a number or a pair (least, most)")
+            modulus = values.tolist()
+        return _given(
+            {
+                "name": self.name,
+                "youngs_modulus": modulus,
+                "law": self.law,
+                "poisson_ratio": self.poisson_ratio,
+                "density": self.density,
+            }
+        )
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a structure may measure: pairs (least, most), or None for no limit.
+
+    Attributes:
+        relative_density: solid area / area of the cell, dimensionless.
+        cell_size: in mm, for beams of a given width.
+        beam_width: in mm, for cells of a given size; beams are the walls of a part.
+    """
+
+    relative_density: Optional[Tuple[float, float]] = None
+    cell_size: Optional[Tuple[float, float]] = None
+    beam_width: Optional[Tuple[float, float]] = None
+
+    def to_wire(self) -> Dict[str, Any]:
+        pairs = {"relative_density": self.relative_density, "cell_size": self.cell_size, "beam_width": self.beam_width}
+        return {name: checks.pair(pair, name) for name, pair in pairs.items() if pair is not None}
+
+
+def _materials(material: Union[Material, Sequence[Material], None]) -> Union[Dict[str, Any], Sequence[Dict[str, Any]], None]:
+    if material is None or isinstance(material, Material):
+        return None if material is None else material.to_wire()
+    return [one.to_wire() for one in material]
+
+
+@dataclass(frozen=True)
 class Region:
     """What one part of a product is to do, and where to look for it; the fields are those of `Client.design`."""
 
@@ -122,6 +183,10 @@ class Region:
     also: Sequence[Target] = field(default_factory=tuple)
     initial: Optional[Sequence[float]] = None
     fixed: Optional[Sequence[Optional[float]]] = None
+    material: Union[Material, Sequence[Material], None] = None
+    beam_width: Optional[float] = None
+    cell_size: Optional[float] = None
+    limits: Optional[Limits] = None
 
     def to_wire(self) -> Dict[str, Any]:
         return {
@@ -136,6 +201,10 @@ class Region:
                     "fixed": None
                     if self.fixed is None
                     else [None if value is None else float(value) for value in self.fixed],
+                    "material": _materials(self.material),
+                    "beam_width": self.beam_width,
+                    "cell_size": self.cell_size,
+                    "limits": None if self.limits is None else self.limits.to_wire(),
                 }
             ),
         }
@@ -245,6 +314,7 @@ def profile(
     limits: Optional[Tuple[float, float]],
     samples: Optional[int],
     equilibrium_tolerance: Optional[float],
+    material: Optional[Material],
     deadline: Optional[float],
 ) -> Computation[ProfileCurve]:
     checks.one_of(task, "task", checks.TASKS)
@@ -261,6 +331,7 @@ def profile(
                 "x": _numbers(x),
                 "range": _numbers(limits),
                 "samples": samples,
+                "material": _materials(material),
                 "accuracy": None
                 if equilibrium_tolerance is None
                 else {"equilibrium_tolerance": equilibrium_tolerance},

@@ -165,12 +165,15 @@ def structure_to_wire(family: str, parameters: Optional[Sequence[float]]) -> Dic
 def structure(
     family: str,
     parameters: Optional[Sequence[float]],
+    beam_width: Optional[float],
     mesh_size: Optional[float],
     corner_size: Optional[float],
     mesh_region: Optional[str],
     deadline: Optional[float],
 ) -> Computation[Structure]:
     document = structure_to_wire(family, parameters)
+    if beam_width is not None:
+        document["beam_width"] = float(beam_width)
     mesh = {"mesh_size": mesh_size, "corner_size": corner_size, "mesh_region": mesh_region}
     if any(value is not None for value in mesh.values()):
         document["mesh"] = {name: value for name, value in mesh.items() if value is not None}
@@ -185,11 +188,14 @@ def structure_file(
     kind: str,
     cells: Tuple[int, int],
     height: float,
+    beam_width: Optional[float],
 ) -> Computation[bytes]:
     if kind not in FILE_TYPES:
         raise ValueError(f"{kind!r} is no kind of file; there are {', '.join(FILE_TYPES)}")
     first, second = cells
     document = {**structure_to_wire(family, parameters), "cells": [int(first), int(second)], "height": float(height)}
+    if beam_width is not None:
+        document["beam_width"] = float(beam_width)
 
     def decode(answer: Answer) -> bytes:
         return answer.content

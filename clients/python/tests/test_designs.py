@@ -9,11 +9,12 @@ import pytest
 
 import supple
 from supple.design_answers import design_from_wire, partial_from_wire, profile_from_wire, regions_from_wire
-from supple.designs import DesignOptions, Region, Target, design, design_regions, profile
+from supple.designs import DesignOptions, Limits, Material, Region, Target, design, design_regions, profile
 from supple.jobs import status_from_wire
 
 BILL = {"accuracy": {"tolerance": 1e-6, "equilibrium_tolerance": 1e-10, "residual": 1e-12}, "effects": [],
         "cost": {"seconds": 0.1, "stages": [], "quantities": {}}}
+MATERIAL = {"youngs_modulus": 26, "law": "neo_hookean", "poisson_ratio": 0.48, "density": 1.2}
 ERROR = {"relative_rms": 0.02, "max": 0.3}
 
 
@@ -28,13 +29,45 @@ def design_document(**more: Any) -> Dict[str, Any]:
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
             "polish": None, "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
                          "model_error": None, "simulated_error": None, "stopped": "converged"}],
-            "structure": {"svg": "/s", "dxf": "/d", "stl": "/t"}, **more}
+            "structure": {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": 4.8,
+                          "relative_density": 0.25, "density": 0.3}, "material": MATERIAL, **more}
 
 
 def test_what_is_not_given_is_left_to_the_server() -> None:
     request = design(Region(Target("poisson", np.array([[0, 0.1], [1, 0.3]]))), None, False, None, None)
     assert request.path == "/v1/designs"
     assert request.document == {"task": "poisson", "target": {"control_points": [[0.0, 0.1], [1.0, 0.3]]}}
+
+
+def test_materials_sizes_and_limits_are_sent() -> None:
+    def sent(**more: Any) -> Dict[str, Any]:
+        region = Region(Target("poisson", [(0, 0.1), (1, 0.3)]), **more)
+        document = design(region, None, False, None, None).document
+        return {name: value for name, value in document.items() if name not in ("task", "target")}
+
+    assert sent(material=Material(2000)) == {"material": {"youngs_modulus": 2000}}
+    full = Material((20, 60), 1.21, "TPU", 0.48, "neo_hookean")
+    assert sent(material=[full, Material(5)], beam_width=0.4, limits=Limits((0, 0.3), cell_size=np.array([2, 4]))) == {
+        "material": [{"name": "TPU", "youngs_modulus": [20, 60], "law": "neo_hookean", "poisson_ratio": 0.48, "density": 1.21},
+                     {"youngs_modulus": 5}],
+        "beam_width": 0.4, "limits": {"relative_density": [0, 0.3], "cell_size": [2, 4]}}
+    assert sent(cell_size=5, limits=Limits(beam_width=(0.4, 0.8))) == {
+        "cell_size": 5, "limits": {"beam_width": [0.4, 0.8]}}
+    with pytest.raises(ValueError, match="pair"):
+        sent(limits=Limits(relative_density=(0.3, 0.1)))
+    with pytest.raises(ValueError, match="shape"):
+        sent(material=Material((1, 2, 3)))  # type: ignore[arg-type]
+
+
+def test_a_design_tells_its_material_and_its_size() -> None:
+    found = design_from_wire({**design_document(), **BILL})
+    assert found.material.youngs_modulus == 26 and found.material.name == ""
+    assert found.size.cell_size == 4.8 and found.size.density == 0.3
+    assert found.structure == {"svg": "/s", "dxf": "/d", "stl": "/t"}
+    nothing = {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": None, "relative_density": None,
+               "density": None}
+    lost = design_from_wire({**design_document(structure=nothing, material={**MATERIAL, "name": "PLA"}), **BILL})
+    assert lost.size.density is None and lost.material.name == "PLA"
 
 
 def test_everything_that_is_given_is_sent() -> None:
@@ -64,12 +97,13 @@ def test_control_points_of_another_shape_are_refused(points: Any) -> None:
 
 def test_profiles_are_asked_for_at_places_or_in_a_range() -> None:
     nothing = (None,) * 10
-    plain = profile("poisson", [0.1], "IH29", *nothing[:9])
+    plain = profile("poisson", [0.1], "IH29", *nothing[:10])
     assert plain.path == "/v1/profiles" and plain.document == {"task": "poisson", "parameters": [0.1], "family": "IH29"}
-    full = profile("stress_strain", [0.1], None, "ih29", 0.5, None, "green", np.array([0.1]), (0, 1), 3, 1e-9, 2.0)
+    full = profile("stress_strain", [0.1], None, "ih29", 0.5, None, "green", np.array([0.1]), (0, 1), 3, 1e-9, Material(5.0), 2.0)
     assert full.document == {"task": "stress_strain", "parameters": [0.1], "model": "ih29", "direction": 0.5,
                              "strain_measure": "green", "x": [0.1], "range": [0, 1], "samples": 3,
-                             "accuracy": {"equilibrium_tolerance": 1e-9}, "deadline": 2.0}
+                             "accuracy": {"equilibrium_tolerance": 1e-9}, "material": {"youngs_modulus": 5},
+                             "deadline": 2.0}
 
 
 def test_missing_values_are_nan_and_missing_curves_none() -> None:
@@ -123,6 +157,6 @@ def test_a_running_job_may_show_a_design() -> None:
 def test_a_profile_has_nan_where_there_is_no_equilibrium() -> None:
     curve = profile_from_wire({"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "task": "poisson",
                                "strain": 0.05, "strain_measure": "green", "x": [0, 1], "y": [None, 0.3],
-                               "error_bar": [None, 0.02], "in_range": [False, True], **BILL})
+                               "error_bar": [None, 0.02], "in_range": [False, True], "material": MATERIAL, **BILL})
     assert curve.error_bar is not None and np.isnan(curve.error_bar[0]) and curve.error_bar[1] == 0.02
     assert np.isnan(curve.y[0]) and curve.direction is None and curve.strain == 0.05 and curve.residual == 1e-12

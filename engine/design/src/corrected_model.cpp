@@ -18,6 +18,10 @@ CorrectedModel::CorrectedModel(const DesignSpace& space, const DesignProblem& pr
       bounds_(space, problem),
       lower_(bounds_.free_part(bounds_.lower)),
       width_(bounds_.free_part(bounds_.upper) - lower_),
+      moduli_(problem.moduli, space.model.provenance.youngs_modulus),
+      has_moduli_(!problem.moduli.empty()),
+      limits_asked_(problem.limits),
+      limits_(space_, problem.limits),
       tolerance_(tolerance),
       search_tolerance_(std::max(tolerance, least_search_tolerance)) {
   for (const Target& target : problem.targets) {
@@ -44,6 +48,17 @@ Eigen::VectorXd CorrectedModel::parameters_at(const Eigen::VectorXd& x) const {
   return all_parameters(bounds_.held, bounds_.free, free_parameters(x));
 }
 
+Eigen::VectorXd CorrectedModel::scales() const {
+  Eigen::VectorXd result(samples());
+  Eigen::Index at = 0;
+  for (const SampledTarget& target : targets_) {
+    result.segment(at, target.y.size())
+        .setConstant(target.scale / factor_for(target.samples.task, moduli_.limits().first));
+    at += target.y.size();
+  }
+  return result;
+}
+
 std::vector<Eigen::VectorXd> CorrectedModel::parts_of(const Eigen::VectorXd& values) const {
   std::vector<Eigen::VectorXd> parts;
   Eigen::Index at = 0;
@@ -56,7 +71,12 @@ std::vector<Eigen::VectorXd> CorrectedModel::parts_of(const Eigen::VectorXd& val
   return parts;
 }
 
-double CorrectedModel::deviation(const Eigen::VectorXd& values) const {
+ModulusChoice::Chosen CorrectedModel::modulus_for(const Eigen::VectorXd& values) const {
+  return moduli_.best(targets_, weights_, values);
+}
+
+double CorrectedModel::deviation(const Eigen::VectorXd& model_values) const {
+  const Eigen::VectorXd values = scaled(targets_, model_values, modulus_for(model_values).factor);
   double sum = 0, weights = 0;
   Eigen::Index at = 0;
   for (std::size_t t = 0; t < targets_.size(); ++t) {
@@ -71,19 +91,26 @@ double CorrectedModel::deviation(const Eigen::VectorXd& values) const {
 CorrectedModel::Values CorrectedModel::values_at(const Eigen::VectorXd& parameters,
                                                  double equilibrium_tolerance) const {
   Values result{Eigen::VectorXd(samples()), 0};
-  double sum = 0, weights = 0;
+  Eigen::VectorXd bars(samples());
   Eigen::Index at = 0;
   const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
-  for (std::size_t t = 0; t < targets_.size(); ++t) {
-    const SampledTarget& target = targets_[t];
+  for (const SampledTarget& target : targets_) {
+    const Eigen::Index n = target.y.size();
     const Profile profile =
         evaluate_profile(space_.model, space_.evaluator, span, target.samples, equilibrium_tolerance);
-    result.values.segment(at, target.y.size()) = profile.y;
-    at += target.y.size();
-    for (Eigen::Index k = 0; k < target.y.size(); ++k) {
-      const double bar = profile.error_bar.size() > 0 ? profile.error_bar[k] / target.scale : unknown_bar;
-      sum += weights_[t] * target.weights[k] * std::pow(std::isfinite(bar) ? bar : unknown_bar, 2);
-    }
+    result.values.segment(at, n) = profile.y;
+    if (profile.error_bar.size() > 0)
+      bars.segment(at, n) = profile.error_bar / target.scale;
+    else
+      bars.segment(at, n).setConstant(std::numeric_limits<double>::quiet_NaN());
+    at += n;
+  }
+  bars = scaled(targets_, bars, modulus_for(result.values).factor);
+  double sum = 0, weights = 0;
+  at = 0;
+  for (std::size_t t = 0; t < targets_.size(); ++t) {
+    for (Eigen::Index k = 0; k < targets_[t].y.size(); ++k, ++at)
+      sum += weights_[t] * targets_[t].weights[k] * std::pow(std::isfinite(bars[at]) ? bars[at] : unknown_bar, 2);
     weights += weights_[t];
   }
   result.bar = std::sqrt(sum / weights);
@@ -93,6 +120,7 @@ CorrectedModel::Values CorrectedModel::values_at(const Eigen::VectorXd& paramete
 std::optional<CorrectedModel::Values> CorrectedModel::find(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd parameters = parameters_at(x);
   if (space_.buildable && !space_.buildable(parameters)) return std::nullopt;
+  if (!excess_at(parameters).empty()) return std::nullopt;
   Values found = values_at(parameters, search_tolerance_);
   if (!found.values.allFinite()) return std::nullopt;
   return found;
@@ -101,6 +129,8 @@ std::optional<CorrectedModel::Values> CorrectedModel::find(const Eigen::VectorXd
 TargetResiduals CorrectedModel::residuals(const Correction& correction) const {
   TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free, search_tolerance_,
                             space_.buildable);
+  if (has_moduli_) residuals.choose_among(moduli_);
+  residuals.keep_within(limits_);
   // The solver works with parameters.
   residuals.correct(
       {correction.offset, correction.slope * width_.cwiseInverse().asDiagonal(), free_parameters(correction.at)});

@@ -3,9 +3,12 @@
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "free_parameters.h"
+#include "modulus_choice.h"
+#include "structure_limits.h"
 #include "supple/base/cancellation.h"
 #include "target_residuals.h"
 
@@ -30,9 +33,16 @@ class CorrectedModel {
   Eigen::VectorXd free_parameters(const Eigen::VectorXd& x) const;
   Eigen::VectorXd parameters_at(const Eigen::VectorXd& x) const;
 
+  /// The targets' scale at each sample; with the least modulus there is, as values are of the model's.
+  Eigen::VectorXd scales() const;
   std::vector<Eigen::VectorXd> parts_of(const Eigen::VectorXd& values) const;  ///< for each target; NaN for no values
-  /// The relative root mean square deviation of values; infinite where one is missing.
+  /// The relative root mean square deviation of values; infinite where one is missing. Values are of the model's
+  /// modulus, here as everywhere, and are compared with the best modulus there is.
   double deviation(const Eigen::VectorXd& values) const;
+  /// The best modulus for values.
+  ModulusChoice::Chosen modulus_for(const Eigen::VectorXd& values) const;
+  /// What is beyond the limits, as a sentence; empty if nothing is.
+  std::string excess_at(const Eigen::VectorXd& parameters) const { return excess(space_, limits_asked_, parameters); }
 
   struct Values {
     Eigen::VectorXd values;  ///< of the network alone; NaN where an equilibrium is missing
@@ -61,6 +71,10 @@ class CorrectedModel {
   Eigen::VectorXd width_;
   std::vector<SampledTarget> targets_;
   std::vector<double> weights_;
+  ModulusChoice moduli_;
+  bool has_moduli_;
+  StructureLimits limits_asked_;
+  LimitRows limits_;
   double tolerance_;
   double search_tolerance_;
 };

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "design_report.h"
 #include "free_parameters.h"
+#include "modulus_choice.h"
+#include "structure_limits.h"
 #include "supple/base/error.h"
 #include "supple/design/inverse_design.h"
 #include "target_residuals.h"
@@ -51,14 +54,22 @@ constexpr int rounds_from_rest = 3;
 class Search {
  public:
   Search(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options)
-      : space_(space), problem_(problem), options_(options), network_(space.model.network), bounds_(space, problem) {
+      : space_(space),
+        problem_(problem),
+        options_(options),
+        network_(space.model.network),
+        bounds_(space, problem),
+        moduli_(problem.moduli, space.model.provenance.youngs_modulus),
+        limits_(space, problem.limits) {
     targets_.reserve(problem.targets.size());
     weights_.reserve(problem.targets.size());
     for (const auto& target : problem.targets) {
       targets_.push_back(sample_target(target));
       weights_.push_back(target.weight);
       // A value that has an amount added meets the target where the value itself meets the target less that amount.
-      if (!problem.corrections.empty()) targets_.back().y -= problem.corrections[targets_.size() - 1];
+      if (!problem.corrections.empty())
+        targets_.back().y -=
+            factor_for(target.task, moduli_.single().value()) * problem.corrections[targets_.size() - 1];
     }
   }
 
@@ -70,13 +81,19 @@ class Search {
     if (problem_.initial || all_fixed) follow(all_fixed ? bounds_.held : *problem_.initial);
     const bool enough = all_fixed || options_.multi_start == Switch::off;
     if (best_.starts == 0 || (!enough && (options_.multi_start == Switch::on || !good()))) try_candidates();
+    if (!found_ && beyond_limits_)
+      throw Error("design.beyond_limits",
+                  "No design of the family " + space_.model.family +
+                      " that was tried keeps within the limits. Of the one that comes closest to the target, this is "
+                      "beyond them: " +
+                      *beyond_limits_);
     if (!found_)
       throw Error("design.no_equilibrium",
                   "No design of the family " + space_.model.family +
                       " that was tried can be built and has an equilibrium at every sample of the targets.");
     bill_multi_start();
     add_envelope();
-    best_.message = message_about(best_, space_.model, bounds_.free);
+    best_.message = message_about(best_, space_.model, bounds_.free) + message_about_modulus();
     best_.model_error = neural::mean_stress_error(space_.model);
     best_.evaluations = evaluations_;
     bill();
@@ -138,21 +155,28 @@ class Search {
 
   /// Where nothing is searched for, what the parameters do is told whether or not they can be built.
   TargetResiduals exact_residuals() const {
-    return {space_.evaluator,
-            targets_,
-            weights_,
-            bounds_.held,
-            bounds_.free,
-            options_.equilibrium_tolerance,
-            bounds_.free.empty() ? Buildable{} : space_.buildable};
+    TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free,
+                              options_.equilibrium_tolerance, bounds_.free.empty() ? Buildable{} : space_.buildable);
+    if (!problem_.moduli.empty()) residuals.choose_among(moduli_);
+    return residuals;
+  }
+
+  /// Residuals as searches minimize them.
+  TargetResiduals search_residuals(const std::vector<SampledTarget>& targets, double equilibrium_tolerance,
+                                   double outlier) const {
+    TargetResiduals residuals(space_.evaluator, targets, weights_, bounds_.held, bounds_.free, equilibrium_tolerance,
+                              space_.buildable, outlier);
+    if (!problem_.moduli.empty()) residuals.choose_among(moduli_);
+    residuals.keep_within(limits_);
+    return residuals;
   }
 
   numerics::LeastSquaresResult optimize(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
                                         const numerics::LeastSquaresOptions& options, double outlier = 0) {
-    TargetResiduals residuals(
-        space_.evaluator, targets, weights_, bounds_.held, bounds_.free,
+    TargetResiduals residuals = search_residuals(
+        targets,
         std::max(std::min(search_tolerance, search_margin * options.tolerance), options_.equilibrium_tolerance),
-        space_.buildable, outlier);
+        outlier);
     auto result = numerics::minimize_least_squares(
         residuals, x, bounds_.free_part(bounds_.lower), bounds_.free_part(bounds_.upper), options,
         Execution{execution_->cancellation},
@@ -183,8 +207,21 @@ class Search {
     count(residuals);
     if (!defined) return std::numeric_limits<double>::infinity();
     if (found_ && r.norm() >= best_.error.relative_rms) return r.norm();
+    // What nothing is searched for is told even beyond the limits.
+    if (auto beyond =
+            bounds_.free.empty() ? std::string() : excess(space_, problem_.limits, residuals.last_parameters());
+        !beyond.empty()) {
+      if (!beyond_limits_ || r.norm() < least_beyond_) {
+        least_beyond_ = r.norm();
+        beyond_limits_ = std::move(beyond);
+      }
+      return r.norm();
+    }
     found_ = true;
     best_.parameters = residuals.last_parameters();
+    best_.material = residuals.chosen().material;
+    best_.youngs_modulus =
+        problem_.moduli.empty() ? space_.model.provenance.youngs_modulus : residuals.chosen().modulus;
     best_.stopped = stopped;
     best_.residual = residuals.largest_residual();
     best_.error = {r.norm(), 0};
@@ -256,13 +293,18 @@ class Search {
     return std::isfinite(sum) ? std::sqrt(sum / weights) : std::numeric_limits<double>::infinity();
   }
 
+  /// With the best modulus, and with what is beyond the limits as searches count it.
   double candidate_error(Eigen::Index candidate, double outlier) const {
+    Eigen::VectorXd values = table_->y.col(candidate);
+    if (!problem_.moduli.empty()) values = scaled(coarse_, values, moduli_.best(coarse_, weights_, values).factor);
     Eigen::Index at = 0;
-    return deviation(coarse_, outlier, [&](std::size_t t) -> Eigen::VectorXd {
+    const double error = deviation(coarse_, outlier, [&](std::size_t t) -> Eigen::VectorXd {
       const auto begin = at;
       at += coarse_[t].y.size();
-      return table_->y.col(candidate).segment(begin, coarse_[t].y.size());
+      return values.segment(begin, coarse_[t].y.size());
     });
+    if (!limits_.are_needed() || !std::isfinite(error)) return error;
+    return std::hypot(error, limits_.at(table_->parameters.col(candidate)).norm());
   }
 
   /// A way to judge candidates.
@@ -282,8 +324,7 @@ class Search {
   /// Where outliers led to an end at which many samples are off, none of them is an outlier: squares count there.
   Lead lead_of(const numerics::LeastSquaresResult& result, double outlier) {
     if (outlier == 0 || result.norm <= few_outliers) return {result.norm, outlier, result.x};
-    TargetResiduals residuals(space_.evaluator, coarse_, weights_, bounds_.held, bounds_.free, search_tolerance,
-                              space_.buildable);
+    TargetResiduals residuals = search_residuals(coarse_, search_tolerance, 0);
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(result.x, r);
     count(residuals);
@@ -382,7 +423,11 @@ class Search {
     Eigen::Index at = 0;
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       const auto n = coarse_[t].y.size();
-      bound_profile(best_.profiles[t], coarse_[t], table_->y.middleRows(at, n));
+      const auto [least, most] = moduli_.limits();
+      const Task task = coarse_[t].samples.task;
+      Eigen::MatrixXd y(n, 2 * table_->y.cols());
+      y << factor_for(task, least) * table_->y.middleRows(at, n), factor_for(task, most) * table_->y.middleRows(at, n);
+      bound_profile(best_.profiles[t], coarse_[t], y);
       at += n;
     }
   }
@@ -403,8 +448,21 @@ class Search {
     execution_->cost->add_effect("multi_start", ran, why, best_.starts);
   }
 
+  /// What stops a design from coming closer may be its material.
+  std::string message_about_modulus() const {
+    if (best_.reached || problem_.moduli.empty()) return {};
+    const auto& [least, most] = problem_.moduli[best_.material];
+    if (!(least < most) || (best_.youngs_modulus > least && best_.youngs_modulus < most)) return {};
+    return std::string(" Young's modulus is at its ") + (best_.youngs_modulus == least ? "lower" : "upper") + " limit.";
+  }
+
   void bill() const {
     if (!execution_->cost) return;
+    const bool has_choice = !moduli_.single();
+    execution_->cost->add_effect("modulus", has_choice,
+                                 has_choice ? "the request leaves a choice" : "the request leaves no choice");
+    execution_->cost->add_effect("limits", limits_.are_needed(),
+                                 limits_.are_needed() ? "the request has limits" : "the request has none");
     execution_->cost->add_quantity("evaluations", static_cast<double>(evaluations_));
     execution_->cost->add_quantity("iterations", best_.iterations);
     execution_->cost->add_quantity("restarts", static_cast<double>(restarts_));
@@ -419,7 +477,11 @@ class Search {
   std::vector<SampledTarget> targets_;
   std::vector<double> weights_;
   FreeParameters bounds_;
-  std::vector<Eigen::VectorXd> initial_;  ///< values at the first starting point, of each target
+  ModulusChoice moduli_;
+  LimitRows limits_;
+  std::optional<std::string> beyond_limits_;  ///< what was, of the best design beyond the limits
+  double least_beyond_ = 0;                   ///< its deviation
+  std::vector<Eigen::VectorXd> initial_;      ///< values at the first starting point, of each target
   std::vector<SampledTarget> coarse_;
   std::shared_ptr<const Candidates::Table> table_;
   Design best_;

@@ -23,6 +23,12 @@ double expected_deviation(double relative_rms, std::optional<double> model_error
 
 }  // namespace
 
+bool StructureLimits::any() const {
+  const Range none;
+  return relative_density.least > none.least || relative_density.most < none.most || cell_size.least > none.least ||
+         cell_size.most < none.most;
+}
+
 std::string_view to_string(DesignStop stop) {
   if (stop == DesignStop::no_free_parameters) return "no_free_parameters";
   return numerics::to_string(static_cast<numerics::LeastSquaresStop>(stop));
@@ -34,6 +40,7 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   std::vector<CostLedger> bills(spaces.size());
   std::mutex mutex;
   std::optional<double> best;
+  std::optional<Error> beyond_limits;
   std::size_t done = 0;
   const bool several = spaces.size() > 1;
   DesignOptions of_each = options;
@@ -55,7 +62,9 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
       found[i] = find_design(spaces[i], problem, of_each, inner, of_space);
       found[i]->space = i;
     } catch (const Error& error) {
-      if (!several || error.code() != "design.no_equilibrium") throw;
+      if (!several || (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits")) throw;
+      const std::lock_guard lock(mutex);
+      if (error.code() == "design.beyond_limits" && !beyond_limits) beyond_limits = error;
     }
     if (!several || !execution.progress) return;
     const std::lock_guard lock(mutex);
@@ -66,6 +75,9 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
     if (execution.cost) execution.cost->merge(bills[i]);
     if (found[i]) ranking.push_back(std::move(*found[i]));
   }
+  if (ranking.empty() && beyond_limits)
+    throw Error("design.beyond_limits", "No design of any family that was tried keeps within the limits. " +
+                                            std::string(beyond_limits->what()));
   if (ranking.empty())
     throw Error("design.no_equilibrium", "No design that was tried has an equilibrium at every sample of the targets.");
   const auto expected = [](const Design& design) {

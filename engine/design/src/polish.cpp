@@ -107,8 +107,8 @@ class Polish {
         tried_.push_back(model_.shares(round.parameters));
       }
       best_.x = model_.shares(before.parameters);
-      best_.simulated = joined(before.simulated);
-      best_.model = joined(before.model);
+      best_.simulated = scaled(model_.targets(), joined(before.simulated), 1 / before.stress_factor);
+      best_.model = scaled(model_.targets(), joined(before.model), 1 / before.stress_factor);
       best_.deviation = before.target_error.value_or(infinite);
       if (std::isfinite(best_.deviation)) known_.push_back({best_.x, best_.correction()});
       return improve(best_);
@@ -143,8 +143,12 @@ class Polish {
     result_.parameters = result_.rounds.front().parameters;
     for (const PolishRound& round : result_.rounds)
       if (round.accepted) result_.parameters = round.parameters;
-    result_.simulated = model_.parts_of(best_.simulated);
-    result_.model = model_.parts_of(best_.model);
+    const auto chosen = model_.modulus_for(best_.simulated.size() > 0 ? best_.simulated : no_values());
+    result_.material = chosen.material;
+    result_.youngs_modulus = chosen.modulus;
+    result_.stress_factor = chosen.factor;
+    result_.simulated = model_.parts_of(of_modulus(best_.simulated, chosen.factor));
+    result_.model = model_.parts_of(of_modulus(best_.model, chosen.factor));
     if (std::isfinite(best_.deviation)) result_.target_error = best_.deviation;
     result_.targets = model_.targets();
     return result_;
@@ -305,7 +309,11 @@ class Polish {
     for (int i = 0; i <= random_starts && seconds_since(start_) < options_.max_seconds; ++i) {
       DesignProblem shifted = problem_;
       shifted.initial.reset();
-      if (std::isfinite(best_.deviation)) shifted.corrections = model_.parts_of(best_.correction());
+      if (std::isfinite(best_.deviation)) {
+        shifted.corrections = model_.parts_of(best_.correction());
+        const double modulus = model_.modulus_for(best_.simulated).modulus;
+        if (!shifted.moduli.empty()) shifted.moduli = {{modulus, modulus}};
+      }
       // The first is a search of the whole box, the others begin anywhere.
       if (i > 0) {
         Eigen::VectorXd x(model_.width().size());
@@ -329,7 +337,7 @@ class Polish {
           *same = {x, deviation};
         }
       } catch (const Error& error) {
-        if (error.code() != "design.no_equilibrium") throw;
+        if (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits") throw;
       }
     }
     std::stable_sort(minima.begin(), minima.end(),
@@ -339,6 +347,14 @@ class Polish {
       if (minimum.deviation < worst_start && static_cast<int>(result.size()) < most_starts)
         result.push_back(std::move(minimum.x));
     return result;
+  }
+
+  Eigen::VectorXd no_values() const {
+    return Eigen::VectorXd::Constant(model_.samples(), std::numeric_limits<double>::quiet_NaN());
+  }
+  /// There are no values where nothing could be simulated.
+  Eigen::VectorXd of_modulus(const Eigen::VectorXd& values, double factor) const {
+    return values.size() > 0 ? scaled(model_.targets(), values, factor) : values;
   }
 
   static Eigen::VectorXd joined(const std::vector<Eigen::VectorXd>& parts) {
@@ -361,7 +377,25 @@ class Polish {
     round.parameters = parameters;
     Known known;
     known.x = x;
+    simulate(parameters, known, round);
+    if (std::isfinite(known.deviation)) round.target_error = known.deviation;
+    round.accepted = result_.rounds.empty() ? round.target_error.has_value() : known.deviation < best_.deviation;
+    if (!round.accepted && round.reason.empty()) round.reason = "Its simulated deviation is not less.";
+    tried_.push_back(x);
+    if (std::isfinite(known.deviation)) known_.push_back({x, known.correction()});
+    // What the search found is told even where its simulation does not get everywhere.
+    if (round.accepted || result_.rounds.empty()) best_ = known;
+    record(std::move(round), begin);
+    return known;
+  }
+
+  /// Simulates parameters; what they do goes into `known`, and why that is no use into the round.
+  void simulate(const Eigen::VectorXd& parameters, Known& known, PolishRound& round) {
+    const auto begin = Clock::now();
     try {
+      // What the search has found is simulated in any case.
+      if (round.proposal != Proposal::search) round.reason = model_.excess_at(parameters);
+      if (!round.reason.empty()) return;
       Eigen::VectorXd simulated(model_.samples());
       Eigen::Index at = 0;
       const Execution inner{execution_.cancellation, nullptr, execution_.cost};
@@ -387,15 +421,6 @@ class Polish {
       }
       round.reason = error.what();
     }
-    if (std::isfinite(known.deviation)) round.target_error = known.deviation;
-    round.accepted = result_.rounds.empty() ? round.target_error.has_value() : known.deviation < best_.deviation;
-    if (!round.accepted && round.reason.empty()) round.reason = "Its simulated deviation is not less.";
-    tried_.push_back(x);
-    if (std::isfinite(known.deviation)) known_.push_back({x, known.correction()});
-    // What the search found is told even where its simulation does not get everywhere.
-    if (round.accepted || result_.rounds.empty()) best_ = known;
-    record(std::move(round), begin);
-    return known;
   }
 
   void record(PolishRound round, Clock::time_point begin) {

@@ -185,4 +185,11 @@ Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& ev
   return profile;
 }
 
+Profile scaled(Profile profile, Task task, double factor) {
+  if (task == Task::poisson) return profile;
+  profile.y *= factor;
+  profile.error_bar *= factor;
+  return profile;
+}
+
 }  // namespace supple::design

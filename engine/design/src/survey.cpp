@@ -116,12 +116,7 @@ std::optional<Eigen::VectorXd> Survey::next(const std::vector<Known>& known, con
 /// Corrections of more than the targets' scales say that a place is out of the question, and how much more they are
 /// would tell nothing of others.
 CorrectionField Survey::field_of(const std::vector<Known>& known) const {
-  Eigen::VectorXd most(model_.samples());
-  Eigen::Index at = 0;
-  for (const SampledTarget& target : model_.targets()) {
-    most.segment(at, target.y.size()).setConstant(target.scale);
-    at += target.y.size();
-  }
+  const Eigen::VectorXd most = model_.scales();
   std::vector<Eigen::VectorXd> points, corrections;
   for (const Known& one : known) {
     points.push_back(one.x);

@@ -39,6 +39,7 @@ TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::
                                  double outlier)
     : evaluator_(evaluator),
       targets_(targets),
+      target_weights_(target_weights),
       samples_(all_samples(targets)),
       held_(std::move(held)),
       free_(std::move(free)),
@@ -69,45 +70,62 @@ bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
   } else {
     converged = equilibria_.from_rest(*design_);
   }
+  const Eigen::VectorXd values = corrected_values();
+  if (moduli_) chosen_ = moduli_->best(targets_, target_weights_, values);
   if (!converged) return false;
-  r.resize(factors_.size());
+  const Eigen::VectorXd compared = scaled(targets_, values, chosen_.factor);
+  const Eigen::Index n = factors_.size();
+  r.resize(n + (limits_ ? LimitRows::count : 0));
   for (std::size_t t = 0; t < targets_.size(); ++t) {
-    const Eigen::VectorXd deviations = targets_[t].deviations(corrected_values(t));
-    r.segment(static_cast<Eigen::Index>(first_[t]), deviations.size()) = deviations;
+    const auto first = static_cast<Eigen::Index>(first_[t]);
+    r.segment(first, targets_[t].y.size()) = targets_[t].deviations(compared.segment(first, targets_[t].y.size()));
   }
   for (Eigen::Index i = 0; i < outliers_.size(); ++i) {
     const auto [value, slope] = lessened(r[i], outliers_[i]);
     r[i] = value;
     slopes_[i] = slope;
   }
-  r.array() *= factors_.array();
+  r.head(n).array() *= factors_.array();
+  if (limits_) r.tail<LimitRows::count>() = limits_->at(last_);
   return true;
 }
 
 void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
   equilibria_.keep();
   known_ = last_;
-  Eigen::MatrixXd derivatives;
-  derivatives_.evaluate(evaluator_, *design_, samples_, equilibria_, derivatives);
+  Eigen::MatrixXd by_all;
+  derivatives_.evaluate(evaluator_, *design_, samples_, equilibria_, by_all);
   derivative_evaluations_ += std::count_if(samples_.begin(), samples_.end(),
                                            [](const Sample& sample) { return sample.task != Task::stress_strain; });
-  jacobian.resize(derivatives.rows(), static_cast<Eigen::Index>(free_.size()));
-  for (std::size_t k = 0; k < free_.size(); ++k) {
-    const auto column = static_cast<Eigen::Index>(k);
-    jacobian.col(column) = derivatives.col(free_[k]);
-    if (correction_) jacobian.col(column) += correction_->slope.col(column);
-    jacobian.col(column).array() *= factors_.array() * slopes_.array();
+  const Eigen::Index n = by_all.rows();
+  Eigen::MatrixXd derivatives(n, static_cast<Eigen::Index>(free_.size()));
+  for (std::size_t k = 0; k < free_.size(); ++k) derivatives.col(static_cast<Eigen::Index>(k)) = by_all.col(free_[k]);
+  if (correction_) derivatives += correction_->slope;
+  const Eigen::VectorXd values = corrected_values();
+  if (moduli_) {
+    // The product rule: the factor follows the values.
+    const Eigen::RowVectorXd factor_slope = moduli_->slope(targets_, target_weights_, values, derivatives, chosen_);
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      if (targets_[t].samples.task == Task::poisson) continue;
+      const auto first = static_cast<Eigen::Index>(first_[t]);
+      const Eigen::Index count = targets_[t].y.size();
+      derivatives.middleRows(first, count) *= chosen_.factor;
+      derivatives.middleRows(first, count) += values.segment(first, count) * factor_slope;
+    }
   }
+  jacobian.resize(n + (limits_ ? LimitRows::count : 0), derivatives.cols());
+  jacobian.topRows(n) = (factors_.array() * slopes_.array()).matrix().asDiagonal() * derivatives;
   // Within its band a deviation does not change.
+  const Eigen::VectorXd compared = scaled(targets_, values, chosen_.factor);
   for (std::size_t t = 0; t < targets_.size(); ++t) {
-    const Eigen::VectorXd value = corrected_values(t);
-    for (Eigen::Index i = 0; i < value.size(); ++i)
-      if (std::abs(value[i] - targets_[t].y[i]) < targets_[t].bands[i])
-        jacobian.row(static_cast<Eigen::Index>(first_[t]) + i).setZero();
+    const auto first = static_cast<Eigen::Index>(first_[t]);
+    for (Eigen::Index i = 0; i < targets_[t].y.size(); ++i)
+      if (std::abs(compared[first + i] - targets_[t].y[i]) < targets_[t].bands[i]) jacobian.row(first + i).setZero();
   }
+  if (limits_) jacobian.bottomRows<LimitRows::count>() = limits_->derivatives(last_, free_);
 }
 
-Eigen::VectorXd TargetResiduals::values(std::size_t target) const {
+Eigen::VectorXd TargetResiduals::model_values(std::size_t target) const {
   Eigen::VectorXd result(targets_[target].y.size());
   for (Eigen::Index i = 0; i < result.size(); ++i) {
     const std::size_t s = first_[target] + static_cast<std::size_t>(i);
@@ -118,23 +136,28 @@ Eigen::VectorXd TargetResiduals::values(std::size_t target) const {
   return result;
 }
 
-Eigen::VectorXd TargetResiduals::corrected_values(std::size_t target) const {
-  Eigen::VectorXd result = values(target);
+Eigen::VectorXd TargetResiduals::values(std::size_t target) const {
+  return factor_for(targets_[target].samples.task, chosen_.factor) * model_values(target);
+}
+
+Eigen::VectorXd TargetResiduals::corrected_values() const {
+  Eigen::VectorXd result(factors_.size());
+  for (std::size_t t = 0; t < targets_.size(); ++t)
+    result.segment(static_cast<Eigen::Index>(first_[t]), targets_[t].y.size()) = model_values(t);
   if (!correction_) return result;
   Eigen::VectorXd away(static_cast<Eigen::Index>(free_.size()));
   for (std::size_t k = 0; k < free_.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     away[column] = last_[free_[k]] - correction_->at[column];
   }
-  const auto first = static_cast<Eigen::Index>(first_[target]);
-  result += correction_->offset.segment(first, result.size());
-  result += correction_->slope.middleRows(first, result.size()) * away;
-  return result;
+  return result + correction_->offset + correction_->slope * away;
 }
 
 ProfileTrust TargetResiduals::trust(const neural::Model& model, std::size_t target) const {
   const neural::ErrorBars bars(model, evaluator_, *design_, span_of(last_), true);
-  return profile_trust(model, bars, samples_, equilibria_, first_[target], values(target));
+  auto trust = profile_trust(model, bars, samples_, equilibria_, first_[target], model_values(target));
+  trust.error_bar *= factor_for(targets_[target].samples.task, chosen_.factor);
+  return trust;
 }
 
 double TargetResiduals::largest_residual() const {

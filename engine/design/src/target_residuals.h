@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "modulus_choice.h"
 #include "profile_trust.h"
+#include "structure_limits.h"
 #include "supple/design/inverse_design.h"
 
 namespace supple::design {
@@ -40,14 +42,20 @@ class TargetResiduals : public numerics::ResidualFunction {
 
   /// From now on it is the corrected values that are compared with the targets.
   void correct(Correction correction) { correction_ = std::move(correction); }
+  /// From now on values are multiplied with the best modulus before they are compared. `moduli` outlives this.
+  void choose_among(const ModulusChoice& moduli) { moduli_ = &moduli; }
+  /// From now on there are rows for the limits after those of the samples. `limits` outlives this.
+  void keep_within(const LimitRows& limits) { limits_ = limits.are_needed() ? &limits : nullptr; }
 
   bool residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) override;
   void jacobian(Eigen::MatrixXd& jacobian) override;
 
   const Eigen::VectorXd& last_parameters() const { return last_; }
-  /// The model's values of one target's samples at the last parameters, without a correction; NaN where there is no
-  /// equilibrium.
+  /// The values of one target's samples at the last parameters with the modulus chosen there, without a correction;
+  /// NaN where there is no equilibrium.
   Eigen::VectorXd values(std::size_t target) const;
+  /// The modulus at the last parameters.
+  const ModulusChoice::Chosen& chosen() const { return chosen_; }
   /// How far each sample of a target is to be trusted, at the last parameters.
   ProfileTrust trust(const neural::Model& model, std::size_t target) const;
   double largest_residual() const;  ///< of the equilibria at the last parameters
@@ -55,11 +63,17 @@ class TargetResiduals : public numerics::ResidualFunction {
   std::int64_t restarts() const { return equilibria_.restarts(); }
 
  private:
-  Eigen::VectorXd corrected_values(std::size_t target) const;
+  Eigen::VectorXd model_values(std::size_t target) const;
+  /// Of all samples, of the model's modulus.
+  Eigen::VectorXd corrected_values() const;
 
   const neural::Evaluator& evaluator_;
   const std::vector<SampledTarget>& targets_;
+  std::vector<double> target_weights_;
   std::optional<Correction> correction_;
+  const ModulusChoice* moduli_ = nullptr;
+  const LimitRows* limits_ = nullptr;
+  ModulusChoice::Chosen chosen_;    ///< at the last parameters
   std::vector<std::size_t> first_;  ///< sample of each target
   std::vector<Sample> samples_;
   Eigen::VectorXd factors_;   ///< of each sample's deviation

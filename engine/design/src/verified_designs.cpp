@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "design_report.h"
+#include "modulus_choice.h"
 #include "supple/base/error.h"
 #include "supple/tiling/structure.h"
 
@@ -36,6 +38,12 @@ std::string_view why_polished(const VerificationPlan& plan, const Polished& poli
   }
 }
 
+/// The problem with the modulus that was found for it.
+DesignProblem with_modulus(DesignProblem problem, double modulus) {
+  if (!problem.moduli.empty()) problem.moduli = {{modulus, modulus}};
+  return problem;
+}
+
 std::vector<std::optional<double>> discretization_errors(const Polished& polished, const SimulateProfile& coarser,
                                                          const Execution& execution) {
   std::vector<std::optional<double>> errors(polished.targets.size());
@@ -45,7 +53,9 @@ std::vector<std::optional<double>> discretization_errors(const Polished& polishe
       const Eigen::VectorXd& fine = polished.simulated[t];
       if (!fine.allFinite()) continue;
       const Execution inner{execution.cancellation, nullptr, execution.cost};
-      const Eigen::VectorXd coarse = coarser(polished.parameters, polished.targets[t].samples, inner);
+      const auto& samples = polished.targets[t].samples;
+      const Eigen::VectorXd coarse =
+          factor_for(samples.task, polished.stress_factor) * coarser(polished.parameters, samples, inner);
       if (coarse.allFinite()) errors[t] = relative_difference(fine, coarse);
     }
   } catch (const Error& error) {
@@ -77,8 +87,11 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
       others.push_back(std::move(design));
       continue;
     }
-    Polished polished = polish(spaces[design.space], problem, design.parameters, simulations[design.space].simulate,
-                               alone, execution, round_of(design));
+    // What is not to be corrected keeps its modulus too.
+    Polished polished =
+        polish(spaces[design.space], corrects ? problem : with_modulus(problem, design.youngs_modulus),
+               design.parameters, simulations[design.space].simulate, alone, execution, round_of(design));
+    if (!corrects) polished.material = design.material;
     late = polished.stopped == PolishStop::deadline;
     if (late && !corrects) execution.cancellation.throw_if_requested();
     simulated.push_back({std::move(design), std::move(polished)});
@@ -95,9 +108,13 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
                              : polish(space, problem, best.polished, simulations[best.design.space].simulate,
                                       plan.options, execution, round_of(best.design));
     if (late) polished.stopped = PolishStop::deadline;
-    if (polished.parameters != best.design.parameters)
-      best.design = design_at(space, problem, polished.parameters, best.design, search);
     best.polished = std::move(polished);
+  }
+  if (best.polished.parameters != best.design.parameters ||
+      best.polished.youngs_modulus != best.design.youngs_modulus) {
+    const DesignProblem of_modulus = with_modulus(problem, best.polished.youngs_modulus);
+    best.design = design_at(spaces[best.design.space], of_modulus, best.polished.parameters, best.design, search);
+    best.design.material = best.polished.material;
   }
   if (execution.cost) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -115,10 +132,15 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
 
 namespace {
 
-void say_if_without_structure(const DesignSpace& space, Design& design) {
+StructureMeasures measures_of(const tiling::Family& family, const Eigen::VectorXd& parameters) {
+  const auto structure =
+      tiling::make_structure(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
+  return {structure.solid_area / structure.cell_area, std::sqrt(structure.cell_area) / structure.beam_width};
+}
+
+void measure_or_say_why_not(const DesignSpace& space, Design& design) {
   try {
-    tiling::make_structure(tiling::family(space.model.family),
-                           {design.parameters.data(), static_cast<std::size_t>(design.parameters.size())});
+    design.measures = measures_of(tiling::family(space.model.family), design.parameters);
   } catch (const Error& error) {
     if (error.code().rfind("tiling.", 0) != 0) throw;
     design.message +=
@@ -143,15 +165,17 @@ VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<co
     }
   }
   Design& best = found.ranking.front().design;
-  say_if_without_structure(spaces[best.space], best);
+  measure_or_say_why_not(spaces[best.space], best);
   return found;
 }
 
 DesignSpace design_space(const neural::Model& model, const neural::Evaluator& evaluator, const Candidates& candidates) {
   const auto& family = tiling::family(model.family);
-  return {model, evaluator, candidates, [&family](const Eigen::VectorXd& parameters) {
+  return {model, evaluator, candidates,
+          [&family](const Eigen::VectorXd& parameters) {
             return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
-          }};
+          },
+          [&family](const Eigen::VectorXd& parameters) { return measures_of(family, parameters); }};
 }
 
 FamilySimulation simulation_of_model(const neural::Model& model) {

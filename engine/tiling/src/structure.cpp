@@ -371,4 +371,21 @@ Structure make_structure(const Family& family, std::span<const double> parameter
   return structure;
 }
 
+Structure scaled(Structure structure, double beam_width) {
+  const double factor = beam_width / structure.beam_width;
+  const auto scale = [factor](Polygon& polygon) {
+    for (Eigen::Vector2d& corner : polygon) corner *= factor;
+  };
+  for (Polygon& tile : structure.tiling.tiles) scale(tile);
+  for (Placement& placement : structure.tiling.placements) placement.offset *= factor;
+  structure.tiling.lattice *= factor;
+  for (auto& holes : structure.holes)
+    for (Polygon& hole : holes) scale(hole);
+  structure.beam_width = beam_width;
+  structure.scale *= factor;
+  structure.cell_area *= factor * factor;
+  structure.solid_area *= factor * factor;
+  return structure;
+}
+
 }  // namespace supple::tiling

@@ -6,6 +6,7 @@
 
 #include "answer_parts.h"
 #include "supple/design/verification.h"
+#include "supple/tiling/family.h"
 
 namespace supple::json {
 namespace {
@@ -133,25 +134,55 @@ std::string plain(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-void write_structure_links(JsonWriter& out, const std::string& family, const Eigen::VectorXd& parameters) {
-  std::string path = "/v1/families/" + family + "/structure?parameters=";
-  for (Eigen::Index k = 0; k < parameters.size(); ++k) {
+/// What the structure measures; without one (message says why) there are no measures, and the beams have the width that
+/// was asked for.
+void write_structure(JsonWriter& out, const FoundDesigns& found, double density) {
+  const auto& best = found.ranking.front().design;
+  const auto& measures = best.measures;
+  double beam_width = found.spec.beam_width;
+  if (found.spec.cell_size > 0 && measures) beam_width = found.spec.cell_size / measures->cell_size;
+  std::string path = "/v1/families/" + found.models[best.space].family + "/structure?parameters=";
+  for (Eigen::Index k = 0; k < best.parameters.size(); ++k) {
     if (k > 0) path += ',';
-    path += plain(parameters[k]);
+    path += plain(best.parameters[k]);
   }
-  out.key("structure").begin_object();
+  if (beam_width != tiling::printed_beam_width) path += "&beam_width=" + plain(beam_width);
   path += "&format=";
+  out.key("structure").begin_object();
   for (const std::string format : {"svg", "dxf", "stl"}) out.field(format, path + format);
+  out.field("beam_width", beam_width);
+  const auto times = [&](double design::StructureMeasures::*measure, double factor) {
+    return measures ? std::optional((*measures).*measure * factor) : std::nullopt;
+  };
+  write_number_or_null(out, "cell_size", times(&design::StructureMeasures::cell_size, beam_width));
+  write_number_or_null(out, "relative_density", times(&design::StructureMeasures::relative_density, 1));
+  write_number_or_null(out, "density", times(&design::StructureMeasures::relative_density, density));
   out.end_object();
+}
+
+/// What the design is made of; without materials in the request, that of the model's data.
+MaterialSpec material_of(const FoundDesigns& found) {
+  const auto& best = found.ranking.front().design;
+  return found.spec.materials.empty() ? MaterialSpec{} : found.spec.materials[best.material];
+}
+
+void write_material(JsonWriter& out, const MaterialSpec& material, double youngs_modulus, const DesignModel& model) {
+  out.key("material").begin_object();
+  if (!material.name.empty()) out.field("name", material.name);
+  out.field("youngs_modulus", youngs_modulus).field("law", "neo_hookean");
+  out.field("poisson_ratio", material.poisson_ratio.value_or(model.poisson_ratio));
+  out.field("density", material.density).end_object();
 }
 
 /// The fields of one design, without the braces.
 void write_found(JsonWriter& out, const FoundDesigns& found) {
   const auto& best = found.ranking.front().design;
   const auto& model = found.models[best.space];
-  if (!found.name.empty()) out.field("name", found.name);
+  if (!found.spec.name.empty()) out.field("name", found.spec.name);
   write_model(out, model, true);
   out.key("parameters").numbers(best.parameters);
+  const auto material = material_of(found);
+  write_material(out, material, best.youngs_modulus, model);
   out.key("profile");
   write_design_profile(out, found, 0);
   out.key("also").begin_array();
@@ -172,7 +203,7 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
     out.field("stopped", design::to_string(design.stopped)).end_object();
   }
   out.end_array();
-  write_structure_links(out, model.family, best.parameters);
+  write_structure(out, found, material.density);
 }
 
 }  // namespace
@@ -231,6 +262,8 @@ std::string write_profile(const DesignModel& model, const ProfileRequest& reques
   out.begin_object();
   write_model(out, model, true);
   out.key("parameters").numbers(request.parameters);
+  const auto material = request.material.value_or(MaterialSpec{});
+  write_material(out, material, material.has_modulus ? material.youngs_modulus.least : model.youngs_modulus, model);
   write_kind(out, request.samples);
   out.key("x").numbers(request.samples.x);
   write_numbers_or_nulls(out, "y", profile.y);

@@ -23,6 +23,14 @@ constexpr int most_profile_samples = 1000;
 constexpr std::size_t longest_name = 100;
 constexpr int default_strains = 31;
 constexpr int default_directions = 50;
+constexpr double least_modulus = 1e-6;
+constexpr double largest_modulus = 1e6;
+constexpr double largest_density = 25;
+constexpr std::size_t most_materials = 16;
+constexpr double least_beam_width = 0.01;
+constexpr double largest_beam_width = 100;
+constexpr double least_cell_size = 0.01;
+constexpr double largest_cell_size = 2000;
 constexpr double default_range[2] = {-0.1, 0.2};
 
 const std::vector<std::string_view> task_names{"stress_strain", "stiffness", "poisson"};
@@ -113,6 +121,103 @@ void read_samples(Fields& fields, Samples& out, design::StrainMeasure& measure) 
   fields.choice("strain_measure", measure, measure_names);
 }
 
+/// A pair [least, most] of numbers within [least, most].
+void read_range(const Document& value, const std::string& pointer, Faults& faults, design::Range& out, double least,
+                double most) {
+  Eigen::Vector2d range(out.least, out.most);
+  if (!read_components(value, pointer, faults, range, least, most)) return;
+  if (!(range[0] <= range[1])) return faults.add(pointer, "must begin with the lesser of its numbers");
+  out = {range[0], range[1]};
+}
+
+/// A number or a pair.
+void read_modulus(Fields& fields, bool may_be_range, MaterialSpec& out) {
+  const auto* value = fields.optional("youngs_modulus");
+  if (!value) return;
+  const auto pointer = fields.at("youngs_modulus");
+  if (may_be_range && value->is_array()) {
+    read_range(*value, pointer, fields.faults(), out.youngs_modulus, least_modulus, largest_modulus);
+  } else {
+    double modulus = 1;
+    read_number(*value, pointer, fields.faults(), modulus, least_modulus, largest_modulus);
+    out.youngs_modulus = {modulus, modulus};
+  }
+  out.has_modulus = true;
+}
+
+MaterialSpec read_material(const Document& value, const std::string& pointer, Faults& faults, bool may_be_range) {
+  MaterialSpec material;
+  Fields fields(value, pointer, faults);
+  read_text(fields, "name", material.name, longest_name);
+  read_modulus(fields, may_be_range, material);
+  int law = 0;
+  fields.choice("law", law, {"neo_hookean", "incompressible_plane_stress"});
+  material.is_neo_hookean = law == 0;
+  double poisson_ratio = 0;
+  if (fields.present("poisson_ratio")) {
+    fields.number("poisson_ratio", poisson_ratio, -0.99, 0.499);
+    material.poisson_ratio = poisson_ratio;
+  }
+  fields.number("density", material.density, 0, largest_density, true);
+  fields.finish();
+  return material;
+}
+
+/// One material, or a list of those that the search may choose from.
+void read_materials(Fields& fields, RegionSpec& region) {
+  const auto* value = fields.optional("material");
+  if (!value) return;
+  const auto pointer = fields.at("material");
+  if (!value->is_array()) {
+    region.materials.push_back(read_material(*value, pointer, fields.faults(), true));
+    return;
+  }
+  if (value->empty() || value->size() > most_materials) {
+    return fields.faults().add(pointer, "must have 1 to " + std::to_string(most_materials) + " materials");
+  }
+  for (std::size_t i = 0; i < value->size(); ++i) {
+    const auto place = pointer + "/" + std::to_string(i);
+    region.materials.push_back(read_material((*value)[i], place, fields.faults(), true));
+    if (value->size() > 1 && !region.materials.back().has_modulus)
+      fields.faults().add(place, "must have \"youngs_modulus\", since there are several to choose from");
+  }
+}
+
+/// The size of the structure and its limits. The engine knows cells in widths of a beam.
+void read_size(Fields& fields, RegionSpec& region) {
+  const bool by_cells = fields.present("cell_size");
+  if (by_cells && fields.present("beam_width")) {
+    fields.faults().add(fields.at("cell_size"), "must not stand beside \"beam_width\": one follows from the other");
+  }
+  fields.number("beam_width", region.beam_width, least_beam_width, largest_beam_width);
+  if (by_cells) {
+    region.cell_size = 1;
+    fields.number("cell_size", region.cell_size, least_cell_size, largest_cell_size);
+  }
+  nested(fields, "limits", [&](Fields& limits) {
+    const auto read = [&](std::string_view name, design::Range& out, double least, double most) {
+      const auto* value = limits.optional(name);
+      if (value) read_range(*value, limits.at(name), limits.faults(), out, least, most);
+      return value != nullptr;
+    };
+    auto& out = region.problem.limits;
+    read("relative_density", out.relative_density, 0, 1);
+    design::Range range;
+    if (read("cell_size", range, 0, largest_cell_size)) {
+      if (by_cells) limits.faults().add(limits.at("cell_size"), "is given already by the field \"cell_size\"");
+      out.cell_size = {range.least / region.beam_width, range.most / region.beam_width};
+    }
+    range = {least_beam_width, largest_beam_width};
+    if (read("beam_width", range, least_beam_width, largest_beam_width)) {
+      if (!by_cells) {
+        limits.faults().add(limits.at("beam_width"),
+                            "needs the field \"cell_size\": without it all beams have the width that is given");
+      }
+      out.cell_size = {region.cell_size / range.most, region.cell_size / range.least};
+    }
+  });
+}
+
 design::Target read_target(Fields& fields) {
   design::Target target;
   read_samples(fields, target, target.measure);
@@ -145,6 +250,8 @@ RegionSpec read_region(Fields& fields) {
         Eigen::Map<const Eigen::VectorXd>(initial.data(), static_cast<Eigen::Index>(initial.size()));
   }
   read_fixed(fields, region.problem.fixed);
+  read_materials(fields, region);
+  read_size(fields, region);
   return region;
 }
 
@@ -230,6 +337,8 @@ ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
           over_strain ? range[0] + (range[1] - range[0]) * i / (samples - 1) : std::numbers::pi * i / samples;
     }
   }
+  if (const auto* material = fields.optional("material"))
+    request.material = read_material(*material, fields.at("material"), faults, false);
   nested(fields, "accuracy", [&](Fields& accuracy) {
     accuracy.number("equilibrium_tolerance", request.equilibrium_tolerance, 1e-14, 1e-4);
   });

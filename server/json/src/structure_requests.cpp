@@ -13,6 +13,8 @@ constexpr double least_mesh_size = 0.01;
 constexpr double largest_mesh_size = 2;
 constexpr double least_corner_size = 0.01;
 constexpr int most_cells = 100;
+constexpr double least_beam_width = 0.01;
+constexpr double largest_beam_width = 100;
 constexpr double least_height = 1e-3;
 constexpr double largest_height = 1000;
 
@@ -149,6 +151,7 @@ StructureRequest parse_structure(std::string_view body, const Limits& limits) {
   Faults faults;
   Fields fields(document, "", faults);
   request.structure = read_structure(fields, limits);
+  fields.number("beam_width", request.beam_width, least_beam_width, largest_beam_width);
   read_cells(fields, request.files);
   fields.number("height", request.files.height, least_height, largest_height);
   nested(fields, "mesh", [&](Fields& mesh) {

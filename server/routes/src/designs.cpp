@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -15,7 +16,8 @@ namespace {
 using Model = std::shared_ptr<const store::LoadedModel>;
 
 json::DesignModel name_of(const store::LoadedModel& model) {
-  return {model.model.family, model.model.id, model.sha256};
+  const auto& provenance = model.model.provenance;
+  return {model.model.family, model.model.id, model.sha256, provenance.youngs_modulus, provenance.poisson_ratio};
 }
 
 /// The best model of each family, families in the order of their models' ids.
@@ -84,9 +86,38 @@ void check_targets(const Region& region) {
   }
 }
 
+/// A structure's response is proportional to Young's modulus. Another law or Poisson's ratio of its material changes it
+/// in ways that a model does not know. Throws "design.other_material".
+void check_material(const json::MaterialSpec& material, const neural::Model& model, const std::string& pointer) {
+  /// As printed: a Poisson's ratio is hardly known better.
+  constexpr double rounding = 0.005;
+  const double known = model.provenance.poisson_ratio;
+  const auto refuse = [&](const char* field, const std::string& what) {
+    const std::string text = what + " The model " + model.id +
+                             " knows structures of a neo-Hookean material with Poisson's " + "ratio " +
+                             plain_number(known) + ", whose response is proportional to Young's modulus alone. " +
+                             "POST /v1/simulations simulates other materials.";
+    throw Error("design.other_material", text, {{pointer + field, text}});
+  };
+  if (!material.is_neo_hookean) refuse("/law", "No model was trained for this law.");
+  if (material.poisson_ratio && std::abs(*material.poisson_ratio - known) > rounding)
+    refuse("/poisson_ratio", "No model was trained for Poisson's ratio " + plain_number(*material.poisson_ratio) + ".");
+}
+
+/// Checks the region's materials and hands their moduli to the search.
+void prepare_materials(Region& region) {
+  const auto& materials = region.spec.materials;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const std::string pointer =
+        region.folder + "material" + (materials.size() > 1 ? "/" + std::to_string(i) : std::string());
+    for (const Model& model : region.models) check_material(materials[i], model->model, pointer);
+    if (materials[i].has_modulus) region.spec.problem.moduli.push_back(materials[i].youngs_modulus);
+  }
+}
+
 json::FoundDesigns search(const Region& region, const json::DesignRequest& request, const Execution& execution) {
   json::FoundDesigns found;
-  found.name = region.spec.name;
+  found.spec = region.spec;
   std::vector<design::DesignSpace> spaces;
   std::vector<design::FamilySimulation> simulations;
   spaces.reserve(region.models.size());
@@ -100,10 +131,10 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
   design::SearchObserver observer;
   if (execution.progress) {
     observer.on_progress = [&](const design::DesignProgress& news) {
-      execution.progress->publish(json::write_partial_design(found.name, found.models[news.space], news));
+      execution.progress->publish(json::write_partial_design(found.spec.name, found.models[news.space], news));
     };
     observer.on_round = [&](const design::Design& design, const design::PolishRound& round) {
-      execution.progress->publish(json::write_partial_round(found.name, found.models[design.space], round));
+      execution.progress->publish(json::write_partial_round(found.spec.name, found.models[design.space], round));
     };
   }
   try {
@@ -146,6 +177,7 @@ http::Response answer_design(Services& services, const http::Request& http_reque
     region.spec = request->regions[i];
     region.models = models_of(services, region.spec, region.folder);
     check_targets(region);
+    prepare_materials(region);
     regions->push_back(std::move(region));
   }
   jobs::Computation computation{"designs", {}, request->deadline, {}, request->session};
@@ -161,6 +193,9 @@ store::Result compute_profile(const store::LoadedModel& model, const json::Profi
   const auto bill = billed(outer, [&](const Execution& execution) {
     profile = design::evaluate_profile(model.model, model.evaluator, request.parameters, request.samples,
                                        request.equilibrium_tolerance, execution);
+    if (request.material && request.material->has_modulus)
+      profile = design::scaled(std::move(profile), request.samples.task,
+                               request.material->youngs_modulus.least / model.model.provenance.youngs_modulus);
     execution.checkpoint(1, "");
   });
   metrics.count_evaluations(model.model.id, profile.y.size());
@@ -172,6 +207,7 @@ http::Response answer_profile(Services& services, const http::Request& http_requ
   auto request = json::parse_profile(json_body(http_request), services.limits.json);
   auto model = request.model.empty() ? model_of_family(services, request.family, "/")
                                      : model_by_id(services, request.model, "/");
+  if (request.material) check_material(*request.material, model->model, "/material");
   const auto expected = static_cast<std::size_t>(model->evaluator.shape().parameters);
   if (request.parameters.size() != expected) {
     const std::string text = "The family " + model->model.family + " has " + std::to_string(expected) +

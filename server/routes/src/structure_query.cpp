@@ -11,6 +11,8 @@ namespace {
 // The ranges of api/openapi.yaml.
 constexpr std::size_t longest_list = 1000;
 constexpr int most_cells = 100;
+constexpr double least_beam_width = 0.01;
+constexpr double largest_beam_width = 100;
 constexpr double least_height = 1e-3;
 constexpr double largest_height = 1000;
 
@@ -74,13 +76,21 @@ std::string read_height(const std::string& text, StructureQuery& query) {
   return {};
 }
 
+std::string read_beam_width(const std::string& text, StructureQuery& query) {
+  const auto width = read_number<double>(text);
+  if (!width || !(*width >= least_beam_width && *width <= largest_beam_width)) return "takes a number from 0.01 to 100";
+  query.beam_width = *width;
+  return {};
+}
+
 /// What is wrong with a query parameter; empty where it has been read.
 std::string read(const std::string& name, const std::string& text, const json::Limits& limits, StructureQuery& query) {
   if (name == "parameters") return read_parameters(text, limits, query);
+  if (name == "beam_width") return read_beam_width(text, query);
   if (name == "cells") return read_cells(text, query);
   if (name == "format") return read_format(text, query);
   if (name == "height") return read_height(text, query);
-  return "does not exist here; there are parameters, cells, format and height";
+  return "does not exist here; there are parameters, beam_width, cells, format and height";
 }
 
 }  // namespace

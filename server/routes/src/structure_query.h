@@ -17,13 +17,14 @@ struct StructureFormat {
 };
 
 struct StructureQuery {
-  std::optional<std::vector<double>> parameters;  ///< the family's default without them
+  std::optional<std::vector<double>> parameters;   ///< the family's default without them
+  double beam_width = tiling::printed_beam_width;  ///< mm
   tiling::ExportOptions files;
   StructureFormat format{"image/svg+xml", tiling::write_svg};
 };
 
-/// Reads the query parameters `parameters`, `cells`, `format` and `height`. Throws "request.invalid_parameter", which
-/// names each parameter at fault, also those that do not exist.
+/// Reads the query parameters `parameters`, `beam_width`, `cells`, `format` and `height`. Throws
+/// "request.invalid_parameter", which names each parameter at fault, also those that do not exist.
 StructureQuery read_structure_query(const http::Request& request, const json::Limits& limits);
 
 }  // namespace supple::routes

@@ -84,7 +84,8 @@ http::Response link(Services& services, const http::Request& http_request) {
   const auto query = read_structure_query(http_request, services.limits.json);
   jobs::Computation computation{"structures", {}, services.limits.json.default_deadline, {}};
   computation.client = http_request.client;
-  computation.run = [query, structure = linked_structure(family, query.parameters)](const Execution& execution) {
+  computation.run = [query, structure = tiling::scaled(linked_structure(family, query.parameters), query.beam_width)](
+                        const Execution& execution) {
     return write_file(query.files, structure, query.format, execution);
   };
   auto response = answer_immediately(services, http_request, computation);
@@ -115,7 +116,7 @@ void add_structure_routes(http::Router& router, Services& services) {
     require_ready(services);
     const auto* const format = negotiate_format(http_request);
     auto request = json::parse_structure(json_body(http_request), services.limits.json);
-    auto structure = make_structure(request.structure);
+    auto structure = tiling::scaled(make_structure(request.structure), request.beam_width);
     jobs::Computation computation{"structures", {}, request.deadline, {}};
     computation.run = [request = std::move(request), structure = std::move(structure),
                        format](const Execution& execution) {

@@ -250,5 +250,108 @@ TEST(InverseDesign, NamesTheParameterThatIsWrong) {
   EXPECT_EQ(places(expect_error("design.parameter_count", find)), std::vector<std::string>{"fixed"});
 }
 
+/// A target that the given parameters have with `factor` times the modulus of the model.
+Target stiffer_target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, double factor) {
+  Target target = target_of(test, parameters, task);
+  if (task != Task::poisson)
+    for (auto& point : target.control_points) point[1] *= factor;
+  return target;
+}
+
+TEST_P(EveryTask, FindsTheSameParametersForAnotherModulus) {
+  const TestSpace test(2, 1);
+  const auto parameters = test.at({0.37, 0.72});
+  const double model_modulus = test.model.provenance.youngs_modulus;
+  const auto plain = find_design(test.space(), {{target_of(test, parameters, GetParam())}, {}, {}});
+  EXPECT_EQ(plain.youngs_modulus, model_modulus);
+  DesignProblem problem{{stiffer_target_of(test, parameters, GetParam(), 40)}, {}, {}};
+  problem.moduli = {{40 * model_modulus, 40 * model_modulus}};
+  const auto stiffer = find_design(test.space(), problem);
+  EXPECT_TRUE(stiffer.reached);
+  EXPECT_EQ(stiffer.youngs_modulus, 40 * model_modulus);
+  EXPECT_LT((stiffer.parameters - plain.parameters).norm(), 1e-4);
+  const double factor = GetParam() == Task::poisson ? 1 : 40;
+  EXPECT_LT((stiffer.profiles[0].achieved - factor * plain.profiles[0].achieved).norm(),
+            1e-3 * factor * plain.profiles[0].achieved.norm());
+  EXPECT_LT((stiffer.profiles[0].highest - factor * plain.profiles[0].highest).norm(),
+            1e-9 * factor * plain.profiles[0].highest.norm());
+}
+
+TEST(InverseDesign, FindsTheModulusWithTheParameters) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const TestSpace test(2, seed);
+    const double model_modulus = test.model.provenance.youngs_modulus;
+    // Two directions, so that the parameters cannot stand in for the modulus.
+    DesignProblem problem{{stiffer_target_of(test, test.at({0.37, 0.72}), Task::stiffness, 7)}, {}, {}};
+    problem.moduli = {{model_modulus, 100 * model_modulus}};
+    const auto design = find_design(test.space(), problem);
+    EXPECT_LT(design.error.relative_rms, 1e-3) << seed;
+    const auto found = std::vector<double>(design.parameters.begin(), design.parameters.end());
+    const auto& profile = design.profiles[0];
+    const auto of_model = evaluate_profile(test.model, test.evaluator, found, profile.target.samples);
+    EXPECT_LT((profile.achieved - design.youngs_modulus / model_modulus * of_model.y).norm(),
+              1e-9 * profile.achieved.norm());
+    // Without the freedom the target is out of reach.
+    DesignProblem held = problem;
+    held.moduli.clear();
+    EXPECT_GT(find_design(test.space(), held).error.relative_rms, 0.05) << seed;
+  }
+}
+
+TEST(InverseDesign, ChoosesAmongMaterials) {
+  const TestSpace test(2, 1);
+  const double model_modulus = test.model.provenance.youngs_modulus;
+  DesignProblem problem{{stiffer_target_of(test, test.at({0.37, 0.72}), Task::stress_strain, 7)}, {}, {}};
+  problem.moduli = {{model_modulus, model_modulus},
+                    {200 * model_modulus, 300 * model_modulus},
+                    {6.5 * model_modulus, 8 * model_modulus}};
+  const auto design = find_design(test.space(), problem);
+  EXPECT_EQ(design.material, 2U);
+  EXPECT_TRUE(design.reached);
+}
+
+/// Measures that follow the first parameter: its share of the bounds is the relative density.
+DesignSpace measured(const TestSpace& test) {
+  auto space = test.space();
+  space.measure = [&network = test.model.network](const Eigen::VectorXd& parameters) -> StructureMeasures {
+    return {(parameters[0] - network.lower[0]) / (network.upper[0] - network.lower[0]), 10};
+  };
+  return space;
+}
+
+TEST(InverseDesign, KeepsWithinLimits) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const TestSpace test(2, seed);
+    const auto space = measured(test);
+    DesignProblem problem{{target_of(test, test.at({0.7, 0.4}), Task::stiffness)}, {}, {}};
+    const double free = space.measure(find_design(space, problem).parameters).relative_density;
+    EXPECT_NEAR(free, 0.7, 0.05) << seed;
+    problem.limits.relative_density.most = 0.5;
+    const auto limited = find_design(space, problem);
+    const double density = space.measure(limited.parameters).relative_density;
+    EXPECT_LE(density, 0.5) << seed;
+    // The best design within the limits, as a search of the smaller box finds it.
+    double best = limited.error.relative_rms;
+    const auto sampled = sample_target(problem.targets[0]);
+    for (int i = 0; i <= 20; ++i)
+      for (int k = 0; k <= 40; ++k) {
+        const auto profile =
+            evaluate_profile(test.model, test.evaluator, test.at({0.025 * i, 0.025 * k}), sampled.samples);
+        best = std::min(best, sampled.relative_rms(profile.y).value_or(1));
+      }
+    EXPECT_LE(limited.error.relative_rms, 1.05 * best) << seed << ", density " << density;
+  }
+}
+
+TEST(InverseDesign, SaysThatNothingKeepsWithinTheLimits) {
+  const TestSpace test(2, 1);
+  DesignProblem problem{{target_of(test, test.at({0.7, 0.4}), Task::stiffness)}, {}, {}};
+  problem.limits.relative_density = {1.5, 2};
+  const auto error = expect_error("design.beyond_limits", [&] { find_design(measured(test), problem); });
+  EXPECT_NE(std::string(error.what()).find("below the least one asked for, 1.5"), std::string::npos) << error.what();
+  const DesignSpace spaces[] = {measured(test), measured(test)};
+  expect_error("design.beyond_limits", [&] { find_designs(spaces, problem); });
+}
+
 }  // namespace
 }  // namespace supple::design

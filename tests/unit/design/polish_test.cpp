@@ -557,5 +557,82 @@ TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
   expect_error("job.deadline_exceeded", [&] { families.verified({.polish = Switch::off}, {.cancellation = token}); });
 }
 
+/// The simulation is stiffer than the network everywhere by the same factor: the modulus makes up for that alone.
+TEST(Polish, CorrectsTheModulusByTheSimulation) {
+  const TestSpace test(2, 1);
+  const double model_modulus = test.model.provenance.youngs_modulus;
+  int calls = 0;
+  const SimulateProfile stiffer = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples,
+                                      const Execution&) -> Eigen::VectorXd {
+    ++calls;
+    const std::vector<double> p(parameters.begin(), parameters.end());
+    return (samples.task == Task::poisson ? 1 : 1.25) * evaluate_profile(test.model, test.evaluator, p, samples).y;
+  };
+  const Displaced exact(test, 3);
+  DesignProblem problem{{target_at(test, exact, {0.4, 0.65}, Task::stiffness)}, {}, {}};
+  problem.moduli = {{model_modulus, 10 * model_modulus}};
+  const auto found = find_design(test.space(), problem);
+  ASSERT_LT(found.error.relative_rms, 1e-3);
+  const auto polished = polish(test.space(), problem, found.parameters, stiffer, {});
+  EXPECT_EQ(calls, 1);
+  EXPECT_LT(*polished.target_error, 1e-3);
+  EXPECT_NEAR(polished.youngs_modulus, found.youngs_modulus / 1.25, 1e-3 * found.youngs_modulus);
+  EXPECT_DOUBLE_EQ(polished.stress_factor, polished.youngs_modulus / model_modulus);
+  // Profiles are those of the modulus that is told.
+  EXPECT_EQ(*polished.target_error, *polished.targets[0].relative_rms(polished.simulated[0]));
+  EXPECT_LT((polished.simulated[0] - 1.25 * polished.model[0]).norm(), 1e-9 * polished.simulated[0].norm());
+
+  // The whole way, with polish and without: what is not corrected keeps the modulus of the search.
+  const std::vector<DesignSpace> spaces{test.space()};
+  const std::vector<FamilySimulation> simulations{{stiffer, stiffer}};
+  DesignSearch search{problem};
+  search.verification = VerificationPlan{};
+  const auto corrected = search_designs(spaces, simulations, search);
+  const Design& design = corrected.ranking.front().design;
+  EXPECT_TRUE(design.reached);
+  EXPECT_EQ(design.youngs_modulus, corrected.polished->youngs_modulus);
+  EXPECT_NEAR(*corrected.discretization_error[0], 0, 1e-12);
+  EXPECT_GT(design.error.relative_rms, 0.1) << "the network's own deviation at the simulation's modulus";
+  search.verification->polish = Switch::off;
+  const auto kept = search_designs(spaces, simulations, search);
+  EXPECT_EQ(kept.ranking.front().design.youngs_modulus, found.youngs_modulus);
+  EXPECT_NEAR(*kept.polished->target_error, 0.25, 0.01);
+}
+
+TEST(Polish, GoesOnWithAnotherModulusWhereItStopped) {
+  Missed missed(Task::stiffness);
+  const double model_modulus = missed.test.model.provenance.youngs_modulus;
+  for (auto& point : missed.problem.targets[0].control_points) point[1] *= 2;
+  missed.problem.moduli = {{1.5 * model_modulus, 3 * model_modulus}};
+  const auto whole = missed.polished({.tolerance = 1e-5});
+  const auto begun = missed.polished({.tolerance = 1e-5, .max_rounds = 0});
+  const auto gone_on = polish(missed.test.space(), missed.problem, begun, missed.simulate, {.tolerance = 1e-5});
+  EXPECT_LE(*whole.target_error, 1e-5);
+  EXPECT_GT(begun.stress_factor, 1.5);
+  EXPECT_GT(whole.rounds.size(), 1U);
+  EXPECT_TRUE(gone_on.parameters.isApprox(whole.parameters, 1e-9));
+  EXPECT_NEAR(gone_on.youngs_modulus, whole.youngs_modulus, 1e-9 * model_modulus);
+}
+
+TEST(Polish, RefusesProposalsBeyondTheLimitsWithoutSimulatingThem) {
+  Missed missed;
+  auto space = missed.test.space();
+  const auto& network = missed.test.model.network;
+  space.measure = [&network](const Eigen::VectorXd& parameters) -> StructureMeasures {
+    return {(parameters[0] - network.lower[0]) / (network.upper[0] - network.lower[0]), 10};
+  };
+  missed.problem.limits.relative_density.most = space.measure(missed.found.parameters).relative_density;
+  int beyond = 0;
+  const SimulateProfile watched = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples,
+                                      const Execution& execution) {
+    if (space.measure(parameters).relative_density > missed.problem.limits.relative_density.most) ++beyond;
+    return missed.simulate(parameters, samples, execution);
+  };
+  const auto polished = polish(space, missed.problem, missed.found.parameters, watched, {.tolerance = 1e-6});
+  EXPECT_EQ(beyond, 0);
+  EXPECT_LE(space.measure(polished.parameters).relative_density, missed.problem.limits.relative_density.most);
+  EXPECT_LT(*polished.target_error, *polished.rounds.front().target_error);
+}
+
 }  // namespace
 }  // namespace supple::design

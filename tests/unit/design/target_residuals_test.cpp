@@ -80,6 +80,71 @@ TEST_P(Derivatives, AreThoseThatDifferencesGive) {
   }
 }
 
+/// Stands for a structure: how dense it is and how large its cells are, as curved functions of the parameters.
+StructureMeasures curved_measures(const Eigen::VectorXd& x) {
+  return {0.3 + 0.2 * std::sin(x[0] + 2 * x[1]), 8 + x[0] * x[1]};
+}
+
+/// With a modulus that follows the parameters, and with both limits exceeded, one of them from below.
+TEST(TargetResiduals, HaveTheDerivativesOfTheBestModulusAndOfTheLimits) {
+  const TestSpace test(2, 3);
+  auto space = test.space();
+  space.measure = curved_measures;
+  auto targets = far_targets();
+  targets[0].bands.setConstant(0.02);
+  const auto start = test.at({0.4, 0.6});
+  const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(start.data(), 2);
+  const auto here = curved_measures(x);
+  const LimitRows limits(space, {{0, 0.8 * here.relative_density}, {1.3 * here.cell_size, 100}});
+  const ModulusChoice moduli({{1, 1e5}}, test.model.provenance.youngs_modulus);
+  for (const double outlier : {0.0, 0.1}) {
+    const auto residuals = [&] {
+      TargetResiduals made(test.evaluator, targets, {1, 2}, x, {0, 1}, 1e-12, {}, outlier);
+      made.choose_among(moduli);
+      made.keep_within(limits);
+      return made;
+    };
+    auto at = residuals();
+    Eigen::VectorXd r;
+    ASSERT_TRUE(at.residuals(x, r));
+    ASSERT_TRUE(at.chosen().is_inside);
+    ASSERT_EQ(r.size(), 15);
+    EXPECT_GT(r[13], 0);
+    EXPECT_LT(r[14], 0);
+    Eigen::MatrixXd jacobian;
+    at.jacobian(jacobian);
+    constexpr double step = 1e-5;
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      Eigen::VectorXd above;
+      Eigen::VectorXd below;
+      ASSERT_TRUE(residuals().residuals(x + step * Eigen::VectorXd::Unit(2, k), above));
+      ASSERT_TRUE(residuals().residuals(x - step * Eigen::VectorXd::Unit(2, k), below));
+      const Eigen::VectorXd differences = (above - below) / (2 * step);
+      EXPECT_LT((jacobian.col(k) - differences).head(13).norm(), 1e-5 * differences.head(13).norm()) << k;
+      EXPECT_LT((jacobian.col(k) - differences).tail(2).norm(), 1e-4 * differences.tail(2).norm()) << k;
+    }
+  }
+}
+
+TEST(TargetResiduals, AreZeroForLimitsThatAreKept) {
+  const TestSpace test(2, 3);
+  auto space = test.space();
+  space.measure = curved_measures;
+  const Eigen::Vector2d x(0.5, 0.5);
+  const auto here = curved_measures(x);
+  const auto rows = [&](const StructureLimits& limits) { return LimitRows(space, limits).at(x); };
+  EXPECT_EQ(rows({}), Eigen::Vector2d::Zero());
+  EXPECT_EQ(rows({{0.9 * here.relative_density, 1.1 * here.relative_density}, {0, 1.1 * here.cell_size}}),
+            Eigen::Vector2d::Zero());
+  // A limit that is met exactly is nearer than the margin.
+  EXPECT_GT(rows({{0, here.relative_density}, {}})[0], 0);
+  EXPECT_LT(rows({{}, {here.cell_size, 100}})[1], 0);
+  EXPECT_EQ(excess(space, {{0, here.relative_density}, {}}, x), "");
+  EXPECT_NE(excess(space, {{0, 0.9 * here.relative_density}, {}}, x).find("above the greatest one asked for"),
+            std::string::npos);
+  EXPECT_NE(excess(space, {{}, {9, 10}}, x).find("below the least one asked for, 9"), std::string::npos);
+}
+
 TEST(TargetResiduals, CountsOutliersLess) {
   const TestSpace test(2, 3);
   const auto targets = far_targets();

@@ -84,6 +84,30 @@ TEST(Structure, LengthsAreMillimetres) {
   EXPECT_NEAR(structure.tiling.lattice.col(1).norm(), 0.3 / 0.0385, 1e-12);
 }
 
+TEST(Structure, ScalesWithTheWidthOfItsBeams) {
+  for (const Family& family : families()) {
+    const Structure structure = make_structure(family, presets(family));
+    const Structure wide = scaled(structure, 3 * structure.beam_width);
+    EXPECT_EQ(wide.beam_width, 3 * structure.beam_width);
+    EXPECT_DOUBLE_EQ(wide.scale, 3 * structure.scale);
+    EXPECT_TRUE(wide.tiling.lattice.isApprox(3 * structure.tiling.lattice, 1e-15));
+    EXPECT_DOUBLE_EQ(wide.cell_area, 9 * structure.cell_area);
+    EXPECT_DOUBLE_EQ(wide.solid_area / wide.cell_area, structure.solid_area / structure.cell_area);
+    // Holes and placed tiles alike: what is measured on them has the areas that the structure says.
+    double holes = 0;
+    for (const auto& of_tile : wide.holes)
+      for (const Polygon& hole : of_tile) holes += std::abs(area(hole));
+    EXPECT_NEAR(wide.cell_area - holes, wide.solid_area, 1e-9 * wide.cell_area) << family.id;
+    for (std::size_t k = 0; k < wide.tiling.placements.size(); ++k) {
+      const auto& placement = wide.tiling.placements[k];
+      const auto& before = structure.tiling.placements[k];
+      const Polygon tile = placed(wide.tiling.tiles[placement.tile], placement);
+      const Polygon tile_before = placed(structure.tiling.tiles[before.tile], before);
+      for (std::size_t i = 0; i < tile.size(); ++i) EXPECT_LT((tile[i] - 3 * tile_before[i]).norm(), 1e-12);
+    }
+  }
+}
+
 TEST(Structure, HolesOfTheSquareFamilyCloseAtHalfABeamWidth) {
   const auto at = [](double p) { return make_structure(family("square"), std::vector{p}); };
   // Holes narrower than half a percent of the beam width are closed: 0.0005 in the parameter.

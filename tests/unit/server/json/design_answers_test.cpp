@@ -30,7 +30,12 @@ FoundDesigns found() {
   profile.in_range = {1, 0};
   profile.reached = {0, 1};
   design.profiles = {profile};
-  return {"", {{"IH29", "ih29", "aa"}, {"IH21", "ih21", "bb"}}, {{design, 0.125}}, std::nullopt};
+  design.youngs_modulus = 26;
+  design.measures = {0.25, 16};
+  FoundDesigns designs;
+  designs.models = {{"IH29", "ih29", "aa", 26, 0.48}, {"IH21", "ih21", "bb", 26, 0.48}};
+  designs.ranking = {{design, 0.125}};
+  return designs;
 }
 
 json written(const FoundDesigns& designs, bool several = false) {
@@ -52,6 +57,40 @@ TEST(DesignAnswers, NameTheModelOfTheBestDesign) {
   EXPECT_EQ(answer["structure"]["stl"], "/v1/families/IH21/structure?parameters=0.125,0.5&format=stl");
   EXPECT_EQ(answer["accuracy"]["residual"], 1e-11);
   EXPECT_EQ(answer["error"], (json{{"relative_rms", 0.25}, {"max", 2.0}}));
+}
+
+TEST(DesignAnswers, SayWhatTheStructureIsMadeOfAndMeasures) {
+  auto designs = found();
+  auto answer = written(designs);
+  EXPECT_EQ(answer["material"],
+            (json{{"youngs_modulus", 26.0}, {"law", "neo_hookean"}, {"poisson_ratio", 0.48}, {"density", 1.2}}));
+  EXPECT_EQ(answer["structure"]["beam_width"], 0.3);
+  EXPECT_DOUBLE_EQ(answer["structure"]["cell_size"], 4.8);
+  EXPECT_EQ(answer["structure"]["relative_density"], 0.25);
+  EXPECT_DOUBLE_EQ(answer["structure"]["density"], 0.3);
+
+  MaterialSpec other;
+  other.name = "TPU";
+  other.density = 2;
+  designs.spec.materials = {MaterialSpec{}, other};
+  designs.ranking[0].design.material = 1;
+  designs.ranking[0].design.youngs_modulus = 55;
+  designs.spec.cell_size = 8;
+  answer = written(designs);
+  EXPECT_EQ(answer["material"]["name"], "TPU");
+  EXPECT_EQ(answer["material"]["youngs_modulus"], 55);
+  EXPECT_EQ(answer["structure"]["density"], 0.5);
+  EXPECT_EQ(answer["structure"]["beam_width"], 0.5);
+  EXPECT_EQ(answer["structure"]["cell_size"], 8);
+  EXPECT_EQ(answer["structure"]["svg"], "/v1/families/IH21/structure?parameters=0.125,0.5&beam_width=0.5&format=svg");
+
+  designs.ranking[0].design.measures.reset();
+  designs.spec.cell_size = 0;
+  designs.spec.beam_width = 0.75;
+  answer = written(designs);
+  EXPECT_TRUE(answer["structure"]["density"].is_null());
+  EXPECT_TRUE(answer["structure"]["cell_size"].is_null());
+  EXPECT_EQ(answer["structure"]["beam_width"], 0.75);
 }
 
 TEST(DesignAnswers, SayHowFarTheModelIsOff) {
@@ -149,7 +188,7 @@ TEST(DesignAnswers, TellWhatEachRoundOfPolishCameTo) {
 
 TEST(DesignAnswers, StandInRegionsWithTheirNames) {
   auto designs = found();
-  designs.name = "heel";
+  designs.spec.name = "heel";
   const auto answer = written(designs, true);
   EXPECT_EQ(answer["regions"][0]["name"], "heel");
   EXPECT_FALSE(answer.contains("family"));

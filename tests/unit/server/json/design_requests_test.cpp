@@ -92,6 +92,63 @@ TEST(DesignRequests, ReadRegions) {
   EXPECT_EQ(request.regions[1].family, "any");
 }
 
+RegionSpec region_of(const std::string& fields) {
+  return parse_design("{\"task\":\"stiffness\"," + target + "," + fields + "}", {}).regions.front();
+}
+
+TEST(DesignRequests, ReadMaterials) {
+  EXPECT_TRUE(region_of("\"name\":\"a\"").materials.empty());
+  const auto one = region_of(R"("material":{"youngs_modulus":12,"poisson_ratio":0.48,"density":2})").materials;
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_TRUE(one[0].has_modulus && one[0].is_neo_hookean);
+  EXPECT_EQ(one[0].youngs_modulus.least, 12);
+  EXPECT_EQ(one[0].youngs_modulus.most, 12);
+  EXPECT_EQ(one[0].poisson_ratio, 0.48);
+  EXPECT_EQ(one[0].density, 2);
+  const auto several =
+      region_of(
+          R"("material":[{"name":"a","law":"incompressible_plane_stress","youngs_modulus":2},{"youngs_modulus":[3,4]}])")
+          .materials;
+  ASSERT_EQ(several.size(), 2U);
+  EXPECT_EQ(several[0].name, "a");
+  EXPECT_FALSE(several[0].is_neo_hookean);
+  EXPECT_EQ(several[0].density, 1.2);
+  EXPECT_EQ(several[1].youngs_modulus.least, 3);
+  EXPECT_EQ(several[1].youngs_modulus.most, 4);
+}
+
+TEST(DesignRequests, ReadSizesAndTheirLimitsInWidthsOfABeam) {
+  const auto plain = region_of("\"beam_width\":0.5,\"limits\":{\"relative_density\":[0.1,0.2],\"cell_size\":[2,4]}");
+  EXPECT_EQ(plain.beam_width, 0.5);
+  EXPECT_EQ(plain.cell_size, 0);
+  EXPECT_EQ(plain.problem.limits.relative_density.least, 0.1);
+  EXPECT_EQ(plain.problem.limits.relative_density.most, 0.2);
+  EXPECT_EQ(plain.problem.limits.cell_size.least, 4);
+  EXPECT_EQ(plain.problem.limits.cell_size.most, 8);
+  const auto by_cells = region_of(R"("cell_size":6,"limits":{"beam_width":[0.5,0.75]})");
+  EXPECT_EQ(by_cells.cell_size, 6);
+  EXPECT_EQ(by_cells.problem.limits.cell_size.least, 8);
+  EXPECT_EQ(by_cells.problem.limits.cell_size.most, 12);
+  EXPECT_FALSE(region_of("\"cell_size\":6").problem.limits.any());
+}
+
+TEST(DesignRequests, PointToWhatIsWrongWithMaterialsAndSizes) {
+  const auto faults = [](const std::string& fields) {
+    return faults_of_design("\"task\":\"poisson\"," + target + "," + fields);
+  };
+  EXPECT_EQ(faults(R"("material":{"youngs_modulus":[4,3],"law":"hooke","density":0,"color":"red"})"),
+            (Pointers{"/material/youngs_modulus", "/material/law", "/material/density", "/material/color"}));
+  EXPECT_EQ(faults(R"("material":[])"), Pointers{"/material"});
+  EXPECT_EQ(faults(R"("material":[{"youngs_modulus":1},{"name":"a"}])"), Pointers{"/material/1"});
+  EXPECT_EQ(region_of(R"("material":[{"name":"a"}])").materials.size(), 1U) << "the model's modulus";
+  EXPECT_EQ(faults(R"("material":[{"youngs_modulus":1},{"youngs_modulus":-1}])"),
+            Pointers{"/material/1/youngs_modulus"});
+  EXPECT_EQ(faults(R"("cell_size":2,"beam_width":0.2)"), Pointers{"/cell_size"});
+  EXPECT_EQ(faults(R"("limits":{"beam_width":[0.1,0.2],"relative_density":[0.1,2]})"),
+            (Pointers{"/limits/relative_density/1", "/limits/beam_width"}));
+  EXPECT_EQ(faults(R"("cell_size":2,"limits":{"cell_size":[1,2]})"), Pointers{"/limits/cell_size"});
+}
+
 TEST(DesignRequests, PointToEachFieldAtFault) {
   EXPECT_EQ(faults_of_design(""), (Pointers{"/task", "/target"}));
   EXPECT_EQ(
@@ -118,6 +175,12 @@ TEST(ProfileRequests, SpreadTheirSamples) {
   EXPECT_DOUBLE_EQ(angles.samples.x[1], std::numbers::pi / 50);
   const auto given = parse_profile(R"({"task":"poisson","model":"ih21","parameters":[1],"x":[3,1]})", {});
   EXPECT_EQ(given.samples.x, (std::vector<double>{3, 1}));
+}
+
+TEST(ProfileRequests, TakeOneModulus) {
+  const std::string rest = R"("task":"poisson","family":"IH21","parameters":[1],"material":{"youngs_modulus":)";
+  EXPECT_EQ(parse_profile("{" + rest + "5}}", {}).material->youngs_modulus.most, 5);
+  EXPECT_EQ(faults_of_profile(rest + "[5,6]}"), Pointers{"/material/youngs_modulus"});
 }
 
 TEST(ProfileRequests, PointToEachFieldAtFault) {

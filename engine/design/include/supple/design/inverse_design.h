@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,12 +17,34 @@
 
 namespace supple::design {
 
+/// What a structure measures, whatever the width of its beams.
+struct StructureMeasures {
+  double relative_density = 0;  ///< solid area / cell area
+  double cell_size = 0;         ///< square root of the cell's area, in beam widths
+};
+/// Measures the structure of parameters that can be built.
+using MeasureStructure = std::function<StructureMeasures(const Eigen::VectorXd& parameters)>;
+
 /// A model and what belongs to it. All of them must outlive the computation.
 struct DesignSpace {
   const neural::Model& model;
   const neural::Evaluator& evaluator;
   const Candidates& candidates;
-  Buildable buildable{};  ///< searches keep to parameters that can be built; any thread may call it
+  Buildable buildable{};       ///< searches keep to parameters that can be built; any thread may call it
+  MeasureStructure measure{};  ///< needed by problems with limits; any thread may call it
+};
+
+struct Range {
+  double least = 0;
+  double most = std::numeric_limits<double>::infinity();
+};
+
+/// What a structure may measure.
+struct StructureLimits {
+  Range relative_density{};
+  Range cell_size{};  ///< in beam widths
+  /// Whether there is a limit at all.
+  bool any() const;
 };
 
 /// What one design is to do.
@@ -34,6 +57,11 @@ struct DesignProblem {
   /// What is added to the model's values before they are compared with the targets: one entry for each sample of each
   /// target, or empty for nothing. The profiles of the answer do not include it.
   std::vector<Eigen::VectorXd> corrections{};
+  /// Young's moduli in MPa that the structure may have, one range for each material that it may be made of. The design
+  /// has the modulus that serves the targets best, since stresses are proportional to it. Empty means the modulus of
+  /// the model's data. `corrections`, which are of that modulus, need a single modulus.
+  std::vector<Range> moduli{};
+  StructureLimits limits{};
 };
 
 struct DesignOptions {
@@ -83,6 +111,8 @@ struct DesignProfile {
 struct Design {
   std::size_t space = 0;  ///< index of the design space in which it was found
   Eigen::VectorXd parameters;
+  std::size_t material = 0;             ///< index into DesignProblem::moduli
+  double youngs_modulus = 0;            ///< MPa; the profiles are those of this modulus
   std::vector<DesignProfile> profiles;  ///< one for each target
   DesignError error;
   /// Whether all samples of all targets are reached. The simulation decides if one has got to all samples, and the
@@ -96,6 +126,8 @@ struct Design {
   std::string message;                ///< what the user should know about the result; may be empty
   double residual = 0;                ///< the largest residual of the equilibria
   std::optional<double> model_error;  ///< neural::mean_stress_error
+  /// Of its structure. None for designs that `search_designs` does not answer with first, and if there is no structure.
+  std::optional<StructureMeasures> measures{};
 };
 
 /// The best design so far.
@@ -116,9 +148,10 @@ using OnProgress = std::function<void(const DesignProgress&)>;
 /// from rest, so that they do not depend on the path of the search.
 ///
 /// Throws "design.invalid_target", "design.parameter_count", "design.parameter_out_of_bounds", "model.invalid_load",
-/// and "design.no_equilibrium" if no design that was tried can be built and has an equilibrium at every sample. A
-/// target out of reach is no error. Bills the stages "candidates" and "optimization", the effects "multi_start" and
-/// "envelope", and the quantities "evaluations", "iterations" and "restarts".
+/// "design.no_equilibrium" if no design that was tried can be built and has an equilibrium at every sample, and
+/// "design.beyond_limits" if every one of those is beyond the limits. A target out of reach is no error. Bills the
+/// stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus" and "limits", and the
+/// quantities "evaluations", "iterations" and "restarts".
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options = {},
                    const Execution& execution = {}, const OnProgress& progress = {});
 

@@ -59,8 +59,12 @@ struct Polished {
   std::vector<SampledTarget> targets;      ///< the targets at the samples that were simulated
   std::vector<Eigen::VectorXd> simulated;  ///< the best design's profile for each target; NaN if not reached
   std::vector<Eigen::VectorXd> model;      ///< the network's values at the same samples
-  std::optional<double> target_error;      ///< simulated deviation of the best design
-  std::vector<PolishRound> rounds;         ///< the first is the design that the search found
+  std::size_t material = 0;                ///< index into DesignProblem::moduli
+  /// Of the material, in MPa: the one that serves the simulation best. `simulated` and `model` are of this modulus.
+  double youngs_modulus = 0;
+  double stress_factor = 1;            ///< youngs_modulus divided by that of the model's data
+  std::optional<double> target_error;  ///< simulated deviation of the best design
+  std::vector<PolishRound> rounds;     ///< the first is the design that the search found
   PolishStop stopped = PolishStop::reached;
 };
 using OnPolishRound = std::function<void(const PolishRound& round)>;
@@ -80,6 +84,9 @@ using OnPolishRound = std::function<void(const PolishRound& round)>;
 /// its own. If the network's error exceeds the deviation of its minima, no minimum leads to the target. Then the whole
 /// box is surveyed by N(x) + c(x), with c interpolated between all simulations, less what the network's error bars
 /// leave open where nothing was simulated (a lower confidence bound, Cox and John 1992), until no place can be better.
+///
+/// If the problem leaves the modulus open, each simulation is compared with the targets by the modulus that serves it
+/// best. A proposal beyond the problem's limits is refused without a simulation.
 ///
 /// max_rounds = 0 only simulates the design. Each round costs a simulation of every target. The searches of the network
 /// cost little compared with that. Bills what the simulations bill.

@@ -63,6 +63,10 @@ Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& ev
                          std::span<const double> parameters, const ProfileSamples& samples,
                          double equilibrium_tolerance = 1e-10, const Execution& execution = {});
 
+/// The same profile of a structure with `factor` times Young's modulus: stresses and stiffnesses are proportional to
+/// it, Poisson's ratios do not depend on it.
+Profile scaled(Profile profile, Task task, double factor);
+
 /// The value of a profile at one state of equilibrium, by the formulas of Task and StrainMeasure. The state has the
 /// stress (S_xx, S_yy, S_xy) and the tangent, both in MPa, under a load along `direction` whose Green strain is
 /// `strain`. It may come from a network or from a simulation.

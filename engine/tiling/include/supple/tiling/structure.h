@@ -34,6 +34,9 @@ struct Structure {
 /// cell, which is some milliseconds.
 Structure make_structure(const Family& family, std::span<const double> parameters, double box_margin = 0);
 
+/// The same structure with beams of another width in millimetres: everything else scales with it.
+Structure scaled(Structure structure, double beam_width);
+
 /// Whether the parameters lie within the family's box and `make_structure` makes a structure of them. Searches ask this
 /// for every design that they look at. It takes some microseconds if each tile has a point far from every beam, as
 /// nearly all tiles have. Otherwise it takes as long as `make_structure`.

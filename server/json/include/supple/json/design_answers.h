@@ -16,14 +16,16 @@ struct DesignModel {
   std::string family;
   std::string id;
   std::string sha256;
+  double youngs_modulus = 0;  ///< of its data, MPa
+  double poisson_ratio = 0;   ///< of its data
 };
 
 /// One region's answer.
 struct FoundDesigns {
-  std::string name;                              ///< of the region; empty where it has none
   std::vector<DesignModel> models;               ///< of the spaces that were searched
   std::vector<design::VerifiedDesign> ranking;   ///< best first, at least one
   std::optional<design::Polished> verification;  ///< of the first; none where the request does not ask for one
+  RegionSpec spec{};                             ///< what was asked for
   std::vector<std::optional<double>> discretization_error{};  ///< as in VerifiedDesigns; empty without verification
 };
 

@@ -13,12 +13,26 @@
 /// make sense and parameters fit the family is not asked here.
 namespace supple::json {
 
+/// What a structure may be made of.
+struct MaterialSpec {
+  std::string name;                ///< empty where it has none
+  design::Range youngs_modulus{};  ///< MPa; none: that of the model
+  bool has_modulus = false;
+  std::optional<double> poisson_ratio;  ///< none: that of the model
+  bool is_neo_hookean = true;           ///< the law
+  double density = 1.2;                 ///< g/cm^3
+};
+
 /// What one design is to do, and where to look.
 struct RegionSpec {
   std::string name;            ///< empty where it has none
   std::string family = "any";  ///< or "any"
   std::string model;           ///< instead of a family; empty where it is not given
+  /// Without the moduli of materials that leave them to the model.
   design::DesignProblem problem;
+  std::vector<MaterialSpec> materials;  ///< empty where the request has none
+  double beam_width = 0.3;              ///< mm; does not count where there is a cell size
+  double cell_size = 0;                 ///< mm, or 0
 };
 
 struct DesignRequest {
@@ -40,6 +54,7 @@ struct ProfileRequest {
   std::string model;
   std::vector<double> parameters;
   design::ProfileSamples samples;
+  std::optional<MaterialSpec> material;
   double equilibrium_tolerance = 1e-10;
   double deadline = 0;
 };

@@ -22,6 +22,7 @@ struct StructureSpec {
 
 struct StructureRequest {
   StructureSpec structure;
+  double beam_width = tiling::printed_beam_width;  ///< mm
   tiling::ExportOptions files;
   std::optional<tiling::MeshOptions> mesh;  ///< set where statistics are asked for
   bool svg = false;
