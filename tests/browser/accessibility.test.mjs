@@ -46,6 +46,10 @@ describe("the rules of accessibility", () => {
     await design.values();
     await design.button("Pin").click();
     assert.deepEqual(await violationsInBothColours(design.page, "design-open"), []);
+    await furtherTarget(design);
+    assert.deepEqual(await violationsInBothColours(design.page, "design-targets"), []);
+    await design.page.getByRole("button", { name: "Rename this target" }).click();
+    assert.deepEqual(await violationsInBothColours(design.page), []);
     await closePage(design.page);
   });
 
@@ -96,6 +100,12 @@ describe("the rules of accessibility", () => {
   });
 });
 
+async function furtherTarget(design) {
+  await design.page.getByTitle("Add a further target of the same design").click();
+  await until(async () => (await design.page.getByRole("tab").count()) === 2, "a further tab");
+  await design.settled();
+}
+
 /** The dialog of a print with all of its settings in sight. */
 async function openPrint(page) {
   await page.getByRole("button", { name: "Print", exact: true }).click();
@@ -125,6 +135,9 @@ describe("on a small screen, where nothing is wider than it, the rules are kept"
     assert.deepEqual(await violations(design.page), []);
     await isAsWideAsTheScreen(design.page);
     await picture(design.page, "design-small");
+    await furtherTarget(design);
+    assert.deepEqual(await violations(design.page), []);
+    await isAsWideAsTheScreen(design.page);
     await design.page.locator(".bill-menu summary span").evaluate((words) => (words.textContent = "59 min 59 s"));
     await isAsWideAsTheScreen(design.page);
     await design.page.locator(".bill-menu summary").click();

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { DesignCandidate, Model, PartialDesign, Profile } from "../src/contract/types";
 import { relaxation, snappedPoints } from "../src/design/reach";
-import { errorBand, expectedDeviation, freshness, modelError, shownPartial, shownProfile, type Shown } from "../src/design/shown";
+import { errorBand, expectedDeviation, freshness, modelError, shownPartial, shownProfiles, type Shown } from "../src/design/shown";
 import { relativeDeviation, targetCurve } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
 import { judge } from "../src/design/verdict";
@@ -53,7 +53,7 @@ describe("families", () => {
 
 const state: DesignState = { ...DEFAULT_STATE, points: [[0, 0], [0.1, 1], [0.2, 2]], found: { family: "IH22", parameters: [0.3] } };
 const profileOf = (points: DesignState["points"], y: (number | null)[]): Shown =>
-  shownProfile({ family: "IH22", parameters: [0.3], model: "m", x: [0, 0.05, 0.1, 0.15, 0.2], y, error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile, { ...state, points });
+  shownProfiles([{ family: "IH22", parameters: [0.3], model: "m", x: [0, 0.05, 0.1, 0.15, 0.2], y, error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], { ...state, points })[0];
 
 describe("what is shown beside what was decided", () => {
   const shown = profileOf(state.points, [0, 0.5, 1, 1.5, 2]);

@@ -3,10 +3,11 @@ import type { DesignRequest } from "../contract/types";
 import { curlText } from "../base/curl";
 import { designRequest } from "./requests";
 import type { DesignState } from "./state";
+import { targetsOf, withTargets } from "./target_list";
 
-/** What a search of this state asks for, by itself. */
+/** What a search of this state asks for, by itself: its targets in the order of their tabs. */
 export function searchOf(state: DesignState): DesignRequest {
-  const { session: _, ...request } = designRequest(state, "search", "");
+  const { session: _, ...request } = designRequest({ ...state, ...withTargets(targetsOf(state), 0) }, "search", "");
   return request;
 }
 
@@ -21,6 +22,8 @@ function option(name: string, value: string | number | undefined): string[] {
 
 export function commandOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
+  // The command line takes further targets from a request.
+  if (request.also) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
   const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
   const parts = [
     ...option("task", request.task), ...option("family", request.family), ...option("direction", request.direction), ...option("strain", request.strain),
@@ -43,17 +46,24 @@ function keywords(values: Readonly<Record<string, unknown>>): string {
   return Object.entries(values).filter(([, value]) => value !== undefined).map(([name, value]) => `${name}=${python(value)}`).join(", ");
 }
 
+type RequestedTarget = Omit<NonNullable<DesignRequest["also"]>[number], "target"> & { target: { control_points: unknown; interpolation?: string } };
+
+function pythonTarget({ task, direction, strain, strain_measure, target, samples, weight }: RequestedTarget): string {
+  return `supple.Target(${python(task)}, ${python(target.control_points)}, ${keywords({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })})`;
+}
+
 export function pythonOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
-  const { target, effects } = request as { target: { control_points: unknown; interpolation?: string }; effects?: { multi_start?: string; envelope?: string } };
-  const profile = { direction: request.direction, strain: request.strain, strain_measure: request.strain_measure, interpolation: target.interpolation, samples: request.samples };
+  const { effects, also = [] } = request as { effects?: { multi_start?: string; envelope?: string }; also?: RequestedTarget[] };
   const search = { family: request.family === "any" ? undefined : request.family, initial: request.initial, fixed: request.fixed };
+  const given = [also.length > 0 && "also=also", keywords(search), "options=options"].filter((words) => words);
   return [
     "import supple", "",
     `client = supple.Client(${python(origin)})`,
-    `target = supple.Target(${python(request.task)}, ${python(target.control_points)}, ${keywords(profile)})`,
+    `target = ${pythonTarget(request as unknown as RequestedTarget)}`,
+    ...(also.length > 0 ? [`also = [\n    ${also.map(pythonTarget).join(",\n    ")},\n]`] : []),
     `options = supple.DesignOptions(${keywords({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`,
-    `design = client.design(target, ${keywords(search)}${Object.values(search).some((value) => value !== undefined) ? ", " : ""}options=options)`,
+    `design = client.design(target, ${given.join(", ")})`,
     "print(design.family, *design.parameters, design.error.relative_rms)", "",
   ].join("\n");
 }

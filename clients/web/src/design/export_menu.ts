@@ -7,6 +7,7 @@ import type { Client } from "../contract/client";
 import { csvOf, jsonOf } from "./exports";
 import { structurePath } from "./requests";
 import type { DesignSession } from "./session";
+import type { Shown } from "./shown";
 import type { Verification } from "./verification";
 
 /** Cells of an exported structure along its two translations. */
@@ -27,10 +28,14 @@ export function exportMenu(session: DesignSession, verification: Verification, c
   function save(kind: "json" | "csv" | "svg"): void {
     const shown = session.shown.get();
     if (!shown) return;
-    const state = verification.state.get();
-    const verified = state.kind === "done" ? state.curve : null;
+    const verified = verification.simulated?.curve ?? null;
     const name = `${shown.found.family}-${shown.task}`;
-    if (kind === "json") download(`${name}.json`, "application/json", jsonOf(shown, verified));
+    if (kind === "json") {
+      const { at } = session.state.get();
+      // Names may have been given since.
+      const all = session.all.get().map((one, k) => one && { ...one, name: session.targets[k]?.name ?? "" });
+      download(`${name}.json`, "application/json", jsonOf(all[at] ?? shown, verified, all.filter((one, k): one is Shown => one !== null && k !== at)));
+    }
     if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.before.get(), verified));
     if (kind === "svg") download(`${name}.svg`, "image/svg+xml", svgOf(plot()));
     menu.open = false;

@@ -20,18 +20,28 @@ export function csvOf(shown: Shown, before: Curve | null, verified: Curve | null
   return `${rows.join("\n")}\n`;
 }
 
-/** Everything that makes the design again, and what came out. */
-export function jsonOf(shown: Shown, verified: Curve | null): string {
-  const { found, model, x, target, achieved, errorBar, reached, inRange, deviation, largest, stopped, message } = shown;
+/** Everything that makes the design again, and what came out. `also`: what it does about the targets besides the one in sight. */
+export function jsonOf(shown: Shown, verified: Curve | null, also: readonly Shown[] = []): string {
+  const { found, model, stopped, message } = shown;
   const document = {
+    ...targetDocument(shown),
+    design: { family: found.family, model, parameters: found.parameters, by_hand: shown.byHand, stopped, message },
+    verified: verified && { x: verified.x, y: verified.y },
+    ...(also.length > 0 && { also: also.map(targetDocument), overall: { relative_rms: shown.overall } }),
+  };
+  return `${JSON.stringify(document, null, 2)}\n`;
+}
+
+function targetDocument(shown: Shown): Record<string, unknown> {
+  const { x, target, achieved, errorBar, reached, inRange, deviation, largest } = shown;
+  return {
+    ...(shown.name !== "" && { name: shown.name }),
     task: shown.task,
     ...(isPolar(shown.task) ? { strain: shown.strain } : { direction: shown.direction }),
     strain_measure: shown.measure,
+    ...(shown.weight !== 1 && { weight: shown.weight }),
     target: { control_points: shown.points, interpolation: shown.interpolation },
-    design: { family: found.family, model, parameters: found.parameters, by_hand: shown.byHand, stopped, message },
     error: { relative_rms: deviation, max: largest },
     profile: { x, target, achieved, error_bar: errorBar, reached, in_range: inRange },
-    verified: verified && { x: verified.x, y: verified.y },
   };
-  return `${JSON.stringify(document, null, 2)}\n`;
 }

@@ -1,20 +1,17 @@
 // The state in a link: readable, short, and checked when it comes back from a stranger.
 import { plain } from "../base/format";
-import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, TASKS } from "./state";
+import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, type Target, TASKS, WEIGHT_LIMITS } from "./state";
+import { MOST_NAME, MOST_TARGETS, targetsOf, withTargets } from "./target_list";
 import { fewestPoints } from "./targets";
 
 const MOST_NUMBERS = 64;
 const LARGEST = 1e6;
 
 export function writeLink(state: DesignState): string {
-  const fields: [string, string][] = [
-    ["task", state.task],
-    ["family", state.family],
-    isPolar(state.task) ? ["strain", plain(state.strain)] : ["direction", plain(state.direction)],
-    ["measure", state.measure],
-    ["curve", state.interpolation],
-    ["points", state.points.map((point) => point.map(plain).join(",")).join(";")],
-  ];
+  const targets = targetsOf(state);
+  const fields: [string, string][] = targets.flatMap((target, k) => targetFields(target, k === 0 ? "" : String(k + 1)));
+  if (targets.length > 1) fields.push(["tab", String(state.at + 1)]);
+  fields.push(["family", state.family]);
   if (state.found) {
     fields.push(["design", state.found.family], ["parameters", state.found.parameters.map(plain).join(",")]);
     if (state.fixed.some(Boolean)) fields.push(["fixed", state.fixed.map(Number).join(",")]);
@@ -23,34 +20,65 @@ export function writeLink(state: DesignState): string {
   return fields.map(([name, value]) => `${name}=${value}`).join("&");
 }
 
+/** `suffix`: the number of a further target, behind the names of its fields. */
+function targetFields(target: Target, suffix: string): [string, string][] {
+  const fields: [string, string][] = [
+    ["task", target.task],
+    isPolar(target.task) ? ["strain", plain(target.strain)] : ["direction", plain(target.direction)],
+    ["measure", target.measure],
+    ["curve", target.interpolation],
+    ["points", target.points.map((point) => point.map(plain).join(",")).join(";")],
+  ];
+  if (target.name !== "") fields.push(["name", encodeURIComponent(target.name)]);
+  if (target.weight !== 1) fields.push(["weight", plain(target.weight)]);
+  return fields.map(([name, value]) => [name + suffix, value]);
+}
+
+type Fields = ReadonlyMap<string, string>;
+
 /** The state of a link; null where it is none. */
 export function readLink(text: string): DesignState | null {
-  const fields = new Map(
+  const fields: Fields = new Map(
     text.split("&").map((field): [string, string] => {
       const equals = field.indexOf("=");
       return [field.slice(0, equals), decode(field.slice(equals + 1))];
     }),
   );
-  const task = TASKS.find((name) => name === fields.get("task"));
-  if (!task) return null;
-  const points = readPoints(fields.get("points") ?? "", isPolar(task));
-  if (!points || points.length < fewestPoints(task)) return null;
+  const targets: Target[] = [];
+  for (let k = 0; k < MOST_TARGETS && (k === 0 || fields.has(`task${k + 1}`)); ++k) {
+    const target = readTarget(fields, k === 0 ? "" : String(k + 1));
+    if (!target) return null;
+    targets.push(target);
+  }
   const family = fields.get("family") ?? DEFAULT_STATE.family;
   const design = fields.get("design");
   const parameters = numbers(fields.get("parameters") ?? "", 32);
   if (!isName(family) || (design !== undefined && (!isName(design) || !parameters))) return null;
   const found = design && parameters ? { family: design, parameters } : null;
   return {
-    task,
-    points,
-    interpolation: one(fields.get("curve"), ["cubic", "monotone", "linear"] as const, "cubic"),
-    direction: number(fields.get("direction"), -1000, 1000, DEFAULT_STATE.direction),
-    strain: number(fields.get("strain"), -0.49, 7.5, DEFAULT_STATE.strain),
-    measure: one(fields.get("measure"), ["green", "engineering"] as const, "green"),
+    ...withTargets(targets, number(fields.get("tab"), 1, targets.length, 1) - 1),
     family,
     found,
     fixed: found ? found.parameters.map((_, k) => fields.get("fixed")?.split(",")[k] === "1") : [],
     byHand: found !== null && fields.get("hand") === "1",
+  };
+}
+
+function readTarget(fields: Fields, suffix: string): Target | null {
+  const field = (name: string) => fields.get(name + suffix);
+  const task = TASKS.find((name) => name === field("task"));
+  if (!task) return null;
+  const points = readPoints(field("points") ?? "", isPolar(task));
+  if (!points || points.length < fewestPoints(task)) return null;
+  return {
+    name: (field("name") ?? "").trim().slice(0, MOST_NAME),
+    task,
+    points,
+    interpolation: one(field("curve"), ["cubic", "monotone", "linear"] as const, "cubic"),
+    direction: number(field("direction"), -1000, 1000, DEFAULT_STATE.direction),
+    strain: number(field("strain"), -0.49, 7.5, DEFAULT_STATE.strain),
+    measure: one(field("measure"), ["green", "engineering"] as const, "green"),
+    weight: number(field("weight"), ...WEIGHT_LIMITS, DEFAULT_STATE.weight),
   };
 }
 

@@ -7,12 +7,26 @@ import type { DesignSession } from "./session";
 /** Colours are those of pins; overlays begin where pins have seldom come to. */
 const FIRST_COLOUR = 3;
 
+interface Overlaid extends PinnedCurve {
+  readonly parameters: readonly number[];
+}
+
 export class Overlays {
   readonly list = new Observable<readonly PinnedCurve[]>([]);
+  private overlaid: readonly Overlaid[] = [];
   private count = 0;
+  private at = 0;
 
   constructor(private readonly session: DesignSession) {
-    session.ranking.watch(() => this.list.set([]));
+    session.ranking.watch(() => this.show([]));
+    // Of another target that comes into sight the families do something else.
+    session.state.watch(({ at }) => {
+      if (at === this.at) return;
+      this.at = at;
+      const before = this.overlaid;
+      this.show([]);
+      for (const { name, parameters } of before) void this.add(name, parameters);
+    });
   }
 
   has(family: string): boolean {
@@ -20,10 +34,21 @@ export class Overlays {
   }
 
   async toggle({ family, parameters }: DesignCandidate): Promise<void> {
-    if (this.has(family)) return this.list.set(this.list.get().filter((curve) => curve.name !== family));
+    if (this.has(family)) return this.show(this.overlaid.filter((curve) => curve.name !== family));
+    await this.add(family, parameters);
+  }
+
+  private async add(family: string, parameters: readonly number[]): Promise<void> {
     const ranking = this.session.ranking.get();
-    if (!ranking) return;
-    const curve = await this.session.profile({ family, parameters }, ranking);
-    if (curve && ranking === this.session.ranking.get() && !this.has(family)) this.list.set([...this.list.get(), { ...curve, id: FIRST_COLOUR + this.count++, name: family }]);
+    const { at } = this;
+    const target = ranking?.targets[at];
+    if (!target) return;
+    const curve = await this.session.profile({ family, parameters }, target);
+    if (curve && ranking === this.session.ranking.get() && at === this.at && !this.has(family)) this.show([...this.overlaid, { ...curve, id: FIRST_COLOUR + this.count++, name: family, parameters }]);
+  }
+
+  private show(overlaid: readonly Overlaid[]): void {
+    this.overlaid = overlaid;
+    this.list.set(overlaid);
   }
 }

@@ -1,7 +1,7 @@
 // The plot with its tools, its legend and what is going on.
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
-import { h, replace, svg } from "../base/dom";
+import { h, replace, svg, uniqueId } from "../base/dom";
 import { degrees, digits, percent } from "../base/format";
 import { Working } from "../base/working";
 import { CartesianPlot } from "./cartesian_plot";
@@ -19,11 +19,13 @@ import { openCurve, periodicCurve, targetCurve } from "./spline";
 import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS, TASK_WORDS } from "./state";
 import { judge } from "./verdict";
 import { addPoint, fewestPoints, movePoint, removePoint, roomAfter } from "./targets";
+import { targetWords } from "./target_list";
+import { targetTabs } from "./target_tabs";
 import type { Verification } from "./verification";
 
 export class PlotPanel {
   readonly element: HTMLElement;
-  private readonly stage = h("div", { class: "stage" });
+  private readonly stage = h("div", { class: "stage", role: "tabpanel", id: uniqueId("target") });
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
   private readonly status = h("div", { class: "status" });
   private readonly reading = h("p", { class: "reading muted" });
@@ -52,10 +54,16 @@ export class PlotPanel {
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
     const adopt = button("Take as target", () => session.adoptAsTarget(), { title: "Make the design’s response the target" });
     const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt, h("span", { class: "stretch" }), ...tools);
-    this.element = h("section", { class: "card plot-card", "aria-label": "Target and response" }, toolbar, this.stage, this.reading, h("div", { class: "plot-foot" }, this.legend, this.status));
+    this.element = h("section", { class: "card plot-card", "aria-label": "Target and response" }, targetTabs(session, this.stage), toolbar, this.stage, this.reading, h("div", { class: "plot-foot" }, this.legend, this.status));
     session.steps.watch((steps) => {
       undo.disabled = !steps.undo;
       redo.disabled = !steps.redo;
+    });
+    // A control point of one target is none of another.
+    let at = 0;
+    session.state.watch((state) => {
+      if (state.at !== at) this.selected = null;
+      at = state.at;
     });
     for (const part of [session.state, session.shown, session.before, session.envelope, verification.state, pins.list, overlays.list, measured.data]) {
       part.watch(() => this.schedule());
@@ -179,7 +187,6 @@ export class PlotPanel {
     const shown = fresh === "other" ? null : found;
     const polar = isPolar(state.task);
     const envelope = this.session.envelope.get();
-    const verified = this.verification.state.get();
     const before = this.session.before.get();
     const fits = envelope && sameProfile(envelope, state) && envelope.family === shown?.found.family;
     return {
@@ -192,7 +199,7 @@ export class PlotPanel {
       before: before && sameProfile(before, state) ? before : null,
       envelope: fits ? envelope : null,
       doubt: shown && errorBand(shown, modelError(this.session.model(shown.found.family), shown)),
-      verified: verified.kind === "done" ? verified.curve : null,
+      verified: this.verification.simulated?.curve ?? null,
       measured: drawnBehind(this.measured.data.get(), state),
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
@@ -262,7 +269,8 @@ export class PlotPanel {
     const shown = this.session.shown.get();
     if (!shown || this.dragging) return;
     const judgement = judge(shown, modelError(this.session.model(shown.found.family), shown));
-    const how = `${labelOf(shown, judgement)}: ${percent(shown.deviation)} from the target`;
+    const several = shown.targets.length > 1 ? ` ${targetWords(this.session.state.get())}; ${percent(shown.overall)} from all targets` : "";
+    const how = `${labelOf(shown, judgement)}: ${percent(shown.deviation)} from the target${several}`;
     announce(`${shown.found.family}, parameters ${shown.found.parameters.map((value) => Number(value.toPrecision(3))).join(", ")}. ${how}.`);
   }
 }

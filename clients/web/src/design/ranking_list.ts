@@ -7,6 +7,7 @@ import type { Overlays } from "./overlays";
 import type { DesignSession } from "./session";
 import { expectedDeviation } from "./shown";
 import { ANY, sameProfile } from "./state";
+import { targetsOf } from "./target_list";
 
 export function rankingList(session: DesignSession, overlays: Overlays): HTMLElement {
   const list = h("ol");
@@ -39,8 +40,10 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     const state = session.state.get();
     const { found, family } = state;
     const ranked = session.ranking.get();
-    // A ranking of another kind of profile says nothing of this target, and a family of it that is looked at would end it.
-    const ranking = ranked && sameProfile(ranked, state) ? ranked : null;
+    // A ranking for other kinds of profiles says nothing of these targets, and a family of it that is looked at would end it.
+    const targets = targetsOf(state);
+    const fits = ranked && ranked.targets.length === targets.length && ranked.targets.every((target, k) => sameProfile(target, targets[k]));
+    const ranking = fits ? ranked : null;
     element.hidden = !ranking;
     again.hidden = family === ANY;
     const now = `${found?.family} ${overlays.list.get().map((curve) => curve.name).join()}`;

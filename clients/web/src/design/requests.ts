@@ -1,6 +1,7 @@
 // From what the person decided to what the server is asked.
 import type { DesignRequest, ProfileRequest, SimulationRequest } from "../contract/types";
-import { ANY, type DesignState, type Found, isPolar, type ProfileKind } from "./state";
+import { ANY, type DesignState, type Found, isPolar, type ProfileKind, type Target } from "./state";
+import { askedOrder, targetsOf } from "./target_list";
 import { convertedStrain } from "./targets";
 
 /** Samples of a target over strain, ends included: at most this many, few enough to follow a pointer. */
@@ -20,6 +21,17 @@ function samplesOf(kind: ProfileKind): number {
   return isPolar(kind.task) ? DIRECTION_SAMPLES : STRAIN_SAMPLES;
 }
 
+type RequestedTarget = NonNullable<DesignRequest["also"]>[number];
+
+function requestedTarget(target: Target): RequestedTarget {
+  return {
+    ...(kindOf(target) as Pick<RequestedTarget, "task" | "direction" | "strain" | "strain_measure">),
+    target: { control_points: target.points.map(([x, y]) => [x, y]), interpolation: target.interpolation },
+    samples: samplesOf(target),
+    ...(target.weight !== 1 && { weight: target.weight }),
+  };
+}
+
 function kindOf(state: ProfileKind): Pick<DesignRequest, "task" | "direction" | "strain" | "strain_measure"> {
   return {
     task: state.task,
@@ -34,14 +46,16 @@ export function searchedFamily(state: DesignState, effort: Effort): string | und
   return effort === "follow" || state.fixed.some(Boolean) ? state.found?.family : undefined;
 }
 
+/** All targets in one request, the one in sight first. */
 export function designRequest(state: DesignState, effort: Effort, session: string): DesignRequest {
+  const targets = targetsOf(state);
+  const [main, ...also] = askedOrder(state).map((place) => requestedTarget(targets[place]));
   const family = searchedFamily(state, effort);
   const start = state.found && state.found.family === family ? state.found.parameters : undefined;
   const follow = effort === "follow" && start !== undefined;
   return {
-    ...kindOf(state),
-    target: { control_points: state.points.map(([x, y]) => [x, y]), interpolation: state.interpolation },
-    samples: samplesOf(state),
+    ...main,
+    ...(also.length > 0 && { also }),
     family: family ?? ANY,
     ...(start && { initial: [...start] }),
     ...(start && state.fixed.some(Boolean) && { fixed: start.map((value, k) => (state.fixed[k] ? value : null)) }),

@@ -8,9 +8,10 @@ import type { Overlays } from "./overlays";
 import { rankingList } from "./ranking_list";
 import { relaxation } from "./reach";
 import type { DesignSession } from "./session";
-import { freshness, type ModelError, modelError, type Shown } from "./shown";
+import { freshness, type ModelError, modelError, sameWanted, type Shown } from "./shown";
 import { type DesignState, isPolar, TASK_WORDS } from "./state";
-import { judge, type Judgement } from "./verdict";
+import { targetWords } from "./target_list";
+import { judge, type Judgement, type Verdict } from "./verdict";
 
 const STOP_WORDS: Record<DesignStop, string> = {
   converged: "no step comes closer",
@@ -30,7 +31,7 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
     const shown = session.shown.get();
     const state = session.state.get();
     const fresh = freshness(shown, state);
-    const now = `${fresh} ${state.task} ${state.found?.family} ${session.activity.get().kind}`;
+    const now = `${fresh} ${state.task} ${state.found?.family} ${session.activity.get().kind} ${state.at} ${session.targets.map(targetWords).join()}`;
     if (now === drawn && shown === last) return;
     [drawn, last] = [now, shown];
     element.setAttribute("aria-busy", String(fresh !== "current"));
@@ -38,15 +39,44 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
     if (!shown || fresh === "other") return replace(body, ...waiting(session, state));
     const error = modelError(session.model(shown.found.family), shown);
     const judgement = judge(shown, error);
-    const label = fresh === "current" ? chip(shown, judgement) : h("span", { class: "chip plain" }, waitingWords(session));
+    const label = fresh === "current" ? chip(shown, ofAll(session, shown, judgement)) : h("span", { class: "chip plain" }, waitingWords(session));
     replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label),
-      facts(shown, error), h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
+      targetList(session, shown), facts(shown, error), h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
       ...(fresh === "current" && !shown.provisional && !shown.byHand && judgement.verdict !== "within" ? [advice(session, shown)] : []));
   }
 
   for (const part of [session.shown, session.state, session.activity]) part.watch(show);
   return element;
 }
+
+const WORST_FIRST: readonly Verdict[] = ["out", "close", "within"];
+
+/** Several targets are met as well as the one that is met worst. */
+function ofAll(session: DesignSession, inSight: Shown, judgement: Judgement): Judgement {
+  const all = session.all.get().filter((shown): shown is Shown => shown !== null && sameWanted(shown, inSight));
+  const judged = all.map((shown) => judge(shown, modelError(session.model(shown.found.family), shown)));
+  return WORST_FIRST.map((verdict) => judged.find((one) => one.verdict === verdict)).find((one) => one !== undefined) ?? judgement;
+}
+
+/** How close the design comes to each of several targets. */
+function targetList(session: DesignSession, inSight: Shown): HTMLElement | false {
+  const { targets } = inSight;
+  if (targets.length === 1) return false;
+  const all = session.all.get();
+  return h("div", { class: "target-errors" },
+    h("h3", {}, "Targets"),
+    h("ul", { "aria-label": "Deviation from each target" }, ...targets.map((target, k) => {
+      const shown = all[k];
+      const known = shown && sameWanted(shown, inSight) ? shown : null;
+      const verdict = known && judge(known, modelError(session.model(known.found.family), known));
+      return h("li", { class: known === inSight ? "in-sight" : null }, h("span", { class: "target-name" }, targetWords(session.targets[k] ?? target)),
+        h("span", { class: `verdict-mark ${verdict?.verdict ?? ""}` }, verdict ? VERDICT_WORDS[verdict.verdict] : "not known yet"),
+        h("strong", {}, known ? percent(known.deviation) : "–"));
+    })),
+    h("p", { class: "overall" }, h("span", {}, "All together (rms)"), h("strong", {}, percent(inSight.overall))));
+}
+
+const VERDICT_WORDS: Record<Verdict, string> = { within: "within", close: "close", out: "out of reach" };
 
 function waitingWords(session: DesignSession): string {
   return session.activity.get().kind === "busy" ? "Computing" : "Not computed";
@@ -76,7 +106,7 @@ function chip(shown: Shown, judgement: Judgement): HTMLElement {
 function facts(shown: Shown, error: ModelError | null): HTMLElement {
   const { unit } = TASK_WORDS[shown.task];
   const rows: [string, string][] = [
-    ["Deviation (rms)", percent(shown.deviation)],
+    [shown.targets.length > 1 ? "Target in sight (rms)" : "Deviation (rms)", percent(shown.deviation)],
     ["Largest", `${digits(shown.largest)}${unit && ` ${unit}`}`],
     ["Parameters", shown.found.parameters.map((value) => digits(value, 4)).join(", ")],
   ];

@@ -8,8 +8,9 @@ import { runJob } from "../contract/jobs";
 import type { DesignAnswer, DesignCandidate, Family, Job, Model, Profile } from "../contract/types";
 import { type Relaxation, snappedPoints } from "./reach";
 import { designRequest, type Effort, profileRequest } from "./requests";
-import { type Envelope, freshness, kindOf, sameWanted, type Shown, shownDesign, shownPartial, shownProfile, type Wanted, wantedOf } from "./shown";
-import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, sameProfile } from "./state";
+import { type Envelope, freshness, kindOf, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
+import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, sameProfile, type Target } from "./state";
+import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
 import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type Points, pointsOnProfile } from "./targets";
 
 /** Seconds that a search may take before it becomes a job whose progress is shown. */
@@ -24,7 +25,7 @@ export type Activity =
   | { kind: "stopped" }
   | { kind: "failed"; sentence: string };
 
-/** The best design of each family, of one target. */
+/** The best design of each family, for what was wanted. */
 export interface Ranking extends Wanted {
   readonly candidates: readonly DesignCandidate[];
 }
@@ -36,6 +37,9 @@ export interface Steps {
 
 export class DesignSession {
   readonly state = new Observable<DesignState>(DEFAULT_STATE);
+  /** What the design does about each target, in the order of the tabs; null where nobody knows yet. */
+  readonly all = new Observable<readonly (Shown | null)[]>([]);
+  /** About the target in sight. */
   readonly shown = new Observable<Shown | null>(null);
   /** The profile before the last change began. */
   readonly before = new Observable<(Curve & ProfileKind) | null>(null);
@@ -56,8 +60,10 @@ export class DesignSession {
   /** Counts the decisions after which an older answer no longer belongs to the state. */
   private epoch = 0;
   private unanswered = false;
-  /** Targets of the tasks that were left, for the way back. */
-  private readonly targets = new Map<string, Points>();
+  /** Curves of the tasks that were left, for the way back. */
+  private readonly left = new Map<string, Points>();
+  /** What the family reaches of each target. */
+  private envelopes: readonly (Envelope | null)[] = [];
 
   constructor(private readonly client: Client) {}
 
@@ -121,7 +127,7 @@ export class DesignSession {
   apply(change: Partial<DesignState>): void {
     this.finish();
     this.keepBefore();
-    this.state.set({ ...this.state.get(), ...change });
+    this.decide({ ...this.state.get(), ...change });
     this.push();
     this.refresh("search");
   }
@@ -139,8 +145,7 @@ export class DesignSession {
   /** Stops what runs; the best so far stays. */
   cancel(): void {
     this.requests.cancel();
-    const shown = this.shown.get();
-    if (shown?.provisional) this.shown.set({ ...shown, provisional: false, message: "The search was stopped: this is its best so far." });
+    this.showAll(this.all.get().map((shown) => (shown?.provisional ? { ...shown, provisional: false, message: "The search was stopped: this is its best so far." } : shown)));
     this.activity.set({ kind: "stopped" });
   }
 
@@ -149,9 +154,57 @@ export class DesignSession {
     if (this.unanswered || ["failed", "stopped"].includes(this.activity.get().kind)) this.refresh("search");
   }
 
+  /** All targets, in the order of their tabs. */
+  get targets(): readonly Target[] {
+    return targetsOf(this.state.get());
+  }
+
   /** Whether what is shown belongs to what was decided. */
   get isCurrent(): boolean {
     return freshness(this.shown.get(), this.state.get()) === "current";
+  }
+
+  /** Another target comes into sight; what is wanted stays. */
+  select(at: number): void {
+    this.finish();
+    const state = this.state.get();
+    const targets = targetsOf(state);
+    if (at === state.at || at < 0 || at >= targets.length) return;
+    this.state.set({ ...state, ...withTargets(targets, at) });
+    this.history.amend(this.state.get());
+    this.lookAtSelected();
+  }
+
+  /** A further target of the same kind as the one in sight, which begins with what the design does there. */
+  async add(): Promise<void> {
+    this.finish();
+    const state = this.state.get();
+    const targets = targetsOf(state);
+    if (targets.length >= MOST_TARGETS) return;
+    const further = furtherTarget(targets, targetOf(state));
+    const points = await this.pointsOf({ ...state, ...further }, state.found);
+    if (this.state.get() !== state) return; // something else was decided meanwhile
+    this.showAll([...this.all.get(), null]);
+    this.apply(withTargets([...targets, points.length > 0 ? { ...further, points } : further], targets.length));
+  }
+
+  remove(at: number): void {
+    const state = this.state.get();
+    const targets = targetsOf(state);
+    if (targets.length === 1) return;
+    this.showAll(this.all.get().filter((_, k) => k !== at));
+    this.envelopes = this.envelopes.filter((_, k) => k !== at);
+    this.left.clear();
+    this.apply(withTargets(targets.filter((_, k) => k !== at), at < state.at ? state.at - 1 : state.at));
+    this.lookAtSelected();
+  }
+
+  /** A name says nothing of what is wanted: nothing is searched for. */
+  rename(name: string): void {
+    this.finish();
+    this.state.set({ ...this.state.get(), name: name.trim().slice(0, MOST_NAME) });
+    this.history.push(this.state.get());
+    this.tellSteps();
   }
 
   /** Looks at the best design of one family of the ranking. */
@@ -164,9 +217,9 @@ export class DesignSession {
     const state = this.state.get();
     if (task === state.task) return;
     this.finish();
-    this.targets.set(this.targetKey(state), state.points);
+    this.left.set(this.targetKey(state), state.points);
     const next = { ...state, task };
-    const points = this.targets.get(this.targetKey(next)) ?? (await this.pointsOf(next, state.found));
+    const points = this.left.get(this.targetKey(next)) ?? (await this.pointsOf(next, state.found));
     if (this.state.get().task === state.task && points.length > 0) this.apply({ task, points });
   }
 
@@ -203,7 +256,7 @@ export class DesignSession {
     this.apply({ points: points.map((point, k) => (k === index ? to : point)), byHand: false });
   }
 
-  /** The profile of any design, of the state's kind. Null where it cannot be had. */
+  /** The profile of any design, of some kind. Null where it cannot be had. */
   async profile(found: Found, kind: ProfileKind & Pick<DesignState, "points">): Promise<Curve | null> {
     try {
       const answer = await this.client.post<Profile>("/v1/profiles", profileRequest(kind, found));
@@ -211,6 +264,27 @@ export class DesignSession {
     } catch {
       return null; // the main request meets the same fault and tells of it
     }
+  }
+
+  private decide(next: DesignState): void {
+    const { at } = this.state.get();
+    this.state.set(next);
+    // With more or fewer targets what was found is of none of their places.
+    if (this.all.get().length !== next.others.length + 1) this.showAll([]);
+    else if (at !== next.at) this.lookAtSelected();
+  }
+
+  private showAll(all: readonly (Shown | null)[]): void {
+    this.all.set(all);
+    this.shown.set(all[this.state.get().at] ?? null);
+  }
+
+  /** What is known of the target that has come into sight. */
+  private lookAtSelected(): void {
+    const { at } = this.state.get();
+    this.before.set(null);
+    this.envelope.set(this.envelopes[at] ?? null);
+    this.shown.set(this.all.get()[at] ?? null);
   }
 
   private begin(state: DesignState): void {
@@ -226,8 +300,8 @@ export class DesignSession {
     if (!state.found || state.byHand) return;
     const { epoch } = this;
     try {
-      const profile = await this.client.post<Profile>("/v1/profiles", profileRequest(state, state.found));
-      if (!this.shown.get() && epoch === this.epoch) this.shown.set({ ...shownProfile(profile, state), byHand: false, provisional: true });
+      const all = shownProfiles(await this.profilesOf(state, state.found), state);
+      if (!this.shown.get() && epoch === this.epoch) this.showAll(all.map((shown) => ({ ...shown, byHand: false, provisional: true })));
     } catch {
       // the search tells what is wrong
     }
@@ -260,7 +334,7 @@ export class DesignSession {
   }
 
   private targetKey(state: DesignState): string {
-    return `${state.task} ${state.measure}`;
+    return `${state.at} ${state.task} ${state.measure}`;
   }
 
   private keepBefore(): void {
@@ -277,7 +351,7 @@ export class DesignSession {
   private restore(): void {
     ++this.epoch;
     this.keepBefore();
-    this.state.set(this.history.current);
+    this.decide(this.history.current);
     this.tellSteps();
     this.refresh("search");
   }
@@ -324,11 +398,16 @@ export class DesignSession {
   private async showByHand(state: DesignState, epoch: number, signal: AbortSignal): Promise<void> {
     const found = state.found as Found;
     this.activity.set({ kind: "busy", effort: "profile", progress: null, stage: "" });
-    const profile = await this.client.post<Profile>("/v1/profiles", profileRequest(state, found), { signal });
+    const profiles = await this.profilesOf(state, found, signal);
     if (signal.aborted || epoch !== this.epoch) return;
     const ranking = this.ranking.get();
-    if (ranking && !sameWanted(ranking, state)) this.ranking.set(null);
-    this.shown.set(shownProfile(profile, state));
+    if (ranking && !sameWanted(ranking, wantedOf(state))) this.ranking.set(null);
+    this.showAll(shownProfiles(profiles, state));
+  }
+
+  /** One for each target, in the order of the tabs. */
+  private profilesOf(state: DesignState, found: Found, signal?: AbortSignal): Promise<Profile[]> {
+    return Promise.all(targetsOf(state).map((target) => this.client.post<Profile>("/v1/profiles", profileRequest(target, found), { signal })));
   }
 
   private showProgress(job: Job, state: DesignState, signal: AbortSignal): void {
@@ -338,7 +417,8 @@ export class DesignSession {
     if (!partial || !("achieved" in partial)) return;
     const shown = shownPartial(partial, state);
     this.takeOver(shown.found);
-    this.shown.set(shown);
+    const before = this.all.get();
+    this.showAll(targetsOf(state).map((_, place) => (place === state.at ? shown : (before[place] ?? null))));
   }
 
   /** The design that is shown is the one of the sliders and of the next search. */
@@ -353,17 +433,25 @@ export class DesignSession {
     const found: Found = { family: answer.family, parameters: answer.parameters };
     this.takeOver(found);
     this.rank(answer, asked);
-    const { profile } = answer;
-    if (profile.envelope) this.envelope.set({ ...asked, family: found.family, x: profile.x, ...profile.envelope });
+    const targets = targetsOf(asked);
+    const order = askedOrder(asked);
+    const profiles = [answer.profile, ...answer.also];
+    this.envelopes = targets.map((target: Target, place) => {
+      const { x, envelope } = profiles[order.indexOf(place)];
+      return envelope ? { ...kindOf(target), family: found.family, x, ...envelope } : (this.envelopes[place] ?? null);
+    });
+    const { at } = this.state.get();
+    this.envelope.set(this.envelopes[at] ?? null);
     const before = this.before.get();
-    if (!before || !sameProfile(before, asked)) this.before.set({ ...kindOf(asked), x: profile.x, y: profile.initial });
-    this.shown.set(shownDesign(answer, asked));
+    const inSight = profiles[order.indexOf(at)];
+    if (inSight && (!before || !sameProfile(before, targets[at]))) this.before.set({ ...kindOf(targets[at]), x: inSight.x, y: inSight.initial });
+    this.showAll(shownDesigns(answer, asked));
   }
 
   private rank({ ranking }: DesignAnswer, asked: DesignState): void {
     const before = this.ranking.get();
     if (ranking.length > 1) this.ranking.set({ ...wantedOf(asked), candidates: ranking });
-    else if (before && !sameWanted(before, asked)) this.ranking.set(null);
+    else if (before && !sameWanted(before, wantedOf(asked))) this.ranking.set(null);
   }
 
   private fail(error: unknown, effort: Effort, signal: AbortSignal): void {

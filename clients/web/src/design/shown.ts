@@ -1,7 +1,8 @@
 // What the plot, the cards and the exports show: answers of the server in one form.
 import type { DesignAnswer, DesignCandidate, DesignStop, Model, PartialDesign, Profile } from "../contract/types";
-import { type ControlPoint, type DesignState, type Found, type Interpolation, isPolar, type ProfileKind, sameProfile } from "./state";
+import { type DesignState, type Found, isPolar, type ProfileKind, sameProfile, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
+import { askedOrder, sameTargets, targetOf, targetsOf } from "./target_list";
 
 export interface Band {
   readonly x: readonly number[];
@@ -13,13 +14,14 @@ export interface Envelope extends ProfileKind, Band {
   readonly family: string;
 }
 
-/** What is wanted of a design: a kind of profile and the curve that it should follow. */
-export interface Wanted extends ProfileKind {
-  readonly points: readonly ControlPoint[];
-  readonly interpolation: Interpolation;
+/** What is wanted of a design. */
+export interface Wanted {
+  /** In the order of their tabs. */
+  readonly targets: readonly Target[];
 }
 
-export interface Shown extends Wanted {
+/** What a design does about one of its targets. */
+export interface Shown extends Target, Wanted {
   readonly found: Found;
   readonly model: string;
   readonly x: readonly number[];
@@ -31,7 +33,10 @@ export interface Shown extends Wanted {
   readonly inRange: readonly boolean[];
   /** Which samples of the target are reached. */
   readonly reached: readonly boolean[];
+  /** Of this target. */
   readonly deviation: number;
+  /** Of all targets together, with their weights. */
+  readonly overall: number;
   /** Largest deviation, in the unit of y. */
   readonly largest: number;
   readonly message: string;
@@ -83,13 +88,13 @@ export function kindOf({ task, direction, strain, measure }: ProfileKind): Profi
   return { task, direction, strain, measure };
 }
 
-/** What was wanted alone, of what has more. */
-export function wantedOf(state: Wanted): Wanted {
-  return { ...kindOf(state), points: state.points, interpolation: state.interpolation };
+/** What a state wants. */
+export function wantedOf(state: DesignState): Wanted {
+  return { targets: targetsOf(state) };
 }
 
 export function sameWanted(a: Wanted, b: Wanted): boolean {
-  return sameProfile(a, b) && a.points === b.points && a.interpolation === b.interpolation;
+  return sameTargets(a.targets, b.targets);
 }
 
 export function sameFound(a: Found, b: Found): boolean {
@@ -104,58 +109,78 @@ export type Freshness = "current" | "outdated" | "other";
 
 export function freshness(shown: Shown | null, state: DesignState): Freshness {
   if (!shown || !sameProfile(shown, state) || shown.found.family !== state.found?.family) return "other";
-  return sameWanted(shown, state) && sameFound(shown.found, state.found) ? "current" : "outdated";
+  return shown.points === state.points && sameWanted(shown, wantedOf(state)) && sameFound(shown.found, state.found) ? "current" : "outdated";
 }
 
-export function shownDesign(answer: DesignAnswer, asked: DesignState): Shown {
-  const { profile } = answer;
-  return {
-    ...wantedOf(asked),
-    found: { family: answer.family, parameters: answer.parameters },
-    model: answer.model,
-    x: profile.x,
-    achieved: profile.achieved,
-    errorBar: profile.error_bar,
-    target: profile.target,
-    inRange: profile.in_range,
-    reached: profile.reached,
-    deviation: answer.error.relative_rms,
-    largest: answer.error.max,
-    message: answer.message,
-    stopped: answer.stopped,
-    iterations: answer.iterations,
-    ranking: answer.ranking,
-    seconds: answer.cost.seconds,
-    byHand: false,
-    provisional: false,
-  };
+/** What a design that was found does, one for each target in the order of the tabs. */
+export function shownDesigns(answer: DesignAnswer, asked: DesignState): readonly Shown[] {
+  const targets = targetsOf(asked);
+  const profiles = [answer.profile, ...answer.also];
+  const order = askedOrder(asked);
+  return targets.map((target, place): Shown => {
+    const profile = profiles[order.indexOf(place)];
+    const compared = comparison(profile.x, profile.achieved, target);
+    return {
+      ...target,
+      targets,
+      found: { family: answer.family, parameters: answer.parameters },
+      model: answer.model,
+      x: profile.x,
+      achieved: profile.achieved,
+      errorBar: profile.error_bar,
+      target: profile.target,
+      inRange: profile.in_range,
+      reached: profile.reached,
+      deviation: targets.length === 1 ? answer.error.relative_rms : compared.deviation,
+      overall: answer.error.relative_rms,
+      largest: place === asked.at ? answer.error.max : compared.largest,
+      message: answer.message,
+      stopped: answer.stopped,
+      iterations: answer.iterations,
+      ranking: answer.ranking,
+      seconds: answer.cost.seconds,
+      byHand: false,
+      provisional: false,
+    };
+  });
 }
 
-export function shownProfile(profile: Profile, asked: DesignState): Shown {
-  return {
-    ...wantedOf(asked),
-    found: { family: profile.family, parameters: profile.parameters },
-    model: profile.model,
-    ...comparison(profile.x, profile.y, asked),
-    errorBar: profile.error_bar,
-    inRange: profile.in_range,
-    message: profile.y.includes(null) ? "In some samples no equilibrium was found." : "",
-    stopped: null,
-    iterations: 0,
-    ranking: [],
-    seconds: profile.cost.seconds,
-    byHand: true,
-    provisional: false,
-  };
+/** What a design of given parameters does: one profile for each target in the order of the tabs. */
+export function shownProfiles(profiles: readonly Profile[], asked: DesignState): readonly Shown[] {
+  const targets = targetsOf(asked);
+  const compared = targets.map((target, place) => comparison(profiles[place].x, profiles[place].y, target));
+  const overall = overallDeviation(compared.map(({ deviation }, place) => ({ deviation, weight: targets[place].weight })));
+  return targets.map((target, place): Shown => {
+    const profile = profiles[place];
+    return {
+      ...target,
+      targets,
+      found: { family: profile.family, parameters: profile.parameters },
+      model: profile.model,
+      ...compared[place],
+      overall,
+      errorBar: profile.error_bar,
+      inRange: profile.in_range,
+      message: profile.y.includes(null) ? "In some samples no equilibrium was found." : "",
+      stopped: null,
+      iterations: 0,
+      ranking: [],
+      seconds: profiles.reduce((sum, { cost }) => sum + cost.seconds, 0),
+      byHand: true,
+      provisional: false,
+    };
+  });
 }
 
-/** The best that a search has found so far, against its own target: nothing of it is of an earlier answer. */
+/** The best that a search has found so far, against the target in sight when it was asked: nothing of it is of an earlier answer. */
 export function shownPartial(partial: PartialDesign, asked: DesignState): Shown {
   return {
-    ...wantedOf(asked),
+    ...targetOf(asked),
+    targets: targetsOf(asked),
     found: { family: partial.family, parameters: partial.parameters },
     model: partial.model,
     ...comparison(partial.x, partial.achieved, asked),
+    overall: partial.error.relative_rms,
     errorBar: null,
     inRange: partial.x.map(() => true),
     message: "",
@@ -168,8 +193,14 @@ export function shownPartial(partial: PartialDesign, asked: DesignState): Shown 
   };
 }
 
+/** As a search weighs the deviations of several targets: the root of their mean square, each as often as its weight says. */
+export function overallDeviation(all: readonly { deviation: number; weight: number }[]): number {
+  const whole = all.reduce((sum, { weight }) => sum + weight, 0);
+  return Math.sqrt(all.reduce((sum, { deviation, weight }) => sum + weight * deviation * deviation, 0) / whole);
+}
+
 /** A profile beside the target that was asked for, sample by sample. */
-function comparison(x: readonly number[], y: readonly (number | null)[], asked: Wanted): Pick<Shown, "x" | "achieved" | "target" | "reached" | "deviation" | "largest"> {
+function comparison(x: readonly number[], y: readonly (number | null)[], asked: Target): Pick<Shown, "x" | "achieved" | "target" | "reached" | "deviation" | "largest"> {
   const target = x.map(targetCurve(isPolar(asked.task), asked.points, asked.interpolation));
   const size = Math.sqrt(target.reduce((sum, value) => sum + value * value, 0) / target.length);
   const away = y.map((value, k) => (value === null ? Infinity : Math.abs(value - target[k])));

@@ -59,7 +59,7 @@ export const STARTS: readonly Start[] = [
   },
 ];
 
-/** The whole state of a start: the search goes through all families. */
+/** What a start changes: the target in sight, and the search goes through all families. */
 export function startState({ state }: Start): Partial<DesignState> {
-  return { direction: DEFAULT_STATE.direction, strain: DEFAULT_STATE.strain, ...state, measure: "green", family: "any", fixed: [], byHand: false };
+  return { name: "", direction: DEFAULT_STATE.direction, strain: DEFAULT_STATE.strain, ...state, measure: "green", family: "any", fixed: [], byHand: false };
 }

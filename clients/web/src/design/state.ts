@@ -11,7 +11,10 @@ export interface Found {
   readonly parameters: readonly number[];
 }
 
-export interface DesignState {
+/** One profile that is wanted of the design. */
+export interface Target {
+  /** Given by the person; empty where the target is called by what it shows. */
+  readonly name: string;
   readonly task: Task;
   readonly points: readonly ControlPoint[];
   readonly interpolation: Interpolation;
@@ -20,6 +23,16 @@ export interface DesignState {
   /** Strain along the load at which the profile is taken; of the polar tasks. */
   readonly strain: number;
   readonly measure: StrainMeasure;
+  /** How much it counts beside others. */
+  readonly weight: number;
+}
+
+/** Its target is the one that is in sight and is edited; the others stand in `others`. */
+export interface DesignState extends Target {
+  /** Further targets of the same design, in the order of their tabs. */
+  readonly others: readonly Target[];
+  /** Place of the target in sight among all, from 0. */
+  readonly at: number;
   /** A family's id, or "any". */
   readonly family: string;
   /** The design that is shown, and where the next search starts. */
@@ -31,14 +44,19 @@ export interface DesignState {
 }
 
 export const ANY = "any";
+export const WEIGHT_LIMITS = [0.1, 10] as const;
 
 export const DEFAULT_STATE: DesignState = {
+  name: "",
   task: "stress_strain",
   points: [],
   interpolation: "cubic",
   direction: 0,
   strain: 0.05,
   measure: "green",
+  weight: 1,
+  others: [],
+  at: 0,
   family: ANY,
   found: null,
   fixed: [],
@@ -74,4 +92,4 @@ export function sameProfile(a: ProfileKind, b: ProfileKind): boolean {
   return isPolar(a.task) ? a.strain === b.strain : a.direction === b.direction;
 }
 
-export type ProfileKind = Pick<DesignState, "task" | "direction" | "strain" | "measure">;
+export type ProfileKind = Pick<Target, "task" | "direction" | "strain" | "measure">;

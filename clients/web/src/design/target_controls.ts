@@ -2,7 +2,7 @@
 import { Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
 import type { DesignSession } from "./session";
-import { ANY, type Interpolation, isPolar, TASK_WORDS, TASKS } from "./state";
+import { ANY, type DesignState, type Interpolation, isPolar, TASK_WORDS, TASKS, WEIGHT_LIMITS } from "./state";
 
 /** `examples` are targets to start from. */
 export function targetControls(session: DesignSession, examples: HTMLElement): HTMLElement {
@@ -33,7 +33,13 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
   );
   const family = new Select<string>("Family of tilings", [{ value: ANY, words: "Any: the best of all" }], (value) => session.apply({ family: value, byHand: false }));
 
-  function change(values: { direction?: number; strain?: number }, done: boolean): void {
+  const weight = new Slider({
+    label: "Weight beside the other targets",
+    lower: WEIGHT_LIMITS[0], upper: WEIGHT_LIMITS[1], step: 0.1, digits: 2,
+    changed: (value, done) => change({ weight: value }, done),
+  });
+
+  function change(values: Partial<Pick<DesignState, "direction" | "strain" | "weight">>, done: boolean): void {
     session.preview(values);
     if (done) session.finish();
   }
@@ -51,9 +57,11 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
     family.value = state.family;
     direction.element.hidden = isPolar(state.task);
     strain.element.hidden = !isPolar(state.task);
+    weight.element.hidden = state.others.length === 0;
+    weight.value = state.weight;
   });
   const more = h("details", { class: "more" }, h("summary", {}, "More"), measure.element, curve.element);
-  return h("section", { class: "card controls", "aria-label": "Target" }, examples, task.element, family.element, direction.element, strain.element, more);
+  return h("section", { class: "card controls", "aria-label": "Target" }, examples, task.element, family.element, direction.element, strain.element, weight.element, more);
 }
 
 function parameterCount(count: number): string {

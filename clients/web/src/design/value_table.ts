@@ -3,8 +3,14 @@ import { h, replace } from "../base/dom";
 import { degrees, digits } from "../base/format";
 import type { DesignSession } from "./session";
 import { freshness } from "./shown";
-import { type ControlPoint, isPolar, STRAIN_WORDS, TASK_WORDS } from "./state";
+import { type ControlPoint, isPolar, STRAIN_WORDS, type Target, TASK_WORDS } from "./state";
+import { targetWords } from "./target_list";
 import { isAtRest, movePoint } from "./targets";
+
+/** A target by its name where there are several. */
+function named(target: Target, count: number): string {
+  return count > 1 ? `the target ${targetWords(target)}` : "the target";
+}
 
 export function valueTable(session: DesignSession): HTMLElement {
   const curves = h("div", { class: "table-box dims", tabindex: 0, role: "region", "aria-label": "Values of the curves" });
@@ -28,7 +34,7 @@ export function valueTable(session: DesignSession): HTMLElement {
       h(
         "table",
         {},
-        h("caption", {}, `${y}${unit && ` in ${unit}`} of the target and of ${shown.found.family}`),
+        h("caption", {}, `${y}${unit && ` in ${unit}`} of ${named(session.state.get(), shown.targets.length)} and of ${shown.found.family}`),
         h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
         h("tbody", {}, ...shown.x.map((x, k) => {
           const value = shown.achieved[k];
@@ -57,7 +63,7 @@ export function valueTable(session: DesignSession): HTMLElement {
     replace(
       points,
       h("table", {},
-        h("caption", {}, "Control points of the target"),
+        h("caption", {}, `Control points of ${named(state, state.others.length + 1)}`),
         h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[state.task].y))),
         h("tbody", {}, ...state.points.map((point, k) => h("tr", {}, h("th", { scope: "row" }, String(k + 1)), h("td", {}, field(point, k, 0)), h("td", {}, field(point, k, 1)))))),
     );

@@ -9,12 +9,20 @@ import { patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
 import { sameFound, sameWanted, type Shown } from "./shown";
 import { type DesignState, type Found, isPolar } from "./state";
+import { askedOrder } from "./target_list";
 
 export type VerificationState =
   | { kind: "none" }
   | { kind: "running"; progress: number; stage: string; round: RoundSoFar | null }
   | { kind: "failed"; sentence: string }
-  | { kind: "done"; curve: Curve; deviation: number | null; mesh: number | null; polish: Polish; seconds: number };
+  | { kind: "done"; simulated: readonly SimulatedTarget[]; polish: Polish; seconds: number };
+
+/** What the simulation says of one target. */
+export interface SimulatedTarget {
+  readonly curve: Curve;
+  readonly deviation: number | null;
+  readonly mesh: number | null;
+}
 
 /** The structure of a polish that was simulated last. */
 export interface RoundSoFar {
@@ -33,6 +41,12 @@ export class Verification {
   readonly patch = new Observable<PatchState>({ kind: "none" });
   private running: AbortController | null = null;
   private subject: Shown | null = null;
+
+  /** The simulation of the target in sight. */
+  get simulated(): SimulatedTarget | null {
+    const state = this.state.get();
+    return state.kind === "done" ? (state.simulated[this.session.state.get().at] ?? null) : null;
+  }
 
   constructor(
     private readonly session: DesignSession,
@@ -59,7 +73,8 @@ export class Verification {
     this.subject = shown;
     const { signal } = (this.running = new AbortController());
     this.state.set({ kind: "running", progress: 0, stage: "", round: null });
-    const simulated = await this.simulateProfile(shown, requestOf(this.session.state.get(), shown.found), signal);
+    const asked = this.session.state.get();
+    const simulated = await this.simulateProfile(shown, asked, requestOf(asked, shown.found), signal);
     if (!signal.aborted) await this.simulatePatch(simulated, signal);
   }
 
@@ -73,7 +88,7 @@ export class Verification {
   }
 
   /** The design that was simulated in the end. */
-  private async simulateProfile(shown: Shown, request: DesignRequest, signal: AbortSignal): Promise<Shown> {
+  private async simulateProfile(shown: Shown, asked: DesignState, request: DesignRequest, signal: AbortSignal): Promise<Shown> {
     let count = 0;
     let told = "";
     const onProgress = ({ progress, stage, partial }: Job) => {
@@ -90,22 +105,19 @@ export class Verification {
     };
     try {
       const answer = await runJob<DesignAnswer>(this.client, "/v1/designs", request, { signal, onProgress });
-      const { verified } = answer.profile;
       if (signal.aborted) return shown;
-      if (!verified || !answer.polish) {
+      const simulated = simulatedTargets(answer, asked);
+      if (!simulated || !answer.polish) {
         this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
         return shown;
       }
       const found = { family: answer.family, parameters: answer.parameters };
-      const simulated = { ...shown, found };
-      const changed = !sameDesign(simulated, shown);
-      this.subject = simulated;
-      this.state.set({
-        kind: "done", curve: verified, deviation: verified.relative_rms ?? null, mesh: verified.discretization_error,
-        polish: answer.polish, seconds: answer.cost.seconds,
-      });
+      const polished = { ...shown, found };
+      const changed = !sameDesign(polished, shown);
+      this.subject = polished;
+      this.state.set({ kind: "done", simulated, polish: answer.polish, seconds: answer.cost.seconds });
       if (changed) this.session.setParameters(answer.parameters, true);
-      return simulated;
+      return polished;
     } catch (error) {
       if (!isAbort(error) && !signal.aborted) this.state.set({ kind: "failed", sentence: explain(error) });
       return shown;
@@ -128,7 +140,20 @@ export class Verification {
   }
 }
 
-/** Of the same target too: how far a simulation is from it is part of what was found. */
+/** In the order of the tabs; null where nothing was simulated. */
+function simulatedTargets(answer: DesignAnswer, asked: DesignState): SimulatedTarget[] | null {
+  const profiles = [answer.profile, ...answer.also];
+  const order = askedOrder(asked);
+  const found: SimulatedTarget[] = [];
+  for (let place = 0; place < profiles.length; ++place) {
+    const { verified } = profiles[order.indexOf(place)];
+    if (!verified) return null;
+    found.push({ curve: verified, deviation: verified.relative_rms ?? null, mesh: verified.discretization_error });
+  }
+  return found;
+}
+
+/** Of the same targets too: how far a simulation is from it is part of what was found. */
 function sameDesign(a: Shown, b: Shown): boolean {
   return sameWanted(a, b) && sameFound(a.found, b.found);
 }

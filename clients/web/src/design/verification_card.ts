@@ -4,7 +4,7 @@ import { h, replace } from "../base/dom";
 import { percent, seconds } from "../base/format";
 import { PatchView } from "./patch_view";
 import type { DesignSession } from "./session";
-import type { PatchState, Verification, VerificationState } from "./verification";
+import type { PatchState, SimulatedTarget, Verification, VerificationState } from "./verification";
 
 export function verificationCard(session: DesignSession, verification: Verification): HTMLElement {
   const verify = button("Verify by simulation", () => void verification.verify(), { kind: "primary" });
@@ -19,13 +19,18 @@ export function verificationCard(session: DesignSession, verification: Verificat
 
   session.shown.watch((shown) => (verify.disabled = polish.disabled = !shown));
   let lastSeconds: number | null = null;
-  verification.state.watch((state) => {
+  const tell = (state: VerificationState) => {
     if (state.kind === "done") lastSeconds = state.seconds;
-    words.textContent = sentence(state, lastSeconds);
+    words.textContent = sentence(state, verification.simulated, lastSeconds);
     words.className = state.kind === "failed" ? "note" : state.kind === "done" ? "verdict" : "muted";
-    if (state.kind === "done" || state.kind === "failed") announce(words.textContent);
+  };
+  verification.state.watch((state) => {
+    tell(state);
+    if (state.kind === "done" || state.kind === "failed") announce(words.textContent ?? "");
     show();
   });
+  // Of each target the simulation says something else.
+  session.shown.watch(() => tell(verification.state.get()));
   verification.patch.watch((state) => {
     if (state.kind === "done") {
       const material = session.model(state.simulation.family)?.material;
@@ -60,26 +65,27 @@ function progressOf(state: VerificationState, patch: PatchState): number | null 
 }
 
 /** `lastSeconds`: what the last simulation took. */
-function sentence(state: VerificationState, lastSeconds: number | null): string {
+function sentence(state: VerificationState, simulated: SimulatedTarget | null, lastSeconds: number | null): string {
   switch (state.kind) {
     case "none": return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`}.`;
     case "running":
       if (state.round) return `Round ${state.round.count}: ${state.round.error === null ? "not simulated" : `${percent(state.round.error)} from the target`}`;
       return state.stage ? `Simulating: ${state.stage}` : "Simulating the structure";
     case "failed": return state.sentence;
-    case "done": return doneSentence(state);
+    case "done": return doneSentence(state, simulated);
   }
 }
 
-function doneSentence({ deviation, mesh, polish, seconds: elapsed }: Extract<VerificationState, { kind: "done" }>): string {
+function doneSentence({ simulated, polish, seconds: elapsed }: Extract<VerificationState, { kind: "done" }>, inSight: SimulatedTarget | null): string {
+  const { deviation, mesh } = inSight ?? { deviation: null, mesh: null };
   const words: string[] = [];
   const first = polish.rounds[0]?.target_error ?? null;
   if (polish.target_error !== null) {
     const rounds = polish.rounds.length - 1;
     const before = rounds > 0 && first !== null ? `, ${percent(first)} before it was polished in ${rounds} ${rounds === 1 ? "round" : "rounds"}` : "";
-    words.push(`The simulation is ${percent(polish.target_error)} from the target (rms)${before}.`);
+    words.push(`The simulation is ${percent(polish.target_error)} from the ${simulated.length > 1 ? "targets" : "target"} (rms)${before}.`);
   }
-  if (deviation !== null) words.push(`The simulation and the model differ by ${percent(deviation)} (rms).`);
+  if (deviation !== null) words.push(`${simulated.length > 1 ? "Of the target in sight the" : "The"} simulation and the model differ by ${percent(deviation)} (rms).`);
   if (mesh !== null) words.push(`A coarser mesh changes the simulation by ${percent(mesh)}: its own error is less.`);
   words.push(`Simulated in ${seconds(elapsed)}.`);
   return words.join(" ");
