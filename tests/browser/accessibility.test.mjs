@@ -48,6 +48,11 @@ describe("the rules of accessibility", () => {
     assert.deepEqual(await violationsInBothColours(design.page, "design-open"), []);
     await furtherTarget(design);
     assert.deepEqual(await violationsInBothColours(design.page, "design-targets"), []);
+    await design.page.getByTitle("Divide the product into regions").click();
+    await design.page.locator(".regions-card li").nth(1).waitFor();
+    await design.settled();
+    await design.page.getByRole("button", { name: "Rename this region" }).click();
+    assert.deepEqual(await violationsInBothColours(design.page, "design-regions"), []);
     await design.page.getByRole("button", { name: "Rename this target" }).click();
     assert.deepEqual(await violationsInBothColours(design.page), []);
     await closePage(design.page);

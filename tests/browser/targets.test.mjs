@@ -14,11 +14,11 @@ class TargetsPage extends DesignPage {
   }
 
   get tabs() {
-    return this.page.getByRole("tab");
+    return this.page.getByRole("tablist", { name: "Targets of the design" }).getByRole("tab");
   }
 
   async names() {
-    return this.page.locator(".tab-name").allTextContents();
+    return this.tabs.locator(".tab-name").allTextContents();
   }
 
   async inSight() {
@@ -124,6 +124,7 @@ describe("several targets", () => {
       await until(async () => (await page.locator(".plot.cartesian .curve.pin").count()) === 1, "its curve over strain");
       const table = await design.values();
       assert.ok(table.length > 5);
+      assert.doesNotMatch(await page.locator('[aria-label="Values of the curves"]').textContent(), /e−/, "what rounding left of 0 is 0");
       assert.match(await page.locator("caption", { hasText: "Control points" }).textContent(), /of the target Stress, 0°/);
       assert.ok((await page.locator(".ranking li:visible").count()) >= 2, "the ranking is for both, whichever is in sight");
     }));
@@ -230,6 +231,7 @@ describe("several targets", () => {
       await design.tabs.first().click();
       await until(async () => (await design.curve("achieved")) !== curve && (await design.curve("achieved")) !== "", "the other profile");
       assert.equal(await page.locator(".result .chip").textContent(), "Set by hand");
+      assert.ok((await design.values()).every(([strain]) => Math.abs(strain) <= 0.2), "a profile over strain");
     }));
 
   it("fit a small screen", () =>

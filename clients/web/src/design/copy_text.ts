@@ -1,13 +1,15 @@
 // The search of the design page as a command of a shell and as a program in Python.
 import type { DesignRequest } from "../contract/types";
 import { curlText } from "../base/curl";
-import { designRequest } from "./requests";
+import { regionsOf } from "./region_list";
+import { designRequest, regionsRequest } from "./requests";
 import type { DesignState } from "./state";
 import { targetsOf, withTargets } from "./target_list";
 
-/** What a search of this state asks for, by itself: its targets in the order of their tabs. */
+/** What a search of this state asks for, by itself: its targets in the order of their tabs, and all regions where there are several. */
 export function searchOf(state: DesignState): DesignRequest {
-  const { session: _, ...request } = designRequest({ ...state, ...withTargets(targetsOf(state), 0) }, "search", "");
+  const regions = regionsOf(state).map((region) => ({ ...region, ...withTargets(targetsOf(region), 0) }));
+  const { session: _, ...request } = regions.length > 1 ? regionsRequest(regions, "") : designRequest(regions[0], "search", "");
   return request;
 }
 
@@ -22,8 +24,8 @@ function option(name: string, value: string | number | undefined): string[] {
 
 export function commandOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
-  // The command line takes further targets from a request.
-  if (request.also) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
+  // The command line takes further targets and regions from a request.
+  if (request.also ?? request.regions) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
   const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
   const parts = [
     ...option("task", request.task), ...option("family", request.family), ...option("direction", request.direction), ...option("strain", request.strain),
@@ -52,17 +54,35 @@ function pythonTarget({ task, direction, strain, strain_measure, target, samples
   return `supple.Target(${python(task)}, ${python(target.control_points)}, ${keywords({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })})`;
 }
 
+type RequestedRegion = RequestedTarget & { name?: string; family?: string; also?: RequestedTarget[]; initial?: number[]; fixed?: (number | null)[] };
+
+function pythonRegion(region: RequestedRegion): string {
+  const { name, also, initial, fixed } = region;
+  const others = [also && `also=[${also.map(pythonTarget).join(", ")}]`, keywords({ name, family: region.family === "any" ? undefined : region.family, initial, fixed })];
+  return `supple.Region(${[pythonTarget(region), ...others].filter((words) => words).join(", ")})`;
+}
+
 export function pythonOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
-  const { effects, also = [] } = request as { effects?: { multi_start?: string; envelope?: string }; also?: RequestedTarget[] };
+  const { effects, also = [], regions } = request as { effects?: { multi_start?: string; envelope?: string }; also?: RequestedTarget[]; regions?: RequestedRegion[] };
+  const head = ["import supple", "", `client = supple.Client(${python(origin)})`];
+  const options = `options = supple.DesignOptions(${keywords({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`;
+  if (regions) {
+    return [
+      ...head,
+      `regions = [\n    ${regions.map(pythonRegion).join(",\n    ")},\n]`,
+      options,
+      "for design in client.design_regions(regions, options=options).regions:",
+      "    print(design.name, design.family, *design.parameters, design.error.relative_rms)", "",
+    ].join("\n");
+  }
   const search = { family: request.family === "any" ? undefined : request.family, initial: request.initial, fixed: request.fixed };
   const given = [also.length > 0 && "also=also", keywords(search), "options=options"].filter((words) => words);
   return [
-    "import supple", "",
-    `client = supple.Client(${python(origin)})`,
+    ...head,
     `target = ${pythonTarget(request as unknown as RequestedTarget)}`,
     ...(also.length > 0 ? [`also = [\n    ${also.map(pythonTarget).join(",\n    ")},\n]`] : []),
-    `options = supple.DesignOptions(${keywords({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`,
+    options,
     `design = client.design(target, ${given.join(", ")})`,
     "print(design.family, *design.parameters, design.error.relative_rms)", "",
   ].join("\n");

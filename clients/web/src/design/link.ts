@@ -1,6 +1,7 @@
 // The state in a link: readable, short, and checked when it comes back from a stranger.
 import { plain } from "../base/format";
-import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, type Target, TASKS, WEIGHT_LIMITS } from "./state";
+import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, type Region, type Target, TASKS, WEIGHT_LIMITS } from "./state";
+import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
 import { MOST_NAME, MOST_TARGETS, targetsOf, withTargets } from "./target_list";
 import { fewestPoints } from "./targets";
 
@@ -8,9 +9,17 @@ const MOST_NUMBERS = 64;
 const LARGEST = 1e6;
 
 export function writeLink(state: DesignState): string {
+  const regions = regionsOf(state);
+  if (regions.length === 1) return regionText(state);
+  const fields = regions.map((region, k) => `region${k + 1}=${encodeURIComponent(regionText(region))}`);
+  return [...fields, `region-tab=${state.regionAt + 1}`].join("&");
+}
+
+function regionText(state: Region): string {
   const targets = targetsOf(state);
   const fields: [string, string][] = targets.flatMap((target, k) => targetFields(target, k === 0 ? "" : String(k + 1)));
   if (targets.length > 1) fields.push(["tab", String(state.at + 1)]);
+  if (state.region !== "") fields.push(["region", encodeURIComponent(state.region)]);
   fields.push(["family", state.family]);
   if (state.found) {
     fields.push(["design", state.found.family], ["parameters", state.found.parameters.map(plain).join(",")]);
@@ -36,14 +45,30 @@ function targetFields(target: Target, suffix: string): [string, string][] {
 
 type Fields = ReadonlyMap<string, string>;
 
-/** The state of a link; null where it is none. */
-export function readLink(text: string): DesignState | null {
-  const fields: Fields = new Map(
+function readFields(text: string): Fields {
+  return new Map(
     text.split("&").map((field): [string, string] => {
       const equals = field.indexOf("=");
       return [field.slice(0, equals), decode(field.slice(equals + 1))];
     }),
   );
+}
+
+/** The state of a link; null where it is none. */
+export function readLink(text: string): DesignState | null {
+  const fields = readFields(text);
+  const regions: Region[] = [];
+  for (let k = 0; k < MOST_REGIONS && fields.has(`region${k + 1}`); ++k) {
+    const region = readRegion(readFields(fields.get(`region${k + 1}`) ?? ""));
+    if (!region) return null;
+    regions.push(region);
+  }
+  if (regions.length > 0) return withRegions(regions, number(fields.get("region-tab"), 1, regions.length, 1) - 1);
+  const only = readRegion(fields);
+  return only && withRegions([only], 0);
+}
+
+function readRegion(fields: Fields): Region | null {
   const targets: Target[] = [];
   for (let k = 0; k < MOST_TARGETS && (k === 0 || fields.has(`task${k + 1}`)); ++k) {
     const target = readTarget(fields, k === 0 ? "" : String(k + 1));
@@ -57,6 +82,7 @@ export function readLink(text: string): DesignState | null {
   const found = design && parameters ? { family: design, parameters } : null;
   return {
     ...withTargets(targets, number(fields.get("tab"), 1, targets.length, 1) - 1),
+    region: (fields.get("region") ?? "").trim().slice(0, MOST_REGION_NAME),
     family,
     found,
     fixed: found ? found.parameters.map((_, k) => fields.get("fixed")?.split(",")[k] === "1") : [],

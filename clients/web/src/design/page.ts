@@ -19,6 +19,7 @@ import { partCard } from "./part_card";
 import { pinList } from "./pin_list";
 import { Pins } from "./pins";
 import { PlotPanel } from "./plot_panel";
+import { regionCard } from "./region_card";
 import { resultCard } from "./result_card";
 import { DesignSession } from "./session";
 import { startMenu } from "./start_menu";
@@ -56,7 +57,7 @@ export function designPage({ client, link }: Surroundings): Page {
     empty,
     h("div", { class: "column left" }, targetControls(session, startMenu(session)), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
-    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
+    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
   );
 
   // All that is of an earlier decision is dimmed as one, until the answer to this one has come.

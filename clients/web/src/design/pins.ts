@@ -3,6 +3,7 @@ import { Observable } from "../base/observable";
 import { percent } from "../base/format";
 import { readLink, writeLink } from "./link";
 import type { PinnedCurve } from "./plot";
+import { regionOf, withRegions } from "./region_list";
 import type { DesignSession } from "./session";
 import { type DesignState, type Found, type ProfileKind, sameProfile, TASK_WORDS } from "./state";
 
@@ -44,7 +45,8 @@ export class Pins {
     const shown = this.session.shown.get();
     if (!state.found || !shown || !this.session.isCurrent || this.list.get().length >= MOST_PINS) return;
     const name = `${state.found.family}, ${TASK_WORDS[state.task].short.toLowerCase()}, ${percent(shown.deviation)} off`;
-    this.insert(name, { ...state, found: state.found });
+    // Of a product with several regions the one in sight.
+    this.insert(name, { ...withRegions([regionOf(state)], 0), found: state.found });
     this.keep();
   }
 
@@ -54,7 +56,8 @@ export class Pins {
   }
 
   show(pin: Pin): void {
-    this.session.apply(pin.state);
+    const { otherRegions: _, regionAt: __, region: ___, ...region } = pin.state;
+    this.session.apply(region);
   }
 
   private insert(name: string, state: Pin["state"]): void {

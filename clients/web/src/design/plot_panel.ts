@@ -12,6 +12,7 @@ import type { Pins } from "./pins";
 import type { PlotView, PlotWishes } from "./plot";
 import { PolarPlot } from "./polar_plot";
 import type { ProfilePlot } from "./profile_plot";
+import { regionTabs } from "./region_tabs";
 import { labelOf } from "./result_card";
 import type { Activity, DesignSession } from "./session";
 import { errorBand, freshness, modelError } from "./shown";
@@ -54,16 +55,21 @@ export class PlotPanel {
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
     const adopt = button("Take as target", () => session.adoptAsTarget(), { title: "Make the design’s response the target" });
     const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt, h("span", { class: "stretch" }), ...tools);
-    this.element = h("section", { class: "card plot-card", "aria-label": "Target and response" }, targetTabs(session, this.stage), toolbar, this.stage, this.reading, h("div", { class: "plot-foot" }, this.legend, this.status));
+    const region = h("div", { class: "region-panel", id: uniqueId("region") });
+    const { element: regions, divide } = regionTabs(session, region);
+    const targets = targetTabs(session, this.stage);
+    targets.append(h("span", { class: "stretch" }), divide);
+    region.append(targets, toolbar, this.stage, this.reading, h("div", { class: "plot-foot" }, this.legend, this.status));
+    this.element = h("section", { class: "card plot-card", "aria-label": "Target and response" }, regions, region);
     session.steps.watch((steps) => {
       undo.disabled = !steps.undo;
       redo.disabled = !steps.redo;
     });
     // A control point of one target is none of another.
-    let at = 0;
-    session.state.watch((state) => {
-      if (state.at !== at) this.selected = null;
-      at = state.at;
+    let inSight = "0 0";
+    session.state.watch(({ at, regionAt }) => {
+      if (inSight !== `${at} ${regionAt}`) this.selected = null;
+      inSight = `${at} ${regionAt}`;
     });
     for (const part of [session.state, session.shown, session.before, session.envelope, verification.state, pins.list, overlays.list, measured.data]) {
       part.watch(() => this.schedule());

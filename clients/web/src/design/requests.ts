@@ -1,6 +1,7 @@
 // From what the person decided to what the server is asked.
 import type { DesignRequest, ProfileRequest, SimulationRequest } from "../contract/types";
-import { ANY, type DesignState, type Found, isPolar, type ProfileKind, type Target } from "./state";
+import { ANY, type DesignState, type Found, isPolar, type ProfileKind, type Region, type Target } from "./state";
+import { regionWords } from "./region_list";
 import { askedOrder, targetsOf } from "./target_list";
 import { convertedStrain } from "./targets";
 
@@ -41,28 +42,45 @@ function kindOf(state: ProfileKind): Pick<DesignRequest, "task" | "direction" | 
 }
 
 /** The family that a search of this state looks in; undefined for all. */
-export function searchedFamily(state: DesignState, effort: Effort): string | undefined {
+export function searchedFamily(state: Region, effort: Effort): string | undefined {
   if (state.family !== ANY) return state.family;
   return effort === "follow" || state.fixed.some(Boolean) ? state.found?.family : undefined;
 }
 
-/** All targets in one request, the one in sight first. */
-export function designRequest(state: DesignState, effort: Effort, session: string): DesignRequest {
-  const targets = targetsOf(state);
-  const [main, ...also] = askedOrder(state).map((place) => requestedTarget(targets[place]));
-  const family = searchedFamily(state, effort);
-  const start = state.found && state.found.family === family ? state.found.parameters : undefined;
-  const follow = effort === "follow" && start !== undefined;
+type Problem = NonNullable<DesignRequest["regions"]>[number];
+
+/** What one design is to do, and where to look. All targets, the one in sight first. */
+function problemOf(region: Region, effort: Effort): Problem {
+  const targets = targetsOf(region);
+  const [main, ...also] = askedOrder(region).map((place) => requestedTarget(targets[place]));
+  const family = searchedFamily(region, effort);
+  const start = region.found && region.found.family === family ? region.found.parameters : undefined;
   return {
     ...main,
     ...(also.length > 0 && { also }),
     family: family ?? ANY,
     ...(start && { initial: [...start] }),
-    ...(start && state.fixed.some(Boolean) && { fixed: start.map((value, k) => (state.fixed[k] ? value : null)) }),
-    effects: follow ? { multi_start: "off", envelope: "off" } : { multi_start: "automatic", envelope: "on" },
-    accuracy: follow ? { tolerance: 1e-4, max_iterations: 20 } : {},
-    session,
+    ...(start && region.fixed.some(Boolean) && { fixed: start.map((value, k) => (region.fixed[k] ? value : null)) }),
   };
+}
+
+const SEARCH: Pick<DesignRequest, "effects" | "accuracy"> = { effects: { multi_start: "automatic", envelope: "on" }, accuracy: {} };
+const FOLLOW: Pick<DesignRequest, "effects" | "accuracy"> = { effects: { multi_start: "off", envelope: "off" }, accuracy: { tolerance: 1e-4, max_iterations: 20 } };
+
+/** All targets of a region in one request. */
+export function designRequest(state: Region, effort: Effort, session: string): DesignRequest {
+  const problem = problemOf(state, effort);
+  return { ...problem, ...(effort === "follow" && problem.initial ? FOLLOW : SEARCH), session };
+}
+
+/** All regions in one request. What was set by hand stays as it is. */
+export function regionsRequest(regions: readonly Region[], session: string): DesignRequest {
+  const problems = regions.map((region, place): Problem => {
+    const { found, byHand } = region;
+    const held = found && byHand ? { family: found.family, initial: [...found.parameters], fixed: [...found.parameters] } : {};
+    return { name: regionWords(region, place), ...problemOf(region, "search"), ...held };
+  });
+  return { regions: problems, ...SEARCH, session };
 }
 
 /** A design's profile at the samples of the state's target. */

@@ -5,11 +5,12 @@ import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort, Problem } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { DesignAnswer, DesignCandidate, Family, Job, Model, Profile } from "../contract/types";
+import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile } from "../contract/types";
 import { type Relaxation, snappedPoints } from "./reach";
-import { designRequest, type Effort, profileRequest } from "./requests";
-import { type Envelope, freshness, kindOf, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
-import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, sameProfile, type Target } from "./state";
+import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
+import { designRequest, type Effort, profileRequest, regionsRequest } from "./requests";
+import { type Envelope, type FoundDesign, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
+import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
 import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type Points, pointsOnProfile } from "./targets";
 
@@ -30,9 +31,28 @@ export interface Ranking extends Wanted {
   readonly candidates: readonly DesignCandidate[];
 }
 
+/** What is known of a region that is not in sight. */
+export interface RegionResults {
+  readonly all: readonly (Shown | null)[];
+  readonly envelopes: readonly (Envelope | null)[];
+  readonly ranking: Ranking | null;
+}
+
 export interface Steps {
   undo: boolean;
   redo: boolean;
+}
+
+type RegionsAnswer = { readonly regions: readonly Design[] } & Pick<DesignAnswer, "cost">;
+
+/** What the family of a design reaches of each target, in the order of the tabs. */
+function envelopesOf(answer: Design, asked: Region): (Envelope | null)[] {
+  const order = askedOrder(asked);
+  const profiles = [answer.profile, ...answer.also];
+  return targetsOf(asked).map((target, place) => {
+    const { x, envelope } = profiles[order.indexOf(place)];
+    return envelope && { ...kindOf(target), family: answer.family, x, ...envelope };
+  });
 }
 
 export class DesignSession {
@@ -46,6 +66,8 @@ export class DesignSession {
   readonly envelope = new Observable<Envelope | null>(null);
   /** Stays while one of its families is looked at, until there is another target. */
   readonly ranking = new Observable<Ranking | null>(null);
+  /** Of each region in the order of the tabs, as it was when it went out of sight. */
+  readonly kept = new Observable<readonly (RegionResults | null)[]>([]);
   readonly activity = new Observable<Activity>({ kind: "idle" });
   readonly steps = new Observable<Steps>({ undo: false, redo: false });
   families: readonly Family[] = [];
@@ -159,6 +181,21 @@ export class DesignSession {
     return targetsOf(this.state.get());
   }
 
+  /** All regions, in the order of their tabs. */
+  get regions(): readonly Region[] {
+    return regionsOf(this.state.get());
+  }
+
+  /** What the designs of the regions do about their targets; of one that has changed since, or that nobody has looked for, null. */
+  get regionShown(): readonly (readonly Shown[] | null)[] {
+    const { regionAt } = this.state.get();
+    return this.regions.map((region, k) => {
+      const all = k === regionAt ? this.all.get() : (this.kept.get()[k]?.all ?? []);
+      const known = all.filter((shown): shown is Shown => shown !== null && !shown.provisional && sameWanted(shown, wantedOf(region)) && region.found !== null && sameFound(shown.found, region.found));
+      return known.length === region.others.length + 1 ? known : null;
+    });
+  }
+
   /** Whether what is shown belongs to what was decided. */
   get isCurrent(): boolean {
     return freshness(this.shown.get(), this.state.get()) === "current";
@@ -207,6 +244,75 @@ export class DesignSession {
     this.tellSteps();
   }
 
+  /** Another region comes into sight, with what is known of it; what nobody knows yet is searched for. */
+  selectRegion(at: number): void {
+    this.finish();
+    const regions = this.regions;
+    if (at === this.state.get().regionAt || at < 0 || at >= regions.length) return;
+    this.leaveRegion();
+    this.state.set(withRegions(regions, at));
+    this.history.amend(this.state.get());
+    this.enterRegion();
+  }
+
+  /** A further region, which begins as a copy of the one in sight. */
+  addRegion(): void {
+    this.finish();
+    const { regions } = this;
+    if (regions.length >= MOST_REGIONS) return;
+    this.leaveRegion();
+    const { regionAt } = this.state.get();
+    this.kept.set([...regions.map((_, k) => this.kept.get()[k] ?? null), this.kept.get()[regionAt] ?? null]);
+    this.state.set(withRegions([...regions, { ...regions[regionAt], region: "" }], regions.length));
+    this.push();
+    this.enterRegion();
+  }
+
+  removeRegion(at: number): void {
+    this.finish();
+    const { regions } = this;
+    if (regions.length === 1) return;
+    this.leaveRegion();
+    const { regionAt } = this.state.get();
+    this.kept.set(regions.map((_, k) => this.kept.get()[k] ?? null).filter((_, k) => k !== at));
+    this.state.set(withRegions(regions.filter((_, k) => k !== at), at < regionAt ? regionAt - 1 : regionAt));
+    this.push();
+    this.enterRegion();
+  }
+
+  renameRegion(name: string): void {
+    this.finish();
+    this.state.set({ ...this.state.get(), region: name.trim().slice(0, MOST_REGION_NAME) });
+    this.history.push(this.state.get());
+    this.tellSteps();
+  }
+
+  /** Searches for the designs of all regions in one request. */
+  searchRegions(): void {
+    this.finish();
+    const { epoch, regions } = this;
+    this.requests.submit(async (signal) => {
+      this.runningEffort = "search";
+      this.activity.set({ kind: "busy", effort: "search", progress: null, stage: "" });
+      try {
+        const answer = await runJob<RegionsAnswer>(this.client, "/v1/designs", regionsRequest(regions, this.name), {
+          signal,
+          wait: IMMEDIATE_SECONDS,
+          onProgress: ({ progress, stage }) => {
+            if (!signal.aborted) this.activity.set({ kind: "busy", effort: "search", progress, stage });
+          },
+        });
+        if (signal.aborted || epoch !== this.epoch) return;
+        this.acceptRegions(answer, regions);
+        this.activity.set({ kind: "idle" });
+      } catch (error) {
+        this.fail(error, "search", signal);
+      } finally {
+        this.runningEffort = null;
+      }
+    }, true);
+  }
+
   /** Looks at the best design of one family of the ranking. */
   lookAt({ family, parameters }: DesignCandidate): void {
     this.apply({ family, found: { family, parameters }, byHand: false });
@@ -220,7 +326,8 @@ export class DesignSession {
     this.left.set(this.targetKey(state), state.points);
     const next = { ...state, task };
     const points = this.left.get(this.targetKey(next)) ?? (await this.pointsOf(next, state.found));
-    if (this.state.get().task === state.task && points.length > 0) this.apply({ task, points });
+    const now = this.state.get();
+    if (now.task === state.task && now.at === state.at && now.regionAt === state.regionAt && points.length > 0) this.apply({ task, points });
   }
 
   setMeasure(measure: DesignState["measure"]): void {
@@ -266,8 +373,60 @@ export class DesignSession {
     }
   }
 
+  /** Stops what is searched for the region in sight and keeps what is known of it. */
+  private leaveRegion(): void {
+    ++this.epoch;
+    this.requests.cancel();
+    this.activity.set({ kind: "idle" });
+    this.left.clear();
+    const { regionAt } = this.state.get();
+    const results: RegionResults = { all: this.all.get(), envelopes: this.envelopes, ranking: this.ranking.get() };
+    this.kept.set(this.regions.map((_, k) => (k === regionAt ? results : (this.kept.get()[k] ?? null))));
+  }
+
+  private enterRegion(): void {
+    this.showKept();
+    const shown = this.shown.get();
+    if (!this.isCurrent || shown?.provisional) this.refresh("search");
+  }
+
+  private showKept(): void {
+    const { at, regionAt } = this.state.get();
+    const known = this.kept.get()[regionAt];
+    this.envelopes = known?.envelopes ?? [];
+    this.before.set(null);
+    this.envelope.set(this.envelopes[at] ?? null);
+    this.ranking.set(known?.ranking ?? null);
+    this.showAll(known?.all ?? []);
+  }
+
+  private acceptRegions(answer: RegionsAnswer, asked: readonly Region[]): void {
+    const { regionAt } = this.state.get();
+    const found = asked.map((_, k): FoundDesign => ({ ...answer.regions[k], cost: answer.cost }));
+    this.kept.set(asked.map((region, k) => {
+      const all = shownDesigns(found[k], region).map((shown) => ({ ...shown, byHand: region.byHand }));
+      const { ranking } = answer.regions[k];
+      return { all, envelopes: envelopesOf(found[k], region), ranking: ranking.length > 1 ? { ...wantedOf(region), candidates: ranking } : null };
+    }));
+    const regions = this.regions.map((region, k): Region => {
+      const { family, parameters } = found[k];
+      const same = region.found?.family === family && region.fixed.length === parameters.length;
+      return { ...region, found: { family, parameters }, fixed: same ? region.fixed : parameters.map(() => false) };
+    });
+    this.state.set(withRegions(regions, regionAt));
+    this.history.amend(this.state.get());
+    this.showKept();
+  }
+
   private decide(next: DesignState): void {
-    const { at } = this.state.get();
+    const { at, regionAt, otherRegions } = this.state.get();
+    if (otherRegions.length !== next.otherRegions.length || regionAt !== next.regionAt) {
+      const kept = otherRegions.length === next.otherRegions.length;
+      if (kept) this.leaveRegion();
+      else this.kept.set([]);
+      this.state.set(next);
+      return this.showKept();
+    }
     this.state.set(next);
     // With more or fewer targets what was found is of none of their places.
     if (this.all.get().length !== next.others.length + 1) this.showAll([]);
@@ -436,10 +595,7 @@ export class DesignSession {
     const targets = targetsOf(asked);
     const order = askedOrder(asked);
     const profiles = [answer.profile, ...answer.also];
-    this.envelopes = targets.map((target: Target, place) => {
-      const { x, envelope } = profiles[order.indexOf(place)];
-      return envelope ? { ...kindOf(target), family: found.family, x, ...envelope } : (this.envelopes[place] ?? null);
-    });
+    this.envelopes = envelopesOf(answer, asked).map((envelope, place) => envelope ?? this.envelopes[place] ?? null);
     const { at } = this.state.get();
     this.envelope.set(this.envelopes[at] ?? null);
     const before = this.before.get();

@@ -1,6 +1,6 @@
 // What the plot, the cards and the exports show: answers of the server in one form.
-import type { DesignAnswer, DesignCandidate, DesignStop, Model, PartialDesign, Profile } from "../contract/types";
-import { type DesignState, type Found, isPolar, type ProfileKind, sameProfile, type Target } from "./state";
+import type { Design, DesignCandidate, DesignStop, Model, PartialDesign, Profile } from "../contract/types";
+import { type Found, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 import { askedOrder, sameTargets, targetOf, targetsOf } from "./target_list";
 
@@ -89,7 +89,7 @@ export function kindOf({ task, direction, strain, measure }: ProfileKind): Profi
 }
 
 /** What a state wants. */
-export function wantedOf(state: DesignState): Wanted {
+export function wantedOf(state: Region): Wanted {
   return { targets: targetsOf(state) };
 }
 
@@ -107,13 +107,16 @@ export function sameFound(a: Found, b: Found): boolean {
  */
 export type Freshness = "current" | "outdated" | "other";
 
-export function freshness(shown: Shown | null, state: DesignState): Freshness {
+export function freshness(shown: Shown | null, state: Region): Freshness {
   if (!shown || !sameProfile(shown, state) || shown.found.family !== state.found?.family) return "other";
   return shown.points === state.points && sameWanted(shown, wantedOf(state)) && sameFound(shown.found, state.found) ? "current" : "outdated";
 }
 
+/** A design that was found, by itself or as one of several regions. */
+export type FoundDesign = Design & { readonly cost: { readonly seconds: number } };
+
 /** What a design that was found does, one for each target in the order of the tabs. */
-export function shownDesigns(answer: DesignAnswer, asked: DesignState): readonly Shown[] {
+export function shownDesigns(answer: FoundDesign, asked: Region): readonly Shown[] {
   const targets = targetsOf(asked);
   const profiles = [answer.profile, ...answer.also];
   const order = askedOrder(asked);
@@ -146,7 +149,7 @@ export function shownDesigns(answer: DesignAnswer, asked: DesignState): readonly
 }
 
 /** What a design of given parameters does: one profile for each target in the order of the tabs. */
-export function shownProfiles(profiles: readonly Profile[], asked: DesignState): readonly Shown[] {
+export function shownProfiles(profiles: readonly Profile[], asked: Region): readonly Shown[] {
   const targets = targetsOf(asked);
   const compared = targets.map((target, place) => comparison(profiles[place].x, profiles[place].y, target));
   const overall = overallDeviation(compared.map(({ deviation }, place) => ({ deviation, weight: targets[place].weight })));
@@ -173,7 +176,7 @@ export function shownProfiles(profiles: readonly Profile[], asked: DesignState):
 }
 
 /** The best that a search has found so far, against the target in sight when it was asked: nothing of it is of an earlier answer. */
-export function shownPartial(partial: PartialDesign, asked: DesignState): Shown {
+export function shownPartial(partial: PartialDesign, asked: Region): Shown {
   return {
     ...targetOf(asked),
     targets: targetsOf(asked),

@@ -27,8 +27,10 @@ export interface Target {
   readonly weight: number;
 }
 
-/** Its target is the one that is in sight and is edited; the others stand in `others`. */
-export interface DesignState extends Target {
+/** What one design is to do, and what was found: of a product all of it, or one part. Its own target is the one that is in sight and is edited. */
+export interface Region extends Target {
+  /** Name of the part; empty where it is called by its number. */
+  readonly region: string;
   /** Further targets of the same design, in the order of their tabs. */
   readonly others: readonly Target[];
   /** Place of the target in sight among all, from 0. */
@@ -41,6 +43,14 @@ export interface DesignState extends Target {
   readonly fixed: readonly boolean[];
   /** Whether the parameters were set by the sliders instead of a search. */
   readonly byHand: boolean;
+}
+
+/** Its own region is the one that is in sight; the others stand in `otherRegions`. */
+export interface DesignState extends Region {
+  /** Further parts of the product, in the order of their tabs. */
+  readonly otherRegions: readonly Region[];
+  /** Place of the region in sight among all, from 0. */
+  readonly regionAt: number;
 }
 
 export const ANY = "any";
@@ -61,6 +71,9 @@ export const DEFAULT_STATE: DesignState = {
   found: null,
   fixed: [],
   byHand: false,
+  region: "",
+  otherRegions: [],
+  regionAt: 0,
 };
 
 export const TASKS: readonly Task[] = ["stress_strain", "stiffness", "poisson"];

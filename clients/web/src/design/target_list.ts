@@ -1,6 +1,6 @@
 // Several targets of one design. The state holds the one in sight as its own; these functions know all of them in order.
 import { degrees, digits } from "../base/format";
-import { type DesignState, isPolar, sameProfile, type Target, TASK_WORDS } from "./state";
+import { isPolar, type Region, sameProfile, type Target, TASK_WORDS } from "./state";
 
 /** The main target and as many further ones as a request may have. */
 export const MOST_TARGETS = 9;
@@ -12,13 +12,13 @@ export function targetOf({ name, task, points, interpolation, direction, strain,
 }
 
 /** All targets in the order of their tabs. */
-export function targetsOf(state: Target & Pick<DesignState, "others" | "at">): readonly Target[] {
+export function targetsOf(state: Pick<Region, keyof Target | "others" | "at">): readonly Target[] {
   const { others, at } = state;
   return [...others.slice(0, at), targetOf(state), ...others.slice(at)];
 }
 
 /** The change of a state that has these targets, with one of them in sight. */
-export function withTargets(targets: readonly Target[], at: number): Target & Pick<DesignState, "others" | "at"> {
+export function withTargets(targets: readonly Target[], at: number): Target & Pick<Region, "others" | "at"> {
   const place = Math.max(0, Math.min(Math.round(at), targets.length - 1));
   return { ...targets[place], others: targets.filter((_, k) => k !== place), at: place };
 }
@@ -33,7 +33,7 @@ function sameTarget(a: Target, b: Target): boolean {
 }
 
 /** The order in which the targets are asked for, by their places: what is told of the main one alone is of the one in sight. */
-export function askedOrder({ others, at }: Pick<DesignState, "others" | "at">): readonly number[] {
+export function askedOrder({ others, at }: Pick<Region, "others" | "at">): readonly number[] {
   return [at, ...others.map((_, k) => (k < at ? k : k + 1))];
 }
 

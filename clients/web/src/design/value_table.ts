@@ -12,6 +12,13 @@ function named(target: Target, count: number): string {
   return count > 1 ? `the target ${targetWords(target)}` : "the target";
 }
 
+/** Below this share of the largest value beside it a number is what rounding left of 0. */
+const ROUNDING = 1e-6;
+
+function withoutRounding(value: number, all: readonly (number | null)[]): number {
+  return Math.abs(value) < ROUNDING * Math.max(...all.map((other) => Math.abs(other ?? 0))) ? 0 : value;
+}
+
 export function valueTable(session: DesignSession): HTMLElement {
   const curves = h("div", { class: "table-box dims", tabindex: 0, role: "region", "aria-label": "Values of the curves" });
   const points = h("div", { class: "table-box" });
@@ -38,8 +45,8 @@ export function valueTable(session: DesignSession): HTMLElement {
         h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
         h("tbody", {}, ...shown.x.map((x, k) => {
           const value = shown.achieved[k];
-          const cells = [digits(shown.target[k]), value === null ? "none" : digits(value), shown.reached[k] ? "yes" : "no"];
-          return h("tr", {}, h("th", { scope: "row" }, polar ? degrees(x) : digits(x)), ...cells.map((words) => h("td", {}, words)));
+          const cells = [digits(withoutRounding(shown.target[k], shown.target)), value === null ? "none" : digits(withoutRounding(value, shown.achieved)), shown.reached[k] ? "yes" : "no"];
+          return h("tr", {}, h("th", { scope: "row" }, polar ? degrees(x) : digits(withoutRounding(x, shown.x))), ...cells.map((words) => h("td", {}, words)));
         })),
       ),
     );

@@ -1,0 +1,28 @@
+// The designs of all regions of a product: which family, how close, and a search for all of them at once.
+import { button } from "../base/controls";
+import { h, replace } from "../base/dom";
+import { percent } from "../base/format";
+import { regionWords } from "./region_list";
+import type { DesignSession } from "./session";
+
+export function regionCard(session: DesignSession): HTMLElement {
+  const list = h("ul", { "aria-label": "Design of each region" });
+  const search = button("Search all regions", () => session.searchRegions(), { title: "Searches for the designs of all regions in one request" });
+  const element = h("section", { class: "card regions-card", "aria-label": "Regions", hidden: true }, h("h2", {}, "Regions"), list, search);
+
+  function show(): void {
+    const { regions, regionShown } = session;
+    element.hidden = regions.length === 1;
+    if (element.hidden) return;
+    const { regionAt } = session.state.get();
+    replace(list, ...regions.map((region, k) => {
+      const shown = regionShown[k];
+      return h("li", { class: k === regionAt ? "in-sight" : null }, h("span", { class: "target-name" }, regionWords(region, k)),
+        h("span", { class: "muted" }, region.found?.family ?? ""), h("strong", {}, shown ? percent(shown[0].overall) : "not known yet"));
+    }));
+  }
+
+  for (const part of [session.state, session.all, session.kept]) part.watch(show);
+  session.activity.watch((activity) => (search.disabled = activity.kind === "busy"));
+  return element;
+}
