@@ -124,6 +124,9 @@ def test_materials_sizes_and_limits_go_with_a_design(program: Program) -> None:
     assert limited["material"]["youngs_modulus"] == 500
     assert 0.1 <= limited["structure"]["relative_density"] <= 0.15
     assert limited["structure"]["cell_size"] == pytest.approx(4) and limited["structure"]["beam_width"] <= 0.3
+    turned = json.loads(program.ok("--json", *small, "--orientation", "10deg,100deg"))
+    assert np.radians(10) <= turned["orientation"] <= np.radians(100)
+    assert json.loads(program.ok("--json", *small, "--orientation", "45deg"))["orientation"] == pytest.approx(np.pi / 4)
     refused = program.run(*small, "--relative-density", "0.3,0.1")
     assert refused.returncode == 1 and "--relative-density 0.3,0.1" in refused.stderr
     nothing = program.run(*small, "--relative-density", "0,0.01")
@@ -134,6 +137,8 @@ def test_a_profile_and_a_structure_have_the_material_and_the_size_that_are_given
     command = ["--json", "profile", "--task", "stiffness", "--family", "IH29", "--parameters", "0.15", "-x", "0,1"]
     soft, stiff = (json.loads(program.ok(*command, *more)) for more in ([], ["--youngs-modulus", "52"]))
     np.testing.assert_allclose(stiff["y"], 2 * np.array(soft["y"]), rtol=1e-12)
+    turned = json.loads(program.ok(*command, "--orientation", "1"))
+    assert turned["orientation"] == 1 and turned["y"][1] == pytest.approx(soft["y"][0], rel=1e-9)
     structure = json.loads(program.ok("--json", "structure", "IH29", "--beam-width", "0.6"))
     assert structure["beam_width"] == 0.6
 
@@ -214,7 +219,7 @@ def test_python_finds_a_known_design(client: supple.Client, designs: Api) -> Non
     assert result.profile.lower is not None and (result.profile.lower <= result.profile.achieved).all()
     assert result.profile.verified is None and result.profile.strain is None and result.profile.direction == 0.3
     assert {effect.name for effect in result.effects} == {
-        "multi_start", "envelope", "modulus", "limits", "verification", "polish"}
+        "multi_start", "envelope", "modulus", "orientation", "limits", "verification", "polish"}
     assert result.polish is None and result.residual <= result.equilibrium_tolerance and result.cost.quantities["evaluations"] > 0
 
 
@@ -228,6 +233,8 @@ def test_python_gives_materials_sizes_and_limits(client: supple.Client) -> None:
     again = client.profile("stiffness", found.parameters.tolist(), family="IH29", x=found.profile.x,
                            material=supple.Material(found.material.youngs_modulus))
     np.testing.assert_allclose(again.y, found.profile.achieved, rtol=1e-6)
+    turned = client.design(target, family="IH29", options=options(), orientation=(0.0, 1.0))
+    assert 0 <= turned.orientation <= 1 and turned.ranking[0].orientation == turned.orientation
     picture = client.structure_file("IH29", found.parameters.tolist(), beam_width=found.size.beam_width)
     assert picture != client.structure_file("IH29", found.parameters.tolist())
     assert client.structure("IH29", found.parameters.tolist(), beam_width=0.6).beam_width == 0.6

@@ -175,3 +175,45 @@ def test_equal_requests_with_a_choice_of_materials_have_equal_answers(designs: A
     first, second = designs.ok(DESIGNS, request), designs.ok(DESIGNS, request)
     for name in ("parameters", "material", "structure", "profile"):
         assert first[name] == second[name]
+
+
+def test_a_turned_target_has_the_same_design_turned(designs: Api) -> None:
+    angle = 0.6
+    problem = known_problem(designs, "stiffness")
+    directions = [point[0] for point in problem["target"]["control_points"]]
+    values = profile(designs, "stiffness", directions, strain=problem["strain"], orientation=angle)["y"]
+    turned = [[x, y] for x, y in zip(directions, values)]
+    asked = {**problem, "target": {**problem["target"], "control_points": turned}}
+    held = designs.ok(DESIGNS, {**asked, "orientation": angle})
+    assert held["orientation"] == angle and held["error"]["relative_rms"] < 1e-4
+    np.testing.assert_allclose(held["parameters"], KNOWN["IH67"], rtol=1e-2)
+    found = designs.ok(DESIGNS, {**asked, "orientation": [0, np.pi]})
+    assert found["error"]["relative_rms"] < 1e-3 and 0 <= found["orientation"] <= np.pi
+    assert effect(found, "orientation")["ran"] and not effect(held, "orientation")["ran"]
+    again = profile(designs, "stiffness", directions, parameters=found["parameters"], strain=problem["strain"],
+                    orientation=found["orientation"])
+    np.testing.assert_allclose(again["y"], found["profile"]["achieved"], rtol=1e-6)
+    # A start with its orientation is followed alone.
+    start = {"initial": KNOWN["IH67"], "initial_orientation": angle + 0.02}
+    followed = designs.ok(DESIGNS, {**asked, **start, "orientation": [0, np.pi]})
+    assert followed["starts"] == 1 and followed["orientation"] == pytest.approx(angle, abs=1e-3)
+
+
+def test_a_turned_design_is_simulated_as_it_lies(designs: Api) -> None:
+    problem = known_problem(designs, "stress_strain")
+    request = {**problem, "initial": KNOWN["IH67"], "fixed": KNOWN["IH67"], "direction": 0.3 + 0.5, "orientation": 0.5,
+               "verify": True, "effects": {"polish": "off"}, "accuracy": {**FEW, "verified_samples": 3}}
+    answer = designs.ok(DESIGNS, request)
+    straight = designs.ok(DESIGNS, {**request, "direction": 0.3, "orientation": 0})
+    np.testing.assert_allclose(answer["profile"]["achieved"], straight["profile"]["achieved"], rtol=1e-9)
+    np.testing.assert_allclose(answer["profile"]["verified"]["y"], straight["profile"]["verified"]["y"], rtol=1e-6)
+    assert answer["polish"]["rounds"][0]["orientation"] == 0.5
+
+
+@pytest.mark.parametrize("fields, pointer", [
+    ({"orientation": [1, 0]}, "/orientation"), ({"orientation": [0, 4]}, "/orientation"),
+    ({"initial_orientation": 1}, "/initial_orientation"),
+    ({"initial": [0.22, 0.85], "orientation": [0, 1], "initial_orientation": 2}, "/initial_orientation")])
+def test_orientations_that_are_none_are_refused(designs: Api, fields: Dict[str, Any], pointer: str) -> None:
+    answer = designs.post(DESIGNS, {**known_problem(designs), **fields})
+    assert (answer.status_code, pointers(answer)) == (400, [pointer])

@@ -137,6 +137,7 @@ int main(int argc, char** argv) {
                       {"accuracy", [&] { study_design_accuracy(settings); }},
                       {"solvers", [&] { study_solvers(settings); }},
                       {"verification", [&] { study_verification(settings); }},
+                      {"freedoms", [&] { study_freedoms(settings); }},
                       {"width", [&] { study_width(settings); }},
                       {"polish", [&] { study_polish(settings); }},
                       {"discretization", [&] { study_discretization(settings); }},

@@ -61,6 +61,7 @@ void study_design_speed(const DesignSettings& settings);
 void study_design_accuracy(const DesignSettings& settings);
 void study_solvers(const DesignSettings& settings);
 void study_verification(const DesignSettings& settings);
+void study_freedoms(const DesignSettings& settings);
 void study_width(const DesignSettings& settings);
 void study_polish(const DesignSettings& settings);
 void study_discretization(const DesignSettings& settings);

@@ -50,9 +50,11 @@ double free_cosine(const Eigen::VectorXd& u, const Eigen::VectorXd& r, const Eig
 
 design::TargetResiduals OuterProblem::residuals(const LoadedSpace& space) const {
   const auto& lower = space.model.network.lower;
+  Eigen::VectorXd held(lower.size() + 1);
+  held << lower, 0;  // the orientation
   std::vector<Eigen::Index> free(static_cast<std::size_t>(lower.size()));
   std::iota(free.begin(), free.end(), 0);
-  return {space.evaluator, targets, {1.0}, lower, free, equilibrium_tolerance};
+  return {space.evaluator, targets, {1.0}, held, free, equilibrium_tolerance};
 }
 
 OuterProblem draw_problem(const LoadedSpace& space, design::Task task, bool perturbed, RandomStream& random) {

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "angles.h"
 #include "commands.h"
 #include "design_output.h"
 #include "failure.h"
@@ -23,6 +24,7 @@ struct DesignArguments {
   int samples = 0;
   std::string initial;
   std::string fixed;
+  std::string orientation;
   std::string youngs_modulus;
   double density = 0;
   double beam_width = 0;
@@ -88,6 +90,15 @@ void set_material(const DesignArguments& arguments, nlohmann::json& request) {
   if (arguments.density > 0) material["density"] = arguments.density;
 }
 
+void set_orientation(const std::string& text, nlohmann::json& request) {
+  if (text.empty()) return;
+  const auto angles = parse_angles(text, "--orientation");
+  if (angles.size() > 2 || (angles.size() == 2 && angles[0] > angles[1]))
+    throw Failure(ExitCode::usage,
+                  fmt::format("--orientation {}: write an angle, or the least and the greatest one", text));
+  request["orientation"] = angles.size() == 1 ? nlohmann::json(angles[0]) : nlohmann::json(angles);
+}
+
 void set_size(const DesignArguments& arguments, nlohmann::json& request) {
   if (arguments.beam_width > 0) request["beam_width"] = arguments.beam_width;
   if (arguments.cell_size > 0) request["cell_size"] = arguments.cell_size;
@@ -126,6 +137,7 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   set_number(request, "samples", arguments.samples);
   if (!arguments.initial.empty()) request["initial"] = parse_numbers(arguments.initial, "list of parameters");
   if (!arguments.fixed.empty()) request["fixed"] = parse_fixed(arguments.fixed);
+  set_orientation(arguments.orientation, request);
   set_material(arguments, request);
   set_size(arguments, request);
   if (arguments.verify) request["verify"] = true;
@@ -212,6 +224,9 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
 }
 
 void add_material_options(CLI::App& command, DesignArguments& arguments) {
+  command.add_option("--orientation", arguments.orientation,
+                     "Angle by which the tiling is turned (0), or the least and the greatest one between which it is "
+                     "found: 0deg,180deg");
   command.add_option(
       "--youngs-modulus", arguments.youngs_modulus,
       "Young's modulus of the material in MPa (the model's, 26), or the least and the greatest one among "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 
 #include "cost_output.h"
@@ -134,6 +135,8 @@ void print_design(const nlohmann::json& design) {
   if (design.contains("name")) fmt::print("region      {}\n", text_in(design, "name"));
   fmt::print("design      {} ({}) with the model {}\n", text_in(design, "family"),
              numbers_text(design.at("parameters")), text_in(design, "model"));
+  if (const double orientation = design.at("orientation").get<double>(); orientation != 0)
+    fmt::print("orientation {:.6g} rad ({:.4g} degrees)\n", orientation, orientation * 180 / std::numbers::pi);
   print_structure(design.at("material"), design.at("structure"));
   const bool reached = design.at("reached").get<bool>();
   fmt::print("target      {}\n", reached ? styled("reached", Style::success) : styled("not reached", Style::warning));

@@ -21,6 +21,7 @@ struct ProfileCommandArguments {
   int samples = 0;
   double equilibrium_tolerance = 0;
   double youngs_modulus = 0;
+  std::string orientation;
   double deadline = 0;
   std::string csv_file;
   std::string plot_file;
@@ -37,6 +38,7 @@ nlohmann::json request_of(const ProfileCommandArguments& arguments) {
   if (arguments.samples > 0) request["samples"] = arguments.samples;
   if (arguments.equilibrium_tolerance > 0)
     request["accuracy"]["equilibrium_tolerance"] = arguments.equilibrium_tolerance;
+  if (!arguments.orientation.empty()) request["orientation"] = parse_angle(arguments.orientation, "--orientation");
   if (arguments.youngs_modulus > 0) request["material"]["youngs_modulus"] = arguments.youngs_modulus;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
   return request;
@@ -71,6 +73,7 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options) {
       ->add_option("--equilibrium-tolerance", arguments->equilibrium_tolerance,
                    "Relative residual of an equilibrium (1e-10)")
       ->check(CLI::PositiveNumber);
+  command->add_option("--orientation", arguments->orientation, "Angle by which the tiling is turned (0)");
   command
       ->add_option("--youngs-modulus", arguments->youngs_modulus,
                    "Young's modulus of the material in MPa (the model's, 26)")

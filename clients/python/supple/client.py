@@ -323,6 +323,8 @@ class Client(WeaveCalls, MakerCalls):
         also: Sequence[Target] = (),
         initial: Optional[Sequence[float]] = None,
         fixed: Optional[Sequence[Optional[float]]] = None,
+        orientation: Union[float, Tuple[float, float], None] = None,
+        initial_orientation: Optional[float] = None,
         material: Union[Material, Sequence[Material], None] = None,
         beam_width: Optional[float] = None,
         cell_size: Optional[float] = None,
@@ -343,6 +345,9 @@ class Client(WeaveCalls, MakerCalls):
             also: further targets of the same design.
             initial: parameters to start from, shape (p,); with a family or model.
             fixed: parameters that keep their value, None for those to be found, shape (p,); with a family or model.
+            orientation: angle by which the tiling is turned counterclockwise, radians, or a pair (least, most) at most pi
+                apart within which it is found. 0 on the server's side. Directions are those of space.
+            initial_orientation: of `initial`.
             material: what the structure is made of, or several materials of which the search chooses the one that serves
                 the targets best; None takes the material of the model's data.
             beam_width, cell_size: the size of the structure in mm, by the one or the other; its response does not depend on
@@ -355,7 +360,8 @@ class Client(WeaveCalls, MakerCalls):
         A target that no design reaches is no exception: see `Design.reached` and `Design.message`. Raises `InvalidDesign`.
         """
         problem = Region(
-            target, None, family, model, also, initial, fixed, material, beam_width, cell_size, limits
+            target, None, family, model, also, initial, fixed, orientation, initial_orientation, material, beam_width, cell_size,
+            limits,
         )
         return run(self._transport, designs.design(problem, options, verify, session, deadline), timeout, progress)
 
@@ -368,6 +374,8 @@ class Client(WeaveCalls, MakerCalls):
         also: Sequence[Target] = (),
         initial: Optional[Sequence[float]] = None,
         fixed: Optional[Sequence[Optional[float]]] = None,
+        orientation: Union[float, Tuple[float, float], None] = None,
+        initial_orientation: Optional[float] = None,
         material: Union[Material, Sequence[Material], None] = None,
         beam_width: Optional[float] = None,
         cell_size: Optional[float] = None,
@@ -379,7 +387,8 @@ class Client(WeaveCalls, MakerCalls):
     ) -> Job[DesignResult]:
         """`design` as a job, whose `status().partial` is the best design so far."""
         problem = Region(
-            target, None, family, model, also, initial, fixed, material, beam_width, cell_size, limits
+            target, None, family, model, also, initial, fixed, orientation, initial_orientation, material, beam_width, cell_size,
+            limits,
         )
         return submit(self._transport, designs.design(problem, options, verify, session, deadline))
 
@@ -424,6 +433,7 @@ class Client(WeaveCalls, MakerCalls):
         limits: Optional[Tuple[float, float]] = None,
         samples: Optional[int] = None,
         equilibrium_tolerance: Optional[float] = None,
+        orientation: Optional[float] = None,
         material: Optional[Material] = None,
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
@@ -439,11 +449,12 @@ class Client(WeaveCalls, MakerCalls):
             limits: or first and last strain; (-0.1, 0.2) on the server's side. Directions cover half a turn.
             samples: number of evenly spaced samples. 31 on the server's side, 50 over directions.
             equilibrium_tolerance: relative residual of an equilibrium. 1e-10 on the server's side.
+            orientation: angle by which the tiling is turned counterclockwise, radians. 0 on the server's side.
             material: what the structure is made of, with one Young's modulus; None takes the material of the model's data.
         """
         computation = designs.profile(
             task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
-            equilibrium_tolerance, material, deadline,
+            equilibrium_tolerance, orientation, material, deadline,
         )
         return run(self._transport, computation, timeout, progress)
 
@@ -461,13 +472,14 @@ class Client(WeaveCalls, MakerCalls):
         limits: Optional[Tuple[float, float]] = None,
         samples: Optional[int] = None,
         equilibrium_tolerance: Optional[float] = None,
+        orientation: Optional[float] = None,
         material: Optional[Material] = None,
         deadline: Optional[float] = None,
     ) -> Job[ProfileCurve]:
         """`profile` as a job."""
         computation = designs.profile(
             task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
-            equilibrium_tolerance, material, deadline,
+            equilibrium_tolerance, orientation, material, deadline,
         )
         return submit(self._transport, computation)
 

@@ -77,6 +77,7 @@ class PolishRound(Shown):
         accepted: whether it is the best so far.
         reason: why it was not accepted; empty if it was.
         seconds: what the round cost.
+        orientation: of the structure, radians.
     """
 
     proposal: str
@@ -85,6 +86,7 @@ class PolishRound(Shown):
     accepted: bool
     reason: str
     seconds: float
+    orientation: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -158,6 +160,7 @@ class DesignCandidate(Shown):
         model_error: mean relative error of the model's stress on designs that its training has not seen; None where
             nobody measured it.
         simulated_error: as `error.relative_rms`, of the simulated structure; None where it was not simulated.
+        orientation: angle by which the tiling is turned, radians.
     """
 
     family: str
@@ -167,6 +170,7 @@ class DesignCandidate(Shown):
     model_error: Optional[float]
     simulated_error: Optional[float]
     stopped: str
+    orientation: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -212,6 +216,7 @@ class Design(Drawn):
         name: of its region; empty where it has none.
         family, parameters: the structure; `Client.structure_file` writes it.
         model, sha256: the neural model that was searched, and its file.
+        orientation: angle by which the tiling is turned counterclockwise, radians; directions are those of space.
         material: what it is made of; `size` is what its structure measures.
         profile: the main target and what was achieved.
         also: the further targets, in their order.
@@ -243,6 +248,7 @@ class Design(Drawn):
     polish: Optional[Polish]
     ranking: Tuple[DesignCandidate, ...]
     structure: Dict[str, str]
+    orientation: float
     material: MadeOf
     size: StructureSize
 
@@ -259,7 +265,7 @@ class DesignResult(Design):
     Attributes:
         tolerance, equilibrium_tolerance: as asked for.
         residual: largest one of the design's equilibria.
-        effects: "multi_start", "envelope", "modulus", "limits", "verification" and "polish".
+        effects: "multi_start", "envelope", "modulus", "orientation", "limits", "verification" and "polish".
     """
 
     tolerance: float
@@ -289,6 +295,7 @@ class PartialDesign(Shown):
         name: of its region; empty where it has none.
         x, achieved: samples of the main target and the profile there, shape (n,).
         iteration: iterations so far.
+        orientation: of the design, radians.
     """
 
     name: str
@@ -299,6 +306,7 @@ class PartialDesign(Shown):
     achieved: Array
     error: DesignError
     iteration: int
+    orientation: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -324,6 +332,7 @@ class ProfileCurve(Drawn):
         x: strains or angles, shape (n,).
         y: shape (n,), MPa or dimensionless; nan where no equilibrium was found.
         error_bar, in_range: of y, as in `DesignProfile`.
+        orientation: angle by which the tiling is turned counterclockwise, radians.
         material: that the profile is of.
         equilibrium_tolerance: as asked for; `residual` is the largest one of the equilibria.
         sha256: of the model's file that answered.
@@ -341,6 +350,7 @@ class ProfileCurve(Drawn):
     y: Array
     error_bar: Optional[Array]
     in_range: Flags
+    orientation: float
     material: MadeOf
     equilibrium_tolerance: float
     residual: float
@@ -396,6 +406,7 @@ def _round(document: Mapping[str, Any]) -> PolishRound:
         accepted=bool(document["accepted"]),
         reason=str(document["reason"]),
         seconds=float(document["seconds"]),
+        orientation=float(document["orientation"]),
     )
 
 
@@ -452,6 +463,7 @@ def _candidate(document: Mapping[str, Any]) -> DesignCandidate:
         model_error=_number_or_none(document["model_error"]),
         simulated_error=_number_or_none(document["simulated_error"]),
         stopped=str(document["stopped"]),
+        orientation=float(document["orientation"]),
     )
 
 
@@ -473,6 +485,7 @@ def _design_fields(document: Mapping[str, Any]) -> Dict[str, Any]:
         "polish": _polish(document["polish"]),
         "ranking": tuple(_candidate(candidate) for candidate in document["ranking"]),
         "structure": {kind: str(document["structure"][kind]) for kind in ("svg", "dxf", "stl")},
+        "orientation": float(document["orientation"]),
         "material": _made_of(document["material"]),
         "size": StructureSize(
             beam_width=float(document["structure"]["beam_width"]),
@@ -521,6 +534,7 @@ def partial_from_wire(document: Mapping[str, Any]) -> Union[PartialDesign, Parti
         achieved=_array(document["achieved"]),
         error=_error(document["error"]),
         iteration=int(document["iteration"]),
+        orientation=float(document["orientation"]),
     )
 
 
@@ -538,6 +552,7 @@ def profile_from_wire(document: Mapping[str, Any]) -> ProfileCurve:
         y=_array(document["y"]),
         error_bar=_bars(document["error_bar"]),
         in_range=_flags(document["in_range"]),
+        orientation=float(document["orientation"]),
         material=_made_of(document["material"]),
         equilibrium_tolerance=float(document["accuracy"]["equilibrium_tolerance"]),
         residual=float(document["accuracy"]["residual"]),

@@ -166,6 +166,12 @@ class Limits:
         return {name: checks.pair(pair, name) for name, pair in pairs.items() if pair is not None}
 
 
+def _orientation(orientation: Union[float, Tuple[float, float], None]) -> Union[float, Sequence[float], None]:
+    if orientation is None or np.ndim(orientation) > 0:
+        return None if orientation is None else checks.pair(orientation, "orientation")
+    return checks.radians(orientation, "orientation")
+
+
 def _materials(material: Union[Material, Sequence[Material], None]) -> Union[Dict[str, Any], Sequence[Dict[str, Any]], None]:
     if material is None or isinstance(material, Material):
         return None if material is None else material.to_wire()
@@ -183,6 +189,8 @@ class Region:
     also: Sequence[Target] = field(default_factory=tuple)
     initial: Optional[Sequence[float]] = None
     fixed: Optional[Sequence[Optional[float]]] = None
+    orientation: Union[float, Tuple[float, float], None] = None
+    initial_orientation: Optional[float] = None
     material: Union[Material, Sequence[Material], None] = None
     beam_width: Optional[float] = None
     cell_size: Optional[float] = None
@@ -201,6 +209,10 @@ class Region:
                     "fixed": None
                     if self.fixed is None
                     else [None if value is None else float(value) for value in self.fixed],
+                    "orientation": _orientation(self.orientation),
+                    "initial_orientation": None
+                    if self.initial_orientation is None
+                    else checks.radians(self.initial_orientation, "initial_orientation"),
                     "material": _materials(self.material),
                     "beam_width": self.beam_width,
                     "cell_size": self.cell_size,
@@ -314,6 +326,7 @@ def profile(
     limits: Optional[Tuple[float, float]],
     samples: Optional[int],
     equilibrium_tolerance: Optional[float],
+    orientation: Optional[float],
     material: Optional[Material],
     deadline: Optional[float],
 ) -> Computation[ProfileCurve]:
@@ -331,6 +344,7 @@ def profile(
                 "x": _numbers(x),
                 "range": _numbers(limits),
                 "samples": samples,
+                "orientation": _orientation(orientation),
                 "material": _materials(material),
                 "accuracy": None
                 if equilibrium_tolerance is None

@@ -28,9 +28,10 @@ def design_document(**more: Any) -> Dict[str, Any]:
     return {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.15, 0.65], "profile": profile_document(),
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
             "polish": None, "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
-                         "model_error": None, "simulated_error": None, "stopped": "converged"}],
+                         "model_error": None, "simulated_error": None, "stopped": "converged",
+                         "orientation": 0.25}],
             "structure": {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": 4.8,
-                          "relative_density": 0.25, "density": 0.3}, "material": MATERIAL, **more}
+                          "relative_density": 0.25, "density": 0.3}, "material": MATERIAL, "orientation": 0.25, **more}
 
 
 def test_what_is_not_given_is_left_to_the_server() -> None:
@@ -45,6 +46,9 @@ def test_materials_sizes_and_limits_are_sent() -> None:
         document = design(region, None, False, None, None).document
         return {name: value for name, value in document.items() if name not in ("task", "target")}
 
+    assert sent(orientation=0.5) == {"orientation": 0.5}
+    assert sent(orientation=(0, 3), initial=[0.1], initial_orientation=1) == {
+        "orientation": [0, 3], "initial": [0.1], "initial_orientation": 1}
     assert sent(material=Material(2000)) == {"material": {"youngs_modulus": 2000}}
     full = Material((20, 60), 1.21, "TPU", 0.48, "neo_hookean")
     assert sent(material=[full, Material(5)], beam_width=0.4, limits=Limits((0, 0.3), cell_size=np.array([2, 4]))) == {
@@ -62,6 +66,7 @@ def test_materials_sizes_and_limits_are_sent() -> None:
 def test_a_design_tells_its_material_and_its_size() -> None:
     found = design_from_wire({**design_document(), **BILL})
     assert found.material.youngs_modulus == 26 and found.material.name == ""
+    assert found.orientation == found.ranking[0].orientation == 0.25
     assert found.size.cell_size == 4.8 and found.size.density == 0.3
     assert found.structure == {"svg": "/s", "dxf": "/d", "stl": "/t"}
     nothing = {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": None, "relative_density": None,
@@ -96,13 +101,13 @@ def test_control_points_of_another_shape_are_refused(points: Any) -> None:
 
 
 def test_profiles_are_asked_for_at_places_or_in_a_range() -> None:
-    nothing = (None,) * 10
-    plain = profile("poisson", [0.1], "IH29", *nothing[:10])
+    nothing = (None,) * 11
+    plain = profile("poisson", [0.1], "IH29", *nothing[:11])
     assert plain.path == "/v1/profiles" and plain.document == {"task": "poisson", "parameters": [0.1], "family": "IH29"}
-    full = profile("stress_strain", [0.1], None, "ih29", 0.5, None, "green", np.array([0.1]), (0, 1), 3, 1e-9, Material(5.0), 2.0)
+    full = profile("stress_strain", [0.1], None, "ih29", 0.5, None, "green", np.array([0.1]), (0, 1), 3, 1e-9, 0.2, Material(5.0), 2.0)
     assert full.document == {"task": "stress_strain", "parameters": [0.1], "model": "ih29", "direction": 0.5,
                              "strain_measure": "green", "x": [0.1], "range": [0, 1], "samples": 3,
-                             "accuracy": {"equilibrium_tolerance": 1e-9}, "material": {"youngs_modulus": 5},
+                             "accuracy": {"equilibrium_tolerance": 1e-9}, "orientation": 0.2, "material": {"youngs_modulus": 5},
                              "deadline": 2.0}
 
 
@@ -126,8 +131,10 @@ def test_missing_values_are_nan_and_missing_curves_none() -> None:
 
 
 def test_a_polished_design_tells_its_rounds() -> None:
-    rounds = [{"proposal": "search", "parameters": [0.15, 0.65], "target_error": 0.02, "accepted": True, "reason": "", "seconds": 2.0},
-              {"proposal": "step", "parameters": [0.16, 0.65], "target_error": None, "accepted": False, "reason": "r", "seconds": 1.0}]
+    rounds = [{"proposal": "search", "parameters": [0.15, 0.65], "target_error": 0.02, "accepted": True, "reason": "", "seconds": 2.0,
+               "orientation": 0},
+              {"proposal": "step", "parameters": [0.16, 0.65], "target_error": None, "accepted": False, "reason": "r", "seconds": 1.0,
+               "orientation": 0}]
     polish = {"target_error": 0.02, "stopped": "time_limit", "rounds": rounds}
     result = design_from_wire({**design_document(polish=polish), **BILL})
     assert design_from_wire({**design_document(), **BILL}).polish is None
@@ -147,7 +154,7 @@ def test_regions_keep_their_order_and_names() -> None:
 def test_a_running_job_may_show_a_design() -> None:
     document = {"id": "0", "kind": "designs", "state": "running", "progress": 0.5, "stage": "optimization", "created": "t"}
     partial = {"name": "heel", "family": "IH21", "model": "ih21", "parameters": [0.1], "x": [0, 1], "achieved": [2, 3],
-               "error": ERROR, "iteration": 4}
+               "error": ERROR, "iteration": 4, "orientation": 0.5}
     assert status_from_wire(document).partial is None
     assert status_from_wire({**document, "partial": partial}).partial is not None
     best = partial_from_wire(partial)
@@ -157,6 +164,6 @@ def test_a_running_job_may_show_a_design() -> None:
 def test_a_profile_has_nan_where_there_is_no_equilibrium() -> None:
     curve = profile_from_wire({"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "task": "poisson",
                                "strain": 0.05, "strain_measure": "green", "x": [0, 1], "y": [None, 0.3],
-                               "error_bar": [None, 0.02], "in_range": [False, True], "material": MATERIAL, **BILL})
+                               "error_bar": [None, 0.02], "in_range": [False, True], "orientation": 0, "material": MATERIAL, **BILL})
     assert curve.error_bar is not None and np.isnan(curve.error_bar[0]) and curve.error_bar[1] == 0.02
     assert np.isnan(curve.y[0]) and curve.direction is None and curve.strain == 0.05 and curve.residual == 1e-12

@@ -102,7 +102,7 @@ def test_a_profile_is_plotted_over_strains_or_directions() -> None:
     assert axes.get_xlabel() == "strain along the load" and [line.get_label() for line in axes.lines] == ["target", "achieved"]
     np.testing.assert_allclose(axes.lines[1].get_xydata(), [[0, 0], [0.1, 1.02]])
     document = {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "strain": 0.05, "strain_measure": "green",
-                "x": [0, np.pi / 2], "y": [1.0, 2.0], "error_bar": None, "in_range": [True, True], "material": MATERIAL, **BILL}
+                "x": [0, np.pi / 2], "y": [1.0, 2.0], "error_bar": None, "in_range": [True, True], "orientation": 0, "material": MATERIAL, **BILL}
     assert profile_from_wire({**document, "task": "stiffness"}).plot().name == "polar"
     over_degrees = profile_from_wire({**document, "task": "poisson", "y": [-0.2, 0.3]}).plot()
     np.testing.assert_allclose(over_degrees.lines[0].get_xydata(), [[0, -0.2], [90, 0.3]])

@@ -50,7 +50,7 @@ Key key_of(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, int count
   key.push_back(count);
   for (const auto& profile : profiles) {
     key.insert(key.end(), {static_cast<double>(profile.task), static_cast<double>(profile.measure), profile.direction,
-                           profile.strain, static_cast<double>(profile.x.size())});
+                           profile.orientation, profile.strain, static_cast<double>(profile.x.size())});
     key.insert(key.end(), profile.x.begin(), profile.x.end());
   }
   return key;

@@ -13,6 +13,11 @@ constexpr double unknown_bar = 0.1;
 
 }  // namespace
 
+ProfileSamples turned(ProfileSamples samples, const Eigen::VectorXd& parameters) {
+  samples.orientation = orientation_in(parameters);
+  return samples;
+}
+
 CorrectedModel::CorrectedModel(const DesignSpace& space, const DesignProblem& problem, double tolerance)
     : space_(space),
       bounds_(space, problem),
@@ -93,11 +98,11 @@ CorrectedModel::Values CorrectedModel::values_at(const Eigen::VectorXd& paramete
   Values result{Eigen::VectorXd(samples()), 0};
   Eigen::VectorXd bars(samples());
   Eigen::Index at = 0;
-  const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size()));
+  const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size() - 1));
   for (const SampledTarget& target : targets_) {
     const Eigen::Index n = target.y.size();
-    const Profile profile =
-        evaluate_profile(space_.model, space_.evaluator, span, target.samples, equilibrium_tolerance);
+    const Profile profile = evaluate_profile(space_.model, space_.evaluator, span, turned(target.samples, parameters),
+                                             equilibrium_tolerance);
     result.values.segment(at, n) = profile.y;
     if (profile.error_bar.size() > 0)
       bars.segment(at, n) = profile.error_bar / target.scale;
@@ -119,7 +124,7 @@ CorrectedModel::Values CorrectedModel::values_at(const Eigen::VectorXd& paramete
 
 std::optional<CorrectedModel::Values> CorrectedModel::find(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd parameters = parameters_at(x);
-  if (space_.buildable && !space_.buildable(parameters)) return std::nullopt;
+  if (space_.buildable && !space_.buildable(family_part(parameters))) return std::nullopt;
   if (!excess_at(parameters).empty()) return std::nullopt;
   Values found = values_at(parameters, search_tolerance_);
   if (!found.values.allFinite()) return std::nullopt;

@@ -17,8 +17,9 @@ namespace supple::design {
 /// The deviation of what is not known.
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The network of a problem as polish sees it: designs are free parameters as shares of the bounds' widths, values are
-/// those of all samples of all targets, one target after the other. `space` outlives it.
+/// The network of a problem as polish sees it: designs are free parameters as shares of the bounds' widths,
+/// "parameters" are all as in FreeParameters, the orientation the last of them. Values are those of all samples of all
+/// targets, one target after the other. `space` outlives it.
 class CorrectedModel {
  public:
   /// `tolerance` of equilibria, where simulations are compared; searches do with 1e-8.
@@ -42,7 +43,9 @@ class CorrectedModel {
   /// The best modulus for values.
   ModulusChoice::Chosen modulus_for(const Eigen::VectorXd& values) const;
   /// What is beyond the limits, as a sentence; empty if nothing is.
-  std::string excess_at(const Eigen::VectorXd& parameters) const { return excess(space_, limits_asked_, parameters); }
+  std::string excess_at(const Eigen::VectorXd& parameters) const {
+    return excess(space_, limits_asked_, family_part(parameters));
+  }
 
   struct Values {
     Eigen::VectorXd values;  ///< of the network alone; NaN where an equilibrium is missing
@@ -78,6 +81,9 @@ class CorrectedModel {
   double tolerance_;
   double search_tolerance_;
 };
+
+/// The samples for a structure with these parameters, in its orientation.
+ProfileSamples turned(ProfileSamples samples, const Eigen::VectorXd& parameters);
 
 /// The largest difference of a parameter from the nearest of other designs; infinite without any.
 double distance_to_nearest(const Eigen::VectorXd& x, const std::vector<Eigen::VectorXd>& others);

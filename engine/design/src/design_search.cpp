@@ -47,6 +47,9 @@ constexpr int lead_iterations = 30;
 constexpr int starts_of_a_refined_lead = 4;
 constexpr int most_refined_leads = 4;
 constexpr double same_lead = 0.01;
+/// Candidates are looked at in orientations that are so far apart at most, rad, unless they were too many.
+constexpr double orientation_spacing = 0.4;
+constexpr int most_orientations = 8;
 /// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
 constexpr int rounds_from_rest = 3;
 
@@ -78,7 +81,10 @@ class Search {
     progress_ = &progress;
     const StageTimer timer(execution.cost, "optimization");
     const bool all_fixed = bounds_.free.empty();
-    if (problem_.initial || all_fixed) follow(all_fixed ? bounds_.held : *problem_.initial);
+    if (problem_.initial || all_fixed)
+      follow(all_fixed ? bounds_.held
+                       : FreeParameters::all_of(*problem_.initial,
+                                                problem_.initial_orientation.value_or(orientation_in(bounds_.held))));
     const bool enough = all_fixed || options_.multi_start == Switch::off;
     if (best_.starts == 0 || (!enough && (options_.multi_start == Switch::on || !good()))) try_candidates();
     if (!found_ && beyond_limits_)
@@ -93,7 +99,7 @@ class Search {
                       " that was tried can be built and has an equilibrium at every sample of the targets.");
     bill_multi_start();
     add_envelope();
-    best_.message = message_about(best_, space_.model, bounds_.free) + message_about_modulus();
+    best_.message = message_about(best_, space_.model, free_family_parameters()) + message_about_modulus();
     best_.model_error = neural::mean_stress_error(space_.model);
     best_.evaluations = evaluations_;
     bill();
@@ -208,8 +214,8 @@ class Search {
     if (!defined) return std::numeric_limits<double>::infinity();
     if (found_ && r.norm() >= best_.error.relative_rms) return r.norm();
     // What nothing is searched for is told even beyond the limits.
-    if (auto beyond =
-            bounds_.free.empty() ? std::string() : excess(space_, problem_.limits, residuals.last_parameters());
+    if (auto beyond = bounds_.free.empty() ? std::string()
+                                           : excess(space_, problem_.limits, family_part(residuals.last_parameters()));
         !beyond.empty()) {
       if (!beyond_limits_ || r.norm() < least_beyond_) {
         least_beyond_ = r.norm();
@@ -218,7 +224,8 @@ class Search {
       return r.norm();
     }
     found_ = true;
-    best_.parameters = residuals.last_parameters();
+    best_.parameters = family_part(residuals.last_parameters());
+    best_.orientation = orientation_in(residuals.last_parameters());
     best_.material = residuals.chosen().material;
     best_.youngs_modulus =
         problem_.moduli.empty() ? space_.model.provenance.youngs_modulus : residuals.chosen().modulus;
@@ -230,6 +237,7 @@ class Search {
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       auto& profile = best_.profiles[t];
       profile.target = targets_[t];
+      profile.target.samples.orientation = best_.orientation;
       profile.initial = initial_[t];
       profile.achieved = residuals.values(t);
       auto trust = residuals.trust(space_.model, t);
@@ -255,10 +263,16 @@ class Search {
     if (reported_ && norm >= least_reported_) return;
     reported_ = true;
     least_reported_ = norm;
+    const Eigen::VectorXd parameters = family_part(residuals.last_parameters());
     const Eigen::VectorXd values = residuals.values(0);
     const double largest = targets[0].deviations(values).cwiseAbs().maxCoeff();
-    (*progress_)(
-        {0, residuals.last_parameters(), targets[0].samples, values, {norm, largest}, best_.iterations + iteration});
+    (*progress_)({0,
+                  parameters,
+                  orientation_in(residuals.last_parameters()),
+                  targets[0].samples,
+                  values,
+                  {norm, largest},
+                  best_.iterations + iteration});
   }
 
   void look_coarsely() {
@@ -270,11 +284,51 @@ class Search {
     if (table_) return;
     look_coarsely();
     std::vector<ProfileSamples> profiles;
-    profiles.reserve(coarse_.size());
-    for (const auto& target : coarse_) profiles.push_back(target.samples);
-    const int count =
-        options_.candidates > 0 ? options_.candidates : default_candidates(static_cast<int>(bounds_.free.size()));
-    table_ = space_.candidates.table(bounds_.lower, bounds_.upper, count, profiles, space_.buildable, *execution_);
+    orientations_ = candidate_orientations();
+    profiles.reserve(coarse_.size() * orientations_.size());
+    for (const double orientation : orientations_) {
+      for (const auto& target : coarse_) {
+        profiles.push_back(target.samples);
+        profiles.back().orientation = orientation;
+      }
+    }
+    const auto free = static_cast<int>(free_family_parameters().size());
+    const int count = free == 0 ? 1 : options_.candidates > 0 ? options_.candidates : default_candidates(free);
+    table_ = space_.candidates.table(family_part(bounds_.lower), family_part(bounds_.upper), count, profiles,
+                                     space_.buildable, *execution_);
+  }
+
+  std::vector<Eigen::Index> free_family_parameters() const {
+    auto free = bounds_.free;
+    if (bounds_.orientation_is_free()) free.pop_back();
+    return free;
+  }
+
+  /// In which candidates are looked at: those that are free in the middles of equal parts of their range.
+  std::vector<double> candidate_orientations() const {
+    if (!bounds_.orientation_is_free()) return {orientation_in(bounds_.held)};
+    const double least = orientation_in(bounds_.lower);
+    const double range = orientation_in(bounds_.upper) - least;
+    const int count = std::clamp(static_cast<int>(std::ceil(range / orientation_spacing)), 1, most_orientations);
+    std::vector<double> orientations;
+    orientations.reserve(static_cast<std::size_t>(count));
+    for (int k = 0; k < count; ++k) orientations.push_back(least + (k + 0.5) * range / count);
+    return orientations;
+  }
+
+  /// A candidate: the first ones are those of the first orientation.
+  Eigen::Index candidate_count() const {
+    return table_->parameters.cols() * static_cast<Eigen::Index>(orientations_.size());
+  }
+  Eigen::VectorXd candidate_at(Eigen::Index candidate) const {
+    const Eigen::Index n = table_->parameters.cols();
+    return FreeParameters::all_of(table_->parameters.col(candidate % n),
+                                  orientations_[static_cast<std::size_t>(candidate / n)]);
+  }
+  Eigen::VectorXd candidate_values(Eigen::Index candidate) const {
+    const Eigen::Index n = table_->parameters.cols();
+    const Eigen::Index rows = table_->y.rows() / static_cast<Eigen::Index>(orientations_.size());
+    return table_->y.col(candidate % n).segment(candidate / n * rows, rows);
   }
 
   /// The relative root mean square deviation, for `outlier` as in TargetResiduals, where values_of(t) are the profile's
@@ -295,7 +349,7 @@ class Search {
 
   /// With the best modulus, and with what is beyond the limits as searches count it.
   double candidate_error(Eigen::Index candidate, double outlier) const {
-    Eigen::VectorXd values = table_->y.col(candidate);
+    Eigen::VectorXd values = candidate_values(candidate);
     if (!problem_.moduli.empty()) values = scaled(coarse_, values, moduli_.best(coarse_, weights_, values).factor);
     Eigen::Index at = 0;
     const double error = deviation(coarse_, outlier, [&](std::size_t t) -> Eigen::VectorXd {
@@ -304,7 +358,7 @@ class Search {
       return values.segment(begin, coarse_[t].y.size());
     });
     if (!limits_.are_needed() || !std::isfinite(error)) return error;
-    return std::hypot(error, limits_.at(table_->parameters.col(candidate)).norm());
+    return std::hypot(error, limits_.at(family_part(candidate_at(candidate))).norm());
   }
 
   /// A way to judge candidates.
@@ -334,8 +388,7 @@ class Search {
   Ranking ranking(double outlier) const {
     Ranking made;
     made.outlier = outlier;
-    for (Eigen::Index c = 0; c < table_->parameters.cols(); ++c)
-      made.candidates.emplace_back(candidate_error(c, outlier), c);
+    for (Eigen::Index c = 0; c < candidate_count(); ++c) made.candidates.emplace_back(candidate_error(c, outlier), c);
     std::sort(made.candidates.begin(), made.candidates.end());
     return made;
   }
@@ -345,7 +398,7 @@ class Search {
                                                                const std::vector<Eigen::VectorXd>& taken) const {
     while (ranking.next < ranking.candidates.size()) {
       const auto& [error, candidate] = ranking.candidates[ranking.next++];
-      const Eigen::VectorXd start = table_->parameters.col(candidate);
+      const Eigen::VectorXd start = candidate_at(candidate);
       if (!among(taken, start, least_distance)) return std::pair{error, start};
     }
     return std::nullopt;
@@ -358,7 +411,9 @@ class Search {
     look_at_candidates();
     std::array rankings{ranking(outlier_share), ranking(0)};
     std::vector<Eigen::VectorXd> taken;
-    if (problem_.initial) taken.push_back(*problem_.initial);
+    if (problem_.initial)
+      taken.push_back(FreeParameters::all_of(*problem_.initial,
+                                             problem_.initial_orientation.value_or(orientation_in(bounds_.held))));
     const bool only_one = options_.multi_start == Switch::off;
     std::vector<Lead> leads;
     for (std::size_t turn = 0;; turn = 1 - turn) {
@@ -401,7 +456,8 @@ class Search {
 
   /// Whether one of the points is so near, as a share of the bounds' widths.
   bool among(const std::vector<Eigen::VectorXd>& points, const Eigen::VectorXd& point, double distance) const {
-    const Eigen::VectorXd width = network_.upper - network_.lower;
+    const double turn = orientation_in(bounds_.upper) - orientation_in(bounds_.lower);
+    const Eigen::VectorXd width = FreeParameters::all_of(network_.upper - network_.lower, turn > 0 ? turn : 1);
     return std::any_of(points.begin(), points.end(), [&](const Eigen::VectorXd& other) {
       return (point - other).cwiseQuotient(width).cwiseAbs().maxCoeff() < distance;
     });
@@ -425,8 +481,12 @@ class Search {
       const auto n = coarse_[t].y.size();
       const auto [least, most] = moduli_.limits();
       const Task task = coarse_[t].samples.task;
-      Eigen::MatrixXd y(n, 2 * table_->y.cols());
-      y << factor_for(task, least) * table_->y.middleRows(at, n), factor_for(task, most) * table_->y.middleRows(at, n);
+      Eigen::MatrixXd y(n, 2 * candidate_count());
+      for (Eigen::Index c = 0; c < candidate_count(); ++c) {
+        const Eigen::VectorXd values = candidate_values(c).segment(at, n);
+        y.col(2 * c) = factor_for(task, least) * values;
+        y.col(2 * c + 1) = factor_for(task, most) * values;
+      }
       bound_profile(best_.profiles[t], coarse_[t], y);
       at += n;
     }
@@ -461,6 +521,9 @@ class Search {
     const bool has_choice = !moduli_.single();
     execution_->cost->add_effect("modulus", has_choice,
                                  has_choice ? "the request leaves a choice" : "the request leaves no choice");
+    execution_->cost->add_effect(
+        "orientation", bounds_.orientation_is_free(),
+        bounds_.orientation_is_free() ? "the request leaves a range" : "the request leaves no choice");
     execution_->cost->add_effect("limits", limits_.are_needed(),
                                  limits_.are_needed() ? "the request has limits" : "the request has none");
     execution_->cost->add_quantity("evaluations", static_cast<double>(evaluations_));
@@ -483,7 +546,8 @@ class Search {
   double least_beyond_ = 0;                   ///< its deviation
   std::vector<Eigen::VectorXd> initial_;      ///< values at the first starting point, of each target
   std::vector<SampledTarget> coarse_;
-  std::shared_ptr<const Candidates::Table> table_;
+  std::shared_ptr<const Candidates::Table> table_;  ///< its samples are those of the first orientation, then the next
+  std::vector<double> orientations_;
   Design best_;
   bool found_ = false;
   bool reported_ = false;

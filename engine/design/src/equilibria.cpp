@@ -11,7 +11,7 @@ Equilibria<Real>::Equilibria(const Evaluator& evaluator, const std::vector<Loadi
     : evaluator_(evaluator) {
   samples_.reserve(loads.size());
   for (const Loading& load : loads)
-    samples_.push_back({neural::UniaxialNewton(neural::UniaxialFrame(load.direction), options), load.strain, {}});
+    samples_.push_back({neural::UniaxialNewton(neural::UniaxialFrame(load.direction), options), load, {}});
 }
 
 template <class Real>
@@ -22,9 +22,17 @@ bool Equilibria<Real>::from_rest(const typename Evaluator::Design& design) {
 }
 
 template <class Real>
-bool Equilibria<Real>::follow(const typename Evaluator::Design& design, const Eigen::VectorXd& change) {
+bool Equilibria<Real>::follow(const typename Evaluator::Design& design, const Eigen::VectorXd& change, double turn) {
+  std::vector<Eigen::Vector2d> steps;
+  steps.reserve(samples_.size());
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    steps.emplace_back(sensitivity(i) * change);
+    // Where the material turns one way, the load's direction in it turns the other way.
+    if (turn != 0) steps.back() -= direction_sensitivity(i) * turn;
+  }
+  if (turn != 0) turn_to(orientation_ + turn);
   for (std::size_t i = 0; i < samples_.size(); ++i)
-    samples_[i].newton.go_straight_to(samples_[i].target, sensitivity(i) * change);
+    samples_[i].newton.go_straight_to(samples_[i].load.strain, steps[i]);
   if (run(design)) return true;
   const Equilibrium rest = rest_state(design);
   for (Sample& sample : samples_) {
@@ -47,10 +55,32 @@ Eigen::Matrix2Xd Equilibria<Real>::sensitivity(std::size_t i) const {
 }
 
 template <class Real>
+Eigen::Vector2d Equilibria<Real>::direction_sensitivity(std::size_t i) const {
+  const Sample& sample = samples_[i];
+  const auto& frame = sample.newton.frame();
+  const auto slope = frame.slope();
+  const Eigen::Matrix2d h = frame.free.transpose() * sample.state.tangent * frame.free;
+  const Eigen::Vector3d strain_rate = slope.strain(sample.load.strain, sample.newton.free_strains());
+  return -neural::convex_solve(
+      h, slope.free.transpose() * sample.state.stress + frame.free.transpose() * sample.state.tangent * strain_rate);
+}
+
+template <class Real>
+void Equilibria<Real>::orient(double orientation) {
+  if (orientation != orientation_) turn_to(orientation);
+}
+
+template <class Real>
+void Equilibria<Real>::turn_to(double orientation) {
+  orientation_ = orientation;
+  for (Sample& sample : samples_) sample.newton.turn(neural::UniaxialFrame(sample.load.direction - orientation));
+}
+
+template <class Real>
 void Equilibria<Real>::start_from_rest(Sample& sample, const Equilibrium& rest) {
   sample.state = rest;
   sample.newton.start_from_rest(rest);
-  sample.newton.go_to(sample.target);
+  sample.newton.go_to(sample.load.strain);
 }
 
 template <class Real>

@@ -41,20 +41,32 @@ class Equilibria {
 
   /// From rest. True if all converged.
   bool from_rest(const typename Evaluator::Design& design);
-  /// From the present states, which are those of parameters `change` earlier; loads that do not converge so go from
-  /// rest. The present states' designs must have had parameter derivatives. True if all converged.
-  bool follow(const typename Evaluator::Design& design, const Eigen::VectorXd& change);
+  /// From the present states, which are those of parameters `change` and of an orientation `turn` earlier; loads that
+  /// do not converge so go from rest. The present states' designs must have had parameter derivatives. True if all
+  /// converged.
+  bool follow(const typename Evaluator::Design& design, const Eigen::VectorXd& change, double turn = 0);
+  /// Turns the material by an angle from where it was when the loads were given; only before `from_rest`.
+  void orient(double orientation);
 
   std::size_t size() const { return samples_.size(); }
   const Equilibrium& operator[](std::size_t i) const { return samples_[i].state; }
+  const Eigen::Vector2d& free_strains(std::size_t i) const { return samples_[i].newton.free_strains(); }
   const neural::UniaxialFrame& frame(std::size_t i) const { return samples_[i].newton.frame(); }
 
   /// How the free strains (E_nn, 2 E_dn) follow the parameters, a column for each; thesis 4.18.
   Eigen::Matrix2Xd sensitivity(std::size_t i) const;
+  /// How they follow the direction of the load.
+  Eigen::Vector2d direction_sensitivity(std::size_t i) const;
 
   /// Remembers the present states, and goes back to them after other parameters were tried in vain.
-  void keep() { kept_ = samples_; }
-  void go_back() { samples_ = kept_; }
+  void keep() {
+    kept_ = samples_;
+    kept_orientation_ = orientation_;
+  }
+  void go_back() {
+    samples_ = kept_;
+    orientation_ = kept_orientation_;
+  }
 
   /// Strains that the network was evaluated at so far, with tangents.
   std::int64_t evaluations() const { return evaluations_; }
@@ -64,7 +76,7 @@ class Equilibria {
  private:
   struct Sample {
     neural::UniaxialNewton newton;
-    double target = 0;  ///< E_dd to reach
+    Loading load;
     Equilibrium state;
   };
 
@@ -74,7 +86,11 @@ class Equilibria {
   bool run(const typename Evaluator::Design& design);
   void read(Eigen::Index column, Equilibrium& state) const;
 
+  void turn_to(double orientation);
+
   const Evaluator& evaluator_;
+  double orientation_ = 0;
+  double kept_orientation_ = 0;
   CancellationToken cancellation_;
   std::vector<Sample> samples_;
   std::vector<Sample> kept_;

@@ -22,9 +22,11 @@ void check_bounds(const neural::Network& network, std::string where, Eigen::Inde
 }  // namespace
 
 FreeParameters::FreeParameters(const DesignSpace& space, const DesignProblem& problem)
-    : lower(space.model.network.lower), upper(space.model.network.upper), held(0.5 * (lower + upper)) {
+    : lower(all_of(space.model.network.lower, problem.orientation.least)),
+      upper(all_of(space.model.network.upper, problem.orientation.most)),
+      held(0.5 * (lower + upper)) {
   const neural::Network& network = space.model.network;
-  const Eigen::Index n = lower.size();
+  const Eigen::Index n = network.lower.size();
   const std::string count = "The family " + space.model.family + " has " + std::to_string(n) + " parameters";
   if (problem.initial && problem.initial->size() != n)
     throw Error("design.parameter_count", count + ", not " + std::to_string(problem.initial->size()) + ".",
@@ -44,6 +46,7 @@ FreeParameters::FreeParameters(const DesignSpace& space, const DesignProblem& pr
     check_bounds(network, "fixed/" + std::to_string(k), k, held[k], faults);
     lower[k] = upper[k] = held[k];
   }
+  if (orientation_is_free()) free.push_back(n);
   if (!faults.empty())
     throw Error("design.parameter_out_of_bounds",
                 "Parameter " + faults.front().where + " " + faults.front().message + ".", faults);
@@ -53,6 +56,12 @@ Eigen::VectorXd FreeParameters::free_part(const Eigen::VectorXd& all) const {
   Eigen::VectorXd part(static_cast<Eigen::Index>(free.size()));
   for (std::size_t k = 0; k < free.size(); ++k) part[static_cast<Eigen::Index>(k)] = all[free[k]];
   return part;
+}
+
+Eigen::VectorXd FreeParameters::all_of(const Eigen::VectorXd& parameters, double orientation) {
+  Eigen::VectorXd all(parameters.size() + 1);
+  all << parameters, orientation;
+  return all;
 }
 
 Eigen::VectorXd all_parameters(Eigen::VectorXd held, const std::vector<Eigen::Index>& free,

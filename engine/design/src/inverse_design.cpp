@@ -54,7 +54,7 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
         const double expected = expected_deviation(news.error.relative_rms, neural::mean_stress_error(spaces[i].model));
         if (best && expected >= *best) return;
         best = expected;
-        progress({i, news.parameters, news.samples, news.achieved, news.error, news.iteration});
+        progress({i, news.parameters, news.orientation, news.samples, news.achieved, news.error, news.iteration});
       };
     const Execution inner{execution.cancellation, several ? nullptr : execution.progress,
                           execution.cost ? &bills[i] : nullptr};

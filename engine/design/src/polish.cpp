@@ -104,9 +104,9 @@ class Polish {
       result_.rounds = before.rounds;
       for (const PolishRound& round : before.rounds) {
         longest_ = std::max(longest_, round.seconds);
-        tried_.push_back(model_.shares(round.parameters));
+        tried_.push_back(model_.shares(FreeParameters::all_of(round.parameters, round.orientation)));
       }
-      best_.x = model_.shares(before.parameters);
+      best_.x = model_.shares(FreeParameters::all_of(before.parameters, before.orientation));
       best_.simulated = scaled(model_.targets(), joined(before.simulated), 1 / before.stress_factor);
       best_.model = scaled(model_.targets(), joined(before.model), 1 / before.stress_factor);
       best_.deviation = before.target_error.value_or(infinite);
@@ -140,9 +140,11 @@ class Polish {
     if (result_.stopped != PolishStop::deadline && !std::isfinite(best_.deviation))
       result_.stopped = PolishStop::not_simulated;
     // As they were simulated, without the rounding of shares and back.
-    result_.parameters = result_.rounds.front().parameters;
+    const PolishRound* best = &result_.rounds.front();
     for (const PolishRound& round : result_.rounds)
-      if (round.accepted) result_.parameters = round.parameters;
+      if (round.accepted) best = &round;
+    result_.parameters = best->parameters;
+    result_.orientation = best->orientation;
     const auto chosen = model_.modulus_for(best_.simulated.size() > 0 ? best_.simulated : no_values());
     result_.material = chosen.material;
     result_.youngs_modulus = chosen.modulus;
@@ -151,6 +153,7 @@ class Polish {
     result_.model = model_.parts_of(of_modulus(best_.model, chosen.factor));
     if (std::isfinite(best_.deviation)) result_.target_error = best_.deviation;
     result_.targets = model_.targets();
+    for (SampledTarget& target : result_.targets) target.samples.orientation = result_.orientation;
     return result_;
   }
 
@@ -318,7 +321,9 @@ class Polish {
       if (i > 0) {
         Eigen::VectorXd x(model_.width().size());
         for (double& share : x) share = random.uniform(0, 1);
-        shifted.initial = model_.parameters_at(x);
+        const Eigen::VectorXd all = model_.parameters_at(x);
+        shifted.initial = family_part(all);
+        shifted.initial_orientation = orientation_in(all);
       }
       DesignOptions options;
       options.envelope = Switch::off;
@@ -326,7 +331,7 @@ class Polish {
       options.equilibrium_tolerance = model_.search_tolerance();
       try {
         const Design found = find_design(space_, shifted, options, Execution{execution_.cancellation});
-        const Eigen::VectorXd x = model_.shares(found.parameters);
+        const Eigen::VectorXd x = model_.shares(FreeParameters::all_of(found.parameters, found.orientation));
         const double deviation = found.error.relative_rms;
         const auto same = std::find_if(minima.begin(), minima.end(), [&](const Minimum& other) {
           return (x - other.x).cwiseAbs().maxCoeff() < another_design;
@@ -374,7 +379,8 @@ class Polish {
     const auto begin = Clock::now();
     PolishRound round;
     round.proposal = proposal;
-    round.parameters = parameters;
+    round.parameters = family_part(parameters);
+    round.orientation = orientation_in(parameters);
     Known known;
     known.x = x;
     simulate(parameters, known, round);
@@ -400,7 +406,7 @@ class Polish {
       Eigen::Index at = 0;
       const Execution inner{execution_.cancellation, nullptr, execution_.cost};
       for (const SampledTarget& target : model_.targets()) {
-        simulated.segment(at, target.y.size()) = simulate_(parameters, target.samples, inner);
+        simulated.segment(at, target.y.size()) = simulate_(round.parameters, turned(target.samples, parameters), inner);
         at += target.y.size();
       }
       known.deviation = model_.deviation(simulated);
@@ -500,10 +506,11 @@ std::string_view to_string(Proposal proposal) {
   return "";
 }
 
-Polished polish(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
+Polished polish(const DesignSpace& space, const DesignProblem& problem, const OrientedParameters& found,
                 const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution,
                 const OnPolishRound& on_round) {
-  return Polish(space, problem, simulate, options, execution, on_round).run(parameters);
+  return Polish(space, problem, simulate, options, execution, on_round)
+      .run(FreeParameters::all_of(found.parameters, found.orientation));
 }
 
 Polished polish(const DesignSpace& space, const DesignProblem& problem, const Polished& before,
@@ -512,12 +519,13 @@ Polished polish(const DesignSpace& space, const DesignProblem& problem, const Po
   return Polish(space, problem, simulate, options, execution, on_round).go_on(before);
 }
 
-Design design_at(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
+Design design_at(const DesignSpace& space, const DesignProblem& problem, const OrientedParameters& at,
                  const Design& found, const DesignOptions& options) {
   DesignProblem all_fixed = problem;
+  all_fixed.orientation = {at.orientation, at.orientation};
   all_fixed.initial.reset();
   all_fixed.fixed.clear();
-  for (const double value : parameters) all_fixed.fixed.emplace_back(value);
+  for (const double value : at.parameters) all_fixed.fixed.emplace_back(value);
   DesignOptions plain = options;
   plain.envelope = Switch::off;
   Design design = find_design(space, all_fixed, plain);

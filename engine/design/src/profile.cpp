@@ -82,7 +82,7 @@ std::vector<Sample> samples_of(const ProfileSamples& samples) {
     if (over_strain) check(samples.x[i], "x/" + std::to_string(i));
     const double strain = green_strain(over_strain ? samples.x[i] : samples.strain, samples.measure);
     result[i] = {samples.task,
-                 {over_strain ? samples.direction : samples.x[i], strain},
+                 {(over_strain ? samples.direction : samples.x[i]) - samples.orientation, strain},
                  factor_of(samples.task, samples.measure, strain)};
   }
   return result;
@@ -106,12 +106,24 @@ double value_of(const Sample& sample, const neural::UniaxialFrame& frame, const 
   return sample.factor * path_rates(frame, state.tangent).strain_rate.dot(state.stress);
 }
 
+namespace {
+
+/// How the strain of a state follows the direction of its load.
+template <class Real>
+Eigen::Vector3d strain_by_direction(const Sample& sample, const neural::UniaxialFrame& frame,
+                                    const Equilibria<Real>& equilibria, std::size_t i) {
+  return frame.slope().strain(sample.loading.strain, equilibria.free_strains(i)) +
+         frame.free * equilibria.direction_sensitivity(i);
+}
+
+}  // namespace
+
 template <class Real>
 void ValueDerivatives<Real>::evaluate(const Evaluator& evaluator, const typename Evaluator::Design& design,
                                       const std::vector<Sample>& samples, const Equilibria<Real>& equilibria,
-                                      Eigen::MatrixXd& derivatives) {
+                                      Eigen::MatrixXd& derivatives, bool by_orientation) {
   const Eigen::Index parameters = evaluator.shape().parameters;
-  derivatives.resize(static_cast<Eigen::Index>(samples.size()), parameters);
+  derivatives.resize(static_cast<Eigen::Index>(samples.size()), parameters + (by_orientation ? 1 : 0));
   std::vector<std::size_t> with_tangents;
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (samples[i].task != Task::stress_strain) with_tangents.push_back(i);
@@ -129,8 +141,31 @@ void ValueDerivatives<Real>::evaluate(const Evaluator& evaluator, const typename
     const auto path = path_rates(frame, state.tangent);
     if (samples[i].task == Task::stress_strain) {
       // The free strains follow so that along + free rates is conjugate to what changes.
-      derivatives.row(row) = samples[i].factor * path.strain_rate.transpose() * state.stress_by_parameters;
+      derivatives.row(row).head(parameters) =
+          samples[i].factor * path.strain_rate.transpose() * state.stress_by_parameters;
+      if (by_orientation) {
+        const auto slope = frame.slope();
+        const Eigen::Vector3d change = strain_by_direction(samples[i], frame, equilibria, i);
+        derivatives(row, parameters) =
+            -samples[i].factor * (slope.along.dot(state.stress) + frame.along.dot(state.tangent * change));
+      }
       continue;
+    }
+    if (by_orientation) {
+      const auto slope = frame.slope();
+      const Eigen::Matrix3d change =
+          tangent_change(evaluation_.third.col(column), strain_by_direction(samples[i], frame, equilibria, i));
+      const Eigen::Vector3d rate_change = slope.strain(1, path.rates);
+      if (samples[i].task == Task::stiffness) {
+        // The rates of the free strains make the stiffness least, so that their change does not count.
+        derivatives(row, parameters) =
+            -path.strain_rate.dot(change * path.strain_rate + 2 * state.tangent * rate_change);
+      } else {
+        const Eigen::Matrix2d h = frame.free.transpose() * state.tangent * frame.free;
+        derivatives(row, parameters) = -neural::convex_solve(
+            h, slope.free.transpose() * state.tangent * path.strain_rate +
+                   frame.free.transpose() * (change * path.strain_rate + state.tangent * rate_change))[0];
+      }
     }
     const Eigen::Matrix2Xd free_changes = equilibria.sensitivity(i);
     for (Eigen::Index p = 0; p < parameters; ++p) {

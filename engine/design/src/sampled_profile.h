@@ -30,14 +30,16 @@ PathRates path_rates(const neural::UniaxialFrame& frame, const Eigen::Matrix3d& 
 /// that their error is the residual's square.
 double value_of(const Sample& sample, const neural::UniaxialFrame& frame, const Equilibrium& state);
 
-/// Total derivatives of values by parameters (thesis 4.14), a row for each sample; the equilibria's states must be
-/// converged and have parameter derivatives. Stiffness and Poisson's ratio take one evaluation with third derivatives.
+/// Total derivatives of values by parameters (thesis 4.14), and in a last column by the orientation of the material if
+/// that is asked for. A row for each sample; the equilibria's states must be converged and have parameter derivatives.
+/// Stiffness and Poisson's ratio take one evaluation with third derivatives.
 template <class Real>
 class ValueDerivatives {
  public:
   using Evaluator = neural::BasicEvaluator<Real>;
   void evaluate(const Evaluator& evaluator, const typename Evaluator::Design& design,
-                const std::vector<Sample>& samples, const Equilibria<Real>& equilibria, Eigen::MatrixXd& derivatives);
+                const std::vector<Sample>& samples, const Equilibria<Real>& equilibria, Eigen::MatrixXd& derivatives,
+                bool by_orientation = false);
 
  private:
   typename Evaluator::Workspace workspace_;

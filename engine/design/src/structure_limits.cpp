@@ -47,21 +47,24 @@ Eigen::Matrix2Xd LimitRows::derivatives(const Eigen::VectorXd& parameters,
                                         const std::vector<Eigen::Index>& free) const {
   const auto& network = space_.model.network;
   Eigen::Matrix2Xd result = Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(free.size()));
+  const auto here = std::pair{parameters, at(parameters)};
+  // Within the limits, where searches are nearly always, there is nothing to push back.
+  if (here.second.isZero(0)) return result;
   for (std::size_t k = 0; k < free.size(); ++k) {
     const Eigen::Index p = free[k];
+    if (p == parameters.size()) continue;  // turned, a structure measures the same
     const double step = step_share * (network.upper[p] - network.lower[p]);
     // Next to places that cannot be built one side is left.
-    const auto moved = [&](double by) -> std::optional<std::pair<double, Eigen::Vector2d>> {
+    const auto moved = [&](double by) -> std::optional<std::pair<Eigen::VectorXd, Eigen::Vector2d>> {
       Eigen::VectorXd there = parameters;
       there[p] = std::clamp(there[p] + by, network.lower[p], network.upper[p]);
       if (there[p] == parameters[p] || (space_.buildable && !space_.buildable(there))) return std::nullopt;
-      return std::pair{there[p], at(there)};
+      return std::pair{there, at(there)};
     };
-    const auto here = std::pair{parameters[p], at(parameters)};
     const auto above = moved(step).value_or(here);
     const auto below = moved(-step).value_or(here);
-    if (above.first > below.first)
-      result.col(static_cast<Eigen::Index>(k)) = (above.second - below.second) / (above.first - below.first);
+    const double width = above.first[p] - below.first[p];
+    if (width > 0) result.col(static_cast<Eigen::Index>(k)) = (above.second - below.second) / width;
   }
   return result;
 }

@@ -22,8 +22,8 @@ class LimitRows {
 
   /// The rows at parameters that can be built.
   Eigen::Vector2d at(const Eigen::VectorXd& parameters) const;
-  /// Their derivatives, a column for each of the parameters `free`: by differences, since a measurement takes less
-  /// than a millisecond.
+  /// Their derivatives, a column for each of the parameters `free`, which may include the orientation: by differences,
+  /// since a measurement takes less than a millisecond.
   Eigen::Matrix2Xd derivatives(const Eigen::VectorXd& parameters, const std::vector<Eigen::Index>& free) const;
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "free_parameters.h"
@@ -45,6 +46,8 @@ TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::
       free_(std::move(free)),
       buildable_(std::move(buildable)),
       equilibria_(evaluator, loadings_of(samples_), {.tolerance = equilibrium_tolerance}) {
+  if (held_.size() != evaluator.shape().parameters + 1)
+    throw std::invalid_argument("the held parameters are those of the family and the orientation");
   factors_.resize(static_cast<Eigen::Index>(samples_.size()));
   const double sum = std::accumulate(target_weights.begin(), target_weights.end(), 0.0);
   if (outlier > 0) outliers_.resize(factors_.size());
@@ -61,13 +64,16 @@ TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::
 
 bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
   last_ = all_parameters(held_, free_, x);
-  design_ = evaluator_.design(span_of(last_), true);
-  if (buildable_ && !buildable_(last_)) return false;
+  const Eigen::VectorXd parameters = family_part(last_);
+  design_ = evaluator_.design(span_of(parameters), true);
+  if (buildable_ && !buildable_(parameters)) return false;
   bool converged = false;
   if (known_) {
     equilibria_.go_back();
-    converged = equilibria_.follow(*design_, last_ - *known_);
+    converged = equilibria_.follow(*design_, parameters - family_part(*known_),
+                                   orientation_in(last_) - orientation_in(*known_));
   } else {
+    equilibria_.orient(orientation_in(last_));
     converged = equilibria_.from_rest(*design_);
   }
   const Eigen::VectorXd values = corrected_values();
@@ -86,7 +92,7 @@ bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
     slopes_[i] = slope;
   }
   r.head(n).array() *= factors_.array();
-  if (limits_) r.tail<LimitRows::count>() = limits_->at(last_);
+  if (limits_) r.tail<LimitRows::count>() = limits_->at(parameters);
   return true;
 }
 
@@ -94,7 +100,8 @@ void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
   equilibria_.keep();
   known_ = last_;
   Eigen::MatrixXd by_all;
-  derivatives_.evaluate(evaluator_, *design_, samples_, equilibria_, by_all);
+  const bool by_orientation = !free_.empty() && free_.back() == last_.size() - 1;
+  derivatives_.evaluate(evaluator_, *design_, samples_, equilibria_, by_all, by_orientation);
   derivative_evaluations_ += std::count_if(samples_.begin(), samples_.end(),
                                            [](const Sample& sample) { return sample.task != Task::stress_strain; });
   const Eigen::Index n = by_all.rows();
@@ -122,7 +129,7 @@ void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
     for (Eigen::Index i = 0; i < targets_[t].y.size(); ++i)
       if (std::abs(compared[first + i] - targets_[t].y[i]) < targets_[t].bands[i]) jacobian.row(first + i).setZero();
   }
-  if (limits_) jacobian.bottomRows<LimitRows::count>() = limits_->derivatives(last_, free_);
+  if (limits_) jacobian.bottomRows<LimitRows::count>() = limits_->derivatives(family_part(last_), free_);
 }
 
 Eigen::VectorXd TargetResiduals::model_values(std::size_t target) const {
@@ -154,7 +161,8 @@ Eigen::VectorXd TargetResiduals::corrected_values() const {
 }
 
 ProfileTrust TargetResiduals::trust(const neural::Model& model, std::size_t target) const {
-  const neural::ErrorBars bars(model, evaluator_, *design_, span_of(last_), true);
+  const Eigen::VectorXd parameters = family_part(last_);
+  const neural::ErrorBars bars(model, evaluator_, *design_, span_of(parameters), true);
   auto trust = profile_trust(model, bars, samples_, equilibria_, first_[target], model_values(target));
   trust.error_bar *= factor_for(targets_[target].samples.task, chosen_.factor);
   return trust;

@@ -33,7 +33,8 @@ struct Correction {
 /// all samples of all targets, so that |r| is the relative root mean square deviation.
 class TargetResiduals : public numerics::ResidualFunction {
  public:
-  /// `held` has the values of parameters that are fixed, at their places. Where `outlier` is positive, deviations of
+  /// `held` has the values of all parameters that are fixed, at their places, as in FreeParameters. Samples are of the
+  /// orientation 0, which is among the parameters. Where `outlier` is positive, deviations of
   /// more than this share of the scale count less and less: where a profile jumps from one direction to the next, a
   /// design that is nearly right deviates much at a few samples.
   TargetResiduals(const neural::Evaluator& evaluator, const std::vector<SampledTarget>& targets,

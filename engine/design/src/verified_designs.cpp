@@ -88,9 +88,9 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
       continue;
     }
     // What is not to be corrected keeps its modulus too.
-    Polished polished =
-        polish(spaces[design.space], corrects ? problem : with_modulus(problem, design.youngs_modulus),
-               design.parameters, simulations[design.space].simulate, alone, execution, round_of(design));
+    Polished polished = polish(spaces[design.space], corrects ? problem : with_modulus(problem, design.youngs_modulus),
+                               OrientedParameters(design.parameters, design.orientation),
+                               simulations[design.space].simulate, alone, execution, round_of(design));
     if (!corrects) polished.material = design.material;
     late = polished.stopped == PolishStop::deadline;
     if (late && !corrects) execution.cancellation.throw_if_requested();
@@ -110,10 +110,12 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
     if (late) polished.stopped = PolishStop::deadline;
     best.polished = std::move(polished);
   }
-  if (best.polished.parameters != best.design.parameters ||
+  if (best.polished.parameters != best.design.parameters || best.polished.orientation != best.design.orientation ||
       best.polished.youngs_modulus != best.design.youngs_modulus) {
     const DesignProblem of_modulus = with_modulus(problem, best.polished.youngs_modulus);
-    best.design = design_at(spaces[best.design.space], of_modulus, best.polished.parameters, best.design, search);
+    best.design =
+        design_at(spaces[best.design.space], of_modulus,
+                  OrientedParameters(best.polished.parameters, best.polished.orientation), best.design, search);
     best.design.material = best.polished.material;
   }
   if (execution.cost) {

@@ -23,6 +23,14 @@ UniaxialFrame::UniaxialFrame(double direction) {
   free.col(1) << -c * s, c * s, c * c - s * s;
 }
 
+UniaxialFrame UniaxialFrame::slope() const {
+  UniaxialFrame slope;
+  slope.along = 2 * free.col(1);
+  slope.free.col(0) = -2 * free.col(1);
+  slope.free.col(1) = free.col(0) - along;
+  return slope;
+}
+
 Eigen::Matrix3d symmetric_matrix(const Eigen::Matrix<double, 6, 1>& c) {
   Eigen::Matrix3d m;
   m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];

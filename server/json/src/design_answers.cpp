@@ -87,6 +87,7 @@ void write_verified(JsonWriter& out, const FoundDesigns& found, std::size_t targ
 void write_round(JsonWriter& out, const design::PolishRound& round) {
   out.begin_object().field("proposal", design::to_string(round.proposal));
   out.key("parameters").numbers(round.parameters);
+  out.field("orientation", round.orientation);
   write_number_or_null(out, "target_error", round.target_error);
   out.field("accepted", round.accepted).field("reason", round.reason).field("seconds", round.seconds).end_object();
 }
@@ -181,6 +182,7 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
   if (!found.spec.name.empty()) out.field("name", found.spec.name);
   write_model(out, model, true);
   out.key("parameters").numbers(best.parameters);
+  out.field("orientation", best.orientation);
   const auto material = material_of(found);
   write_material(out, material, best.youngs_modulus, model);
   out.key("profile");
@@ -197,6 +199,7 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
     out.begin_object();
     write_model(out, found.models[design.space], false);
     out.key("parameters").numbers(design.parameters);
+    out.field("orientation", design.orientation);
     write_error(out, design.error);
     write_number_or_null(out, "model_error", design.model_error);
     write_number_or_null(out, "simulated_error", simulated_error);
@@ -238,6 +241,7 @@ std::string write_partial_design(const std::string& name, const DesignModel& mod
   if (!name.empty()) out.field("name", name);
   write_model(out, model, false);
   out.key("parameters").numbers(progress.parameters);
+  out.field("orientation", progress.orientation);
   out.key("x").numbers(progress.samples.x);
   out.key("achieved").numbers(progress.achieved);
   write_error(out, progress.error);
@@ -262,6 +266,7 @@ std::string write_profile(const DesignModel& model, const ProfileRequest& reques
   out.begin_object();
   write_model(out, model, true);
   out.key("parameters").numbers(request.parameters);
+  out.field("orientation", request.samples.orientation);
   const auto material = request.material.value_or(MaterialSpec{});
   write_material(out, material, material.has_modulus ? material.youngs_modulus.least : model.youngs_modulus, model);
   write_kind(out, request.samples);

@@ -145,6 +145,32 @@ void read_modulus(Fields& fields, bool may_be_range, MaterialSpec& out) {
   out.has_modulus = true;
 }
 
+/// A number, or a pair between which the orientation is found.
+void read_orientation(Fields& fields, design::DesignProblem& problem) {
+  const auto* value = fields.optional("orientation");
+  if (value && value->is_array()) {
+    read_range(*value, fields.at("orientation"), fields.faults(), problem.orientation, -largest_angle, largest_angle);
+  } else if (value) {
+    double orientation = 0;
+    read_number(*value, fields.at("orientation"), fields.faults(), orientation, -largest_angle, largest_angle);
+    problem.orientation = {orientation, orientation};
+  }
+  const auto& [least, most] = problem.orientation;
+  if (most - least > std::numbers::pi * (1 + 1e-9))
+    fields.faults().add(fields.at("orientation"), "must span at most half a turn, pi: responses repeat after it");
+  if (!fields.present("initial_orientation")) return;
+  double initial = least;
+  fields.number("initial_orientation", initial, -largest_angle, largest_angle);
+  if (!fields.present("initial")) {
+    fields.faults().add(fields.at("initial_orientation"), "needs \"initial\", whose orientation it is");
+  } else if (initial < least || initial > most) {
+    fields.faults().add(fields.at("initial_orientation"), "must be within the orientations that are open, " +
+                                                              std::to_string(least) + " to " + std::to_string(most));
+  } else {
+    problem.initial_orientation = initial;
+  }
+}
+
 MaterialSpec read_material(const Document& value, const std::string& pointer, Faults& faults, bool may_be_range) {
   MaterialSpec material;
   Fields fields(value, pointer, faults);
@@ -250,6 +276,7 @@ RegionSpec read_region(Fields& fields) {
         Eigen::Map<const Eigen::VectorXd>(initial.data(), static_cast<Eigen::Index>(initial.size()));
   }
   read_fixed(fields, region.problem.fixed);
+  read_orientation(fields, region.problem);
   read_materials(fields, region);
   read_size(fields, region);
   return region;
@@ -337,6 +364,7 @@ ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
           over_strain ? range[0] + (range[1] - range[0]) * i / (samples - 1) : std::numbers::pi * i / samples;
     }
   }
+  fields.number("orientation", request.samples.orientation, -largest_angle, largest_angle);
   if (const auto* material = fields.optional("material"))
     request.material = read_material(*material, fields.at("material"), faults, false);
   nested(fields, "accuracy", [&](Fields& accuracy) {

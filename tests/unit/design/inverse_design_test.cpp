@@ -310,6 +310,68 @@ TEST(InverseDesign, ChoosesAmongMaterials) {
   EXPECT_TRUE(design.reached);
 }
 
+/// What structures that are turned by an angle do in directions of space.
+Target turned_target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, double orientation) {
+  Target target = target_of(test, parameters, task);
+  ProfileSamples samples{task, target.direction, target.strain, StrainMeasure::green, {}, orientation};
+  for (const auto& point : target.control_points) samples.x.push_back(point[0]);
+  const auto profile = evaluate_profile(test.model, test.evaluator, parameters, samples);
+  for (std::size_t i = 0; i < samples.x.size(); ++i)
+    target.control_points[i][1] = profile.y[static_cast<Eigen::Index>(i)];
+  return target;
+}
+
+TEST_P(EveryTask, FindsTheSameParametersForATurnedTarget) {
+  const TestSpace test(2, 1);
+  const auto parameters = test.at({0.37, 0.72});
+  DesignProblem problem{{turned_target_of(test, parameters, GetParam(), 0.6)}, {}, {}};
+  EXPECT_GT(find_design(test.space(), problem).error.relative_rms, 1e-3) << "another target, for the tiling as it is";
+  problem.orientation = {0.6, 0.6};
+  const auto turned = find_design(test.space(), problem);
+  EXPECT_EQ(turned.orientation, 0.6);
+  EXPECT_TRUE(turned.reached);
+  // Several designs have the same curve along one direction.
+  if (GetParam() != Task::stress_strain) {
+    EXPECT_LT((turned.parameters - vector_of(parameters)).norm(), 1e-2);
+  }
+  // The answer's samples say how they were turned, so that its profile can be had again.
+  const std::vector<double> found(turned.parameters.begin(), turned.parameters.end());
+  const auto& profile = turned.profiles[0];
+  EXPECT_LT((profile.achieved - evaluate_profile(test.model, test.evaluator, found, profile.target.samples).y).norm(),
+            1e-8 * profile.achieved.norm());
+}
+
+TEST_P(EveryTask, FindsTheOrientationWithTheParameters) {
+  for (const double orientation : {0.2, 1.4, 2.9}) {
+    const TestSpace test(2, 2);
+    DesignProblem problem{{turned_target_of(test, test.at({0.37, 0.72}), GetParam(), orientation)}, {}, {}};
+    problem.orientation = {0, pi};
+    const auto design = find_design(test.space(), problem);
+    EXPECT_LT(design.error.relative_rms, 1e-3) << orientation;
+    EXPECT_GE(design.orientation, 0);
+    EXPECT_LE(design.orientation, pi);
+    EXPECT_TRUE((design.profiles[0].lowest.array() <= design.profiles[0].achieved.array()).all());
+  }
+}
+
+TEST(InverseDesign, TurnsADesignWhoseParametersAreHeld) {
+  const TestSpace test(2, 2);
+  const auto parameters = test.at({0.37, 0.72});
+  DesignProblem problem{{turned_target_of(test, parameters, Task::stiffness, 1.1)}, {}, {}};
+  problem.orientation = {0.5, 1.5};
+  problem.fixed = {parameters[0], parameters[1]};
+  const auto design = find_design(test.space(), problem);
+  EXPECT_NEAR(design.orientation, 1.1, 1e-4);
+  EXPECT_EQ(design.parameters, vector_of(parameters));
+  // From an orientation that is given nothing else is tried.
+  problem.fixed.clear();
+  problem.initial = vector_of(parameters);
+  problem.initial_orientation = 1.05;
+  const auto followed = find_design(test.space(), problem);
+  EXPECT_EQ(followed.starts, 1);
+  EXPECT_NEAR(followed.orientation, 1.1, 1e-3);
+}
+
 /// Measures that follow the first parameter: its share of the bounds is the relative density.
 DesignSpace measured(const TestSpace& test) {
   auto space = test.space();

@@ -614,6 +614,30 @@ TEST(Polish, GoesOnWithAnotherModulusWhereItStopped) {
   EXPECT_NEAR(gone_on.youngs_modulus, whole.youngs_modulus, 1e-9 * model_modulus);
 }
 
+TEST(Polish, TurnsADesignByWhatTheSimulationSays) {
+  Missed missed(Task::stiffness);
+  // A simulation whose structure lies a little askew.
+  const SimulateProfile askew = [&](const Eigen::VectorXd& parameters, ProfileSamples samples, const Execution&) {
+    samples.orientation += 0.15;
+    return missed.displaced(parameters, samples);
+  };
+  missed.problem.orientation = {-0.5, 0.5};
+  missed.found = find_design(missed.test.space(), missed.problem);
+  const OrientedParameters found(missed.found.parameters, missed.found.orientation);
+  const auto polished = polish(missed.test.space(), missed.problem, found, askew, {.tolerance = 1e-4});
+  EXPECT_GT(*polished.rounds.front().target_error, 5e-3);
+  EXPECT_LE(*polished.target_error, 1e-4);
+  EXPECT_EQ(polished.simulated[0], askew(polished.parameters, polished.targets[0].samples, {}));
+  EXPECT_EQ(polished.targets[0].samples.orientation, polished.orientation);
+  EXPECT_EQ(polished.rounds.front().orientation, missed.found.orientation);
+  const auto design = design_at(missed.test.space(), missed.problem,
+                                OrientedParameters(polished.parameters, polished.orientation), missed.found, {});
+  EXPECT_EQ(design.orientation, polished.orientation);
+  const auto begun = polish(missed.test.space(), missed.problem, found, askew, {.tolerance = 1e-4, .max_rounds = 0});
+  const auto gone_on = polish(missed.test.space(), missed.problem, begun, askew, {.tolerance = 1e-4});
+  EXPECT_EQ(gone_on.orientation, polished.orientation);
+}
+
 TEST(Polish, RefusesProposalsBeyondTheLimitsWithoutSimulatingThem) {
   Missed missed;
   auto space = missed.test.space();

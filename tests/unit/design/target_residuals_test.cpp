@@ -56,11 +56,12 @@ TEST_P(Derivatives, AreThoseThatDifferencesGive) {
   const TestSpace test(2, 3);
   const auto targets = far_targets();
   const auto start = test.at({0.4, 0.6});
-  const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(start.data(), 2);
+  const Eigen::Vector2d x(start[0], start[1]);
+  const Eigen::Vector3d all(x[0], x[1], 0);
   const Eigen::MatrixXd slope = Eigen::MatrixXd::NullaryExpr(
       13, 2, [](Eigen::Index row, Eigen::Index column) { return 0.5 * std::sin(1.0 + 3 * row + 7 * column); });
   const auto residuals = [&] {
-    TargetResiduals made(test.evaluator, targets, {1, 2}, x, {0, 1}, 1e-12, {}, outlier);
+    TargetResiduals made(test.evaluator, targets, {1, 2}, all, {0, 1}, 1e-12, {}, outlier);
     if (has_correction) made.correct({Eigen::VectorXd::LinSpaced(13, -0.02, 0.03), slope, x});
     return made;
   };
@@ -93,13 +94,14 @@ TEST(TargetResiduals, HaveTheDerivativesOfTheBestModulusAndOfTheLimits) {
   auto targets = far_targets();
   targets[0].bands.setConstant(0.02);
   const auto start = test.at({0.4, 0.6});
-  const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(start.data(), 2);
+  const Eigen::Vector2d x(start[0], start[1]);
+  const Eigen::Vector3d all(x[0], x[1], 0);
   const auto here = curved_measures(x);
   const LimitRows limits(space, {{0, 0.8 * here.relative_density}, {1.3 * here.cell_size, 100}});
   const ModulusChoice moduli({{1, 1e5}}, test.model.provenance.youngs_modulus);
   for (const double outlier : {0.0, 0.1}) {
     const auto residuals = [&] {
-      TargetResiduals made(test.evaluator, targets, {1, 2}, x, {0, 1}, 1e-12, {}, outlier);
+      TargetResiduals made(test.evaluator, targets, {1, 2}, all, {0, 1}, 1e-12, {}, outlier);
       made.choose_among(moduli);
       made.keep_within(limits);
       return made;
@@ -126,6 +128,53 @@ TEST(TargetResiduals, HaveTheDerivativesOfTheBestModulusAndOfTheLimits) {
   }
 }
 
+/// Of every task.
+TEST(TargetResiduals, HaveTheDerivativesByTheOrientation) {
+  const TestSpace test(2, 3);
+  auto targets = far_targets();
+  Target stiffness;
+  stiffness.task = Task::stiffness;
+  stiffness.strain = 0.1;
+  stiffness.measure = StrainMeasure::engineering;
+  stiffness.control_points = {{0, 1}, {1, 3}, {2, 2}};
+  stiffness.samples = 5;
+  targets.push_back(sample_target(stiffness));
+  const auto start = test.at({0.4, 0.6});
+  const Eigen::Vector3d all(start[0], start[1], 0.7);
+  const ModulusChoice moduli({{1, 1e5}}, test.model.provenance.youngs_modulus);
+  const auto residuals = [&] {
+    TargetResiduals made(test.evaluator, targets, {1, 2, 1}, all, {1, 2}, 1e-12);
+    made.choose_among(moduli);
+    return made;
+  };
+  const Eigen::Vector2d x = all.tail<2>();
+  auto at = residuals();
+  Eigen::VectorXd r;
+  ASSERT_TRUE(at.residuals(x, r));
+  Eigen::MatrixXd jacobian;
+  at.jacobian(jacobian);
+  ASSERT_EQ(jacobian.cols(), 2);
+  constexpr double step = 1e-5;
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    Eigen::VectorXd above;
+    Eigen::VectorXd below;
+    ASSERT_TRUE(residuals().residuals(x + step * Eigen::Vector2d::Unit(k), above));
+    ASSERT_TRUE(residuals().residuals(x - step * Eigen::Vector2d::Unit(k), below));
+    const Eigen::VectorXd differences = (above - below) / (2 * step);
+    for (const auto& [first, count] : {std::pair{0, 6}, std::pair{6, 7}, std::pair{13, 5}})
+      EXPECT_LT((jacobian.col(k) - differences).segment(first, count).norm(),
+                1e-5 * differences.segment(first, count).norm())
+          << k << " " << first;
+  }
+  // From a state that is known nearby the same equilibria are found.
+  Eigen::VectorXd followed;
+  Eigen::VectorXd fresh;
+  const Eigen::Vector2d away = x + Eigen::Vector2d(0.01, -0.3);
+  ASSERT_TRUE(at.residuals(away, followed));
+  ASSERT_TRUE(residuals().residuals(away, fresh));
+  EXPECT_LT((followed - fresh).norm(), 1e-8 * fresh.norm());
+}
+
 TEST(TargetResiduals, AreZeroForLimitsThatAreKept) {
   const TestSpace test(2, 3);
   auto space = test.space();
@@ -149,11 +198,12 @@ TEST(TargetResiduals, CountsOutliersLess) {
   const TestSpace test(2, 3);
   const auto targets = far_targets();
   const auto start = test.at({0.4, 0.6});
-  const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(start.data(), 2);
+  const Eigen::Vector2d x(start[0], start[1]);
+  const Eigen::Vector3d all(x[0], x[1], 0);
   Eigen::VectorXd full;
   Eigen::VectorXd less;
-  ASSERT_TRUE(TargetResiduals(test.evaluator, targets, {1, 2}, x, {0, 1}, 1e-12).residuals(x, full));
-  ASSERT_TRUE(TargetResiduals(test.evaluator, targets, {1, 2}, x, {0, 1}, 1e-12, {}, 0.1).residuals(x, less));
+  ASSERT_TRUE(TargetResiduals(test.evaluator, targets, {1, 2}, all, {0, 1}, 1e-12).residuals(x, full));
+  ASSERT_TRUE(TargetResiduals(test.evaluator, targets, {1, 2}, all, {0, 1}, 1e-12, {}, 0.1).residuals(x, less));
   EXPECT_TRUE((less.array().abs() <= full.array().abs()).all());
   EXPECT_LT(less.norm(), 0.7 * full.norm());
 }

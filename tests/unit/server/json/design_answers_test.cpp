@@ -131,8 +131,8 @@ design::Polished polished() {
   polished.simulated = {Eigen::Vector3d(3, 4, 6)};
   polished.model = {Eigen::Vector3d(3, 5, 6)};
   polished.target_error = 0.25;
-  polished.rounds = {{design::Proposal::search, Eigen::Vector2d(0.25, 0.5), std::nullopt, false, "No path.", 2},
-                     {design::Proposal::step, Eigen::Vector2d(0.125, 0.5), 0.25, true, "", 3}};
+  polished.rounds = {{design::Proposal::search, Eigen::Vector2d(0.25, 0.5), 0.125, std::nullopt, false, "No path.", 2},
+                     {design::Proposal::step, Eigen::Vector2d(0.125, 0.5), 0.125, 0.25, true, "", 3}};
   polished.stopped = design::PolishStop::time_limit;
   return polished;
 }
@@ -174,6 +174,7 @@ TEST(DesignAnswers, TellWhatEachRoundOfPolishCameTo) {
   EXPECT_EQ(polish["stopped"], "time_limit");
   EXPECT_EQ(polish["rounds"][0], (json{{"proposal", "search"},
                                        {"parameters", {0.25, 0.5}},
+                                       {"orientation", 0.125},
                                        {"target_error", nullptr},
                                        {"accepted", false},
                                        {"reason", "No path."},
@@ -200,10 +201,11 @@ TEST(DesignAnswers, PartialOnesCarryTheProfileSoFar) {
   const Eigen::VectorXd all = parameters;
   const design::ProfileSamples samples{design::Task::poisson, 0, 0.05, design::StrainMeasure::green, {0, 1.5}};
   const auto partial =
-      json::parse(write_partial_design("", {"IH21", "ih21", "bb"}, {0, all, samples, values, {0.5, 1}, 4}));
+      json::parse(write_partial_design("", {"IH21", "ih21", "bb"}, {0, all, 0.75, samples, values, {0.5, 1}, 4}));
   EXPECT_EQ(partial["achieved"], (json{1.0, 2.0}));
   EXPECT_EQ(partial["x"], (json{0.0, 1.5}));
   EXPECT_EQ(partial["iteration"], 4);
+  EXPECT_EQ(partial["orientation"], 0.75);
   EXPECT_FALSE(partial.contains("name"));
 }
 

@@ -61,6 +61,10 @@ struct DesignProblem {
   /// has the modulus that serves the targets best, since stresses are proportional to it. Empty means the modulus of
   /// the model's data. `corrections`, which are of that modulus, need a single modulus.
   std::vector<Range> moduli{};
+  /// By which the tiling may be turned counterclockwise, rad; the search finds the angle that serves the targets best.
+  /// Responses have the period pi, so that a range of pi leaves every orientation open.
+  Range orientation{0, 0};
+  std::optional<double> initial_orientation{};  ///< of `initial`; the middle of the range without it
   StructureLimits limits{};
 };
 
@@ -111,6 +115,7 @@ struct DesignProfile {
 struct Design {
   std::size_t space = 0;  ///< index of the design space in which it was found
   Eigen::VectorXd parameters;
+  double orientation = 0;               ///< rad; the profiles are over directions of space
   std::size_t material = 0;             ///< index into DesignProblem::moduli
   double youngs_modulus = 0;            ///< MPa; the profiles are those of this modulus
   std::vector<DesignProfile> profiles;  ///< one for each target
@@ -134,6 +139,7 @@ struct Design {
 struct DesignProgress {
   std::size_t space = 0;
   const Eigen::VectorXd& parameters;
+  double orientation = 0;
   const ProfileSamples& samples;    ///< samples of the main target
   const Eigen::VectorXd& achieved;  ///< the design's profile at these samples
   DesignError error;
@@ -150,7 +156,7 @@ using OnProgress = std::function<void(const DesignProgress&)>;
 /// Throws "design.invalid_target", "design.parameter_count", "design.parameter_out_of_bounds", "model.invalid_load",
 /// "design.no_equilibrium" if no design that was tried can be built and has an equilibrium at every sample, and
 /// "design.beyond_limits" if every one of those is beyond the limits. A target out of reach is no error. Bills the
-/// stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus" and "limits", and the
+/// stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus", "orientation" and "limits", and the
 /// quantities "evaluations", "iterations" and "restarts".
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options = {},
                    const Execution& execution = {}, const OnProgress& progress = {});

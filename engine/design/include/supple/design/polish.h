@@ -5,12 +5,21 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "supple/base/execution.h"
 #include "supple/design/inverse_design.h"
 
 namespace supple::design {
+
+/// Parameters of a tiling and the angle by which it is turned, rad.
+struct OrientedParameters {
+  OrientedParameters(Eigen::VectorXd its_parameters, double its_orientation = 0)
+      : parameters(std::move(its_parameters)), orientation(its_orientation) {}
+  Eigen::VectorXd parameters;
+  double orientation;
+};
 
 struct PolishOptions {
   /// Polishing ends once the simulated relative root mean square deviation is at most this.
@@ -48,6 +57,7 @@ std::string_view to_string(Proposal proposal);
 struct PolishRound {
   Proposal proposal = Proposal::search;
   Eigen::VectorXd parameters;
+  double orientation = 0;              ///< rad
   std::optional<double> target_error;  ///< simulated, as DesignError::relative_rms; none if the simulation failed
   bool accepted = false;
   std::string reason;  ///< why it was not accepted; empty if it was
@@ -56,6 +66,7 @@ struct PolishRound {
 
 struct Polished {
   Eigen::VectorXd parameters;              ///< parameters of the best design that was simulated
+  double orientation = 0;                  ///< its orientation, rad
   std::vector<SampledTarget> targets;      ///< the targets at the samples that were simulated
   std::vector<Eigen::VectorXd> simulated;  ///< the best design's profile for each target; NaN if not reached
   std::vector<Eigen::VectorXd> model;      ///< the network's values at the same samples
@@ -90,7 +101,7 @@ using OnPolishRound = std::function<void(const PolishRound& round)>;
 ///
 /// max_rounds = 0 only simulates the design. Each round costs a simulation of every target. The searches of the network
 /// cost little compared with that. Bills what the simulations bill.
-Polished polish(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
+Polished polish(const DesignSpace& space, const DesignProblem& problem, const OrientedParameters& found,
                 const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution = {},
                 const OnPolishRound& on_round = {});
 
@@ -102,7 +113,7 @@ Polished polish(const DesignSpace& space, const DesignProblem& problem, const Po
 
 /// Describes the design at given parameters in the way in which `find_design` describes the one that it finds. It
 /// serves for polished designs. The counts, the envelope and the first profile are those of `found`.
-Design design_at(const DesignSpace& space, const DesignProblem& problem, const Eigen::VectorXd& parameters,
+Design design_at(const DesignSpace& space, const DesignProblem& problem, const OrientedParameters& at,
                  const Design& found, const DesignOptions& options);
 
 }  // namespace supple::design

@@ -37,6 +37,8 @@ struct ProfileSamples {
   double strain = 0.05;                          ///< in the measure; used by stiffness and poisson only
   StrainMeasure measure = StrainMeasure::green;  ///< how strains, and stresses in stress_strain, are measured
   std::vector<double> x;                         ///< strains in the measure, or directions in rad
+  /// By which the structure is turned counterclockwise, rad. Directions are those of space, in which it is turned.
+  double orientation = 0;
 };
 
 /// The lowest and the highest strain that a sample may have in a measure. At the lowest a length is still above 0, and

@@ -16,6 +16,9 @@ struct UniaxialFrame {
   /// The stress d^T S d. S_xy counts twice in it, as 2 E_xy does in `along`.
   double directional(const Eigen::Vector3d& stress) const { return along.dot(stress); }
 
+  /// The derivatives of `along` and `free` by the direction.
+  UniaxialFrame slope() const;
+
   Eigen::Vector3d along;
   Eigen::Matrix<double, 3, 2> free;
 };

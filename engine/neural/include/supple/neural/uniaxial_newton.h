@@ -35,6 +35,8 @@ class UniaxialNewton {
   void start_from_rest(const UniaxialPoint& rest);
   /// Begins the way from the present state to a given strain.
   void go_to(double given);
+  /// Takes another direction of the load. The free strains stay as they are, to be gone on from by `go_straight_to`.
+  void turn(const UniaxialFrame& frame) { frame_ = frame; }
   /// Goes to a given strain in one increment, with free strains that change by `step` (as far as one step may go). This
   /// suits an energy that has changed a little.
   void go_straight_to(double given, const Eigen::Vector2d& step);
@@ -50,8 +52,9 @@ class UniaxialNewton {
   const UniaxialFrame& frame() const { return frame_; }
   const UniaxialPoint& point() const { return point_; }
   Eigen::Vector3d strain() const { return frame_.strain(given_, x_); }
-  double residual() const { return residual_; }   ///< uniaxial_residual at `point`
-  int iterations() const { return iterations_; }  ///< Newton iterations since the present way began
+  const Eigen::Vector2d& free_strains() const { return x_; }  ///< E_nn, 2 E_dn
+  double residual() const { return residual_; }               ///< uniaxial_residual at `point`
+  int iterations() const { return iterations_; }              ///< Newton iterations since the present way began
 
  private:
   enum class Phase { done, failed, predicting, searching };
