@@ -156,8 +156,8 @@ using OnProgress = std::function<void(const DesignProgress&)>;
 /// Throws "design.invalid_target", "design.parameter_count", "design.parameter_out_of_bounds", "model.invalid_load",
 /// "design.no_equilibrium" if no design that was tried can be built and has an equilibrium at every sample, and
 /// "design.beyond_limits" if every one of those is beyond the limits. A target out of reach is no error. Bills the
-/// stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus", "orientation" and "limits", and the
-/// quantities "evaluations", "iterations" and "restarts".
+/// stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus", "orientation" and
+/// "limits", and the quantities "evaluations", "iterations" and "restarts".
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options = {},
                    const Execution& execution = {}, const OnProgress& progress = {});
 
