@@ -17,16 +17,35 @@ const KINDS = [
   ["1440-dark", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
   ["390", { viewport: { width: 390, height: 844 }, colorScheme: "light" }],
 ];
-/** A page's address and what makes it ready to be seen. */
+async function isWoven(page) {
+  await page.locator(".reading strong").first().waitFor();
+  await page.locator('.profile[aria-busy="false"]').waitFor();
+}
+
+async function isFound(page) {
+  await page.locator(".result .chip:is(.good, .close, .out)").waitFor();
+  await page.locator('.plot-card[aria-busy="false"]').waitFor();
+}
+
+/** What a picture is called, the page's address, and what makes it ready to be seen. */
 const PAGES = [
-  ["design", async (page) => {
-    await page.locator(".result .chip.good, .result .chip.close, .result .chip.out").waitFor();
+  ["design", "design", isFound],
+  ["targets", "design", async (page) => {
+    await isFound(page);
+    await page.getByTitle("Add a further target of the same design").click();
+    await page.getByRole("tab").nth(1).waitFor();
+    await isFound(page);
+    await page.getByLabel("Poisson’s ratio", { exact: true }).check();
+    await page.locator(".plot.polar").waitFor();
+    await isFound(page);
   }],
-  ["weave", async (page) => {
-    await page.locator(".reading strong").first().waitFor();
-    await page.locator('.profile[aria-busy="false"]').waitFor();
+  ["weave", "weave", isWoven],
+  ["print", "weave?pattern=interlacing_circles&type=2&circle_radius=5.5&distance=10&radius=0.25&strain=0.1&sheet=4,4,stretch_x,0.2", async (page) => {
+    await isWoven(page);
+    await page.getByRole("button", { name: "Print", exact: true }).click();
+    await page.locator(".print .facts dd").first().waitFor();
   }],
-  ["mesh", async (page) => {
+  ["mesh", "mesh", async (page) => {
     await page.getByRole("button", { name: "Sample" }).click();
     await page.locator('[aria-label="Result"]').waitFor();
     await page.getByRole("radio", { name: "Distance", exact: true }).check();
@@ -40,12 +59,13 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
 for (const [kind, options] of KINDS) {
-  for (const [name, ready] of PAGES) {
+  for (const [name, address, ready] of PAGES) {
     const context = await browser.newContext(options);
     const page = await context.newPage();
     page.setDefaultTimeout(120_000);
-    await page.goto(`${url}/#/${name}`);
+    await page.goto(`${url}/#/${address}`);
     await ready(page);
+    await page.evaluate(() => scrollTo(0, 0)); // what was set may have been far below
     await page.waitForTimeout(1500); // what was asked for last is drawn
     await page.screenshot({ path: path.join(folder, `${name}-${kind}.png`) });
     await context.close();

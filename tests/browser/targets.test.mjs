@@ -234,6 +234,29 @@ describe("several targets", () => {
       assert.ok((await design.values()).every(([strain]) => Math.abs(strain) <= 0.2), "a profile over strain");
     }));
 
+  it("are simulated together, and each shows its own simulated curve", () =>
+    withTargets(async (design, page) => {
+      await design.add();
+      // A small strain is simulated quickly.
+      await page.getByLabel("Stiffness", { exact: true }).check();
+      await page.locator(".plot.polar").waitFor();
+      await page.getByLabel("Strain at which it is measured, as a number").fill("0.02");
+      await page.keyboard.press("Enter");
+      await design.settled();
+      await design.button("Verify by simulation").click();
+      await page.locator(".verdict").waitFor({ timeout: 150_000 });
+      assert.match(await page.locator(".verdict").textContent(), /from the targets \(rms\).*Of the target in sight the simulation and the model differ by/);
+      assert.ok((await page.locator(".plot.polar .verified path").count()) >= 2);
+      const words = await page.locator(".verdict").textContent();
+      const asked = page.designs.asked.length;
+      assert.deepEqual([page.designs.asked.at(-1).verify, page.designs.asked.at(-1).also.length], [true, 1]);
+      await design.tabs.first().click();
+      await until(async () => (await page.locator(".plot.cartesian .verified path").count()) >= 2, "the simulated curve of the first target");
+      assert.notEqual(await page.locator(".verdict").textContent(), words);
+      assert.equal(page.designs.asked.length, asked);
+      await picture(page, "design-targets-verified");
+    }));
+
   it("fit a small screen", () =>
     withTargets(async (design, page) => {
       for (let k = 0; k < 3; ++k) await design.add();

@@ -33,6 +33,10 @@ describe("measured data", () => {
     expect(drawnBehind(data(), { task: "poisson", measure: "engineering" })).toEqual([]);
     expect(drawnBehind(data({ curve: null }), { task: "stress_strain", measure: "engineering" })).toEqual([]);
     expect(drawnBehind(null, DEFAULT_STATE)).toEqual([]);
+    const second = data({ kind: { task: "stress_strain", measure: "engineering", at: 1, regionAt: 0 } });
+    expect(drawnBehind(second, { ...DEFAULT_STATE, measure: "engineering", at: 1 })).toHaveLength(3);
+    expect(drawnBehind(second, { ...DEFAULT_STATE, measure: "engineering", at: 0 })).toEqual([]);
+    expect(drawnBehind(second, { ...DEFAULT_STATE, measure: "engineering", at: 1, regionAt: 1 })).toEqual([]);
   });
 
   it("says how close the control points come", () => {

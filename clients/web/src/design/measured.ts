@@ -4,7 +4,7 @@ import { Observable } from "../base/observable";
 import { type Client, explain, isAbort, Problem } from "../contract/client";
 import type { MeasuredCurve, MeasuredCurveRequest } from "../contract/types";
 import type { DesignSession } from "./session";
-import type { ControlPoint, ProfileKind } from "./state";
+import type { ControlPoint, DesignState, ProfileKind } from "./state";
 
 export interface MeasuredSettings {
   readonly columns: { readonly x?: number; readonly y?: number };
@@ -24,9 +24,12 @@ export interface MeasuredData {
   readonly curve: MeasuredCurve | null;
   readonly problem: string;
   readonly places: readonly string[];
-  /** Of the curve. */
-  readonly kind: Pick<ProfileKind, "task" | "measure">;
+  /** Of the curve, and of which target it became. */
+  readonly kind: MeasuredKind;
 }
+
+/** Without the places of a target and a region: of whichever is in sight. */
+export type MeasuredKind = Pick<ProfileKind, "task" | "measure"> & Partial<Pick<DesignState, "at" | "regionAt">>;
 
 export function measuredRequest(text: string, task: ProfileKind["task"], settings: MeasuredSettings): MeasuredCurveRequest {
   return {
@@ -39,9 +42,10 @@ export function measuredRequest(text: string, task: ProfileKind["task"], setting
   };
 }
 
-/** The points that may be drawn behind a profile of a kind: those of its task and measure. */
-export function drawnBehind(data: MeasuredData | null, kind: Pick<ProfileKind, "task" | "measure">): readonly ControlPoint[] {
+/** The points that may be drawn behind a profile: those of its task and measure, behind the target that they became. */
+export function drawnBehind(data: MeasuredData | null, kind: MeasuredKind): readonly ControlPoint[] {
   if (!data?.curve || data.kind.task !== kind.task || data.kind.measure !== kind.measure) return [];
+  if ((data.kind.at ?? kind.at) !== kind.at || (data.kind.regionAt ?? kind.regionAt) !== kind.regionAt) return [];
   return data.curve.points.map(([x, y]): ControlPoint => [x, y]);
 }
 
@@ -70,7 +74,12 @@ export class Measured {
 
   change(settings: Partial<MeasuredSettings>): void {
     const data = this.data.get();
-    if (data) this.ask(data.text, data.name, { ...data.settings, ...settings });
+    if (!data) return;
+    // The target that the data became comes into sight, so that they replace no other.
+    const { at, regionAt } = data.kind;
+    if (regionAt !== undefined) this.session.selectRegion(regionAt);
+    if (at !== undefined) this.session.select(at);
+    this.ask(data.text, data.name, { ...data.settings, ...settings });
   }
 
   remove(): void {
@@ -86,14 +95,16 @@ export class Measured {
       try {
         const curve = await this.client.post<MeasuredCurve>("/v1/measured-curves", measuredRequest(text, task, settings), { signal });
         if (signal.aborted) return;
-        this.data.set({ name, text, settings, curve, problem: "", places: [], kind });
+        const { at, regionAt } = this.session.state.get();
+        this.data.set({ name, text, settings, curve, problem: "", places: [], kind: { ...kind, at, regionAt } });
         const { control_points: points, interpolation } = curve.target;
         this.session.apply({ points: points.map(([x, y]): ControlPoint => [x, y]), interpolation, measure: kind.measure, byHand: false });
       } catch (error) {
         if (signal.aborted || isAbort(error)) return;
         const places = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
         const known = this.data.get();
-        this.data.set({ name, text, settings, curve: known?.text === text ? known.curve : null, problem: explain(error), places, kind });
+        const same = known?.text === text ? known : null;
+        this.data.set({ name, text, settings, curve: same?.curve ?? null, problem: explain(error), places, kind: { ...same?.kind, ...kind } });
       }
     }, true);
   }
