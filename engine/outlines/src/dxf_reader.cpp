@@ -1,0 +1,397 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "reading.h"
+
+namespace supple::outlines {
+namespace {
+
+constexpr int highest_degree = 25;
+/// A drawing whose plane is tilted by more against the x-y plane is no drawing of outlines.
+constexpr double upright = 1e-6;
+constexpr double degree = std::numbers::pi / 180;
+
+/// A group: its code, and its value without blanks around it.
+struct Group {
+  int code = 0;
+  std::string_view value;
+  std::size_t line = 0;  ///< of the value
+};
+
+/// Reads pairs of lines, a code and a value. Comments are passed over.
+class GroupReader {
+ public:
+  explicit GroupReader(std::string_view text) : rest_(text) {}
+
+  /// None at the end of the text.
+  std::optional<Group> next() {
+    while (true) {
+      const auto first = line();
+      if (!first) return std::nullopt;
+      int code = 0;
+      const auto [end, error] = std::from_chars(first->data(), first->data() + first->size(), code);
+      if (error != std::errc() || end != first->data() + first->size()) {
+        if (first->empty() && without_spaces(rest_).empty()) return std::nullopt;
+        refuse("line " + std::to_string(line_) + ": " + quoted(*first) + " is no group code of a DXF file");
+      }
+      const auto value = line();
+      if (!value) refuse("line " + std::to_string(line_) + ": the file ends after a group code");
+      if (code != 999) return Group{code, *value, line_};
+    }
+  }
+
+ private:
+  std::optional<std::string_view> line() {
+    if (rest_.empty()) return std::nullopt;
+    const auto end = rest_.find('\n');
+    std::string_view found = rest_.substr(0, end);
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    ++line_;
+    found = without_spaces(found);
+    while (!found.empty() && is_space(found.back())) found.remove_suffix(1);
+    return found;
+  }
+
+  std::string_view rest_;
+  std::size_t line_ = 0;
+};
+
+double number_of(const Group& group) {
+  std::string_view text = group.value;
+  const auto value = take_number(text);
+  if (!value || !text.empty())
+    refuse("line " + std::to_string(group.line) + ": " + quoted(group.value) + " is no number");
+  return *value;
+}
+
+/// An entity, or a row of a table: its kind and its groups.
+struct Entity {
+  std::string_view kind;
+  std::size_t line = 0;
+  std::vector<Group> groups;
+
+  std::optional<Group> find(int code) const {
+    for (const Group& group : groups) {
+      if (group.code == code) return group;
+    }
+    return std::nullopt;
+  }
+  double number(int code, double usual) const {
+    const auto group = find(code);
+    return group ? number_of(*group) : usual;
+  }
+  double number(int code) const {
+    const auto group = find(code);
+    if (!group) refuse(words() + " has no group " + std::to_string(code));
+    return number_of(*group);
+  }
+  int integer(int code, int usual) const {
+    const double value = number(code, usual);
+    return std::abs(value) < 1e9 ? static_cast<int>(value) : usual;
+  }
+  bool flag(int code, int bit) const { return (integer(code, 0) & bit) != 0; }
+  Point point(int code) const { return {number(code), number(code + 10)}; }
+  std::string_view text(int code) const {
+    const auto group = find(code);
+    return group ? group->value : std::string_view();
+  }
+  std::string words() const { return "the " + std::string(kind) + " of line " + std::to_string(line); }
+};
+
+struct DxfUnit {
+  int code;
+  double millimetres;
+};
+/// $INSUNITS; others are not used for things that are made.
+constexpr std::array<DxfUnit, 11> units{{{1, 25.4},
+                                         {2, 304.8},
+                                         {4, 1},
+                                         {5, 10},
+                                         {6, 1000},
+                                         {8, 25.4e-6},
+                                         {9, 25.4e-3},
+                                         {10, 914.4},
+                                         {13, 1e-3},
+                                         {14, 100},
+                                         {15, 1e4}}};
+
+/// A vertex of a polyline, and the bulge of the side that begins there.
+struct Vertex {
+  Point place = Point::Zero();
+  double bulge = 0;
+};
+
+class DxfReader {
+ public:
+  DxfReader(std::string_view text, const DrawingOptions& options, const Execution& execution)
+      : groups_(text), options_(options), execution_(execution) {}
+
+  RawDrawing read() {
+    advance();
+    while (group_) {
+      if (group_->code == 0 && group_->value == "EOF") break;
+      if (group_->code == 0 && group_->value == "SECTION") {
+        advance();
+        if (!group_ || group_->code != 2) refuse("a section of the file has no name");
+        read_section(group_->value);
+      } else {
+        advance();
+      }
+    }
+    if (!has_entities_) refuse("it has no section ENTITIES");
+    const double unit = millimetres_of(options_.unit).value_or(unit_);
+    drawing_.unit = unit;
+    drawing_.unit_is_known = unit_is_known_ || options_.unit != LengthUnit::automatic;
+    if (unit != 1) scale(unit);
+    return std::move(drawing_);
+  }
+
+ private:
+  void advance() {
+    if (++read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
+    group_ = groups_.next();
+  }
+  bool at_end_of_section() const { return !group_ || (group_->code == 0 && group_->value == "ENDSEC"); }
+
+  void read_section(std::string_view name) {
+    const bool header = name == "HEADER", tables = name == "TABLES", entities = name == "ENTITIES";
+    has_entities_ = has_entities_ || entities;
+    advance();
+    while (!at_end_of_section()) {
+      if (header && group_->code == 9 && group_->value == "$INSUNITS") {
+        advance();
+        if (group_) read_unit(*group_);
+      } else if (group_->code == 0 && (entities || (tables && group_->value == "LAYER"))) {
+        const Entity entity = take_entity();
+        entities ? read_entity(entity) : read_layer(entity);
+        continue;
+      }
+      advance();
+    }
+  }
+
+  Entity take_entity() {
+    Entity entity{group_->value, group_->line, {}};
+    advance();
+    while (group_ && group_->code != 0) {
+      entity.groups.push_back(*group_);
+      advance();
+    }
+    return entity;
+  }
+
+  void read_unit(const Group& group) {
+    const double code = number_of(group);
+    const auto* const found =
+        std::find_if(units.begin(), units.end(), [code](const DxfUnit& unit) { return unit.code == code; });
+    if (found == units.end()) return;
+    unit_ = found->millimetres;
+    unit_is_known_ = true;
+  }
+
+  void read_layer(const Entity& layer) {
+    if (layer.flag(70, 1) || layer.integer(62, 0) < 0) hidden_layers_.emplace(layer.text(2));
+  }
+
+  /// Whether the entity is shown in model space.
+  bool is_shown(const Entity& entity) {
+    if (entity.integer(67, 0) == 1) return false;  // of a sheet
+    if (entity.integer(60, 0) != 1 && !hidden_layers_.contains(std::string(entity.text(8)))) return true;
+    ++drawing_.hidden;
+    return false;
+  }
+
+  void read_entity(const Entity& entity) {
+    if (entity.kind == "POLYLINE") return read_polyline(entity);
+    if (entity.kind == "VERTEX" || entity.kind == "SEQEND" || !is_shown(entity)) return;
+    if (entity.kind == "LWPOLYLINE") {
+      std::vector<Vertex> vertices;
+      for (const Group& group : entity.groups) {
+        if (group.code == 10) vertices.emplace_back().place.x() = number_of(group);
+        if (vertices.empty()) continue;
+        if (group.code == 20) vertices.back().place.y() = number_of(group);
+        if (group.code == 42) vertices.back().bulge = number_of(group);
+      }
+      return add_polyline(entity, vertices);
+    }
+    if (entity.kind == "LINE") return add_line(entity);
+    if (entity.kind == "CIRCLE" || entity.kind == "ARC") return add_circle(entity);
+    if (entity.kind == "ELLIPSE") return add_ellipse(entity);
+    if (entity.kind == "SPLINE") return add_spline(entity);
+    // What annotates a drawing, or marks places in it, is no shape that anyone misses.
+    constexpr std::array<std::string_view, 12> annotations{"TEXT",    "MTEXT",  "DIMENSION",   "LEADER",
+                                                           "MLEADER", "ATTDEF", "VIEWPORT",    "POINT",
+                                                           "XLINE",   "RAY",    "MULTILEADER", "TOLERANCE"};
+    const bool annotates = std::find(annotations.begin(), annotations.end(), entity.kind) != annotations.end();
+    if (!annotates) leave_out(drawing_, shortened(entity.kind));
+  }
+
+  /// The vertices of a POLYLINE are entities of their own, up to a SEQEND.
+  void read_polyline(const Entity& entity) {
+    constexpr int mesh = 16 | 64;
+    constexpr int control_point = 16;
+    std::vector<Vertex> vertices;
+    while (group_ && group_->code == 0 && group_->value == "VERTEX") {
+      const Entity vertex = take_entity();
+      if (!vertex.flag(70, control_point)) vertices.push_back({vertex.point(10), vertex.number(42, 0)});
+    }
+    if (!is_shown(entity)) return;
+    if (entity.flag(70, mesh)) {
+      leave_out(drawing_, "POLYLINE mesh");
+      return;
+    }
+    add_polyline(entity, vertices);
+  }
+
+  /// -1 where the entity's own coordinates are seen from behind, 0 where its plane is tilted.
+  static double side_of(const Entity& entity) {
+    const bool is_upright = std::abs(entity.number(210, 0)) <= upright && std::abs(entity.number(220, 0)) <= upright;
+    return !is_upright ? 0 : entity.number(230, 1) < 0 ? -1 : 1;
+  }
+
+  /// Adds a curve that is given in the entity's own coordinates, or in the world's.
+  void add(const Entity& entity, Curve curve, bool is_world) {
+    const double side = side_of(entity);
+    if (side == 0) {
+      leave_out(drawing_, "tilted " + shortened(entity.kind));
+      return;
+    }
+    if (side < 0 && !is_world) map_points(curve, [](Point& p) { p.x() = -p.x(); });
+    curve.group = shortened(entity.text(8));
+    if (!curve.group.empty()) curve.names = {curve.group};
+    curve.what = entity.words() + " (layer " + quoted(curve.group) + ")";
+    add_curve(drawing_, std::move(curve), execution_);
+  }
+
+  template <class Change>
+  static void map_points(Curve& curve, const Change& change) {
+    change(curve.begin);
+    for (Piece& piece : curve.pieces) {
+      if (auto* line = std::get_if<Line>(&piece)) {
+        change(line->to);
+      } else if (auto* arc = std::get_if<Arc>(&piece)) {
+        for (Point* p : {&arc->centre, &arc->cosine, &arc->sine, &arc->to}) change(*p);
+      } else if (auto* spline = std::get_if<Spline>(&piece)) {
+        for (Point& p : spline->control_points) change(p);
+      }
+    }
+  }
+
+  void scale(double factor) {
+    for (Curve& curve : drawing_.curves) map_points(curve, [factor](Point& p) { p *= factor; });
+  }
+
+  void add_polyline(const Entity& entity, const std::vector<Vertex>& vertices) {
+    if (vertices.size() < 2) return;
+    check_pieces(vertices.size());
+    Curve curve;
+    curve.closed = entity.flag(70, 1);
+    curve.begin = vertices[0].place;
+    const std::size_t sides = vertices.size() - (curve.closed ? 0 : 1);
+    for (std::size_t k = 0; k < sides; ++k) {
+      const Vertex& from = vertices[k];
+      curve.pieces.push_back(bulge(from.place, vertices[(k + 1) % vertices.size()].place, from.bulge));
+    }
+    add(entity, std::move(curve), false);
+  }
+
+  void add_line(const Entity& entity) {
+    Curve curve;
+    curve.begin = entity.point(10);
+    curve.pieces.emplace_back(Line{entity.point(11)});
+    add(entity, std::move(curve), true);
+  }
+
+  void add_circle(const Entity& entity) {
+    const double radius = entity.number(40);
+    if (!(radius > 0)) refuse(entity.words() + ": its radius must be positive");
+    const bool whole = entity.kind == "CIRCLE";
+    const double from = whole ? 0 : entity.number(50) * degree, to = whole ? 0 : entity.number(51) * degree;
+    add_arc(entity, entity.point(10), {radius, 0}, {0, radius}, from, to, false);
+  }
+
+  void add_ellipse(const Entity& entity) {
+    const Point major = entity.point(11);
+    const double ratio = entity.number(40), side = side_of(entity);
+    if (!(ratio > 0) || major.isZero(0)) refuse(entity.words() + ": its axes must be positive");
+    const Point minor = ratio * (side < 0 ? Point(major.y(), -major.x()) : Point(-major.y(), major.x()));
+    add_arc(entity, entity.point(10), major, minor, entity.number(41, 0), entity.number(42, 2 * std::numbers::pi),
+            true);
+  }
+
+  /// Counterclockwise from one angle to another; a whole turn where they are the same direction.
+  void add_arc(const Entity& entity, const Point& centre, const Point& cosine, const Point& sine, double from,
+               double to, bool is_world) {
+    constexpr double turn = 2 * std::numbers::pi, same = 1e-9;
+    double sweep = std::fmod(to - from, turn);
+    if (sweep < 0) sweep += turn;
+    const auto at = [&](double t) { return Point(centre + cosine * std::cos(t) + sine * std::sin(t)); };
+    Curve curve;
+    curve.begin = at(from);
+    curve.closed = sweep < same || turn - sweep < same;
+    const Point end = curve.closed ? curve.begin : at(from + sweep);
+    curve.pieces.emplace_back(Arc{centre, cosine, sine, from, curve.closed ? turn : sweep, end});
+    add(entity, std::move(curve), is_world);
+  }
+
+  void add_spline(const Entity& entity) {
+    Spline spline;
+    spline.degree = entity.integer(71, 3);
+    for (const Group& group : entity.groups) {
+      if (group.code == 40) spline.knots.push_back(number_of(group));
+      if (group.code == 41) spline.weights.push_back(number_of(group));
+      if (group.code == 10) spline.control_points.emplace_back(number_of(group), 0);
+      if (group.code == 20 && !spline.control_points.empty()) spline.control_points.back().y() = number_of(group);
+    }
+    const std::size_t n = spline.control_points.size();
+    check_pieces(n);
+    if (n == 0) {
+      leave_out(drawing_, "SPLINE without control points");
+      return;
+    }
+    const bool degree_fits =
+        spline.degree >= 1 && spline.degree <= highest_degree && n > static_cast<std::size_t>(spline.degree);
+    if (!degree_fits || spline.knots.size() != n + static_cast<std::size_t>(spline.degree) + 1 ||
+        !std::is_sorted(spline.knots.begin(), spline.knots.end()) ||
+        !(spline.knots[static_cast<std::size_t>(spline.degree)] < spline.knots[n])) {
+      refuse(entity.words() +
+             ": a spline of degree d has d + 1 or more control points, and as many knots and d + 1 more, in increasing "
+             "order");
+    }
+    const bool weights_fit = spline.weights.empty() || spline.weights.size() == n;
+    if (!weights_fit || std::any_of(spline.weights.begin(), spline.weights.end(), [](double w) { return !(w > 0); }))
+      refuse(entity.words() + ": a spline has as many weights as control points or none, and they are positive");
+    Curve curve;
+    curve.begin = point_of(spline, spline.knots[static_cast<std::size_t>(spline.degree)]);
+    curve.closed = entity.flag(70, 1);
+    curve.pieces.emplace_back(std::move(spline));
+    add(entity, std::move(curve), true);
+  }
+
+  static constexpr std::size_t groups_between_checks = 16'384;
+
+  GroupReader groups_;
+  const DrawingOptions& options_;
+  const Execution& execution_;
+  RawDrawing drawing_;
+  std::optional<Group> group_;
+  std::set<std::string> hidden_layers_;
+  std::size_t read_ = 0;
+  double unit_ = 1;
+  bool unit_is_known_ = false;
+  bool has_entities_ = false;
+};
+
+}  // namespace
+
+RawDrawing read_dxf(std::string_view text, const DrawingOptions& options, const Execution& execution) {
+  if (text.starts_with("AutoCAD Binary DXF")) refuse("it is a binary DXF file; save it as ASCII");
+  return DxfReader(text, options, execution).read();
+}
+
+}  // namespace supple::outlines
