@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "file_makers.h"
+#include "polygon.h"
 #include "solid_files.h"
 #include "solid_patch.h"
 
@@ -47,14 +48,9 @@ class StlWriter {
 
 meshing::PlanarMesh caps_of(const std::vector<Face>& faces) {
   // Caps need no fine triangles; their corners are those of the walls.
-  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
-  for (const Face& face : faces) {
-    for (const Eigen::Vector2d& p : face[0]) {
-      lower = lower.cwiseMin(p);
-      upper = upper.cwiseMax(p);
-    }
-  }
-  const double size = 2 * (upper - lower).norm();
+  Bounds bounds;
+  for (const Face& face : faces) bounds.include(face[0]);
+  const double size = 2 * (bounds.upper - bounds.lower).norm();
   return meshing::triangulate(faces, [size](const Eigen::Vector2d&) { return size; });
 }
 

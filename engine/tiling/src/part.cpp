@@ -91,20 +91,6 @@ void check(const PartDesign& design) {
   faults.throw_if_any("tiling.part", "The part");
 }
 
-struct Box {
-  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = Eigen::Vector2d::Constant(-INFINITY);
-  void extend(const Polygon& polygon) {
-    for (const auto& p : polygon) {
-      lower = lower.cwiseMin(p);
-      upper = upper.cwiseMax(p);
-    }
-  }
-  bool meets(const Box& other, double margin) const {
-    return (lower.array() <= other.upper.array() + margin).all() &&
-           (upper.array() + margin >= other.lower.array()).all();
-  }
-};
-
 Paths operation(ClipperLib::ClipType type, const Paths& subject, const Paths& clip) {
   ClipperLib::Clipper clipper;
   clipper.AddPaths(subject, ClipperLib::ptSubject, true);
@@ -136,17 +122,17 @@ Paths even_odd(const std::vector<Polygon>& polygons) {
 }
 
 /// The tiles of a filling whose beams may reach into a box, turned and scaled.
-std::vector<Polygon> tiles_over(const Filling& filling, const Box& box, const Eigen::Vector2d& centre) {
+std::vector<Polygon> tiles_over(const Filling& filling, const Bounds& box, const Eigen::Vector2d& centre) {
   const double scale = filling.beam_width / filling.structure.beam_width;
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(filling.orientation).toRotationMatrix() * scale;
   const Tiling& tiling = filling.structure.tiling;
   const Eigen::Matrix2d lattice = turn * tiling.lattice;
   std::vector<Polygon> cell;
-  Box reach;
+  Bounds reach;
   for (const Placement& placement : tiling.placements) {
     cell.push_back(placed(tiling.tiles[static_cast<std::size_t>(placement.tile)], placement));
     for (auto& p : cell.back()) p = turn * p;
-    reach.extend(cell.back());
+    reach.include(cell.back());
   }
   // Cells (a, b) whose tiles may meet the box: the box, less the reach of a cell, in lattice coordinates.
   const Eigen::Matrix2d inverse = lattice.inverse();
@@ -173,12 +159,9 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Box& box, const Ei
       const Eigen::Vector2d offset =
           centre + lattice * (first + Eigen::Vector2d(static_cast<double>(a), static_cast<double>(b)));
       for (const Polygon& tile : cell) {
-        Polygon moved = tile;
-        for (auto& p : moved) p += offset;
-        Box around;
-        around.extend(moved);
-        if (!around.meets(box, filling.beam_width)) continue;
-        tiles.push_back(std::move(moved));
+        Polygon copy = moved(tile, offset);
+        if (!bounds_of(copy).meet(box, filling.beam_width)) continue;
+        tiles.push_back(std::move(copy));
         if (tiles.size() > most_tiles) {
           throw Error("tiling.part", "The part would have more than 50000 tiles: widen the beams or make it smaller.",
                       {{"beam_width", "more than 50000 tiles would fill the part"}});
@@ -189,10 +172,10 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Box& box, const Ei
   return tiles;
 }
 
-Box box_of(const Paths& paths) {
-  Box box;
-  for (const auto& path : paths) box.extend(to_polygon(path));
-  return box;
+Bounds bounds_of_paths(const Paths& paths) {
+  Bounds bounds;
+  for (const auto& path : paths) bounds.include(to_polygon(path));
+  return bounds;
 }
 
 /// The tiles that lie within an area, with half a beam's width to spare.
@@ -208,7 +191,7 @@ std::vector<Polygon> tiles_within(std::vector<Polygon> tiles, const Paths& area,
 /// The beams of a filling within an area.
 Paths filled(const Filling& filling, const Paths& area, const Eigen::Vector2d& centre, Rim rim) {
   if (area.empty()) return {};
-  std::vector<Polygon> tiles = tiles_over(filling, box_of(area), centre);
+  std::vector<Polygon> tiles = tiles_over(filling, bounds_of_paths(area), centre);
   std::vector<Polygon> beams;
   const auto add = [&](const std::vector<Polygon>& outlines, Joints joints) {
     for (const Polygon& outline : outlines) {
@@ -267,6 +250,17 @@ void keep_largest(std::vector<SolidFace>& faces, Part& part) {
   part.faces = {std::move(faces[largest])};
 }
 
+/// Those of which the kept piece holds less than half. It holds all of a block or nothing, but for what was trimmed.
+std::vector<std::size_t> lost_solids(const PartDesign& design, const Paths& outline, const SolidFace& kept) {
+  std::vector<std::size_t> lost;
+  const Paths piece = to_paths(kept);
+  for (std::size_t i = 0; i < design.solids.size(); ++i) {
+    const Paths block = operation(ClipperLib::ctIntersection, to_paths({&design.solids[i], 1}), outline);
+    if (area_of(operation(ClipperLib::ctIntersection, block, piece)) < area_of(block) / 2) lost.push_back(i);
+  }
+  return lost;
+}
+
 std::vector<SolidFace> cleaned_faces(const Paths& paths, double smallest) {
   ClipperLib::Clipper clipper;
   clipper.AddPaths(paths, ClipperLib::ptSubject, true);
@@ -284,8 +278,7 @@ std::vector<SolidFace> cleaned_faces(const Paths& paths, double smallest) {
 Part make_part_here(const PartDesign& design) {
   check(design);
   const Paths outline = even_odd(design.outline);
-  const Box box = box_of(outline);
-  const Eigen::Vector2d centre = (box.lower + box.upper) / 2;
+  const Eigen::Vector2d centre = bounds_of_paths(outline).middle();
   // Each area is what later regions leave of it.
   Paths rest = outline, solid;
   double finest = design.filling.beam_width;
@@ -327,10 +320,10 @@ Part make_part_here(const PartDesign& design) {
                 "Nothing of the structure lies within the outline: make it larger, or clip the tiles at it.",
                 {{"outline", "holds no part of the structure"}});
   }
-  Box extent;
-  extent.extend(part.faces[0][0]);
+  const Bounds extent = bounds_of(part.faces[0][0]);
   part.lower = extent.lower;
   part.upper = extent.upper;
+  part.lost_solids = lost_solids(design, outline, part.faces[0]);
   return part;
 }
 

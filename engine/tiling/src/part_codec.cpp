@@ -89,6 +89,7 @@ void write(ByteWriter& writer, const Part& part) {
   writer.matrix(part.lower).matrix(part.upper);
   writer.number(part.outline_area).number(part.solid_area).number(part.trimmed_area).size(part.crumbs);
   writer.number(part.crumb_area).number(part.thickness);
+  writer.list(part.lost_solids, [&writer](std::size_t solid) { writer.size(solid); });
 }
 
 Part read_part(ByteReader& reader) {
@@ -102,6 +103,7 @@ Part read_part(ByteReader& reader) {
   part.crumbs = static_cast<std::size_t>(reader.number<std::uint64_t>());
   part.crumb_area = reader.number<double>();
   part.thickness = reader.number<double>();
+  reader.list(part.lost_solids, [&reader] { return static_cast<std::size_t>(reader.number<std::uint64_t>()); });
   return part;
 }
 

@@ -3,7 +3,9 @@
 
 #include "part_codec.h"
 #include "part_tasks.h"
+#include "polygon.h"
 #include "solid_files.h"
+#include "supple/base/error.h"
 #include "supple/base/helper_processes.h"
 #include "supple/tiling/part.h"
 
@@ -16,6 +18,8 @@ constexpr std::string_view caps_task = "tiling/caps";
 /// The union of so much is made before anyone would ask for a stop: square beam widths of the outline, and regions.
 constexpr double small_area = 20'000;
 constexpr std::size_t few_regions = 4;
+/// A file of 60 MB; CAD programs take minutes for it.
+constexpr std::size_t most_step_corners = 50'000;
 
 std::string rounded(double millimetres) {
   char text[32];
@@ -30,9 +34,7 @@ std::vector<SolidFace> centred(const Part& part) {
   const Eigen::Vector2d centre = (part.lower + part.upper) / 2;
   auto faces = part.faces;
   for (auto& face : faces) {
-    for (auto& polygon : face) {
-      for (auto& p : polygon) p -= centre;
-    }
+    for (auto& polygon : face) polygon = moved(std::move(polygon), -centre);
   }
   return faces;
 }
@@ -69,17 +71,12 @@ std::string size_words(const Part& part) {
 
 Part make_part(const PartDesign& design, const Execution& execution) {
   execution.cancellation.throw_if_requested();
-  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
-  for (const Polygon& polygon : design.outline) {
-    for (const auto& p : polygon) {
-      lower = lower.cwiseMin(p);
-      upper = upper.cwiseMax(p);
-    }
-  }
+  const Bounds bounds = bounds_of(design.outline);
   double finest = design.filling.beam_width;
   for (const PartRegion& region : design.regions) finest = std::min(finest, region.filling.beam_width);
   const auto helpers = helper_processes();
-  const bool is_small = design.regions.size() <= few_regions && (upper - lower).prod() <= small_area * finest * finest;
+  const bool is_small =
+      design.regions.size() <= few_regions && (bounds.upper - bounds.lower).prod() <= small_area * finest * finest;
   if (!helpers || is_small) return make_part_here(design);
   ByteWriter request;
   write(request, design);
@@ -98,6 +95,20 @@ std::string part_stl(const Part& part, const Execution& execution) {
 
 std::string part_3mf(const Part& part, const Execution& execution) {
   return three_mf_of(part.faces, caps(part.faces, execution), part.thickness, title_of(part));
+}
+
+std::string part_step(const Part& part, const Execution& execution) {
+  std::size_t corners = 0;
+  for (const SolidFace& face : part.faces) {
+    for (const Polygon& polygon : face) corners += polygon.size();
+  }
+  if (corners > most_step_corners) {
+    const std::string numbers =
+        std::to_string(corners) + " corners, and a STEP file has at most " + std::to_string(most_step_corners);
+    throw Error("tiling.part", "The part has " + numbers + ": widen the beams, or ask for STL or 3MF.",
+                {{"beam_width", "the part has " + numbers}});
+  }
+  return step_of(part.faces, part.thickness, title_of(part), execution);
 }
 
 void add_part_tasks(HelperTasks& tasks) {

@@ -95,6 +95,32 @@ double outline_distance(const Polygon& a, const Polygon& b) {
   return least;
 }
 
+void Bounds::include(const Polygon& polygon) {
+  for (const Eigen::Vector2d& p : polygon) {
+    lower = lower.cwiseMin(p);
+    upper = upper.cwiseMax(p);
+  }
+}
+
+bool Bounds::contain(const Bounds& other) const {
+  return (other.lower - lower).minCoeff() > 0 && (upper - other.upper).minCoeff() > 0;
+}
+
+bool Bounds::meet(const Bounds& other, double margin) const {
+  return (lower.array() <= other.upper.array() + margin).all() && (upper.array() >= other.lower.array() - margin).all();
+}
+
+Bounds bounds_of(std::span<const Polygon> polygons) {
+  Bounds bounds;
+  for (const Polygon& polygon : polygons) bounds.include(polygon);
+  return bounds;
+}
+
+Polygon moved(Polygon polygon, const Eigen::Vector2d& by) {
+  for (Eigen::Vector2d& p : polygon) p += by;
+  return polygon;
+}
+
 Polygon placed(const Polygon& polygon, const Placement& placement) {
   Polygon result;
   result.reserve(polygon.size());

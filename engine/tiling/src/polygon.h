@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "supple/tiling/family.h"
@@ -27,6 +29,23 @@ std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon);
 
 /// Least distance between two outlines that do not cross.
 double outline_distance(const Polygon& a, const Polygon& b);
+
+/// The smallest box around polygons.
+struct Bounds {
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = Eigen::Vector2d::Constant(-INFINITY);
+
+  void include(const Polygon& polygon);
+  /// Whether the other lies within, without touching.
+  bool contain(const Bounds& other) const;
+  bool meet(const Bounds& other, double margin = 0) const;
+  Eigen::Vector2d middle() const { return (lower + upper) / 2; }
+};
+
+Bounds bounds_of(std::span<const Polygon> polygons);
+inline Bounds bounds_of(const Polygon& polygon) { return bounds_of(std::span(&polygon, 1)); }
+
+/// The polygon, translated.
+Polygon moved(Polygon polygon, const Eigen::Vector2d& by);
 
 /// Where the placement puts the polygon; counterclockwise again if the placement reflects.
 Polygon placed(const Polygon& polygon, const Placement& placement);

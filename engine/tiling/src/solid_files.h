@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "beams.h"
+#include "supple/base/execution.h"
 #include "supple/meshing/planar_mesh.h"
 
 // Solids of the plane, faces in millimetres, as files; made in this process.
@@ -23,5 +24,10 @@ std::string stl_of(const std::vector<Face>& faces, const meshing::PlanarMesh& ca
 /// The same as a 3MF package, whose one object is named by the title (which needs no escapes).
 std::string three_mf_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
                         const std::string& title);
+
+/// The faces extruded by `thickness` (mm) as solids with plane faces, ISO 10303-21 of the protocol AP214; the title
+/// needs no escapes. Some 1.2 kB for each corner.
+std::string step_of(const std::vector<Face>& faces, double thickness, const std::string& title,
+                    const Execution& execution);
 
 }  // namespace supple::tiling

@@ -25,31 +25,6 @@ void scale_by(Tiling& tiling, double scale) {
   tiling.lattice *= scale;
 }
 
-struct Bounds {
-  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = Eigen::Vector2d::Constant(-INFINITY);
-
-  /// Whether the other lies within, without touching.
-  bool contain(const Bounds& other) const {
-    return (other.lower - lower).minCoeff() > 0 && (upper - other.upper).minCoeff() > 0;
-  }
-  bool meet(const Bounds& other, double margin = 0) const {
-    return (lower.array() <= other.upper.array() + margin).all() &&
-           (upper.array() >= other.lower.array() - margin).all();
-  }
-  void include(const Polygon& polygon) {
-    for (const Eigen::Vector2d& p : polygon) {
-      lower = lower.cwiseMin(p);
-      upper = upper.cwiseMax(p);
-    }
-  }
-};
-
-Bounds bounds_of(const Polygon& polygon) {
-  Bounds bounds;
-  bounds.include(polygon);
-  return bounds;
-}
-
 /// Calls `use` with every translate of the polygon whose bounds come within `margin` of the given ones.
 template <class Use>
 void for_translates_near(const Bounds& bounds, double margin, const Polygon& polygon, const Eigen::Matrix2d& lattice,
@@ -64,9 +39,7 @@ void for_translates_near(const Bounds& bounds, double margin, const Polygon& pol
     for (int j = static_cast<int>(std::ceil(middle[1] - reach[1])); j <= middle[1] + reach[1]; ++j) {
       const Eigen::Vector2d by = lattice * Eigen::Vector2d(i, j);
       if ((by - lower).minCoeff() < 0 || (upper - by).minCoeff() < 0) continue;
-      Polygon moved = polygon;
-      for (Eigen::Vector2d& p : moved) p += by;
-      use(moved);
+      use(moved(polygon, by));
     }
   }
 }
@@ -167,9 +140,7 @@ void make_holes_by_cell(Structure& structure) {
       for_translates_near(bounds_of(holes[k]), 0, tiles[tile], lattice, [&](const Polygon& copy) {
         if (found || winding_number(copy, holes[k][0]) <= 0) return;
         found = true;
-        Polygon moved = holes[k];
-        for (Eigen::Vector2d& p : moved) p -= copy[0] - tiles[tile][0];
-        structure.holes[tile].push_back(std::move(moved));
+        structure.holes[tile].push_back(moved(holes[k], tiles[tile][0] - copy[0]));
       });
     }
   }

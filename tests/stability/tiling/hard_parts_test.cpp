@@ -9,19 +9,15 @@
 
 #include "supple/tiling/part.h"
 #include "support/closed_stl.h"
+#include "support/preset_structure.h"
 
 namespace supple::tiling {
 namespace {
 
+using supple::testing::preset_structure;
 using supple::testing::volume_of_closed_stl;
 
 constexpr double pi = std::numbers::pi;
-
-Structure structure_of(const char* id) {
-  std::vector<double> presets;
-  for (const Parameter& parameter : family(id).parameters) presets.push_back(parameter.preset);
-  return make_structure(family(id), presets);
-}
 
 Polygon box(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
 
@@ -48,7 +44,7 @@ Part expect_sound(const PartDesign& design, const std::string& what) {
 TEST(HardParts, OutlinesAlongTheLattice) {
   // Sides of the outline lie on lattice lines through the middle, where beams and joints are.
   for (const char* id : {"IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67"}) {
-    const Structure structure = structure_of(id);
+    const Structure structure = preset_structure(id);
     const double scale = printed_beam_width / structure.beam_width;
     const Eigen::Vector2d a = 3 * scale * structure.tiling.lattice.col(0),
                           b = 3 * scale * structure.tiling.lattice.col(1);
@@ -58,7 +54,7 @@ TEST(HardParts, OutlinesAlongTheLattice) {
 
 TEST(HardParts, OrientationsNextToOnesThatFit) {
   // By a billionth of a turn beams no longer lie on the outline but almost do.
-  const Structure structure = structure_of("IH21");
+  const Structure structure = preset_structure("IH21");
   for (const double turn : {0.0, 1e-9, -1e-9, 1e-6, pi / 6, pi / 3 + 1e-9, pi / 2 - 1e-12, 1e6}) {
     PartDesign design = plate(structure, box(0, 0, 14, 11));
     design.frame = 0.4;
@@ -94,7 +90,7 @@ TEST(HardParts, EveryCornerOfEveryFamily) {
 }
 
 TEST(HardParts, SpikesAndNotchesOfTheOutline) {
-  const Structure structure = structure_of("IH67");
+  const Structure structure = preset_structure("IH67");
   // A spike of a hundredth of a millimetre is no wall; a notch as narrow parts nothing.
   const double thin = 0.01;
   const Polygon spike = {{0, 0}, {12, 0}, {12, 5}, {30, 5 + thin / 2}, {12, 5 + thin}, {12, 10}, {0, 10}};
@@ -107,7 +103,7 @@ TEST(HardParts, SpikesAndNotchesOfTheOutline) {
 }
 
 TEST(HardParts, OutlinesOfManyAlmostCollinearCorners) {
-  const Structure structure = structure_of("IH22");
+  const Structure structure = preset_structure("IH22");
   Polygon circle;
   constexpr int corners = 4000;
   for (int i = 0; i < corners; ++i)
@@ -119,21 +115,21 @@ TEST(HardParts, OutlinesOfManyAlmostCollinearCorners) {
 }
 
 TEST(HardParts, RegionsThatShareSidesWithTheOutlineAndEachOther) {
-  PartDesign design = plate(structure_of("IH21"), box(0, 0, 24, 12));
-  design.regions = {{box(0, 0, 8, 12), {structure_of("IH67")}}, {box(8, 0, 16, 12), {structure_of("IH22")}}};
+  PartDesign design = plate(preset_structure("IH21"), box(0, 0, 24, 12));
+  design.regions = {{box(0, 0, 8, 12), {preset_structure("IH67")}}, {box(8, 0, 16, 12), {preset_structure("IH22")}}};
   design.seam = 0.6;
   design.frame = 0.6;
   expect_sound(design, "side by side");
   // Beyond the outline, over each other, and one that leaves nothing of another.
-  design.regions = {{box(4, 4, 6, 6), {structure_of("IH50")}},
-                    {box(-5, -5, 12, 30), {structure_of("IH67")}},
-                    {box(12, -1, 40, 13), {structure_of("IH29")}}};
+  design.regions = {{box(4, 4, 6, 6), {preset_structure("IH50")}},
+                    {box(-5, -5, 12, 30), {preset_structure("IH67")}},
+                    {box(12, -1, 40, 13), {preset_structure("IH29")}}};
   expect_sound(design, "over each other");
 }
 
 TEST(HardParts, PlatesThatTouchInOneCorner) {
   // Two squares of an odd number of outlines meet in one point: half of the part hangs on nothing.
-  PartDesign design = plate(structure_of("IH67"), box(0, 0, 8, 8));
+  PartDesign design = plate(preset_structure("IH67"), box(0, 0, 8, 8));
   design.outline.push_back(box(8, 8, 16, 16));
   design.frame = 0.5;
   const Part part = expect_sound(design, "corner to corner");
@@ -142,7 +138,7 @@ TEST(HardParts, PlatesThatTouchInOneCorner) {
 }
 
 TEST(HardParts, TheSmallestAndTheLargest) {
-  const Structure structure = structure_of("IH67");
+  const Structure structure = preset_structure("IH67");
   // A quarter of a cell within a frame.
   PartDesign small = plate(structure, box(0, 0, 1.2, 1));
   small.frame = 0.3;
@@ -156,8 +152,30 @@ TEST(HardParts, TheSmallestAndTheLargest) {
   expect_sound(large, "4 m");
 }
 
+TEST(HardParts, EndsThatTheFillingBarelyHoldsOrDoesNotHold) {
+  // Of coupons that get narrower the tiles reach from grip to grip less and less. A part is as long as it was to be
+  // where it tells of no lost grip, and only there.
+  std::size_t whole = 0, broken = 0;
+  for (const char* id : {"IH01", "IH21", "IH50"}) {
+    for (const double width : {1.0, 2.0, 3.0, 5.0, 8.0, 12.0}) {
+      const PartShape shape = tensile_coupon(width, 20, 5);
+      PartDesign design = plate(preset_structure(id), shape.outline[0]);
+      design.solids = shape.solids;
+      design.filling.beam_width = 0.8;
+      design.smallest_wall = 0.5;
+      const Part part = expect_sound(design, std::string(id) + ", " + std::to_string(width) + " mm");
+      const bool lower = part.lower.y()<1, upper = part.upper.y()> 29;
+      EXPECT_EQ(part.lost_solids.size(), static_cast<std::size_t>(!lower) + static_cast<std::size_t>(!upper));
+      for (const std::size_t solid : part.lost_solids) EXPECT_FALSE(solid == 0 ? lower : upper);
+      ++(part.lost_solids.empty() ? whole : broken);
+    }
+  }
+  EXPECT_GT(whole, 2U);
+  EXPECT_GT(broken, 2U);
+}
+
 TEST(HardParts, FarFromTheOrigin) {
-  const Structure structure = structure_of("IH28");
+  const Structure structure = preset_structure("IH28");
   PartDesign design = plate(structure, box(0, 0, 15, 12));
   design.frame = 0.5;
   const double there = make_part(design).solid_area;

@@ -44,12 +44,6 @@ void expect_outline(const PeriodicMesh& mesh, const Structure& structure,
 
 }  // namespace
 
-std::vector<double> presets(const Family& family) {
-  std::vector<double> result;
-  for (const Parameter& parameter : family.parameters) result.push_back(parameter.preset);
-  return result;
-}
-
 std::vector<double> random_parameters(const Family& family, RandomStream& random, double margin) {
   std::vector<double> result;
   for (const auto& [lower, upper, preset] : family.parameters) {
@@ -58,8 +52,6 @@ std::vector<double> random_parameters(const Family& family, RandomStream& random
   }
   return result;
 }
-
-Structure preset_structure(const char* id) { return make_structure(family(id), presets(family(id))); }
 
 int windings(const Tiling& tiling, const std::vector<std::vector<Polygon>>& polygons, const Eigen::Vector2d& point) {
   const Eigen::Matrix2d inverse = tiling.lattice.inverse();

@@ -5,16 +5,15 @@
 #include "supple/base/random.h"
 #include "supple/tiling/mesh.h"
 #include "supple/tiling/structure.h"
+#include "support/preset_structure.h"
 
 namespace supple::tiling::testing {
 
-std::vector<double> presets(const Family& family);
+using supple::testing::preset_structure;
+using supple::testing::presets;
 
 /// Uniform in the family's box, widened by `margin` of its width on either side.
 std::vector<double> random_parameters(const Family& family, RandomStream& random, double margin = 0);
-
-/// The structure at the presets.
-Structure preset_structure(const char* family);
 
 /// The sum over all translates of the polygons by the tiling's lattice of their winding numbers around the point.
 int windings(const Tiling& tiling, const std::vector<std::vector<Polygon>>& polygons, const Eigen::Vector2d& point);

@@ -128,6 +128,31 @@ TEST(Part, HasSolidGripsAndPlates) {
   EXPECT_LT(part.solid_area, 400);
 }
 
+TEST(Part, TellsWhichOfItsSolidsItHasLost) {
+  // Beams of 0.8 mm have tiles as wide as this coupon; ones of 0.3 mm hold on to both grips.
+  PartDesign design = plate("IH21", 1, 1);
+  const PartShape shape = tensile_coupon(10, 60, 8);
+  design.outline = shape.outline;
+  design.solids = shape.solids;
+  EXPECT_TRUE(make_part(design).lost_solids.empty());
+  design.filling.beam_width = 0.8;
+  design.smallest_wall = 0.5;
+  const Part broken = make_part(design);
+  ASSERT_EQ(broken.lost_solids.size(), 1U);
+  EXPECT_GT(broken.crumbs, 0U);
+  const double middle = broken.lost_solids[0] == 0 ? 4 : 72;
+  EXPECT_FALSE(is_inside(broken, {5, middle}));
+  EXPECT_TRUE(is_inside(broken, {5, 76 - middle}));
+  design.frame = 1;
+  EXPECT_TRUE(make_part(design).lost_solids.empty()) << "a frame holds it together";
+  // What lies outside of the outline is no solid of the part, and cannot be lost.
+  design.frame = 0;
+  design.filling.beam_width = 0.3;
+  design.smallest_wall = 0.2;
+  design.solids.push_back(box(20, 0, 30, 10));
+  EXPECT_TRUE(make_part(design).lost_solids.empty());
+}
+
 TEST(Part, ShapesHaveTheSizesAskedFor) {
   const PartShape coupon = tensile_coupon(10, 60, 15), block = compression_block(30, 20, 2);
   EXPECT_EQ(coupon.outline[0][2], Eigen::Vector2d(10, 90)) << "the gauge length lies between the grips";

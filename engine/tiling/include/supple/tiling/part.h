@@ -65,7 +65,9 @@ struct Part {
   double trimmed_area = 0;       ///< mm^2 of walls and tips that were too narrow
   std::size_t crumbs = 0;        ///< pieces without connection to the largest one, which are left out
   double crumb_area = 0;         ///< mm^2
-  double thickness = 0;          ///< mm
+  /// Indices of the design's solids that are not in the part: what fills the outline does not hold on to them.
+  std::vector<std::size_t> lost_solids;
+  double thickness = 0;  ///< mm
 };
 
 /// Fills the outline. A lattice point of every filling lies in the middle of the outline's bounding box. Where the cut
@@ -84,6 +86,10 @@ std::string part_svg(const Part& part);
 std::string part_dxf(const Part& part);
 std::string part_stl(const Part& part, const Execution& execution = {});
 std::string part_3mf(const Part& part, const Execution& execution = {});
+/// A solid with plane faces (ISO 10303-21, AP214) for CAD programs, written in this process; a stop is followed within
+/// a millisecond. Throws "tiling.part" (place "beam_width") where the part has more than 50,000 corners. O(n): 2 ms and
+/// 1.2 MB for 1,000 corners.
+std::string part_step(const Part& part, const Execution& execution = {});
 
 /// "40 x 120 x 2 mm": what titles say and file names are made of.
 std::string size_words(const Part& part);
