@@ -55,12 +55,13 @@ def test_the_command_line_names_what_the_specimen_lacks(designs: Api, tmp_path: 
 
 
 def test_the_command_line_makes_a_part(designs: Api, tmp_path: Path) -> None:
-    files = {kind: tmp_path / f"part.{kind}" for kind in ("stl", "3mf", "dxf", "svg")}
+    files = {kind: tmp_path / f"part.{kind}" for kind in ("step", "stl", "3mf", "dxf", "svg")}
     options = [word for kind, file in files.items() for word in (f"--{kind}", str(file))]
     made = cli(designs, "part", "IH21", "--coupon", "12x30", "--grip", "8", "--thickness", "2", *options)
     assert made.returncode == 0, made.stderr
     assert "12 x 46 x 2 mm" in made.stdout
     assert files["stl"].read_bytes().startswith(b"Supple part, 12 x 46 x 2 mm") and files["3mf"].read_bytes().startswith(b"PK")
+    assert files["step"].read_text().startswith("ISO-10303-21;")
     assert "LWPOLYLINE" in files["dxf"].read_text() and "<svg" in files["svg"].read_text()
     for arguments in (("IH21",), ("--coupon", "12x30"), ("IH21", "--coupon", "12")):
         assert cli(designs, "part", *arguments).returncode == 1
@@ -86,7 +87,7 @@ def test_python_reads_curves_and_makes_parts(designs: Api, tmp_path: Path) -> No
         with pytest.raises(ValueError, match="either source or points"):
             client.measured_curve()
         with pytest.raises(ValueError, match="kind"):
-            client.part_file(outline, "IH21", kind="step")
+            client.part_file(outline, "IH21", kind="obj")
         region = supple.PartRegion([[0, 0], [6, 0], [6, 46], [0, 46]], "IH29", beam_width=0.4)
         two = client.part(outline, "IH67", options=supple.PartOptions(regions=[region]))
         assert two.crumbs == 0 and two.size == pytest.approx((12, 46, 1))

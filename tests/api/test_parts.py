@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import struct
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections import Counter
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 import pytest
@@ -74,6 +75,28 @@ def test_a_3mf_package_holds_the_same_solid(api: Api) -> None:
     assert assert_watertight(points[triangles]) == pytest.approx(assert_watertight(stl_triangles(stl)), rel=1e-5)
 
 
+def test_a_step_file_is_a_closed_solid_of_planes(api: Api) -> None:
+    response = api.post(PARTS, COUPON, headers={"Accept": "model/step"})
+    assert response.headers["Content-Disposition"] == 'attachment; filename="supple-IH21-12x46x2mm.step"'
+    step = response.text
+    assert step == api.post(PARTS, COUPON, headers={"Accept": "model/step"}).text, "equal requests have equal files"
+    entities = dict(re.findall(r"^#(\d+)=(.*);$", step, re.MULTILINE))
+    kinds = Counter(entity.split("(")[0] for entity in entities.values())
+    faces, edges, vertices = kinds["ADVANCED_FACE"], kinds["EDGE_CURVE"], kinds["VERTEX_POINT"]
+    holes = api.ok(PARTS, COUPON)["holes"]
+    assert vertices - edges + faces - 2 * holes == 2 * (1 - holes), "Euler and Poincare: top and bottom have the holes as rings"
+    uses = Counter((edge, way) for edge, way in re.findall(r"ORIENTED_EDGE\('',\*,\*,#(\d+),\.(T|F)\.\)", step))
+    assert len(uses) == 2 * edges and set(uses.values()) == {1}, "every edge once in each direction"
+    places = np.asarray([[float(x) for x in entity[20:-2].split(",")] for entity in entities.values() if entity.startswith("CARTESIAN_POINT")])
+    assert np.ptp(places, axis=0) == pytest.approx([12, 46, 2])
+
+
+def test_a_step_file_of_too_many_corners_is_refused(api: Api) -> None:
+    request = {"outline": {"rectangle": [600, 500]}, "structure": {"family": "IH22"}}
+    answer = api.post(PARTS, request, headers={"Accept": "model/step"})
+    assert answer.status_code == 422 and pointers(answer) == ["/beam_width"] and "at most 50000" in answer.text
+
+
 def test_drawings_are_true_to_scale(api: Api) -> None:
     svg = api.post(PARTS, COUPON, headers={"Accept": "image/svg+xml"}).text
     assert 'width="12mm" height="46mm"' in svg and "<title>Supple part, 12 x 46 x 2 mm</title>" in svg
@@ -100,6 +123,34 @@ def test_a_sole_of_three_regions_is_one_piece(api: Api) -> None:
     assert ran["frame"] and ran["seam"] and ran["trimming"]
     bare = api.ok(PARTS, {**request, "seam": 0, "frame": 0, "smallest_wall": 0})
     assert not any(effect["ran"] for effect in bare["effects"])
+
+
+@pytest.mark.parametrize("outline, ends", [
+    ({"coupon": {"width": 10, "length": 60, "grip_length": 8}}, ["lower_grip", "upper_grip"]),
+    ({"block": {"width": 10, "height": 60, "plate": 3}}, ["lower_plate", "upper_plate"]),
+])
+def test_a_part_that_lost_an_end_says_which_and_what_helps(api: Api, outline: Dict[str, Any], ends: List[str]) -> None:
+    request = {"outline": outline, "structure": IH21, "beam_width": 0.8}
+    whole = api.ok(PARTS, {**request, "beam_width": 0.3})
+    assert whole["checks"]["missing_solids"] == [] and whole["message"] == ""
+    assert "Supple-Message" not in api.post(PARTS, {**request, "beam_width": 0.3}, headers={"Accept": "model/stl"}).headers
+    broken = api.ok(PARTS, request)
+    (missing,) = broken["checks"]["missing_solids"]
+    assert missing in ends and broken["size"][1] < whole["size"][1] - 2
+    near = broken["lower"][1] if missing == ends[0] else whole["upper"][1] - broken["upper"][1]
+    assert near > 2, "the end that is named is the one that is gone"
+    assert missing.replace("_", " ") in broken["message"] and "a frame" in broken["message"]
+    file = api.post(PARTS, request, headers={"Accept": "model/stl"})
+    assert file.headers["Supple-Message"] == broken["message"]
+    assert api.ok(PARTS, {**request, "frame": 1})["message"] == ""
+
+
+def test_pieces_that_are_left_out_are_told_where_they_are_many(api: Api) -> None:
+    islands = {"polygons": [[[0, 0], [10, 0], [10, 10], [0, 10]], [[20, 0], [30, 0], [30, 9], [20, 9]]]}
+    answer = api.ok(PARTS, {"outline": islands, "structure": IH21, "frame": 1})
+    assert answer["checks"]["missing_solids"] == [] and answer["checks"]["crumbs"] == 1
+    share = answer["checks"]["crumb_area"] / (answer["checks"]["crumb_area"] + answer["solid_area"])
+    assert f"{100 * share:.0f} %" in answer["message"]
 
 
 def test_whole_tiles_stay_within_the_outline(api: Api) -> None:

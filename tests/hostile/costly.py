@@ -180,6 +180,18 @@ def part_of_many_tiles_and_regions(meshes: Meshes, more: Dict[str, Any]) -> Cost
 
 
 @costly
+def drawing_of_many_splines(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    spline = "0\nSPLINE\n71\n25\n" + "40\n0\n" * 26 + "40\n1\n" * 26 + "".join(f"10\n{k % 5}\n20\n{k % 7}\n" for k in range(26))
+    text = "0\nSECTION\n2\nENTITIES\n" + spline * 12_000 + "0\nENDSEC\n0\nEOF\n"
+    return post("/v1/outlines", {"text": text, "width": 100, "accuracy": {"tolerance": 1e-4}, **more})
+
+
+@costly
+def drawing_of_many_elements(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/outlines", {"text": "<svg>" + "<g/>" * 2_400_000 + "</svg>", **more})
+
+
+@costly
 def measured_curve_of_many_rows(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     rows = "\n".join(f"{i * 3e-7:.7g},{i % 977}" for i in range(1_000_000))
     return post("/v1/measured-curves", {"text": rows, "interpolation": "monotone",

@@ -23,6 +23,7 @@ void add_model_commands(CLI::App& program, const GlobalOptions& options);
 void add_evaluate_command(CLI::App& program, const GlobalOptions& options);
 void add_uniaxial_command(CLI::App& program, const GlobalOptions& options);
 void add_curve_command(CLI::App& program, const GlobalOptions& options);
+void add_outlines_command(CLI::App& program, const GlobalOptions& options);
 void add_part_command(CLI::App& program, const GlobalOptions& options);
 void add_design_command(CLI::App& program, const GlobalOptions& options);
 void add_profile_command(CLI::App& program, const GlobalOptions& options);

@@ -4,6 +4,7 @@
 
 #include "angles.h"
 #include "commands.h"
+#include "drawing_arguments.h"
 #include "failure.h"
 #include "numbers.h"
 #include "session.h"
@@ -18,6 +19,9 @@ struct PartArguments {
   std::string coupon;
   std::string block;
   std::string rectangle;
+  std::string outline;
+  std::vector<std::string> regions;
+  DrawingArguments drawing;
   double grip = -1;
   double plate = -1;
   double beam_width = 0;
@@ -28,6 +32,7 @@ struct PartArguments {
   double thickness = 0;
   double density = 0;
   bool whole = false;
+  std::string step_file;
   std::string stl_file;
   std::string three_mf_file;
   std::string dxf_file;
@@ -62,7 +67,7 @@ nlohmann::json outline_of(const PartArguments& arguments) {
   return {{"rectangle", {width, height}}};
 }
 
-nlohmann::json request_of(const PartArguments& arguments) {
+nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   nlohmann::json request = nlohmann::json::object();
   if (!arguments.request_file.empty()) {
     request = nlohmann::json::parse(read_file(arguments.request_file), nullptr, /*allow_exceptions=*/false);
@@ -74,9 +79,17 @@ nlohmann::json request_of(const PartArguments& arguments) {
     request["structure"]["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
   const bool has_size = !arguments.coupon.empty() || !arguments.block.empty() || !arguments.rectangle.empty();
   if (has_size) request["outline"] = outline_of(arguments);
-  if (!request.contains("structure") || !request.contains("outline"))
+  if (arguments.outline.empty() && (!arguments.regions.empty() || arguments.drawing.any()))
     throw Failure(ExitCode::usage,
-                  "no part: give a family and --coupon, --block or --rectangle, or a file with --request");
+                  "--region, --unit, --width and --tolerance are about a drawing: give it with --outline");
+  if (!request.contains("structure") || !(request.contains("outline") || !arguments.outline.empty())) {
+    throw Failure(ExitCode::usage,
+                  "no part: give a family and --outline, --coupon, --block or --rectangle, or a file with --request");
+  }
+  if (!arguments.outline.empty()) {
+    const auto [file, name] = drawing_choice(arguments.outline);
+    use_drawing(read_drawing(session, file, arguments.drawing), name, arguments.regions, request);
+  }
   const auto set = [&request](const char* name, double value, double least) {
     if (value >= least) request[name] = value;
   };
@@ -102,15 +115,18 @@ void print_part(const nlohmann::json& answer) {
   fmt::print("walls    at least {:.3g} mm; {:.3g} mm^2 narrower were left out\n",
              checks.at("smallest_wall").get<double>(), checks.at("trimmed_area").get<double>());
   fmt::print("pieces   one; {} without connection to it were left out\n", checks.at("crumbs").get<int>());
+  const auto message = answer.at("message").get<std::string>();
+  if (!message.empty()) fmt::print("note     {}\n", message);
 }
 
 void run(const GlobalOptions& options, const PartArguments& arguments) {
-  const nlohmann::json request = request_of(arguments);
   Session session(options);
+  const nlohmann::json request = request_of(arguments, session);
   bool on_terminal = false;
   for (const auto& [file, media_type] :
        {std::pair(&arguments.stl_file, "model/stl"), std::pair(&arguments.three_mf_file, "model/3mf"),
-        std::pair(&arguments.dxf_file, "image/vnd.dxf"), std::pair(&arguments.svg_file, "image/svg+xml")}) {
+        std::pair(&arguments.step_file, "model/step"), std::pair(&arguments.dxf_file, "image/vnd.dxf"),
+        std::pair(&arguments.svg_file, "image/svg+xml")}) {
     if (file->empty()) continue;
     write_file(*file, session.compute("/v1/parts", request, media_type).body);
     on_terminal |= *file == "-";
@@ -136,6 +152,18 @@ void add_part_command(CLI::App& program, const GlobalOptions& options) {
   auto* const rectangle = command->add_option("--rectangle", arguments->rectangle, "Sheet: width x height in mm");
   coupon->excludes(block)->excludes(rectangle);
   block->excludes(rectangle);
+  command
+      ->add_option("--outline", arguments->outline,
+                   "Drawing, an SVG or DXF file: its closed curves, or FILE#NAME for those of an id or layer")
+      ->excludes(coupon)
+      ->excludes(block)
+      ->excludes(rectangle);
+  command
+      ->add_option("--region", arguments->regions,
+                   "Closed curves of the drawing with a structure of their own: NAME=FAMILY[,WIDTH[,ANGLE]]")
+      ->expected(1)
+      ->take_all();
+  add_drawing_options(*command, arguments->drawing);
   command->add_option("--grip", arguments->grip, "Length of each solid grip of a coupon in mm (15)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--plate", arguments->plate, "Thickness of each solid plate of a block in mm (1)")
@@ -159,12 +187,14 @@ void add_part_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--density", arguments->density, "Density of the material in g/cm^3 (1.2)")
       ->check(CLI::PositiveNumber);
   command->add_flag("--whole", arguments->whole, "Keep only whole tiles instead of cutting them at the outline");
+  command->add_option("--step", arguments->step_file, "Write a STEP file, - for the terminal");
   command->add_option("--stl", arguments->stl_file, "Write a binary STL file, - for the terminal");
   command->add_option("--3mf", arguments->three_mf_file, "Write a 3MF file, - for the terminal");
   command->add_option("--dxf", arguments->dxf_file, "Write a DXF file, - for the terminal");
   command->add_option("--svg", arguments->svg_file, "Write an SVG file, - for the terminal");
   command->footer(
       "Examples:\n  supple part IH21 --coupon 20x60 --beam-width 0.8 --thickness 4 --stl coupon.stl\n"
+      "  supple part IH22 --outline sole.svg --region heel=IH29,0.5 --region forefoot=IH21,0.5,0.5rad --stl sole.stl\n"
       "  supple part --request sole.json --3mf sole.3mf");
   command->callback([&options, arguments] { run(options, *arguments); });
 }

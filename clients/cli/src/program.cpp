@@ -71,6 +71,7 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
   add_exponential_map_command(program, options);
   add_family_command(program, options);
   add_structure_command(program, options);
+  add_outlines_command(program, options);
   add_part_command(program, options);
   add_simulate_command(program, options);
   add_model_commands(program, options);

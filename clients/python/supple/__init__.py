@@ -97,6 +97,7 @@ from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, Relax
 from .points import PointLike, SurfacePoint, Vertex
 from .progress import Progress
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
+from .drawings import Drawing, DrawnPolygon
 from .measured import MeasuredCurve
 from .parts import Part, PartOptions, PartRegion
 from .tilings import CellMesh, Family, Structure, Tile
@@ -244,6 +245,8 @@ __all__ = [
     "SuppleError",
     "Support",
     "SurfacePoint",
+    "Drawing",
+    "DrawnPolygon",
     "MeasuredCurve",
     "Part",
     "PartOptions",

@@ -1,4 +1,4 @@
-"""The calls of a client about what people bring and take away: measured curves and parts."""
+"""The calls of a client about what people bring and take away: measured curves, drawings and parts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import Any, Mapping, Optional, Tuple, Union
 
 from numpy.typing import ArrayLike
 
-from . import measured, parts
+from . import drawings, measured, parts
+from .drawings import Drawing
 from .jobs import run
 from .measured import Column, MeasuredCurve
 from .parts import Part, PartOptions
@@ -64,6 +65,29 @@ class MakerCalls:
         )
         return run(self._transport, computation, timeout, None)
 
+    def drawing(
+        self,
+        source: Union[str, Path],
+        *,
+        width: Optional[float] = None,
+        unit: Optional[str] = None,
+        tolerance: Optional[float] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+    ) -> Drawing:
+        """The closed curves of an SVG or ASCII DXF drawing as polygons in mm.
+
+        Args:
+            source: a file, or text with line breaks.
+            width: scales the drawing until all its closed curves together are so wide, mm.
+            unit: what one unit of the drawing is, "mm", "cm", "m", "in", "ft", "pt" or "px"; what the file says without it.
+            tolerance: how far a chord may be from its curve, mm; 0.05 on the server's side.
+
+        Warns about what was left out. Raises `InvalidRequest` that names the element or line that cannot be read.
+        """
+        computation = drawings.drawing(measured.text_of(source), width, unit, tolerance, deadline)
+        return run(self._transport, computation, timeout, None)
+
     def part(
         self,
         outline: Mapping[str, Any],
@@ -74,7 +98,7 @@ class MakerCalls:
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> Part:
-        """What a part to print or cut is: an outline (`parts.coupon`, `block`, `rectangle` or `polygons`) filled with a structure."""
+        """What a part to print or cut is: an outline (`parts.coupon`, `block`, `rectangle`, `polygons` or `Drawing.outline`) filled."""
         return run(self._transport, parts.part(outline, family, parameters, options, deadline), timeout, None)
 
     def part_file(
@@ -88,5 +112,8 @@ class MakerCalls:
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> bytes:
-        """The same part as a file: `kind` is "stl", "3mf", "dxf" or "svg". Lengths are in mm."""
+        """The same part as a file: `kind` is "step", "stl", "3mf", "dxf" or "svg". Lengths are in mm.
+
+        Warns with the `message` of `Part` where a grip or a plate is missing.
+        """
         return run(self._transport, parts.part_file(outline, family, parameters, kind, options, deadline), timeout, None)

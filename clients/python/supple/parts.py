@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
@@ -11,8 +12,9 @@ from numpy.typing import ArrayLike
 from . import checks
 from .answers import Cost, cost_from_wire
 from .jobs import Computation
+from .transport import Answer
 
-PART_FILE_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "stl": "model/stl", "3mf": "model/3mf"}
+PART_FILE_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "step": "model/step", "stl": "model/stl", "3mf": "model/3mf"}
 
 
 def coupon(width: float, length: float, grip_length: Optional[float] = None) -> Dict[str, Any]:
@@ -118,6 +120,8 @@ class Part:
         smallest_wall: no wall is narrower, mm.
         trimmed_area: of narrower walls and tips that were left out, mm^2.
         crumbs: pieces without connection to the largest one that were left out.
+        missing_solids: of "lower_grip", "upper_grip", "lower_plate" and "upper_plate" those that the part has lost.
+        message: what the part lacks of what was asked for, and what helps; empty where nothing is missing.
         cost: what it took.
     """
 
@@ -131,6 +135,8 @@ class Part:
     smallest_wall: float
     trimmed_area: float
     crumbs: int
+    missing_solids: Tuple[str, ...]
+    message: str
     cost: Cost
 
 
@@ -148,6 +154,8 @@ def part_from_wire(answer: Mapping[str, Any]) -> Part:
         smallest_wall=checked["smallest_wall"],
         trimmed_area=checked["trimmed_area"],
         crumbs=checked["crumbs"],
+        missing_solids=tuple(checked["missing_solids"]),
+        message=answer["message"],
         cost=cost_from_wire(answer["cost"]),
     )
 
@@ -174,7 +182,14 @@ def part_file(
     if kind not in PART_FILE_TYPES:
         raise ValueError(f"kind must be one of {', '.join(PART_FILE_TYPES)}, got {kind!r}")
     document = _document(outline, family, parameters, options, deadline)
-    return Computation("/v1/parts", document, lambda answer: answer.content, PART_FILE_TYPES[kind])
+    return Computation("/v1/parts", document, _file_from_wire, PART_FILE_TYPES[kind])
+
+
+def _file_from_wire(answer: Answer) -> bytes:
+    message = answer.headers.get("Supple-Message")
+    if message:
+        warnings.warn(message, stacklevel=4)
+    return answer.content
 
 
 def _document(

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Client } from "../src/contract/client";
-import { FIRST_PART, fileName, hasLostAnEnd, Part, partRequest } from "../src/design/part";
+import { FIRST_PART, fileName, Part, partRequest } from "../src/design/part";
 
 const FOUND = { family: "IH21", parameters: [0.1, 0.6] };
 
@@ -19,14 +19,6 @@ describe("a part", () => {
     expect(fileName(null, "3mf")).toBe("part.3mf");
   });
 
-  it("has lost a grip or a plate where it is shorter than its ends and its structure together", () => {
-    expect(hasLostAnEnd(FIRST_PART, [30, 90, 4])).toBe(false);
-    expect(hasLostAnEnd(FIRST_PART, [30, 42.7, 4])).toBe(true);
-    expect(hasLostAnEnd({ ...FIRST_PART, kind: "block", end: 2 }, [30, 62, 4])).toBe(true);
-    expect(hasLostAnEnd({ ...FIRST_PART, end: 0 }, [30, 59.8, 4]), "what is cut off at the edge is no end").toBe(false);
-    expect(hasLostAnEnd({ ...FIRST_PART, kind: "rectangle" }, [30, 59.8, 4])).toBe(false);
-  });
-
   it("is described with a picture, and says why it cannot be made", async () => {
     const asked: any[] = [];
     let answer: unknown = { size: [20, 90, 4] };
@@ -36,7 +28,7 @@ describe("a part", () => {
     await new Promise((resolve) => setTimeout(resolve, 0));
     expect(asked[0][0]).toBe("/v1/parts");
     expect(asked[0][1].svg).toBe(true);
-    expect(part.state.get()).toEqual({ kind: "made", answer, settings: FIRST_PART });
+    expect(part.state.get()).toEqual({ kind: "made", answer });
     answer = new Error("too narrow");
     part.describe(FOUND);
     await new Promise((resolve) => setTimeout(resolve, 0));

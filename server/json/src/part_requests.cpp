@@ -1,6 +1,7 @@
 #include "supple/json/part_requests.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "answer_parts.h"
 #include "document.h"
@@ -17,6 +18,9 @@ constexpr std::size_t most_part_polygons = 100;
 constexpr std::size_t most_part_corners = 5'000;
 constexpr std::size_t most_part_regions = 50;
 constexpr std::size_t longest_region_name = 100;
+
+/// The share of the solid that is left out as crumbs from which on the answer's message says so.
+constexpr double told_crumbs = 0.05;
 
 tiling::Polygon read_polygon(const Document& value, const std::string& pointer, Faults& faults) {
   tiling::Polygon polygon;
@@ -38,7 +42,10 @@ double length(Fields& fields, std::string_view name, double usual, bool may_vani
   return value;
 }
 
-tiling::PartShape read_shape(Fields& fields) {
+/// The two solid ends of a coupon or a block, in the order of its solids.
+std::vector<std::string> ends(const char* what) { return {std::string("lower_") + what, std::string("upper_") + what}; }
+
+tiling::PartShape read_shape(Fields& fields, std::vector<std::string>& solid_names) {
   tiling::PartShape shape;
   const auto* value = fields.required("outline");
   if (!value) return shape;
@@ -65,12 +72,14 @@ tiling::PartShape read_shape(Fields& fields) {
     coupon.required("length");
     const double width = length(coupon, "width", 1), gauge = length(coupon, "length", 1);
     shape = tiling::tensile_coupon(width, gauge, length(coupon, "grip_length", 15, true));
+    solid_names = ends("grip");
   });
   nested(outline, "block", [&](Fields& block) {
     block.required("width");
     block.required("height");
     const double width = length(block, "width", 1), height = length(block, "height", 1);
     shape = tiling::compression_block(width, height, length(block, "plate", 1, true));
+    solid_names = ends("plate");
   });
   outline.finish();
   return shape;
@@ -111,7 +120,7 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
   PartRequest request;
   Faults faults;
   Fields fields(document, "", faults);
-  auto shape = read_shape(fields);
+  auto shape = read_shape(fields, request.solid_names);
   request.design.outline = std::move(shape.outline);
   request.design.solids = std::move(shape.solids);
   request.filling = read_filling(fields, limits);
@@ -139,6 +148,26 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
   return request;
 }
 
+std::string part_message(const PartRequest& request, const tiling::Part& part) {
+  constexpr const char* remedies =
+      "Thinner walls, whose tiles are smaller, a greater width or a frame hold it together.";
+  std::string missing;
+  for (const std::size_t solid : part.lost_solids) {
+    std::string name = request.solid_names.at(solid);
+    std::replace(name.begin(), name.end(), '_', ' ');
+    missing += missing.empty() ? "The " : " and the ";
+    missing += name;
+  }
+  if (!missing.empty()) {
+    return missing + (part.lost_solids.size() > 1 ? " are" : " is") +
+           " missing: the structure does not reach from one end to the other in one piece. " + remedies;
+  }
+  const double share = part.crumb_area / (part.crumb_area + part.solid_area);
+  if (share <= told_crumbs) return {};
+  return "Pieces without connection to the largest one were left out, " + std::to_string(std::lround(100 * share)) +
+         " % of the solid. " + remedies;
+}
+
 std::string write_part(const PartRequest& request, const tiling::Part& part, const std::string* svg, const Bill& bill) {
   const Eigen::Vector2d size = part.upper - part.lower;
   const double volume = part.solid_area * part.thickness;
@@ -153,10 +182,10 @@ std::string write_part(const PartRequest& request, const tiling::Part& part, con
       .begin_object()
       .field("pieces", part.faces.size())
       .field("smallest_wall", request.design.smallest_wall);
-  out.field("trimmed_area", part.trimmed_area)
-      .field("crumbs", part.crumbs)
-      .field("crumb_area", part.crumb_area)
-      .end_object();
+  out.field("trimmed_area", part.trimmed_area).field("crumbs", part.crumbs).field("crumb_area", part.crumb_area);
+  out.key("missing_solids").begin_array();
+  for (const std::size_t solid : part.lost_solids) out.string(request.solid_names.at(solid));
+  out.end_array().end_object().field("message", part_message(request, part));
   if (svg) out.field("svg", *svg);
   write_bill(out, bill);
   out.end_object();

@@ -21,6 +21,7 @@ constexpr PartFormat formats[] = {
     {"image/svg+xml", "svg", [](const tiling::Part& part, const Execution&) { return tiling::part_svg(part); }},
     {"image/vnd.dxf", "dxf", [](const tiling::Part& part, const Execution&) { return tiling::part_dxf(part); }},
     {"application/dxf", "dxf", [](const tiling::Part& part, const Execution&) { return tiling::part_dxf(part); }},
+    {"model/step", "step", tiling::part_step},
     {"model/stl", "stl", tiling::part_stl},
     {"model/3mf", "3mf", tiling::part_3mf}};
 
@@ -30,9 +31,9 @@ const PartFormat* format_of(const http::Request& request) {
   for (const auto& format : formats) offered.push_back(format.media_type);
   const auto type = http::negotiate(request.header("Accept"), offered);
   if (!type) {
-    throw Error(
-        "http.not_acceptable",
-        "A part is sent as application/json, image/svg+xml, image/vnd.dxf, application/dxf, model/stl or model/3mf.");
+    throw Error("http.not_acceptable",
+                "A part is sent as application/json, image/svg+xml, image/vnd.dxf, application/dxf, model/step, "
+                "model/stl or model/3mf.");
   }
   const auto* const found = std::find_if(std::begin(formats), std::end(formats),
                                          [&](const PartFormat& format) { return format.media_type == *type; });
@@ -60,11 +61,11 @@ tiling::PartDesign design_of(const json::PartRequest& request) {
   return design;
 }
 
-/// A part whose faults point into the request.
-tiling::Part made(const tiling::PartDesign& design, const Execution& execution) {
+/// make(), whose faults point into the request.
+template <class Make>
+auto pointing_into_request(const Make& make) -> decltype(make()) {
   try {
-    const StageTimer timer(execution.cost, "part");
-    return tiling::make_part(design, execution);
+    return make();
   } catch (const Error& error) {
     if (error.code() != "tiling.part") throw;
     auto details = error.details();
@@ -103,11 +104,14 @@ store::Result compute(const json::PartRequest& request, const tiling::PartDesign
   std::string file, svg;
   const auto bill = billed(outer, [&](const Execution& execution) {
     execution.checkpoint(0, "part");
-    part = made(design, execution);
+    part = pointing_into_request([&] {
+      const StageTimer timer(execution.cost, "part");
+      return tiling::make_part(design, execution);
+    });
     tell_effects(design, part, execution.cost);
     execution.checkpoint(0.7, "export");
     const StageTimer timer(execution.cost, "export");
-    if (format) file = format->write(part, execution);
+    if (format) file = pointing_into_request([&] { return format->write(part, execution); });
     if (!format && request.svg) svg = tiling::part_svg(part);
   });
   if (!format) return json_result(json::write_part(request, part, request.svg ? &svg : nullptr, bill));
@@ -115,6 +119,8 @@ store::Result compute(const json::PartRequest& request, const tiling::PartDesign
   result.content_type = format->media_type;
   result.headers = {{"Supple-Seconds", plain_number(bill.seconds)},
                     {"Content-Disposition", "attachment; filename=\"" + file_name(request, part, *format) + "\""}};
+  if (const std::string message = json::part_message(request, part); !message.empty())
+    result.headers.emplace_back("Supple-Message", message);
   result.body = std::move(file);
   return result;
 }

@@ -6,7 +6,7 @@ import type { PartAnswer, PartRequest } from "../contract/types";
 import type { Found } from "./state";
 
 export type PartKind = "rectangle" | "coupon" | "block";
-export type PartFormat = "stl" | "3mf" | "dxf" | "svg";
+export type PartFormat = "stl" | "3mf" | "step" | "dxf" | "svg";
 
 /** Lengths in mm, the density in g/cm^3. */
 export interface PartSettings {
@@ -26,7 +26,7 @@ export interface PartSettings {
 /** Walls as wide as a common nozzle, and a strip wide enough that the tiles of every family hold it together. */
 export const FIRST_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, whole: false };
 
-export const PART_TYPES: Record<PartFormat, string> = { stl: "model/stl", "3mf": "model/3mf", dxf: "image/vnd.dxf", svg: "image/svg+xml" };
+export const PART_TYPES: Record<PartFormat, string> = { stl: "model/stl", "3mf": "model/3mf", step: "model/step", dxf: "image/vnd.dxf", svg: "image/svg+xml" };
 
 export function partRequest(found: Found, settings: PartSettings): PartRequest {
   const { kind, width, length, end } = settings;
@@ -45,25 +45,15 @@ export function partRequest(found: Found, settings: PartSettings): PartRequest {
   };
 }
 
-/** What is shorter than it was to be by more than this, in mm, has lost one of its ends. */
-const SHORTER = 0.01;
-
-/**
- * Whether a grip or a plate is missing. Tiles that are large beside the part's width leave pieces that nothing connects, and
- * the server keeps the largest one alone.
- */
-export function hasLostAnEnd({ kind, length, end }: PartSettings, size: PartAnswer["size"]): boolean {
-  return kind !== "rectangle" && end > 0 && size[1] < length + 2 * end - SHORTER;
-}
-
 /** The name that the server gives a file, or one of its own kind. */
 export function fileName(disposition: string | null, format: PartFormat): string {
   return /filename="([^"]+)"/.exec(disposition ?? "")?.[1] ?? `part.${format}`;
 }
 
+/** What the server has made, or why it could not. */
 export type PartState =
   | { readonly kind: "none" }
-  | { readonly kind: "made"; readonly answer: PartAnswer; readonly settings: PartSettings }
+  | { readonly kind: "made"; readonly answer: PartAnswer }
   | { readonly kind: "failed"; readonly sentence: string };
 
 export class Part {
@@ -75,12 +65,11 @@ export class Part {
 
   /** Asks for the part's picture and numbers; a newer question replaces an older one. */
   describe(found: Found): void {
-    const settings = this.settings.get();
-    const request = { ...partRequest(found, settings), svg: true };
+    const request = { ...partRequest(found, this.settings.get()), svg: true };
     this.requests.submit(async (signal) => {
       try {
         const answer = await this.client.post<PartAnswer>("/v1/parts", request, { signal });
-        if (!signal.aborted) this.state.set({ kind: "made", answer, settings });
+        if (!signal.aborted) this.state.set({ kind: "made", answer });
       } catch (error) {
         if (!signal.aborted && !isAbort(error)) this.state.set({ kind: "failed", sentence: explain(error) });
       }

@@ -5,7 +5,7 @@ import { download } from "../base/download";
 import { digits } from "../base/format";
 import { late } from "../base/late";
 import { explain } from "../contract/client";
-import { hasLostAnEnd, type Part, type PartFormat, type PartSettings, type PartState } from "./part";
+import { type Part, type PartFormat, type PartSettings, type PartState } from "./part";
 import type { DesignSession } from "./session";
 
 const PAUSE_MS = 400;
@@ -13,18 +13,12 @@ type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "f
 const LABELS: Record<NumberSetting, string> = {
   width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³",
 };
-const LOST_END_WORDS = {
-  rectangle: "",
-  coupon: "A grip is missing: the structure does not reach from one to the other in one piece.",
-  block: "A plate is missing: the structure does not reach from one to the other in one piece.",
-} as const;
 const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm" } as const;
 
 /** What stands in the way of making this part, and what helps. */
 function noteOf(state: PartState): string {
   if (state.kind === "failed") return state.sentence;
-  if (state.kind === "none" || !hasLostAnEnd(state.settings, state.answer.size)) return "";
-  return `${LOST_END_WORDS[state.settings.kind]} Thinner walls, whose tiles are smaller, a greater width or a frame hold it together.`;
+  return state.kind === "made" ? state.answer.message : "";
 }
 
 export function partCard(session: DesignSession, part: Part): HTMLElement {
@@ -45,7 +39,7 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     const label = h("label", { for: id }, LABELS[name]);
     fields.set(name, { field: h("div", { class: "field" }, label, input), label, input });
   }
-  const formats = (["stl", "3mf", "dxf", "svg"] as const).map((format) => button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` }));
+  const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) => button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` }));
   const element = h("details", { class: "card controls part", "aria-label": "Part" },
     h("summary", {}, "Part to make"), kind.element,
     h("div", { class: "part-fields" }, ...[...fields.values()].map((entry) => entry.field)), whole.element,

@@ -30,11 +30,15 @@ struct PartRequest {
   tiling::PartDesign design;  ///< but for its fillings and regions
   FillingSpec filling;
   std::vector<PartRegionSpec> regions;
-  double material_density = 1.2;  ///< g/cm^3
+  std::vector<std::string> solid_names;  ///< of the design's solids: "lower_grip", "upper_plate"
+  double material_density = 1.2;         ///< g/cm^3
   bool svg = false;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
 PartRequest parse_part(std::string_view body, const Limits& limits);
+
+/// What the answer says of a part that is not all that was asked for, and what helps; empty where it is.
+std::string part_message(const PartRequest& request, const tiling::Part& part);
 
 std::string write_part(const PartRequest& request, const tiling::Part& part, const std::string* svg, const Bill& bill);
 

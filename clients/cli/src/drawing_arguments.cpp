@@ -1,0 +1,142 @@
+#include "drawing_arguments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "angles.h"
+#include "failure.h"
+#include "numbers.h"
+
+namespace supple::cli {
+namespace {
+
+/// Longer lists help nobody.
+constexpr std::size_t most_listed_names = 12;
+
+bool is_called(const nlohmann::json& polygon, const std::string& name) {
+  const auto& names = polygon.at("names");
+  return std::any_of(names.begin(), names.end(), [&name](const auto& own) { return own == name; });
+}
+
+std::string known_names(const nlohmann::json& drawing) {
+  std::set<std::string> names;
+  for (const auto& polygon : drawing.at("polygons")) {
+    for (const auto& name : polygon.at("names")) names.insert(name.get<std::string>());
+  }
+  if (names.empty()) return "its curves have no names";
+  std::string words = "its names are ";
+  std::size_t listed = 0;
+  for (const std::string& name : names) {
+    if (listed == most_listed_names) return words + ", ...";
+    if (listed > 0) words += ", ";
+    words += name;
+    ++listed;
+  }
+  return words;
+}
+
+/// The indices of the polygons of that name.
+std::vector<std::size_t> called(const nlohmann::json& drawing, const std::string& name, const char* option) {
+  std::vector<std::size_t> found;
+  const auto& polygons = drawing.at("polygons");
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    if (is_called(polygons[i], name)) found.push_back(i);
+  }
+  if (found.empty()) {
+    throw Failure(ExitCode::usage,
+                  fmt::format("{}: the drawing has no closed curve '{}'; {}", option, name, known_names(drawing)));
+  }
+  return found;
+}
+
+/// What fills a region, without its outline: NAME=FAMILY[,WIDTH[,ANGLE]].
+nlohmann::json region_of(const std::string& text) {
+  const auto equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+    throw Failure(ExitCode::usage,
+                  fmt::format("--region: '{}' is no region: write NAME=FAMILY, for example heel=IH29,0.5", text));
+  }
+  std::vector<std::string> words;
+  std::string rest = text.substr(equals + 1);
+  for (std::size_t comma = rest.find(','); comma != std::string::npos; comma = rest.find(',')) {
+    words.push_back(rest.substr(0, comma));
+    rest.erase(0, comma + 1);
+  }
+  words.push_back(rest);
+  if (words.size() > 3) {
+    throw Failure(ExitCode::usage,
+                  fmt::format("--region: '{}' has more than a family, a width of beams and an angle", text));
+  }
+  nlohmann::json region = {{"name", text.substr(0, equals)}, {"structure", {{"family", words[0]}}}};
+  if (words.size() > 1) region["beam_width"] = parse_number(words[1], "width of beams of --region");
+  if (words.size() > 2) region["orientation"] = parse_angle(words[2], "--region");
+  return region;
+}
+
+std::string text_of_drawing(const std::string& file) {
+  if (file != "-") return read_file(file);
+  return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
+  command.add_option("--unit", arguments.unit, "What one unit of the drawing is (what the file says)")
+      ->check(CLI::IsMember({"mm", "cm", "m", "in", "ft", "pt", "px"}));
+  command.add_option("--width", arguments.width, "Scale the drawing until its closed curves are so wide, mm")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--tolerance", arguments.tolerance, "Distance of a chord from its curve at most, mm (0.05)")
+      ->check(CLI::PositiveNumber);
+}
+
+nlohmann::json read_drawing(Session& session, const std::string& file, const DrawingArguments& arguments) {
+  nlohmann::json request = {{"text", text_of_drawing(file)}};
+  if (!arguments.unit.empty()) request["unit"] = arguments.unit;
+  if (arguments.width > 0) request["width"] = arguments.width;
+  if (arguments.tolerance > 0) request["accuracy"] = {{"tolerance", arguments.tolerance}};
+  nlohmann::json answer = session.compute("/v1/outlines", request).json();
+  for (const auto& warning : answer.at("warnings"))
+    fmt::print(stderr, "supple: {}: {}\n", file, warning.get<std::string>());
+  return answer;
+}
+
+DrawingChoice drawing_choice(const std::string& text) {
+  const auto hash = text.rfind('#');
+  std::error_code ignored;
+  if (hash == std::string::npos || std::filesystem::exists(text, ignored)) return {text, {}};
+  return {text.substr(0, hash), text.substr(hash + 1)};
+}
+
+void use_drawing(const nlohmann::json& drawing, const std::string& outline_name,
+                 const std::vector<std::string>& regions, nlohmann::json& request) {
+  const auto& polygons = drawing.at("polygons");
+  std::vector<bool> is_region(polygons.size(), false);
+  nlohmann::json filled = nlohmann::json::array();
+  for (const std::string& text : regions) {
+    nlohmann::json region = region_of(text);
+    for (const std::size_t i : called(drawing, region.at("name").get<std::string>(), "--region")) {
+      is_region[i] = true;
+      region["outline"] = polygons[i].at("points");
+      filled.push_back(region);
+    }
+  }
+  nlohmann::json outline = nlohmann::json::array();
+  if (!outline_name.empty()) {
+    for (const std::size_t i : called(drawing, outline_name, "--outline")) outline.push_back(polygons[i].at("points"));
+  } else {
+    for (std::size_t i = 0; i < polygons.size(); ++i) {
+      if (!is_region[i]) outline.push_back(polygons[i].at("points"));
+    }
+  }
+  if (outline.empty()) throw Failure(ExitCode::usage, "--outline: every closed curve of the drawing is a region");
+  request["outline"] = {{"polygons", outline}};
+  if (!filled.empty()) request["regions"] = filled;
+}
+
+}  // namespace supple::cli

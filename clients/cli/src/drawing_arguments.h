@@ -1,0 +1,38 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "session.h"
+
+namespace supple::cli {
+
+/// How a drawing is to be read.
+struct DrawingArguments {
+  std::string unit;
+  double width = 0;
+  double tolerance = 0;
+
+  bool any() const { return !unit.empty() || width > 0 || tolerance > 0; }
+};
+
+void add_drawing_options(CLI::App& command, DrawingArguments& arguments);
+
+/// The server's answer to the text of an SVG or DXF file; its warnings go to standard error. Throws Failure.
+nlohmann::json read_drawing(Session& session, const std::string& file, const DrawingArguments& arguments);
+
+/// "FILE", or "FILE#NAME" where no file has that whole name: a drawing, and what of it is meant.
+struct DrawingChoice {
+  std::string file, name;
+};
+DrawingChoice drawing_choice(const std::string& text);
+
+/// Puts the outline and the regions of a drawing into a request for a part. A region is NAME=FAMILY[,WIDTH[,ANGLE]];
+/// the outline is made of the polygons that are called `outline_name`, or of all that belong to no region. Throws
+/// Failure(usage) that lists the names of the drawing where it has no such one.
+void use_drawing(const nlohmann::json& drawing, const std::string& outline_name,
+                 const std::vector<std::string>& regions, nlohmann::json& request);
+
+}  // namespace supple::cli

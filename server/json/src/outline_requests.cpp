@@ -1,0 +1,72 @@
+#include "supple/json/outline_requests.h"
+
+#include "answer_parts.h"
+#include "document.h"
+#include "request_parts.h"
+
+namespace supple::json {
+namespace {
+
+// The ranges of api/openapi.yaml.
+constexpr std::size_t longest_drawing = 10'000'000;
+constexpr double least_chord_error = 1e-4;
+constexpr double largest_chord_error = 10;
+constexpr double least_drawing_width = 0.01;
+constexpr double largest_drawing_width = 2000;
+
+}  // namespace
+
+OutlineRequest parse_outlines(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  OutlineRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  if (const auto* text = fields.required("text")) {
+    if (text->is_string() && text->get_ref<const std::string&>().size() <= longest_drawing) {
+      request.text = text->get<std::string>();
+    } else {
+      faults.add("/text", "must be a string of at most " + std::to_string(longest_drawing) + " bytes");
+    }
+  }
+  fields.choice("format", request.options.format, {"automatic", "svg", "dxf"});
+  fields.choice("unit", request.options.unit, {"automatic", "mm", "cm", "m", "in", "ft", "pt", "px"});
+  if (fields.present("width")) {
+    double width = least_drawing_width;
+    fields.number("width", width, least_drawing_width, largest_drawing_width);
+    request.options.width = width;
+  }
+  nested(fields, "accuracy", [&](Fields& accuracy) {
+    accuracy.number("tolerance", request.options.tolerance, least_chord_error, largest_chord_error);
+  });
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+std::string write_outlines(const OutlineRequest& request, const outlines::Drawing& drawing, const Bill& bill) {
+  const Eigen::Vector2d size = drawing.upper - drawing.lower;
+  JsonWriter out;
+  out.begin_object().field("format", outlines::to_string(drawing.format)).key("polygons").begin_array();
+  std::size_t corners = 0;
+  for (const auto& outline : drawing.outlines) {
+    corners += outline.corners.size();
+    out.begin_object().key("names").begin_array();
+    for (const auto& name : outline.names) out.string(name);
+    out.end_array().key("points").begin_array();
+    for (const auto& corner : outline.corners) out.numbers(corner);
+    out.end_array().end_object();
+  }
+  out.end_array().key("size").numbers(size).key("lower").numbers(drawing.lower).key("upper").numbers(drawing.upper);
+  out.field("unit", drawing.unit).field("unit_is_known", drawing.unit_is_known);
+  out.field("curves", drawing.curves).field("joined_curves", drawing.joined);
+  out.field("open_curves", drawing.open_curves).field("corners", corners);
+  out.field("chord_error", drawing.chord_error);
+  write_warnings(out, drawing.warnings);
+  out.key("accuracy").begin_object().field("tolerance", request.options.tolerance).end_object();
+  write_bill(out, bill);
+  out.end_object();
+  return out.take();
+}
+
+}  // namespace supple::json

@@ -1,0 +1,53 @@
+#include "computation_route.h"
+#include "handlers.h"
+#include "supple/json/outline_requests.h"
+
+namespace supple::routes {
+namespace {
+
+void tell_effects(const json::OutlineRequest& request, const outlines::Drawing& drawing, CostLedger* cost) {
+  if (!cost) return;
+  cost->add_effect("rounding", drawing.rounded > 0,
+                   drawing.rounded > 0 ? "some curves are bent" : "every curve is made of straight lines",
+                   static_cast<std::int64_t>(drawing.rounded));
+  cost->add_effect(
+      "joining", drawing.joined > 0,
+      drawing.joined > 0 ? "open curves close with others whose ends they meet" : "no open curve closes with others",
+      static_cast<std::int64_t>(drawing.joined));
+  cost->add_effect("scaling", request.options.width.has_value(),
+                   request.options.width ? "the request gives a width" : "the request gives no width");
+}
+
+store::Result compute(const json::OutlineRequest& request, const Execution& outer) {
+  outlines::Drawing drawing;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    try {
+      drawing = outlines::read_drawing(request.text, request.options, execution);
+    } catch (const Error& error) {
+      // Places of the engine become pointers into the request.
+      if (!error.code().starts_with("outline.")) throw;
+      auto details = error.details();
+      for (auto& detail : details) detail.where.insert(0, "/");
+      throw Error(error.code(), error.what(), std::move(details));
+    }
+    tell_effects(request, drawing, execution.cost);
+  });
+  return json_result(json::write_outlines(request, drawing, bill));
+}
+
+}  // namespace
+
+void add_outline_route(http::Router& router, Services& services) {
+  const auto handler = [&services](const http::Request& http_request) {
+    require_ready(services);
+    auto request = json::parse_outlines(json_body(http_request), services.limits.json);
+    jobs::Computation computation{"outlines", {}, request.deadline, {}};
+    computation.run = [request = std::move(request)](const Execution& execution) {
+      return compute(request, execution);
+    };
+    return answer_computation(services, http_request, std::move(computation));
+  };
+  router.add({"POST", "/v1/outlines", handler, {services.limits.max_json, "--max-json"}});
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,151 @@
+"""Drawings over the wire: SVG and DXF files that become outlines, and parts made of them by every client."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from pathlib import Path
+from typing import Any, Dict, List
+
+import numpy as np
+import pytest
+
+import supple
+from harness import CLI, ROOT, Api, pointers, problem_code
+
+OUTLINES = "/v1/outlines"
+PARTS = "/v1/parts"
+SOLE_SVG = ROOT / "api" / "examples" / "parts" / "sole.svg"
+SOLE_JSON = ROOT / "api" / "examples" / "parts" / "sole.json"
+RING = '<svg width="60mm" height="60mm" viewBox="0 0 60 60"><circle id="rim" cx="30" cy="30" r="25"/><circle id="bore" cx="30" cy="30" r="8"/></svg>'
+
+
+def area(points: Any) -> float:
+    x, y = np.asarray(points, dtype=float).T
+    return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+def dxf(entities: List[str], unit: int = 4) -> str:
+    head = ["0", "SECTION", "2", "HEADER", "9", "$INSUNITS", "70", str(unit), "0", "ENDSEC", "0", "SECTION", "2", "ENTITIES"]
+    return "\n".join(head + entities + ["0", "ENDSEC", "0", "EOF"]) + "\n"
+
+
+def cli(api: Api, *arguments: str, text: str = "") -> "subprocess.CompletedProcess[str]":
+    return subprocess.run([str(CLI), "--server", api.server.url, *arguments], input=text, capture_output=True, text=True, timeout=60)
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.05, 0.001])
+def test_a_drawing_becomes_polygons_within_its_tolerance(api: Api, tolerance: float) -> None:
+    answer = api.ok(OUTLINES, {"text": RING, "accuracy": {"tolerance": tolerance}})
+    assert answer["format"] == "svg" and [polygon["names"] for polygon in answer["polygons"]] == [["rim"], ["bore"]]
+    for polygon, radius in zip(answer["polygons"], (25, 8)):
+        points = np.asarray(polygon["points"])
+        assert np.hypot(*(points - 30).T) == pytest.approx(radius)
+        assert np.hypot(*((points + np.roll(points, 1, axis=0)) / 2 - 30).T).min() >= radius - tolerance
+    assert 0 < answer["chord_error"] <= tolerance == answer["accuracy"]["tolerance"]
+    assert answer["corners"] == sum(len(polygon["points"]) for polygon in answer["polygons"])
+    assert answer["warnings"] == [] and answer["unit_is_known"] and answer["unit"] == pytest.approx(1)
+    ran = {effect["name"]: effect["ran"] for effect in answer["effects"]}
+    assert ran == {"rounding": True, "joining": False, "scaling": False}
+
+
+def test_polygons_go_into_a_part_as_they_are(api: Api) -> None:
+    answer = api.ok(OUTLINES, {"text": RING, "width": 30})
+    assert answer["size"] == pytest.approx([30, 30], rel=1e-9)
+    part = api.ok(PARTS, {"outline": {"polygons": [polygon["points"] for polygon in answer["polygons"]]}, "structure": {"family": "IH21"}, "frame": 1})
+    assert part["outline_area"] == pytest.approx(math.pi * (15**2 - 4.8**2), rel=0.01) and part["message"] == ""
+
+
+def test_lines_and_arcs_of_a_dxf_file_are_joined_in_inches(api: Api) -> None:
+    line = lambda *c: ["0", "LINE", "8", "cut", "10", str(c[0]), "20", str(c[1]), "11", str(c[2]), "21", str(c[3])]  # noqa: E731
+    arc = ["0", "ARC", "8", "cut", "10", "0", "20", "0", "40", "1", "50", "0", "51", "180"]
+    answer = api.ok(OUTLINES, {"text": dxf(line(-1, 0, 1, 0) + arc, unit=1), "accuracy": {"tolerance": 0.001}})
+    assert answer["format"] == "dxf" and answer["joined_curves"] == 2 and answer["unit"] == pytest.approx(25.4)
+    (polygon,) = answer["polygons"]
+    assert polygon["names"] == ["cut"] and abs(area(polygon["points"])) == pytest.approx(math.pi / 2 * 25.4**2, rel=1e-3)
+    told = api.ok(OUTLINES, {"text": dxf(["0", "CIRCLE", "10", "0", "20", "0", "40", "1"] + line(5, 5, 9, 9), unit=0), "unit": "automatic"})
+    assert told["open_curves"] == 1 and not told["unit_is_known"] and len(told["warnings"]) == 2
+    assert api.ok(OUTLINES, {"text": dxf(["0", "CIRCLE", "10", "0", "20", "0", "40", "1"], unit=0), "unit": "cm"})["size"] == pytest.approx([20, 20], rel=1e-2)
+
+
+@pytest.mark.parametrize("text, code, place, words", [
+    ('<svg><path id="heel" d="M0 0 L5 x"/></svg>', "outline.unreadable", "/text", '<path> "heel" of line 1'),
+    ("words", "outline.unreadable", "/text", "line 1"),
+    ('<svg><line x2="5"/></svg>', "outline.nothing_closed", "/text", "<line> of line 1 ends"),
+    ("<svg>" + 20_001 * '<rect width="9" height="9"/>' + "</svg>", "outline.too_large", "/text", "20000 curves"),
+    ('<svg width="1e6mm" viewBox="0 0 1e6 1e6"><circle r="9e5"/></svg>', "outline.too_large", "/accuracy/tolerance", "corners"),
+])
+def test_what_no_drawing_has_is_named(api: Api, text: str, code: str, place: str, words: str) -> None:
+    answer = api.post(OUTLINES, {"text": text, "accuracy": {"tolerance": 0.0001}})
+    assert answer.status_code == 422 and problem_code(answer) == code and pointers(answer) == [place], answer.text
+    assert words in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("change, place", [
+    ({"text": 5}, "/text"),
+    ({"format": "dwg"}, "/format"),
+    ({"unit": "yd"}, "/unit"),
+    ({"width": 0}, "/width"),
+    ({"accuracy": {"tolerance": 0}}, "/accuracy/tolerance"),
+    ({"layer": "cut"}, "/layer"),
+])
+def test_requests_that_the_schema_forbids_are_refused(api: Api, change: Dict[str, Any], place: str) -> None:
+    answer = api.post(OUTLINES, {"text": RING, **change}, faulty=True)
+    assert problem_code(answer) == "request.invalid" and pointers(answer) == [place], answer.text
+
+
+def test_a_file_of_the_machine_is_not_read(api: Api) -> None:
+    entity = '<?xml version="1.0"?><!DOCTYPE svg [<!ENTITY f SYSTEM "file:///etc/passwd">]>'
+    answer = api.ok(OUTLINES, {"text": entity + RING.replace('id="rim"', 'id="&f;"')})
+    assert answer["polygons"][0]["names"] == ["&f;"]
+
+
+def sole_by_the_command_line(api: Api, *more: str) -> Dict[str, Any]:
+    made = cli(api, "--json", "part", "IH22", "--outline", f"{SOLE_SVG}#sole", "--region", "heel=IH29,0.5", "--region", "forefoot=IH21,0.5,0.5rad",
+               "--beam-width", "0.6", "--frame", "1.6", "--thickness", "12", "--density", "1.1", *more)
+    assert made.returncode == 0, made.stderr
+    return dict(json.loads(made.stdout))
+
+
+def test_the_command_line_makes_the_sole_of_its_drawing(api: Api) -> None:
+    asked, drawn = api.ok(PARTS, json.loads(SOLE_JSON.read_text())), sole_by_the_command_line(api)
+    for name in ("size", "lower", "upper", "outline_area", "solid_area", "mass", "holes"):
+        assert drawn[name] == pytest.approx(asked[name], rel=1e-9, abs=1e-9), name
+    assert drawn["checks"]["crumbs"] == asked["checks"]["crumbs"]
+
+
+def test_the_command_line_lists_a_drawing_and_names_what_it_lacks(api: Api, tmp_path: Path) -> None:
+    shown = cli(api, "outlines", str(SOLE_SVG))
+    assert shown.returncode == 0 and "3 closed curves" in shown.stdout and "heel, regions" in shown.stdout
+    assert cli(api, "outlines", "-", text=RING).returncode == 0
+    wrong = cli(api, "part", "IH22", "--outline", str(SOLE_SVG), "--region", "toe=IH29")
+    assert wrong.returncode == 1 and "no closed curve 'toe'" in wrong.stderr and "forefoot, heel" in wrong.stderr
+    assert "--region" in cli(api, "part", "IH22", "--outline", str(SOLE_SVG), "--region", "heel").stderr
+    assert "drawing" in cli(api, "part", "IH22", "--coupon", "12x30", "--region", "heel=IH29").stderr
+    open_file = tmp_path / "open.svg"
+    open_file.write_text(RING.replace("</svg>", '<line x2="5"/></svg>'))
+    made = cli(api, "part", "IH21", "--outline", str(open_file), "--width", "30", "--frame", "1")
+    assert made.returncode == 0 and "Open curves were left out" in made.stderr and "30 x 30 x 1 mm" in made.stdout
+
+
+def test_python_makes_the_same_sole(api: Api, tmp_path: Path) -> None:
+    request = json.loads(SOLE_JSON.read_text())
+    with supple.Client(api.server.url) as client:
+        drawing = client.drawing(SOLE_SVG)
+        assert drawing.format == "svg" and drawing.unit_is_known and drawing.open_curves == 0
+        assert drawing.outline("sole") == drawing.outline(without=("regions",))
+        regions = [supple.PartRegion(drawing.named("heel")[0].points, "IH29", beam_width=0.5),
+                   supple.PartRegion(drawing.named("forefoot")[0].points, "IH21", beam_width=0.5, orientation=0.5)]
+        options = supple.PartOptions(beam_width=0.6, frame=1.6, thickness=12, density=1.1, regions=regions)
+        part = client.part(drawing.outline("sole"), "IH22", options=options)
+        assert part.mass == pytest.approx(api.ok(PARTS, request)["mass"], rel=1e-9)
+        assert client.part_file(drawing.outline("sole"), "IH22", kind="step", options=options).startswith(b"ISO-10303-21;")
+        with pytest.raises(KeyError, match="forefoot, heel"):
+            drawing.named("toe")
+        with pytest.raises(ValueError, match="unit"):
+            client.drawing(SOLE_SVG, unit="yd")
+        with pytest.warns(UserWarning, match="says no size"):
+            assert client.drawing("<svg>\n<rect width='96' height='96'/></svg>").size == pytest.approx((25.4, 25.4))
+        with pytest.warns(UserWarning, match="grip is missing"):
+            client.part_file(supple.parts.coupon(10, 60, 8), "IH21", options=supple.PartOptions(beam_width=0.8))
