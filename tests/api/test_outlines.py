@@ -123,6 +123,10 @@ def test_the_command_line_lists_a_drawing_and_names_what_it_lacks(api: Api, tmp_
     assert wrong.returncode == 1 and "no closed curve 'toe'" in wrong.stderr and "forefoot, heel" in wrong.stderr
     assert "--region" in cli(api, "part", "IH22", "--outline", str(SOLE_SVG), "--region", "heel").stderr
     assert "drawing" in cli(api, "part", "IH22", "--coupon", "12x30", "--region", "heel=IH29").stderr
+    broken = tmp_path / "broken.svg"
+    broken.write_text('<svg><path id="toe" d="M0 0 L5 x"/></svg>')
+    assert "--outline" in cli(api, "part", "IH22", "--outline", str(broken)).stderr
+    assert 'file: ' in cli(api, "outlines", str(broken)).stderr
     open_file = tmp_path / "open.svg"
     open_file.write_text(RING.replace("</svg>", '<line x2="5"/></svg>'))
     made = cli(api, "part", "IH21", "--outline", str(open_file), "--width", "30", "--frame", "1")

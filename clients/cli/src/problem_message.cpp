@@ -21,7 +21,7 @@ struct FieldName {
   std::string_view pointer;
   std::string_view name;
 };
-constexpr std::array<FieldName, 25> field_names{{
+constexpr std::array<FieldName, 28> field_names{{
     {"design", "/target/control_points", "--target"},
     {"evaluate", "/green_strain", "--strain"},
     {"simulate", "/load/uniaxial/direction", "--uniaxial"},
@@ -45,6 +45,9 @@ constexpr std::array<FieldName, 25> field_names{{
     {"print", "/printer", "--profile"},
     {"print", "/overruns", "--overrun-of"},
     {"check", "/gcode", "file"},
+    {"part", "/text", "--outline"},
+    {"part", "/regions", "--region"},
+    {"outlines", "/text", "file"},
     {"", "/weave/overrides", "--fuse or --slide"},
     {"", "/weave/pattern", "weave"},
 }};
