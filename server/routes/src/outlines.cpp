@@ -21,15 +21,7 @@ void tell_effects(const json::OutlineRequest& request, const outlines::Drawing& 
 store::Result compute(const json::OutlineRequest& request, const Execution& outer) {
   outlines::Drawing drawing;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    try {
-      drawing = outlines::read_drawing(request.text, request.options, execution);
-    } catch (const Error& error) {
-      // Places of the engine become pointers into the request.
-      if (!error.code().starts_with("outline.")) throw;
-      auto details = error.details();
-      for (auto& detail : details) detail.where.insert(0, "/");
-      throw Error(error.code(), error.what(), std::move(details));
-    }
+    drawing = outlines::read_drawing(request.text, request.options, execution);
     tell_effects(request, drawing, execution.cost);
   });
   return json_result(json::write_outlines(request, drawing, bill));
