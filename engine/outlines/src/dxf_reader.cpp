@@ -16,6 +16,9 @@ constexpr int highest_degree = 25;
 constexpr double upright = 1e-6;
 constexpr double degree = std::numbers::pi / 180;
 
+// Written here since the library that Debian has for it (dxflib 3.26) believes the counts that a file states, which
+// overflows its heap, and does not come to an end of lines beyond 1024 bytes.
+
 /// A group: its code, and its value without blanks around it.
 struct Group {
   int code = 0;
