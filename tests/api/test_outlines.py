@@ -69,6 +69,18 @@ def test_lines_and_arcs_of_a_dxf_file_are_joined_in_inches(api: Api) -> None:
     assert api.ok(OUTLINES, {"text": dxf(["0", "CIRCLE", "10", "0", "20", "0", "40", "1"], unit=0), "unit": "cm"})["size"] == pytest.approx([20, 20], rel=1e-2)
 
 
+@pytest.mark.parametrize("kind", ["image/svg+xml", "image/vnd.dxf"])
+def test_what_the_server_draws_it_reads(api: Api, kind: str) -> None:
+    request = {"outline": {"rectangle": [20, 15]}, "structure": {"family": "IH50"}, "frame": 0.5}
+    part = api.ok(PARTS, request)
+    answer = api.ok(OUTLINES, {"text": api.post(PARTS, request, headers={"Accept": kind}).text})
+    outer, holes = answer["polygons"][0], answer["polygons"][1:]
+    assert len(holes) == part["holes"] and answer["warnings"] == [] and answer["unit"] == pytest.approx(1)
+    assert answer["size"] == pytest.approx([20, 15], abs=1e-5)
+    solid = abs(area(outer["points"])) - sum(abs(area(hole["points"])) for hole in holes)
+    assert solid == pytest.approx(part["solid_area"], rel=1e-4)
+
+
 @pytest.mark.parametrize("text, code, place, words", [
     ('<svg><path id="heel" d="M0 0 L5 x"/></svg>', "outline.unreadable", "/text", '<path> "heel" of line 1'),
     ("words", "outline.unreadable", "/text", "line 1"),
