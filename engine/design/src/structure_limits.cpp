@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <sstream>
 
 #include "supple/base/error.h"
@@ -43,28 +42,25 @@ Eigen::Vector2d LimitRows::at(const Eigen::VectorXd& parameters) const {
                                    relative_excess(measures.cell_size, limits_.cell_size));
 }
 
-Eigen::Matrix2Xd LimitRows::derivatives(const Eigen::VectorXd& parameters,
-                                        const std::vector<Eigen::Index>& free) const {
+Eigen::Matrix2Xd LimitRows::derivatives(const Eigen::VectorXd& parameters, const std::vector<Eigen::Index>& free,
+                                        const Eigen::Vector2d& rows) const {
   const auto& network = space_.model.network;
   Eigen::Matrix2Xd result = Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(free.size()));
-  const auto here = std::pair{parameters, at(parameters)};
   // Within the limits, where searches are nearly always, there is nothing to push back.
-  if (here.second.isZero(0)) return result;
+  if (rows.isZero(0)) return result;
   for (std::size_t k = 0; k < free.size(); ++k) {
     const Eigen::Index p = free[k];
     if (p == parameters.size()) continue;  // turned, a structure measures the same
     const double step = step_share * (network.upper[p] - network.lower[p]);
-    // Next to places that cannot be built one side is left.
-    const auto moved = [&](double by) -> std::optional<std::pair<Eigen::VectorXd, Eigen::Vector2d>> {
+    // At an upper bound, and next to places that cannot be built, the other side is taken.
+    for (const double by : {step, -step}) {
       Eigen::VectorXd there = parameters;
-      there[p] = std::clamp(there[p] + by, network.lower[p], network.upper[p]);
-      if (there[p] == parameters[p] || (space_.buildable && !space_.buildable(there))) return std::nullopt;
-      return std::pair{there, at(there)};
-    };
-    const auto above = moved(step).value_or(here);
-    const auto below = moved(-step).value_or(here);
-    const double width = above.first[p] - below.first[p];
-    if (width > 0) result.col(static_cast<Eigen::Index>(k)) = (above.second - below.second) / width;
+      there[p] += by;
+      if (there[p] > network.upper[p] || there[p] < network.lower[p]) continue;
+      if (space_.buildable && !space_.buildable(there)) continue;
+      result.col(static_cast<Eigen::Index>(k)) = (at(there) - rows) / (there[p] - parameters[p]);
+      break;
+    }
   }
   return result;
 }

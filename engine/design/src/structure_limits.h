@@ -22,9 +22,11 @@ class LimitRows {
 
   /// The rows at parameters that can be built.
   Eigen::Vector2d at(const Eigen::VectorXd& parameters) const;
-  /// Their derivatives, a column for each of the parameters `free`, which may include the orientation: by differences,
-  /// since a measurement takes less than a millisecond.
-  Eigen::Matrix2Xd derivatives(const Eigen::VectorXd& parameters, const std::vector<Eigen::Index>& free) const;
+  /// Their derivatives, a column for each of the parameters `free`, which may include the orientation; `rows` are the
+  /// rows there. By differences: a measurement for each parameter, which takes up to some milliseconds, and none where
+  /// nothing exceeds its limit.
+  Eigen::Matrix2Xd derivatives(const Eigen::VectorXd& parameters, const std::vector<Eigen::Index>& free,
+                               const Eigen::Vector2d& rows) const;
 
  private:
   const DesignSpace& space_;

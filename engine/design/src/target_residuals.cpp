@@ -92,7 +92,7 @@ bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
     slopes_[i] = slope;
   }
   r.head(n).array() *= factors_.array();
-  if (limits_) r.tail<LimitRows::count>() = limits_->at(parameters);
+  if (limits_) r.tail<LimitRows::count>() = limit_rows_ = limits_->at(parameters);
   return true;
 }
 
@@ -129,7 +129,7 @@ void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
     for (Eigen::Index i = 0; i < targets_[t].y.size(); ++i)
       if (std::abs(compared[first + i] - targets_[t].y[i]) < targets_[t].bands[i]) jacobian.row(first + i).setZero();
   }
-  if (limits_) jacobian.bottomRows<LimitRows::count>() = limits_->derivatives(family_part(last_), free_);
+  if (limits_) jacobian.bottomRows<LimitRows::count>() = limits_->derivatives(family_part(last_), free_, limit_rows_);
 }
 
 Eigen::VectorXd TargetResiduals::model_values(std::size_t target) const {

@@ -74,8 +74,9 @@ class TargetResiduals : public numerics::ResidualFunction {
   std::optional<Correction> correction_;
   const ModulusChoice* moduli_ = nullptr;
   const LimitRows* limits_ = nullptr;
-  ModulusChoice::Chosen chosen_;    ///< at the last parameters
-  std::vector<std::size_t> first_;  ///< sample of each target
+  Eigen::Vector2d limit_rows_ = Eigen::Vector2d::Zero();  ///< at the last parameters
+  ModulusChoice::Chosen chosen_;                          ///< at the last parameters
+  std::vector<std::size_t> first_;                        ///< sample of each target
   std::vector<Sample> samples_;
   Eigen::VectorXd factors_;   ///< of each sample's deviation
   Eigen::VectorXd outliers_;  ///< deviations from which on a sample counts less; empty where all count
