@@ -43,6 +43,12 @@ describe("the rules of accessibility", () => {
   it("are kept by the design page in light and dark colours", async () => {
     const design = await DesignPage.open(browser, server.url, STILL);
     await design.page.locator("details.more summary").click();
+    await design.page.locator("details.made summary").click();
+    await design.page.getByLabel("Find it: orientation").check();
+    await design.settled();
+    await design.page.getByLabel("Young’s modulus, MPa", { exact: true }).fill("-5");
+    await design.page.keyboard.press("Tab");
+    await design.page.locator("details.made .note.problem:visible").waitFor();
     await design.values();
     await design.button("Pin").click();
     assert.deepEqual(await violationsInBothColours(design.page, "design-open"), []);

@@ -51,8 +51,8 @@ describe("a verification", () => {
 
 describe("a profile", () => {
   it("has the samples of the target", () => {
-    expect(profileRequest(state, found)).toMatchObject({ family: "IH21", range: [-0.1, 0.2], samples: designRequest(state, "search", "s").samples });
-    expect(profileRequest({ ...state, points: [] }, found).range).toBeUndefined();
+    expect(profileRequest(state, found, state.made)).toMatchObject({ family: "IH21", range: [-0.1, 0.2], samples: designRequest(state, "search", "s").samples });
+    expect(profileRequest({ ...state, points: [] }, found, state.made).range).toBeUndefined();
   });
 });
 

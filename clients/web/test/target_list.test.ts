@@ -92,7 +92,7 @@ describe("a link with several targets", () => {
 describe("what a design does about several targets", () => {
   const profile = (x: number[], target: number[], achieved: number[]) => ({ x, target, achieved, initial: achieved, error_bar: null, in_range: x.map(() => true), reached: x.map(() => false), verified: null, envelope: null });
   const answer = {
-    family: "IH22", parameters: [0.3], model: "m", error: { relative_rms: 0.4, max: 0.2 }, message: "", stopped: "converged", iterations: 3, ranking: [], cost: { seconds: 1 },
+    family: "IH22", parameters: [0.3], model: "m", orientation: 0, material: { youngs_modulus: 26, density: 1.2 }, structure: null, error: { relative_rms: 0.4, max: 0.2 }, message: "", stopped: "converged", iterations: 3, ranking: [], cost: { seconds: 1 },
     profile: profile([0, 0.1, 0.2], [0, 1, 2], [0, 1.1, 2.2]),
     also: [profile([0, 0.1, 0.2], [0, 1, 2], [0, 0.5, 1]), profile([0, 1, 2], [0.1, 0.2, 0.3], [0.1, 0.2, 0.3])],
   } as unknown as DesignAnswer;

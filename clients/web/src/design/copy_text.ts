@@ -1,6 +1,7 @@
 // The search of the design page as a command of a shell and as a program in Python.
 import type { DesignRequest } from "../contract/types";
 import { curlText } from "../base/curl";
+import { isRange, madeRequest } from "./made";
 import { regionsOf } from "./region_list";
 import { designRequest, regionsRequest } from "./requests";
 import type { DesignState } from "./state";
@@ -24,18 +25,30 @@ function option(name: string, value: string | number | undefined): string[] {
 
 export function commandOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
-  // The command line takes further targets and regions from a request.
-  if (request.also ?? request.regions) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
+  // The command line takes further targets, regions and the orientation to begin with from a request.
+  if (request.also ?? request.regions ?? request.initial_orientation !== undefined) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
   const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
   const parts = [
     ...option("task", request.task), ...option("family", request.family), ...option("direction", request.direction), ...option("strain", request.strain),
     ...option("strain-measure", request.strain_measure),
     ...option("target", target.control_points.map((point) => point.join(",")).join(";")), ...option("interpolation", target.interpolation),
-    ...option("samples", request.samples),
+    ...option("samples", request.samples), ...madeOptions(state),
     ...option("initial", request.initial?.join(",")), ...option("fixed", request.fixed?.map((value) => value ?? "free").join(",")),
     ...option("multi-start", request.effects?.multi_start), ...option("envelope", request.effects?.envelope),
   ];
   return `supple --server ${origin} design \\\n  ${parts.join(" \\\n  ")}\n`;
+}
+
+function madeOptions({ made }: DesignState): string[] {
+  const { material, orientation, beam_width, cell_size, limits } = madeRequest(made);
+  const { youngs_modulus, density } = (material ?? {}) as { youngs_modulus?: number | number[]; density?: number };
+  const angles = isRange(made.orientation) ? made.orientation : [made.orientation];
+  return [
+    ...option("youngs-modulus", youngs_modulus?.toString()), ...option("density", density),
+    ...option("orientation", orientation === undefined ? undefined : angles.map((angle) => `${angle}deg`).join(",")),
+    ...option("beam-width", beam_width), ...option("cell-size", cell_size),
+    ...option("relative-density", limits?.relative_density?.join(",")), ...option("beam-width-limits", limits?.beam_width?.join(",")),
+  ];
 }
 
 function python(value: unknown): string {
@@ -48,17 +61,34 @@ function keywords(values: Readonly<Record<string, unknown>>): string {
   return Object.entries(values).filter(([, value]) => value !== undefined).map(([name, value]) => `${name}=${python(value)}`).join(", ");
 }
 
+interface RequestedMade {
+  material?: Readonly<Record<string, unknown>>;
+  orientation?: unknown;
+  initial_orientation?: number;
+  beam_width?: number;
+  cell_size?: number;
+  limits?: Readonly<Record<string, unknown>>;
+}
+
 type RequestedTarget = Omit<NonNullable<DesignRequest["also"]>[number], "target"> & { target: { control_points: unknown; interpolation?: string } };
+
+/** What the structure is made of, how it lies and how large it is, as keywords. */
+function pythonMade({ material, orientation, initial_orientation, beam_width, cell_size, limits }: RequestedMade): string {
+  return [
+    material && `material=supple.Material(${keywords(material)})`, keywords({ orientation, initial_orientation, beam_width, cell_size }),
+    limits && `limits=supple.Limits(${keywords(limits)})`,
+  ].filter((words) => words).join(", ");
+}
 
 function pythonTarget({ task, direction, strain, strain_measure, target, samples, weight }: RequestedTarget): string {
   return `supple.Target(${python(task)}, ${python(target.control_points)}, ${keywords({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })})`;
 }
 
-type RequestedRegion = RequestedTarget & { name?: string; family?: string; also?: RequestedTarget[]; initial?: number[]; fixed?: (number | null)[] };
+type RequestedRegion = RequestedTarget & RequestedMade & { name?: string; family?: string; also?: RequestedTarget[]; initial?: number[]; fixed?: (number | null)[] };
 
 function pythonRegion(region: RequestedRegion): string {
   const { name, also, initial, fixed } = region;
-  const others = [also && `also=[${also.map(pythonTarget).join(", ")}]`, keywords({ name, family: region.family === "any" ? undefined : region.family, initial, fixed })];
+  const others = [also && `also=[${also.map(pythonTarget).join(", ")}]`, keywords({ name, family: region.family === "any" ? undefined : region.family, initial, fixed }), pythonMade(region)];
   return `supple.Region(${[pythonTarget(region), ...others].filter((words) => words).join(", ")})`;
 }
 
@@ -77,7 +107,7 @@ export function pythonOf(state: DesignState, origin: string): string {
     ].join("\n");
   }
   const search = { family: request.family === "any" ? undefined : request.family, initial: request.initial, fixed: request.fixed };
-  const given = [also.length > 0 && "also=also", keywords(search), "options=options"].filter((words) => words);
+  const given = [also.length > 0 && "also=also", keywords(search), pythonMade(request as RequestedMade), "options=options"].filter((words) => words);
   return [
     ...head,
     `target = ${pythonTarget(request as unknown as RequestedTarget)}`,

@@ -44,7 +44,7 @@ export function exportMenu(session: DesignSession, verification: Verification, c
   session.shown.watch((shown) => {
     if (!shown) return replace(links);
     const link = (format: "svg" | "dxf" | "stl", words: string) =>
-      h("a", { class: "button quiet", href: client.url(structurePath(shown.found, format, CELLS)), download: `${shown.found.family}.${format}`, onclick: () => (menu.open = false) }, words);
+      h("a", { class: "button quiet", href: client.url(structurePath(shown.found, format, CELLS, shown.measures.beamWidth)), download: `${shown.found.family}.${format}`, onclick: () => (menu.open = false) }, words);
     replace(links, h("h3", {}, "Structure"), link("svg", "Drawing (SVG)"), link("dxf", "Outlines (DXF)"), link("stl", "Solid (STL)"));
   });
   return menu;

@@ -26,10 +26,20 @@ export function jsonOf(shown: Shown, verified: Curve | null, also: readonly Show
   const document = {
     ...targetDocument(shown),
     design: { family: found.family, model, parameters: found.parameters, by_hand: shown.byHand, stopped, message },
+    ...madeDocument(shown),
     verified: verified && { x: verified.x, y: verified.y },
     ...(also.length > 0 && { also: also.map(targetDocument), overall: { relative_rms: shown.overall } }),
   };
   return `${JSON.stringify(document, null, 2)}\n`;
+}
+
+function madeDocument({ measures }: Shown): Record<string, unknown> {
+  const { youngsModulus, materialDensity, orientation, beamWidth, cellSize, relativeDensity, density } = measures;
+  return {
+    material: { youngs_modulus: youngsModulus, density: materialDensity },
+    orientation,
+    structure: { beam_width: beamWidth, cell_size: cellSize, relative_density: relativeDensity, density },
+  };
 }
 
 function targetDocument(shown: Shown): Record<string, unknown> {

@@ -1,5 +1,6 @@
 // The state in a link: readable, short, and checked when it comes back from a stranger.
 import { plain } from "../base/format";
+import { type FoundMade, isRange, type Made, madeLink, readMade } from "./made";
 import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, type Region, type Target, TASKS, WEIGHT_LIMITS } from "./state";
 import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
 import { MOST_NAME, MOST_TARGETS, targetsOf, withTargets } from "./target_list";
@@ -20,9 +21,12 @@ function regionText(state: Region): string {
   const fields: [string, string][] = targets.flatMap((target, k) => targetFields(target, k === 0 ? "" : String(k + 1)));
   if (targets.length > 1) fields.push(["tab", String(state.at + 1)]);
   if (state.region !== "") fields.push(["region", encodeURIComponent(state.region)]);
-  fields.push(["family", state.family]);
+  fields.push(...madeLink(state.made), ["family", state.family]);
   if (state.found) {
     fields.push(["design", state.found.family], ["parameters", state.found.parameters.map(plain).join(",")]);
+    const { youngsModulus, orientation } = state.found;
+    if (isRange(state.made.youngsModulus) && youngsModulus !== undefined) fields.push(["found-modulus", plain(youngsModulus)]);
+    if (isRange(state.made.orientation) && orientation !== undefined) fields.push(["found-orientation", plain(orientation)]);
     if (state.fixed.some(Boolean)) fields.push(["fixed", state.fixed.map(Number).join(",")]);
     if (state.byHand) fields.push(["hand", "1"]);
   }
@@ -79,14 +83,25 @@ function readRegion(fields: Fields): Region | null {
   const design = fields.get("design");
   const parameters = numbers(fields.get("parameters") ?? "", 32);
   if (!isName(family) || (design !== undefined && (!isName(design) || !parameters))) return null;
-  const found = design && parameters ? { family: design, parameters } : null;
+  const made = readMade(fields);
+  const found = design && parameters ? { family: design, parameters, ...readFoundMade(fields, made) } : null;
   return {
     ...withTargets(targets, number(fields.get("tab"), 1, targets.length, 1) - 1),
     region: (fields.get("region") ?? "").trim().slice(0, MOST_REGION_NAME),
+    made,
     family,
     found,
     fixed: found ? found.parameters.map((_, k) => fields.get("fixed")?.split(",")[k] === "1") : [],
     byHand: found !== null && fields.get("hand") === "1",
+  };
+}
+
+function readFoundMade(fields: Fields, { youngsModulus, orientation }: Made): FoundMade {
+  const read = (name: string) => number(fields.get(name), -LARGEST, LARGEST, NaN);
+  const [modulus, angle] = [read("found-modulus"), read("found-orientation")];
+  return {
+    ...(isRange(youngsModulus) && modulus > 0 && { youngsModulus: modulus }),
+    ...(isRange(orientation) && !Number.isNaN(angle) && { orientation: angle }),
   };
 }
 

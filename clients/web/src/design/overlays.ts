@@ -8,7 +8,7 @@ import type { DesignSession } from "./session";
 const FIRST_COLOUR = 3;
 
 interface Overlaid extends PinnedCurve {
-  readonly parameters: readonly number[];
+  readonly candidate: DesignCandidate;
 }
 
 export class Overlays {
@@ -25,7 +25,7 @@ export class Overlays {
       this.at = at;
       const before = this.overlaid;
       this.show([]);
-      for (const { name, parameters } of before) void this.add(name, parameters);
+      for (const { candidate } of before) void this.add(candidate);
     });
   }
 
@@ -33,18 +33,20 @@ export class Overlays {
     return this.list.get().some((curve) => curve.name === family);
   }
 
-  async toggle({ family, parameters }: DesignCandidate): Promise<void> {
+  async toggle(candidate: DesignCandidate): Promise<void> {
+    const { family } = candidate;
     if (this.has(family)) return this.show(this.overlaid.filter((curve) => curve.name !== family));
-    await this.add(family, parameters);
+    await this.add(candidate);
   }
 
-  private async add(family: string, parameters: readonly number[]): Promise<void> {
+  private async add(candidate: DesignCandidate): Promise<void> {
+    const { family, parameters, orientation } = candidate;
     const ranking = this.session.ranking.get();
     const { at } = this;
     const target = ranking?.targets[at];
     if (!target) return;
-    const curve = await this.session.profile({ family, parameters }, target);
-    if (curve && ranking === this.session.ranking.get() && at === this.at && !this.has(family)) this.show([...this.overlaid, { ...curve, id: FIRST_COLOUR + this.count++, name: family, parameters }]);
+    const curve = await this.session.profile({ family, parameters, orientation }, target, ranking.made);
+    if (curve && ranking === this.session.ranking.get() && at === this.at && !this.has(family)) this.show([...this.overlaid, { ...curve, id: FIRST_COLOUR + this.count++, name: family, candidate }]);
   }
 
   private show(overlaid: readonly Overlaid[]): void {

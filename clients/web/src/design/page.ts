@@ -11,6 +11,7 @@ import { commandOf, curlOf, pythonOf } from "./copy_text";
 import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
 import { Measured } from "./measured";
+import { madeCard } from "./made_card";
 import { measuredCard } from "./measured_card";
 import { Overlays } from "./overlays";
 import { parameterPanel } from "./parameter_panel";
@@ -55,7 +56,7 @@ export function designPage({ client, link }: Surroundings): Page {
     { class: "design-page" },
     h("h1", { class: "visually-hidden" }, "Design"),
     empty,
-    h("div", { class: "column left" }, targetControls(session, startMenu(session)), measuredCard(measured), parameterPanel(session)),
+    h("div", { class: "column left" }, targetControls(session, startMenu(session)), madeCard(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
     h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
   );

@@ -3,12 +3,14 @@ import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import type { PartAnswer, PartRequest } from "../contract/types";
+import { DEFAULT_MADE, radians } from "./made";
+import type { Shown } from "./shown";
 import type { Found } from "./state";
 
 export type PartKind = "rectangle" | "coupon" | "block";
 export type PartFormat = "stl" | "3mf" | "step" | "dxf" | "svg";
 
-/** Lengths in mm, the density in g/cm^3. */
+/** Lengths in mm, the density in g/cm^3, the orientation in degrees. */
 export interface PartSettings {
   readonly kind: PartKind;
   readonly width: number;
@@ -20,11 +22,12 @@ export interface PartSettings {
   readonly thickness: number;
   readonly frame: number;
   readonly density: number;
+  readonly orientation: number;
   readonly whole: boolean;
 }
 
 /** Walls as wide as a common nozzle, and a strip wide enough that the tiles of every family hold it together. */
-export const FIRST_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, whole: false };
+export const FIRST_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, orientation: 0, whole: false };
 
 export const PART_TYPES: Record<PartFormat, string> = { stl: "model/stl", "3mf": "model/3mf", step: "model/step", dxf: "image/vnd.dxf", svg: "image/svg+xml" };
 
@@ -38,10 +41,22 @@ export function partRequest(found: Found, settings: PartSettings): PartRequest {
     outline,
     structure: { family: found.family, parameters: [...found.parameters] },
     beam_width: settings.beamWidth,
+    ...(settings.orientation !== 0 && { orientation: radians(settings.orientation) }),
     thickness: settings.thickness,
     frame: settings.frame,
     rim: settings.whole ? "whole" : "clipped",
     material: { density: settings.density },
+  };
+}
+
+/** What a part of a design begins with: walls, density and orientation of the design, and a common nozzle's walls where no size was asked for. */
+export function settingsOf({ measures, made }: Pick<Shown, "measures" | "made">): Pick<PartSettings, "beamWidth" | "density" | "orientation"> {
+  const { beamWidth, materialDensity, orientation } = measures;
+  const asked = made.size.kind !== DEFAULT_MADE.size.kind || made.size.value !== DEFAULT_MADE.size.value;
+  return {
+    beamWidth: asked && beamWidth !== null ? Number(beamWidth.toPrecision(4)) : FIRST_PART.beamWidth,
+    density: materialDensity,
+    orientation: Number(((orientation * 180) / Math.PI).toFixed(2)),
   };
 }
 

@@ -5,13 +5,13 @@ import { download } from "../base/download";
 import { digits } from "../base/format";
 import { late } from "../base/late";
 import { explain } from "../contract/client";
-import { type Part, type PartFormat, type PartSettings, type PartState } from "./part";
+import { type Part, type PartFormat, type PartSettings, type PartState, settingsOf } from "./part";
 import type { DesignSession } from "./session";
 
 const PAUSE_MS = 400;
-type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "frame" | "density";
+type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "frame" | "density" | "orientation";
 const LABELS: Record<NumberSetting, string> = {
-  width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³",
+  width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³", orientation: "Orientation, °",
 };
 const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm" } as const;
 
@@ -31,9 +31,9 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   const fields = new Map<NumberSetting, { field: HTMLElement; label: HTMLElement; input: HTMLInputElement }>();
   for (const name of Object.keys(LABELS) as NumberSetting[]) {
     const id = uniqueId("part");
-    const input = h("input", { type: "number", id, class: "number", min: 0, step: "any", onchange: () => {
+    const input = h("input", { type: "number", id, class: "number", min: name === "orientation" ? null : 0, step: "any", onchange: () => {
       const value = Number(input.value);
-      if (input.value !== "" && Number.isFinite(value) && value >= 0) change({ [name]: value });
+      if (input.value !== "" && Number.isFinite(value) && (value >= 0 || name === "orientation")) change({ [name]: value });
       else show();
     } });
     const label = h("label", { for: id }, LABELS[name]);
@@ -81,8 +81,18 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     }
   }
 
+  // What was set for this part stays until the design has something else.
+  let begun = "";
+  session.shown.watch((shown) => {
+    if (shown && !shown.provisional) {
+      const settings = settingsOf(shown);
+      const now = JSON.stringify(settings);
+      if (now !== begun) part.settings.set({ ...part.settings.get(), ...settings });
+      begun = now;
+    }
+    later.ask();
+  });
   part.settings.watch(() => show());
-  session.shown.watch(() => later.ask());
   element.addEventListener("toggle", () => describe());
   part.state.watch((state) => {
     note.textContent = noteOf(state);

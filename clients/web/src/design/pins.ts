@@ -75,7 +75,7 @@ export class Pins {
   private async trace(pin: Pin): Promise<void> {
     const { kind } = this;
     if (!kind) return;
-    const curve = await this.session.profile(pin.state.found, kind);
+    const curve = await this.session.profile(pin.state.found, kind, pin.state.made);
     if (!curve || kind !== this.kind && !sameProfile(kind, this.kind as ProfileKind)) return;
     this.list.set(this.list.get().map((other) => (other.id === pin.id ? { ...other, curve: { ...curve, id: pin.id, name: pin.name } } : other)));
   }

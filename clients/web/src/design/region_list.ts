@@ -8,8 +8,8 @@ export const MOST_REGION_NAME = 40;
 
 /** The region alone, of what has more. */
 export function regionOf(state: Region): Region {
-  const { region, others, at, family, found, fixed, byHand } = state;
-  return { ...targetOf(state), region, others, at, family, found, fixed, byHand };
+  const { region, others, at, made, family, found, fixed, byHand } = state;
+  return { ...targetOf(state), region, others, at, made, family, found, fixed, byHand };
 }
 
 /** All regions in the order of their tabs. */

@@ -1,5 +1,6 @@
 // From what the person decided to what the server is asked.
 import type { DesignRequest, ProfileRequest, SimulationRequest } from "../contract/types";
+import { DEFAULT_MADE, isRange, type Made, madeRequest, modulusOf, orientationOf, settled } from "./made";
 import { ANY, type DesignState, type Found, isPolar, type ProfileKind, type Region, type Target } from "./state";
 import { regionWords } from "./region_list";
 import { askedOrder, targetsOf } from "./target_list";
@@ -54,12 +55,15 @@ function problemOf(region: Region, effort: Effort): Problem {
   const targets = targetsOf(region);
   const [main, ...also] = askedOrder(region).map((place) => requestedTarget(targets[place]));
   const family = searchedFamily(region, effort);
-  const start = region.found && region.found.family === family ? region.found.parameters : undefined;
+  const begin = region.found && region.found.family === family ? region.found : undefined;
+  const start = begin?.parameters;
   return {
     ...main,
     ...(also.length > 0 && { also }),
     family: family ?? ANY,
+    ...madeRequest(region.made),
     ...(start && { initial: [...start] }),
+    ...(begin?.orientation !== undefined && isRange(region.made.orientation) && { initial_orientation: orientationOf(region.made, begin) }),
     ...(start && region.fixed.some(Boolean) && { fixed: start.map((value, k) => (region.fixed[k] ? value : null)) }),
   };
 }
@@ -78,18 +82,21 @@ export function regionsRequest(regions: readonly Region[], session: string): Des
   const problems = regions.map((region, place): Problem => {
     const { found, byHand } = region;
     const held = found && byHand ? { family: found.family, initial: [...found.parameters], fixed: [...found.parameters] } : {};
-    return { name: regionWords(region, place), ...problemOf(region, "search"), ...held };
+    const asked = found && byHand ? { ...region, made: settled(region.made, found) } : region;
+    return { name: regionWords(region, place), ...problemOf(asked, "search"), ...held };
   });
   return { regions: problems, ...SEARCH, session };
 }
 
 /** A design's profile at the samples of the state's target. */
-export function profileRequest(state: ProfileKind & Pick<DesignState, "points">, found: Found): ProfileRequest {
+export function profileRequest(state: ProfileKind & Pick<DesignState, "points">, found: Found, made: Made): ProfileRequest {
   const { points } = state;
+  const { material, orientation } = madeRequest(settled(made, found));
   return {
     ...(kindOf(state) as Pick<ProfileRequest, "task" | "direction" | "strain" | "strain_measure">),
     family: found.family,
     parameters: [...found.parameters],
+    ...({ ...(material && { material }), ...(orientation !== undefined && { orientation }) } as Pick<ProfileRequest, "material" | "orientation">),
     ...((isPolar(state.task) || points.length > 1) && { samples: samplesOf(state) }),
     ...(!isPolar(state.task) && points.length > 1 && { range: [points[0][0], points[points.length - 1][0]] }),
   };
@@ -98,7 +105,7 @@ export function profileRequest(state: ProfileKind & Pick<DesignState, "points">,
 /** The design shown, as it is, simulated at its native scale along the target's profile. */
 export function verificationRequest(state: DesignState, found: Found): DesignRequest {
   return {
-    ...designRequest({ ...state, family: found.family, found, fixed: [] }, "follow", "unused"),
+    ...designRequest({ ...state, made: settled(state.made, found), family: found.family, found, fixed: [] }, "follow", "unused"),
     fixed: [...found.parameters],
     verify: true,
     accuracy: { verified_samples: VERIFIED_SAMPLES },
@@ -116,6 +123,11 @@ export function polishRequest(state: DesignState, found: Found): DesignRequest {
   };
 }
 
+/** Of the load, from the x axis of the tiling, which may have been turned. */
+export function patchDirection({ task, direction, made }: DesignState, found: Found): number {
+  return (isPolar(task) ? 0 : direction) - orientationOf(made, found);
+}
+
 /** Simulation of the deformed patch: rest to the largest strain, then back to the smallest. */
 export function patchRequest(state: DesignState, found: Found): SimulationRequest {
   const strains = isPolar(state.task) ? [state.strain] : state.points.map((point) => point[0]);
@@ -123,18 +135,21 @@ export function patchRequest(state: DesignState, found: Found): SimulationReques
     1 + (state.measure === "engineering" ? strain : convertedStrain(strain, "engineering"));
   const path = (end: number) => Array.from({ length: PATCH_STATES }, (_, k) => toStretch((end * (k + 1)) / PATCH_STATES));
   const [smallest, largest] = [Math.min(...strains), Math.max(...strains)];
+  const modulus = modulusOf(state.made, found);
   const stretches = [1, ...(largest > 0 ? path(largest) : []), ...(smallest < 0 ? path(smallest) : [])];
   return {
     family: found.family,
     parameters: [...found.parameters],
-    load: { uniaxial: { direction: isPolar(state.task) ? 0 : state.direction, frame: "material", stretches } },
+    ...(modulus !== DEFAULT_MADE.youngsModulus && { material: { youngs_modulus: modulus } }),
+    load: { uniaxial: { direction: patchDirection(state, found), frame: "material", stretches } },
     tangents: false,
     deformed: "json",
   } as SimulationRequest;
 }
 
 /** Path of the structure as a file of the server. */
-export function structurePath(found: Found, format: "svg" | "dxf" | "stl", cells: readonly [number, number]): string {
+export function structurePath(found: Found, format: "svg" | "dxf" | "stl", cells: readonly [number, number], beamWidth: number | null = null): string {
   const parameters = found.parameters.map((value) => String(value)).join(",");
-  return `/v1/families/${encodeURIComponent(found.family)}/structure?parameters=${parameters}&cells=${cells.join(",")}&format=${format}`;
+  const width = beamWidth === null || beamWidth === DEFAULT_MADE.size.value ? "" : `&beam_width=${beamWidth}`;
+  return `/v1/families/${encodeURIComponent(found.family)}/structure?parameters=${parameters}${width}&cells=${cells.join(",")}&format=${format}`;
 }

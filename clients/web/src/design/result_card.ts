@@ -4,11 +4,12 @@ import { h, replace } from "../base/dom";
 import { degrees, digits, percent, seconds } from "../base/format";
 import { icon } from "../base/icons";
 import type { DesignStop } from "../contract/types";
+import { modulusWords } from "./made";
 import type { Overlays } from "./overlays";
 import { rankingList } from "./ranking_list";
 import { relaxation } from "./reach";
 import type { DesignSession } from "./session";
-import { freshness, type ModelError, modelError, sameWanted, type Shown } from "./shown";
+import { freshness, type Measures, type ModelError, modelError, sameWanted, type Shown } from "./shown";
 import { type DesignState, isPolar, TASK_WORDS } from "./state";
 import { targetWords } from "./target_list";
 import { judge, type Judgement, type Verdict } from "./verdict";
@@ -110,10 +111,24 @@ function facts(shown: Shown, error: ModelError | null): HTMLElement {
     ["Largest", `${digits(shown.largest)}${unit && ` ${unit}`}`],
     ["Parameters", shown.found.parameters.map((value) => digits(value, 4)).join(", ")],
   ];
+  rows.push(...measureRows(shown.measures));
   if (!shown.provisional) rows.push(["Time", seconds(shown.seconds)]);
   if (error) rows.push(["Model’s error", `${percent(error.mean)} in the mean, at most ${percent(error.percentile99)} for 99 in 100`]);
   if (shown.stopped) rows.push(["Stopped by", STOP_WORDS[shown.stopped]]);
   return h("dl", { class: "facts" }, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
+}
+
+/** What the structure is made of and what it measures, as far as anybody knows. */
+function measureRows({ youngsModulus, orientation, beamWidth, cellSize, relativeDensity, density }: Measures): [string, string][] {
+  const known = (term: string, value: number | null, words: (value: number) => string): [string, string][] => (value === null ? [] : [[term, words(value)]]);
+  return [
+    ["Young’s modulus", `${modulusWords(youngsModulus)} MPa`],
+    ["Orientation", degrees(orientation)],
+    ...known("Beam width", beamWidth, (value) => `${digits(value)} mm`),
+    ...known("Cell size", cellSize, (value) => `${digits(value)} mm`),
+    ...known("Relative density", relativeDensity, percent),
+    ...known("Density", density, (value) => `${digits(value)} g/cm³`),
+  ];
 }
 
 function notes(shown: Shown, { verdict }: Judgement): HTMLElement[] {

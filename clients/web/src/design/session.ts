@@ -8,8 +8,9 @@ import { runJob } from "../contract/jobs";
 import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile } from "../contract/types";
 import { type Relaxation, snappedPoints } from "./reach";
 import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
+import { isRange, type Made } from "./made";
 import { designRequest, type Effort, profileRequest, regionsRequest } from "./requests";
-import { type Envelope, type FoundDesign, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
+import { type Envelope, type FoundDesign, foundOf, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
 import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
 import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type Points, pointsOnProfile } from "./targets";
@@ -314,8 +315,9 @@ export class DesignSession {
   }
 
   /** Looks at the best design of one family of the ranking. */
-  lookAt({ family, parameters }: DesignCandidate): void {
-    this.apply({ family, found: { family, parameters }, byHand: false });
+  lookAt({ family, parameters, orientation }: DesignCandidate): void {
+    const { made } = this.state.get();
+    this.apply({ family, found: { family, parameters, ...(isRange(made.orientation) && { orientation }) }, byHand: false });
   }
 
   /** Another task; its target is the one it had, or what the design at hand does there. */
@@ -343,6 +345,12 @@ export class DesignSession {
     if (done) this.finish();
   }
 
+  /** A design that was corrected elsewhere takes the place of the one shown. */
+  setFound(found: Found): void {
+    this.preview({ found, byHand: true });
+    this.finish();
+  }
+
   /** What the design shown does becomes the target. */
   adoptAsTarget(): void {
     const shown = this.shown.get();
@@ -364,9 +372,9 @@ export class DesignSession {
   }
 
   /** The profile of any design, of some kind. Null where it cannot be had. */
-  async profile(found: Found, kind: ProfileKind & Pick<DesignState, "points">): Promise<Curve | null> {
+  async profile(found: Found, kind: ProfileKind & Pick<DesignState, "points">, made: Made): Promise<Curve | null> {
     try {
-      const answer = await this.client.post<Profile>("/v1/profiles", profileRequest(kind, found));
+      const answer = await this.client.post<Profile>("/v1/profiles", profileRequest(kind, found, made));
       return { x: answer.x, y: answer.y };
     } catch {
       return null; // the main request meets the same fault and tells of it
@@ -411,7 +419,7 @@ export class DesignSession {
     const regions = this.regions.map((region, k): Region => {
       const { family, parameters } = found[k];
       const same = region.found?.family === family && region.fixed.length === parameters.length;
-      return { ...region, found: { family, parameters }, fixed: same ? region.fixed : parameters.map(() => false) };
+      return { ...region, found: foundOf(found[k], asked[k]), fixed: same ? region.fixed : parameters.map(() => false) };
     });
     this.state.set(withRegions(regions, regionAt));
     this.history.amend(this.state.get());
@@ -484,7 +492,7 @@ export class DesignSession {
   }
 
   private async pointsOf(state: DesignState, found: Found | null): Promise<Points> {
-    const curve = found && (await this.profile(found, { ...state, points: [] }));
+    const curve = found && (await this.profile(found, { ...state, points: [] }, state.made));
     return curve ? pointsOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task), state.interpolation) : [];
   }
 
@@ -566,7 +574,7 @@ export class DesignSession {
 
   /** One for each target, in the order of the tabs. */
   private profilesOf(state: DesignState, found: Found, signal?: AbortSignal): Promise<Profile[]> {
-    return Promise.all(targetsOf(state).map((target) => this.client.post<Profile>("/v1/profiles", profileRequest(target, found), { signal })));
+    return Promise.all(targetsOf(state).map((target) => this.client.post<Profile>("/v1/profiles", profileRequest(target, found, state.made), { signal })));
   }
 
   private showProgress(job: Job, state: DesignState, signal: AbortSignal): void {
@@ -589,8 +597,7 @@ export class DesignSession {
   }
 
   private accept(answer: DesignAnswer, asked: DesignState): void {
-    const found: Found = { family: answer.family, parameters: answer.parameters };
-    this.takeOver(found);
+    this.takeOver(foundOf(answer, asked));
     this.rank(answer, asked);
     const targets = targetsOf(asked);
     const order = askedOrder(asked);

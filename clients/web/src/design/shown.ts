@@ -1,5 +1,6 @@
 // What the plot, the cards and the exports show: answers of the server in one form.
 import type { Design, DesignCandidate, DesignStop, Model, PartialDesign, Profile } from "../contract/types";
+import { foundMade, isRange, type Made, modulusOf, orientationOf, sameMade } from "./made";
 import { type Found, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 import { askedOrder, sameTargets, targetOf, targetsOf } from "./target_list";
@@ -18,12 +19,31 @@ export interface Envelope extends ProfileKind, Band {
 export interface Wanted {
   /** In the order of their tabs. */
   readonly targets: readonly Target[];
+  readonly made: Made;
+}
+
+/** What a design is made of, how it lies and what it measures; null where nobody has measured it. */
+export interface Measures {
+  /** In MPa. */
+  readonly youngsModulus: number;
+  /** Of the material, in g/cm^3. */
+  readonly materialDensity: number;
+  /** In radians. */
+  readonly orientation: number;
+  /** In mm. */
+  readonly beamWidth: number | null;
+  /** In mm. */
+  readonly cellSize: number | null;
+  readonly relativeDensity: number | null;
+  /** Of the structure with its holes, in g/cm^3. */
+  readonly density: number | null;
 }
 
 /** What a design does about one of its targets. */
 export interface Shown extends Target, Wanted {
   readonly found: Found;
   readonly model: string;
+  readonly measures: Measures;
   readonly x: readonly number[];
   readonly achieved: readonly (number | null)[];
   /** The simulated value differs by no more, in 90 of 100 cases; null where nobody can say. */
@@ -90,15 +110,16 @@ export function kindOf({ task, direction, strain, measure }: ProfileKind): Profi
 
 /** What a state wants. */
 export function wantedOf(state: Region): Wanted {
-  return { targets: targetsOf(state) };
+  return { targets: targetsOf(state), made: state.made };
 }
 
 export function sameWanted(a: Wanted, b: Wanted): boolean {
-  return sameTargets(a.targets, b.targets);
+  return sameTargets(a.targets, b.targets) && sameMade(a.made, b.made);
 }
 
 export function sameFound(a: Found, b: Found): boolean {
-  return a.family === b.family && a.parameters.length === b.parameters.length && a.parameters.every((value, k) => value === b.parameters[k]);
+  const sameParameters = a.parameters.length === b.parameters.length && a.parameters.every((value, k) => value === b.parameters[k]);
+  return a.family === b.family && sameParameters && a.youngsModulus === b.youngsModulus && a.orientation === b.orientation;
 }
 
 /**
@@ -115,6 +136,27 @@ export function freshness(shown: Shown | null, state: Region): Freshness {
 /** A design that was found, by itself or as one of several regions. */
 export type FoundDesign = Design & { readonly cost: { readonly seconds: number } };
 
+/** The design of an answer, with what had been left to the search. */
+export function foundOf({ family, parameters, material, orientation }: Pick<Design, "family" | "parameters" | "orientation" | "material">, { made }: Pick<Region, "made">): Found {
+  return { family, parameters, ...foundMade(made, material.youngs_modulus, orientation) };
+}
+
+/** What is known of a design that nobody has measured: beams have the width that was given, all else follows from the structure. */
+function unmeasured(made: Made, found: Found): Measures {
+  const beamWidth = made.size.kind === "beam_width" ? made.size.value : null;
+  return {
+    youngsModulus: modulusOf(made, found), materialDensity: made.density, orientation: orientationOf(made, found), beamWidth, cellSize: beamWidth === null ? made.size.value : null,
+    relativeDensity: null, density: null,
+  };
+}
+
+function measuresOf({ material, orientation, structure }: FoundDesign): Measures {
+  return {
+    youngsModulus: material.youngs_modulus, materialDensity: material.density, orientation, beamWidth: structure?.beam_width ?? null, cellSize: structure?.cell_size ?? null,
+    relativeDensity: structure?.relative_density ?? null, density: structure?.density ?? null,
+  };
+}
+
 /** What a design that was found does, one for each target in the order of the tabs. */
 export function shownDesigns(answer: FoundDesign, asked: Region): readonly Shown[] {
   const targets = targetsOf(asked);
@@ -126,8 +168,10 @@ export function shownDesigns(answer: FoundDesign, asked: Region): readonly Shown
     return {
       ...target,
       targets,
-      found: { family: answer.family, parameters: answer.parameters },
+      made: asked.made,
+      found: foundOf(answer, asked),
       model: answer.model,
+      measures: measuresOf(answer),
       x: profile.x,
       achieved: profile.achieved,
       errorBar: profile.error_bar,
@@ -155,11 +199,15 @@ export function shownProfiles(profiles: readonly Profile[], asked: Region): read
   const overall = overallDeviation(compared.map(({ deviation }, place) => ({ deviation, weight: targets[place].weight })));
   return targets.map((target, place): Shown => {
     const profile = profiles[place];
+    // The very one that was asked for, with what a search has found besides its parameters.
+    const found = asked.found ?? { family: profile.family, parameters: profile.parameters };
     return {
       ...target,
       targets,
-      found: { family: profile.family, parameters: profile.parameters },
+      made: asked.made,
+      found,
       model: profile.model,
+      measures: unmeasured(asked.made, found),
       ...compared[place],
       overall,
       errorBar: profile.error_bar,
@@ -177,11 +225,14 @@ export function shownProfiles(profiles: readonly Profile[], asked: Region): read
 
 /** The best that a search has found so far, against the target in sight when it was asked: nothing of it is of an earlier answer. */
 export function shownPartial(partial: PartialDesign, asked: Region): Shown {
+  const { family, parameters, orientation } = partial;
+  const found: Found = { family, parameters, ...(isRange(asked.made.orientation) && { orientation }) };
   return {
     ...targetOf(asked),
-    targets: targetsOf(asked),
-    found: { family: partial.family, parameters: partial.parameters },
+    ...wantedOf(asked),
+    found,
     model: partial.model,
+    measures: unmeasured(asked.made, found),
     ...comparison(partial.x, partial.achieved, asked),
     overall: partial.error.relative_rms,
     errorBar: null,

@@ -1,12 +1,13 @@
 // What a person has decided on the design page. Values: a change makes a new state, so that each can be undone.
 import type { StrainMeasure, Task } from "../contract/types";
+import { DEFAULT_MADE, type FoundMade, type Made } from "./made";
 
 /** x: strain (dimensionless) or angle (radians); y: MPa, or dimensionless for Poisson's ratio. */
 export type ControlPoint = readonly [x: number, y: number];
 
 export type Interpolation = "cubic" | "monotone" | "linear";
 
-export interface Found {
+export interface Found extends FoundMade {
   readonly family: string;
   readonly parameters: readonly number[];
 }
@@ -35,6 +36,7 @@ export interface Region extends Target {
   readonly others: readonly Target[];
   /** Place of the target in sight among all, from 0. */
   readonly at: number;
+  readonly made: Made;
   /** A family's id, or "any". */
   readonly family: string;
   /** The design that is shown, and where the next search starts. */
@@ -67,6 +69,7 @@ export const DEFAULT_STATE: DesignState = {
   weight: 1,
   others: [],
   at: 0,
+  made: DEFAULT_MADE,
   family: ANY,
   found: null,
   fixed: [],

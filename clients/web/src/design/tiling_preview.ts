@@ -4,6 +4,7 @@ import { digits, percent } from "../base/format";
 import { Latest } from "../base/latest";
 import { type Client, isAbort } from "../contract/client";
 import type { Family } from "../contract/types";
+import { DEFAULT_MADE, orientationOf } from "./made";
 import { structurePath } from "./requests";
 import type { DesignSession } from "./session";
 import type { Found } from "./state";
@@ -11,6 +12,8 @@ import type { Found } from "./state";
 const MOST_CELLS = 16;
 /** Height of the frame over its width. */
 const HEIGHT_SHARE = 3 / 4;
+/** Of the beams in the server's file, mm. */
+const DRAWN_WIDTH = DEFAULT_MADE.size.value;
 /** How much smaller than at the default parameters a family's cell may become, along a side. */
 const SHRINKAGE = 1.6;
 
@@ -29,32 +32,52 @@ export function coveringCells(lattice: readonly (readonly number[])[], side: num
   return [count(bx, by), count(ax, ay)];
 }
 
+/** The length of 1, 2 or 5 times a power of ten that comes closest, so that it can be read. */
+function roundLength(length: number): number {
+  const power = 10 ** Math.floor(Math.log10(length));
+  const distance = (factor: number) => Math.abs(Math.log((factor * power) / length));
+  return [1, 2, 5, 10].reduce((best, factor) => (distance(factor) < distance(best) ? factor : best)) * power;
+}
+
 export function tilingPreview(session: DesignSession, client: Client): HTMLElement {
   const shape = svg("path", { class: "solid", "fill-rule": "evenodd" });
   const scaleBar = svg("path", { class: "scale-bar" });
   const scaleWords = svg("text", { class: "scale-words" });
-  const drawing = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, shape, scaleBar, scaleWords);
+  const turned = svg("g", {}, shape);
+  const drawing = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, turned, scaleBar, scaleWords);
   const caption = h("figcaption", {});
   // On a small screen the card of the design is far away while a point is dragged.
   const live = h("p", { class: "live", "aria-hidden": "true" });
   const requests = new Latest();
   let asked = "";
+  let drawnSide = 0;
+
+  /** Its corners reach further then. */
+  function isTurned(): boolean {
+    return session.state.get().made.orientation !== 0;
+  }
 
   async function draw(found: Found, signal: AbortSignal): Promise<void> {
     const family = session.family(found.family);
     if (!family) return;
     const side = windowSize(family);
-    const path = structurePath(found, "svg", coveringCells(family.cell.lattice, SHRINKAGE * side));
+    const path = structurePath(found, "svg", coveringCells(family.cell.lattice, SHRINKAGE * side * (isTurned() ? Math.SQRT2 : 1)));
     const text = await (await client.send("GET", path, undefined, { signal })).text();
     const solid = new DOMParser().parseFromString(text, "image/svg+xml").querySelector("path");
     shape.setAttribute("d", solid?.getAttribute("d") ?? "");
     drawing.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
     drawing.setAttribute("aria-label", `Tiling ${found.family} with parameters ${found.parameters.map((value) => digits(value)).join(", ")}`);
-    drawScale(side);
+    drawnSide = side;
+    drawScale();
   }
 
-  function drawScale(side: number): void {
-    const length = side > 30 ? 10 : 5;
+  /** Structures of every size are drawn with beams of one width, and the bar says how large they are. */
+  function drawScale(): void {
+    if (drawnSide === 0) return;
+    const side = drawnSide;
+    const scale = (widthNow() ?? DRAWN_WIDTH) / DRAWN_WIDTH;
+    const words = roundLength((side > 30 ? 10 : 5) * scale);
+    const length = words / scale;
     // The frame is lower than wide: of the square only so much is seen.
     const at = { x: side / 2 - length - side * 0.05, y: (HEIGHT_SHARE * side) / 2 - side * 0.05 };
     scaleBar.setAttribute("d", `M${at.x} ${at.y}h${length}`);
@@ -62,13 +85,27 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
     scaleWords.setAttribute("x", String(at.x));
     scaleWords.setAttribute("y", String(at.y - side * 0.02));
     scaleWords.setAttribute("font-size", String(side / 28));
-    scaleWords.textContent = `${length} mm`;
+    scaleWords.textContent = `${digits(words)} mm`;
+  }
+
+  /** Width of the beams in mm; of a cell's size it follows once the design has been measured. */
+  function widthNow(): number | null {
+    const { size } = session.state.get().made;
+    return size.kind === "beam_width" ? size.value : (session.shown.get()?.measures.beamWidth ?? null);
+  }
+
+  function turn(): void {
+    const { made, found } = session.state.get();
+    // The picture's y axis points down.
+    turned.setAttribute("transform", `rotate(${(-orientationOf(made, found) * 180) / Math.PI})`);
   }
 
   // Of the design of the sliders, which may be ahead of its response.
   session.state.watch(({ found }) => {
     if (!found) return;
-    const key = `${found.family} ${found.parameters.join()}`;
+    turn();
+    drawScale();
+    const key = `${found.family} ${found.parameters.join()} ${isTurned()}`;
     if (key === asked) return;
     asked = key;
     caption.textContent = `${found.family}. ${session.family(found.family)?.description ?? ""}`;
@@ -83,6 +120,7 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
     });
   });
   session.shown.watch((shown) => {
+    drawScale();
     if (shown) live.textContent = `${shown.found.family}: ${percent(shown.deviation)} from the target`;
   });
   return h("figure", { class: "card preview" }, drawing, live, caption);

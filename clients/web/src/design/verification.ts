@@ -5,10 +5,10 @@ import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { DesignAnswer, DesignRequest, Job, Polish, Simulation } from "../contract/types";
-import { patchRequest, polishRequest, verificationRequest } from "./requests";
+import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
-import { sameFound, sameWanted, type Shown } from "./shown";
-import { type DesignState, type Found, isPolar } from "./state";
+import { foundOf, sameFound, sameWanted, type Shown } from "./shown";
+import { type DesignState, type Found } from "./state";
 import { askedOrder } from "./target_list";
 
 export type VerificationState =
@@ -111,12 +111,12 @@ export class Verification {
         this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
         return shown;
       }
-      const found = { family: answer.family, parameters: answer.parameters };
+      const found = foundOf(answer, asked);
       const polished = { ...shown, found };
       const changed = !sameDesign(polished, shown);
       this.subject = polished;
       this.state.set({ kind: "done", simulated, polish: answer.polish, seconds: answer.cost.seconds });
-      if (changed) this.session.setParameters(answer.parameters, true);
+      if (changed) this.session.setFound(found);
       return polished;
     } catch (error) {
       if (!isAbort(error) && !signal.aborted) this.state.set({ kind: "failed", sentence: explain(error) });
@@ -130,8 +130,9 @@ export class Verification {
       if (!signal.aborted) this.patch.set({ kind: "running", progress: job.progress });
     };
     try {
-      const request = patchRequest(this.session.state.get(), shown.found);
-      const direction = isPolar(shown.task) ? 0 : shown.direction;
+      const state = this.session.state.get();
+      const request = patchRequest(state, shown.found);
+      const direction = patchDirection(state, shown.found);
       const simulation = await runJob<Simulation>(this.client, "/v1/simulations", request, { signal, onProgress });
       if (!signal.aborted) this.patch.set({ kind: "done", simulation, direction });
     } catch (error) {

@@ -1,0 +1,222 @@
+// What a design is made of, how it lies and how large it is: given by a person, or left to the search.
+import assert from "node:assert/strict";
+import { describe, it } from "node:test";
+import { DesignPage, number } from "./design_page.mjs";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+
+setUp();
+
+class MadePage extends DesignPage {
+  static async open(browser, url, options) {
+    const { page } = await DesignPage.open(browser, url, options);
+    const made = new MadePage(page);
+    await made.card.locator("summary").click();
+    return made;
+  }
+
+  get card() {
+    return this.page.locator("details.made");
+  }
+
+  /** Writes into a field as a person does, and waits for the answer. */
+  async write(label, value) {
+    await this.fill(label, value);
+    await this.settled();
+  }
+
+  async fill(label, value) {
+    await this.card.getByLabel(label, { exact: true }).fill(String(value));
+    await this.page.keyboard.press("Tab");
+  }
+
+  async choose(label) {
+    await this.card.getByLabel(label, { exact: true }).check();
+    await this.settled();
+  }
+
+  value(label) {
+    return this.card.getByLabel(label, { exact: true }).inputValue();
+  }
+
+  /** What the card of the result says; undefined where it says nothing of it. */
+  async fact(term) {
+    const rows = this.page.locator(".result .facts dt", { hasText: new RegExp(`^${term}$`) });
+    return (await rows.count()) === 0 ? undefined : rows.locator("+ dd").textContent();
+  }
+}
+
+async function withPage(act, options, url = server.url) {
+  const design = await MadePage.open(browser, url, options);
+  try {
+    await act(design, design.page);
+  } catch (error) {
+    await picture(design.page, "failure");
+    throw error;
+  }
+  await closePage(design.page);
+}
+
+/** The address of the page with a target that is so many times as stiff. */
+async function stiffer(times) {
+  const design = await DesignPage.open(browser, server.url);
+  const { page } = design;
+  await until(() => page.url().includes("points="), "the link in the address");
+  const address = page.url().replace(/points=([^&]*)/, (_, points) => {
+    const scaled = points.split(";").map((point) => point.split(",").map(Number)).map(([x, y]) => `${x},${times * y}`);
+    return `points=${scaled.join(";")}`;
+  });
+  await closePage(page);
+  return address;
+}
+
+describe("the material", () => {
+  it("is found between two moduli for a target that is ten times as stiff", async () => {
+    const address = await stiffer(10);
+    await withPage(async (design, page) => {
+      assert.equal(await design.fact("Young’s modulus"), "26 MPa");
+      const before = await design.deviation();
+      assert.ok(before > 15, `no design of this material is so stiff: ${before} %`);
+      await design.choose("Find it: Young’s modulus");
+      await design.write("Young’s modulus at most, MPa", 900);
+      assert.deepEqual(page.designs.asked.at(-1).material, { youngs_modulus: [13, 900] });
+      const modulus = number(await design.fact("Young’s modulus"));
+      assert.ok(modulus > 26 && modulus <= 900, `${modulus} MPa`);
+      assert.ok((await design.deviation()) < 6, `${await design.deviation()} %`);
+      await design.card.scrollIntoViewIfNeeded();
+      await picture(page, "made-range");
+      // The link has what was asked for and what was found.
+      await until(() => /modulus=13,900&.*found-modulus=\d/.test(page.url()), "the modulus in the link");
+      // Parameters by hand keep the modulus that was found.
+      const asked = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
+      await design.slider("Parameter 1").focus();
+      await page.keyboard.press("ArrowRight");
+      assert.equal(number(await design.fact("Young’s modulus")), modulus);
+      assert.ok(Math.abs((await asked).postDataJSON().material.youngs_modulus / modulus - 1) < 0.005);
+      await design.settled();
+      await page.keyboard.press("Control+z");
+      await design.settled();
+      await page.keyboard.press("Control+z");
+      await until(async () => (await design.value("Young’s modulus at most, MPa")) === "52", "the range before");
+      await page.keyboard.press("Control+z");
+      await until(async () => !(await design.card.getByLabel("Young’s modulus at most, MPa").isVisible()), "the modulus that was given");
+      await design.settled();
+      assert.equal(await design.value("Young’s modulus, MPa"), "26");
+      assert.equal(await design.fact("Young’s modulus"), "26 MPa");
+    }, {}, address);
+  });
+
+  it("is one of a list, lies as it is told, and is what a part is made of", () =>
+    withPage(async (design, page) => {
+      const part = page.locator("details.part");
+      await part.locator("summary").click();
+      assert.equal(await part.getByLabel("Wall thickness, mm").inputValue(), "0.4");
+      await design.card.getByLabel("Material", { exact: true }).selectOption("PLA");
+      await design.settled();
+      assert.equal(await design.fact("Young’s modulus"), "2500 MPa");
+      await design.write("Orientation, °", 30);
+      const asked = page.waitForRequest((request) => request.url().endsWith("/v1/parts") && request.postDataJSON().beam_width === 0.5);
+      await design.write("Beam width, mm", 0.5);
+      assert.deepEqual([await design.fact("Orientation"), await design.fact("Beam width")], ["30°", "0.5 mm"]);
+      const cell = number(await design.fact("Cell size"));
+      const [share, density] = [number(await design.fact("Relative density")) / 100, number(await design.fact("Density"))];
+      assert.ok(Math.abs(density - 1.24 * share) < 0.01 * 1.24, `${density} of ${share}`);
+      const request = (await asked).postDataJSON();
+      assert.deepEqual([request.material, request.orientation], [{ density: 1.24 }, Math.PI / 6]);
+      assert.equal(await part.getByLabel("Wall thickness, mm").inputValue(), "0.5");
+      assert.match(await page.locator(".tiling g").getAttribute("transform"), /^rotate\(-(30|29\.9)/);
+      await picture(page, "made-given");
+      const structure = page.locator("main .menu", { has: page.locator("summary", { hasText: "Export" }) }).getByText("Drawing (SVG)");
+      assert.match(await structure.getAttribute("href"), /&beam_width=0\.5&/);
+      // Cells of a size make beams of another width, which the part takes over, too.
+      await design.choose("Cell size");
+      assert.ok(Math.abs(Number(await design.value("Cell size, mm")) / cell - 1) < 0.01, "it begins with the cells at hand");
+      await design.write("Cell size, mm", 2 * cell);
+      assert.ok(Math.abs(number(await design.fact("Cell size")) / (2 * cell) - 1) < 0.01);
+      await until(async () => Math.abs(Number(await part.getByLabel("Wall thickness, mm").inputValue()) / number(await design.fact("Beam width")) - 1) < 0.01, "walls of the part");
+      const menu = page.locator("main .menu", { has: page.locator("summary", { hasText: "Copy as" }) });
+      await menu.locator("summary").click();
+      await menu.getByText("Command line").click();
+      assert.match(await menu.locator("textarea").inputValue(), /--youngs-modulus="2500" \\\n {2}--density="1\.24" \\\n {2}--orientation="30deg" \\\n {2}--cell-size=/);
+      // What was copied is what the server takes.
+      await menu.getByText("curl").click();
+      const body = /-d '(.*)'\n$/.exec(await menu.locator("textarea").inputValue())[1];
+      const answer = await fetch(`${server.url}/v1/designs`, { method: "POST", headers: { "Content-Type": "application/json" }, body });
+      assert.equal(answer.status, 200);
+      assert.equal((await answer.json()).material.youngs_modulus, 2500);
+    }));
+
+  it("is of the design of the region in sight", () =>
+    withPage(async (design, page) => {
+      await design.write("Young’s modulus, MPa", 60);
+      await page.getByTitle("Divide the product into regions").click();
+      await page.locator(".regions-card li").nth(1).waitFor();
+      await design.settled();
+      await design.write("Young’s modulus, MPa", 40);
+      assert.equal(await design.fact("Young’s modulus"), "40 MPa");
+      await page.getByRole("tablist", { name: "Regions of the product" }).getByRole("tab").first().click();
+      await until(async () => (await design.value("Young’s modulus, MPa")) === "60", "the first region's modulus");
+      assert.equal(await design.fact("Young’s modulus"), "60 MPa");
+      await design.button("Search all regions").click();
+      await until(() => page.designs.asked.at(-1).regions !== undefined, "a request for all regions");
+      assert.deepEqual(page.designs.asked.at(-1).regions.map((region) => region.material), [{ youngs_modulus: 60 }, { youngs_modulus: 40 }]);
+      await design.settled();
+    }));
+});
+
+describe("limits", () => {
+  it("of density are kept, and where no design keeps them the page says so", () =>
+    withPage(async (design, page) => {
+      const before = number(await design.fact("Relative density"));
+      const most = Math.round(0.8 * before);
+      await design.write("Relative density at most, %", most);
+      assert.deepEqual(page.designs.asked.at(-1).limits, { relative_density: [0, most / 100] });
+      const after = number(await design.fact("Relative density"));
+      assert.ok(after <= most && after < before, `${after} % of at most ${most} %, ${before} % without`);
+      await picture(page, "made-limit");
+      await design.fill("Relative density at most, %", 0.5);
+      const note = design.status.locator(".note");
+      await note.waitFor();
+      assert.match(await note.textContent(), /keeps within the limits\. .*Its relative density is 0\.\d+, above the greatest one asked for, 0\.005\./);
+      await picture(page, "made-beyond");
+      await design.write("Relative density at most, %", "");
+      assert.equal(page.designs.asked.at(-1).limits, undefined);
+      assert.ok(number(await design.fact("Relative density")) > most);
+    }));
+
+  it("of beams are those of cells of a given size", () =>
+    withPage(async (design, page) => {
+      assert.equal(await design.card.getByLabel("Beam width at least, mm").isVisible(), false);
+      await design.choose("Cell size");
+      const width = number(await design.fact("Beam width"));
+      const least = Number((1.2 * width).toPrecision(3));
+      await design.write("Beam width at least, mm", least);
+      assert.deepEqual(page.designs.asked.at(-1).limits, { beam_width: [least, 100] });
+      assert.ok(number(await design.fact("Beam width")) >= least, `${await design.fact("Beam width")} of at least ${least}`);
+    }));
+
+  it("that no server would take are refused where they stand", () =>
+    withPage(async (design, page) => {
+      const asked = page.designs.asked.length;
+      await design.fill("Young’s modulus, MPa", -5);
+      const problem = design.card.locator(".note.problem:visible");
+      assert.equal(await problem.textContent(), "Young’s modulus is a number from 0.000001 MPa to 1,000,000 MPa.");
+      assert.equal(await design.card.getByLabel("Young’s modulus, MPa", { exact: true }).getAttribute("aria-invalid"), "true");
+      await picture(page, "made-refused");
+      await design.fill("Young’s modulus, MPa", 26);
+      assert.equal(await problem.count(), 0);
+      await design.fill("Relative density from, %", 120);
+      assert.match(await problem.textContent(), /from 0 % to 100 %/);
+      await design.fill("Relative density from, %", "");
+      assert.equal(await problem.count(), 0);
+      assert.equal(page.designs.asked.length, asked, "nothing was asked for");
+    }));
+
+  it("and the rest fit a small screen", () =>
+    withPage(async (design, page) => {
+      await design.choose("Find it: Young’s modulus");
+      await design.choose("Find it: orientation");
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
+      await design.card.scrollIntoViewIfNeeded();
+      await picture(page, "made-small");
+    }, { viewport: { width: 390, height: 844 } }));
+});
