@@ -81,8 +81,8 @@ export function madeCard(session: DesignSession): HTMLElement {
     h("summary", {}, "Material and size ", summary),
     preset.element, h("p", { class: "muted" }, "Values of materials are typical ones: those of a print differ, so measure yours."),
     fields.youngsModulus.element, fields.density.element, fields.orientation.element, sizeKind.element, fields.size.element,
-    h("h3", {}, "Limits"), h("p", { class: "muted" }, "The search keeps to designs within them; an empty field is no limit."),
-    fields.relativeDensity.element, fields.leastBeamWidth.element);
+    h("fieldset", { class: "made-limits" }, h("legend", {}, "Limits"), h("p", { class: "muted" }, "The search keeps to designs within them; an empty field is no limit."),
+      fields.relativeDensity.element, fields.leastBeamWidth.element));
 
   /** `searched`: the search has something else to find, also where parameters were set by hand. */
   function apply(change: Partial<Made>, searched: boolean): void {
