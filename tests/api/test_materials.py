@@ -141,6 +141,7 @@ def test_a_search_keeps_within_the_limits(designs: Api) -> None:
 def test_limits_that_nothing_is_within_are_a_problem(designs: Api) -> None:
     answer = designs.post(DESIGNS, {**known_problem(designs, "stiffness"), "limits": {"relative_density": [0, 0.01]}})
     assert (answer.status_code, problem_code(answer)) == (422, "design.beyond_limits")
+    assert pointers(answer) == ["/limits"]
     assert "Its relative density is" in answer.json()["detail"]
 
 

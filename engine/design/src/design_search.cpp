@@ -92,7 +92,8 @@ class Search {
                   "No design of the family " + space_.model.family +
                       " that was tried keeps within the limits. Of the one that comes closest to the target, this is "
                       "beyond them: " +
-                      *beyond_limits_);
+                      *beyond_limits_,
+                  {{"limits", *beyond_limits_}});
     if (!found_)
       throw Error("design.no_equilibrium",
                   "No design of the family " + space_.model.family +

@@ -76,8 +76,12 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
     if (found[i]) ranking.push_back(std::move(*found[i]));
   }
   if (ranking.empty() && beyond_limits)
-    throw Error("design.beyond_limits", "No design of any family that was tried keeps within the limits. " +
-                                            std::string(beyond_limits->what()));
+    throw Error(
+        "design.beyond_limits",
+        "No design of any family that was tried keeps within the limits. Of the closest one of a family, this is "
+        "beyond them: " +
+            beyond_limits->details().front().message,
+        beyond_limits->details());
   if (ranking.empty())
     throw Error("design.no_equilibrium", "No design that was tried has an equilibrium at every sample of the targets.");
   const auto expected = [](const Design& design) {

@@ -411,8 +411,11 @@ TEST(InverseDesign, SaysThatNothingKeepsWithinTheLimits) {
   problem.limits.relative_density = {1.5, 2};
   const auto error = expect_error("design.beyond_limits", [&] { find_design(measured(test), problem); });
   EXPECT_NE(std::string(error.what()).find("below the least one asked for, 1.5"), std::string::npos) << error.what();
+  EXPECT_EQ(places(error), std::vector<std::string>{"limits"});
   const DesignSpace spaces[] = {measured(test), measured(test)};
-  expect_error("design.beyond_limits", [&] { find_designs(spaces, problem); });
+  const auto of_all = expect_error("design.beyond_limits", [&] { find_designs(spaces, problem); });
+  EXPECT_TRUE(std::string(of_all.what()).starts_with("No design of any family")) << of_all.what();
+  EXPECT_NE(std::string(of_all.what()).find("below the least one asked for, 1.5"), std::string::npos);
 }
 
 }  // namespace
