@@ -13,7 +13,6 @@ namespace {
 // The ranges of api/openapi.yaml.
 constexpr double largest_part_length = 2000;  // mm
 constexpr double largest_part_thickness = 1000;
-constexpr double largest_beam_width = 100;
 constexpr std::size_t most_part_polygons = 100;
 constexpr std::size_t most_part_corners = 5'000;
 constexpr std::size_t most_part_regions = 50;

@@ -32,6 +32,10 @@ bool is_builder(Fields& fields, std::string_view name);
 /// An optional array of indices of points or vertices, as many as there may be points.
 void read_indices(Fields& fields, std::string_view name, const Limits& limits, std::vector<std::int32_t>& indices);
 
+/// Widths of beams that requests may ask for, in mm.
+inline constexpr double least_beam_width = 0.01;
+inline constexpr double largest_beam_width = 100;
+
 /// The fields "family" and "parameters".
 struct StructureSpec;
 StructureSpec read_structure(Fields& fields, const Limits& limits);

@@ -13,8 +13,6 @@ constexpr double least_mesh_size = 0.01;
 constexpr double largest_mesh_size = 2;
 constexpr double least_corner_size = 0.01;
 constexpr int most_cells = 100;
-constexpr double least_beam_width = 0.01;
-constexpr double largest_beam_width = 100;
 constexpr double least_height = 1e-3;
 constexpr double largest_height = 1000;
 
