@@ -47,6 +47,7 @@ def test_a_stiffer_material_has_the_same_design_for_a_stiffer_target(designs: Ap
     np.testing.assert_allclose(stiffer["parameters"], plain["parameters"], rtol=1e-3)
     np.testing.assert_allclose(stiffer["profile"]["achieved"], factor * np.array(plain["profile"]["achieved"]),
                                rtol=1e-3, atol=1e-3 * factor * max(map(abs, plain["profile"]["achieved"])))
+    np.testing.assert_allclose(stiffer["profile"]["error_bar"], factor * np.array(plain["profile"]["error_bar"]), rtol=0.02)
     assert stiffer["structure"]["density"] == pytest.approx(1.24 * stiffer["structure"]["relative_density"])
 
 

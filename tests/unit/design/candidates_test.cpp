@@ -74,6 +74,19 @@ TEST(Candidates, HaveNoValuesWhereNothingCanBeBuilt) {
   EXPECT_LT(left, 24);
 }
 
+TEST(Candidates, AreMadeAnewForAnotherOrientation) {
+  const TestSpace space(2, 5);
+  const auto& network = space.model.network;
+  auto turned = stress_at_two_strains;
+  turned[0].orientation = 0.5;
+  const auto table = table_of(space, network.lower, network.upper, 8);
+  const auto other = space.candidates.table(network.lower, network.upper, 8, turned, {}, {});
+  EXPECT_GT((table->y - other->y).norm(), 1e-3 * table->y.norm());
+  turned[0].direction += 0.5;
+  const auto along = space.candidates.table(network.lower, network.upper, 8, turned, {}, {});
+  EXPECT_LT((table->y - along->y).norm(), 1e-5 * table->y.norm()) << "the same direction of the material";
+}
+
 TEST(Candidates, AreMadeOnceForTheSameSamples) {
   const TestSpace space(2, 9);
   const auto& network = space.model.network;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "corrected_model.h"
 #include "supple/design/verified_designs.h"
 #include "support/expect_error.h"
 #include "support/test_calibration.h"
@@ -388,6 +389,15 @@ TEST(DesignAt, HasTheErrorBarsOfTheProfile) {
   ASSERT_EQ(shown.error_bar.size(), profile.error_bar.size());
   ASSERT_GT(shown.error_bar.size(), 0);
   EXPECT_LT((shown.error_bar - profile.error_bar).norm(), 1e-8 * profile.error_bar.norm());
+  // Those of a stiffer material are as many times as long, and so are those by which a survey hopes.
+  DesignProblem stiffer = missed.problem;
+  const double modulus = 3 * missed.test.model.provenance.youngs_modulus;
+  stiffer.moduli = {{modulus, modulus}};
+  const auto of_stiffer = design_at(missed.test.space(), stiffer, parameters, missed.found, {});
+  EXPECT_LT((of_stiffer.profiles[0].error_bar - 3 * shown.error_bar).norm(), 1e-8 * shown.error_bar.norm());
+  const Eigen::VectorXd all = FreeParameters::all_of(parameters, 0);
+  const double bar = CorrectedModel(missed.test.space(), missed.problem, 1e-10).at(all).bar;
+  EXPECT_NEAR(CorrectedModel(missed.test.space(), stiffer, 1e-10).at(all).bar, 3 * bar, 1e-8 * bar);
 }
 
 TEST(DesignAt, HoldsAllParametersAlsoWhereTheProblemFixesSome) {
