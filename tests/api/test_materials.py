@@ -149,6 +149,7 @@ def test_limits_that_nothing_is_within_are_a_problem(designs: Api) -> None:
 @pytest.mark.parametrize("material, pointer", [
     ({"poisson_ratio": 0.3}, "/material/poisson_ratio"),
     ({"law": "incompressible_plane_stress"}, "/material/law"),
+    ([{"poisson_ratio": 0.1}], "/material/0/poisson_ratio"),
     ([{"youngs_modulus": 3}, {"youngs_modulus": 4, "poisson_ratio": 0.1}], "/material/1/poisson_ratio")])
 def test_a_material_that_no_model_knows_is_refused_with_the_reason(designs: Api, material: Any, pointer: str) -> None:
     answer = designs.post(DESIGNS, {**known_problem(designs), "material": material})

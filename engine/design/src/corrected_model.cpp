@@ -24,7 +24,6 @@ CorrectedModel::CorrectedModel(const DesignSpace& space, const DesignProblem& pr
       lower_(bounds_.free_part(bounds_.lower)),
       width_(bounds_.free_part(bounds_.upper) - lower_),
       moduli_(problem.moduli, space.model.provenance.youngs_modulus),
-      has_moduli_(!problem.moduli.empty()),
       limits_asked_(problem.limits),
       limits_(space_, problem.limits),
       tolerance_(tolerance),
@@ -134,7 +133,7 @@ std::optional<CorrectedModel::Values> CorrectedModel::find(const Eigen::VectorXd
 TargetResiduals CorrectedModel::residuals(const Correction& correction) const {
   TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free, search_tolerance_,
                             space_.buildable);
-  if (has_moduli_) residuals.choose_among(moduli_);
+  residuals.choose_among(moduli_);
   residuals.keep_within(limits_);
   // The solver works with parameters.
   residuals.correct(

@@ -75,7 +75,6 @@ class CorrectedModel {
   std::vector<SampledTarget> targets_;
   std::vector<double> weights_;
   ModulusChoice moduli_;
-  bool has_moduli_;
   StructureLimits limits_asked_;
   LimitRows limits_;
   double tolerance_;

@@ -81,10 +81,7 @@ class Search {
     progress_ = &progress;
     const StageTimer timer(execution.cost, "optimization");
     const bool all_fixed = bounds_.free.empty();
-    if (problem_.initial || all_fixed)
-      follow(all_fixed ? bounds_.held
-                       : FreeParameters::all_of(*problem_.initial,
-                                                problem_.initial_orientation.value_or(orientation_in(bounds_.held))));
+    if (problem_.initial || all_fixed) follow(all_fixed ? bounds_.held : start_of_request());
     const bool enough = all_fixed || options_.multi_start == Switch::off;
     if (best_.starts == 0 || (!enough && (options_.multi_start == Switch::on || !good()))) try_candidates();
     if (!found_ && beyond_limits_)
@@ -108,6 +105,12 @@ class Search {
   }
 
  private:
+  /// What `initial` says of all parameters.
+  Eigen::VectorXd start_of_request() const {
+    return FreeParameters::all_of(*problem_.initial,
+                                  problem_.initial_orientation.value_or(orientation_in(bounds_.held)));
+  }
+
   /// Optimizes from one starting point and keeps the result if it is the best. Where there are many samples a few of
   /// them come first, unless it is near already: that finds the neighbourhood at a fraction of the cost.
   void follow(const Eigen::VectorXd& start) {
@@ -164,7 +167,7 @@ class Search {
   TargetResiduals exact_residuals() const {
     TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free,
                               options_.equilibrium_tolerance, bounds_.free.empty() ? Buildable{} : space_.buildable);
-    if (!problem_.moduli.empty()) residuals.choose_among(moduli_);
+    residuals.choose_among(moduli_);
     return residuals;
   }
 
@@ -173,7 +176,7 @@ class Search {
                                    double outlier) const {
     TargetResiduals residuals(space_.evaluator, targets, weights_, bounds_.held, bounds_.free, equilibrium_tolerance,
                               space_.buildable, outlier);
-    if (!problem_.moduli.empty()) residuals.choose_among(moduli_);
+    residuals.choose_among(moduli_);
     residuals.keep_within(limits_);
     return residuals;
   }
@@ -228,8 +231,7 @@ class Search {
     best_.parameters = family_part(residuals.last_parameters());
     best_.orientation = orientation_in(residuals.last_parameters());
     best_.material = residuals.chosen().material;
-    best_.youngs_modulus =
-        problem_.moduli.empty() ? space_.model.provenance.youngs_modulus : residuals.chosen().modulus;
+    best_.youngs_modulus = residuals.chosen().modulus;
     best_.stopped = stopped;
     best_.residual = residuals.largest_residual();
     best_.error = {r.norm(), 0};
@@ -351,7 +353,7 @@ class Search {
   /// With the best modulus, and with what is beyond the limits as searches count it.
   double candidate_error(Eigen::Index candidate, double outlier) const {
     Eigen::VectorXd values = candidate_values(candidate);
-    if (!problem_.moduli.empty()) values = scaled(coarse_, values, moduli_.best(coarse_, weights_, values).factor);
+    values = scaled(coarse_, values, moduli_.best(coarse_, weights_, values).factor);
     Eigen::Index at = 0;
     const double error = deviation(coarse_, outlier, [&](std::size_t t) -> Eigen::VectorXd {
       const auto begin = at;
@@ -412,9 +414,7 @@ class Search {
     look_at_candidates();
     std::array rankings{ranking(outlier_share), ranking(0)};
     std::vector<Eigen::VectorXd> taken;
-    if (problem_.initial)
-      taken.push_back(FreeParameters::all_of(*problem_.initial,
-                                             problem_.initial_orientation.value_or(orientation_in(bounds_.held))));
+    if (problem_.initial) taken.push_back(start_of_request());
     const bool only_one = options_.multi_start == Switch::off;
     std::vector<Lead> leads;
     for (std::size_t turn = 0;; turn = 1 - turn) {

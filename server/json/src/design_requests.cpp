@@ -194,6 +194,7 @@ void read_materials(Fields& fields, RegionSpec& region) {
   const auto pointer = fields.at("material");
   if (!value->is_array()) {
     region.materials.push_back(read_material(*value, pointer, fields.faults(), true));
+    region.materials.back().where = "material";
     return;
   }
   if (value->empty() || value->size() > most_materials) {
@@ -202,6 +203,7 @@ void read_materials(Fields& fields, RegionSpec& region) {
   for (std::size_t i = 0; i < value->size(); ++i) {
     const auto place = pointer + "/" + std::to_string(i);
     region.materials.push_back(read_material((*value)[i], place, fields.faults(), true));
+    region.materials.back().where = "material/" + std::to_string(i);
     if (value->size() > 1 && !region.materials.back().has_modulus)
       fields.faults().add(place, "must have \"youngs_modulus\", since there are several to choose from");
   }

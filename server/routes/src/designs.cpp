@@ -106,12 +106,9 @@ void check_material(const json::MaterialSpec& material, const neural::Model& mod
 
 /// Checks the region's materials and hands their moduli to the search.
 void prepare_materials(Region& region) {
-  const auto& materials = region.spec.materials;
-  for (std::size_t i = 0; i < materials.size(); ++i) {
-    const std::string pointer =
-        region.folder + "material" + (materials.size() > 1 ? "/" + std::to_string(i) : std::string());
-    for (const Model& model : region.models) check_material(materials[i], model->model, pointer);
-    if (materials[i].has_modulus) region.spec.problem.moduli.push_back(materials[i].youngs_modulus);
+  for (const auto& material : region.spec.materials) {
+    for (const Model& model : region.models) check_material(material, model->model, region.folder + material.where);
+    if (material.has_modulus) region.spec.problem.moduli.push_back(material.youngs_modulus);
   }
 }
 

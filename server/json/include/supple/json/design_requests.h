@@ -15,6 +15,7 @@ namespace supple::json {
 
 /// What a structure may be made of.
 struct MaterialSpec {
+  std::string where;               ///< its place in its region: "material" or "material/3"
   std::string name;                ///< empty where it has none
   design::Range youngs_modulus{};  ///< MPa; none: that of the model
   bool has_modulus = false;
