@@ -35,7 +35,8 @@ void read_repair(Fields& fields, std::optional<surface::RepairOptions>& repair) 
   const auto* entries = fields.array("repair", false, 1, names.size(), "");
   for (std::size_t i = 0; entries && i < entries->size(); ++i) {
     const auto& entry = (*entries)[i];
-    const auto found = std::find_if(names.begin(), names.end(), [&](std::string_view name) { return entry == name; });
+    const auto* text = entry.get_ptr<const std::string*>();
+    const auto found = text ? std::find(names.begin(), names.end(), *text) : names.end();
     if (found == names.end()) {
       fields.faults().add(fields.at("repair") + "/" + std::to_string(i),
                           R"(must be one of "weld", "drop_degenerate", "drop_duplicates", "split_non_manifold")");
