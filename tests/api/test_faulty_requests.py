@@ -44,7 +44,9 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
 
 @pytest.mark.parametrize("path", ALL)
 def test_a_valid_request_shows_that_the_faults_below_are_what_is_refused(api: Api, grid_mesh: str, path: str) -> None:
-    assert api.post(path, minimal(path, grid_mesh)).status_code == 200
+    answer = api.post(path, minimal(path, grid_mesh))
+    assert answer.status_code == 200
+    assert answer.json()["effects"], "every computation says which of its optional parts ran"
 
 
 @pytest.mark.parametrize("path", [*ALL, "/v1/meshes"])

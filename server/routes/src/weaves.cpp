@@ -65,6 +65,16 @@ store::Result draw(const json::WeaveSpec& spec, const json::Limits& limits, cons
   return result;
 }
 
+/// Whether crossings had to be found.
+void tell_search(const json::WeaveSpec& spec, CostLedger* cost) {
+  if (!cost) return;
+  const auto* layout = std::get_if<json::LayoutSpec>(&spec.source);
+  cost->add_effect("crossing_search", layout && !layout->crossings,
+                   !layout             ? "the pattern knows its crossings"
+                   : layout->crossings ? "the request gives the crossings"
+                                       : "the request gives no crossings");
+}
+
 store::Result describe(const json::WeaveLayoutRequest& request, const json::Limits& limits, const Execution& outer) {
   Weave weave;
   std::vector<std::string> warnings;
@@ -86,6 +96,8 @@ store::Result describe(const json::WeaveLayoutRequest& request, const json::Limi
       const StageTimer timer(execution.cost, "export");
       svg = to_svg(weave, execution);
     }
+    tell_search(request.weave, execution.cost);
+    tell_asked(execution, "svg", request.svg);
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_layout(weave, warnings, request.svg ? &svg : nullptr, bill, outer));
