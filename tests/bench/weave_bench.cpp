@@ -1,5 +1,5 @@
-// Digital weaves: accuracy of cells and of sheets against time, load steps, what cells and sheets cost, how that grows with a sheet, what
-// effects cost.
+// Digital weaves: accuracy of cells and of sheets against time, load steps, what cells and sheets cost, how that grows
+// with a sheet, what effects cost.
 //
 //   weave_bench [--short] [--out DIR] [STUDY ...]      default: all studies into docs/bench
 #include "weave_bench.h"
