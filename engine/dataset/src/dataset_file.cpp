@@ -11,6 +11,7 @@
 #include "supple/base/error.h"
 #include "supple/files/durable_file.h"
 #include "supple/files/hdf5_file.h"
+#include "supple/files/seal.h"
 
 namespace supple::dataset {
 namespace {
@@ -327,6 +328,7 @@ void write_dataset(const std::filesystem::path& path, const Dataset& data, const
     write_recipe(file, data.recipe);
     write_tables(file, data, options);
     file.close();
+    files::seal(part);
     files::move_into_place(part, path);
   } catch (...) {
     ::unlink(part.c_str());
@@ -335,6 +337,8 @@ void write_dataset(const std::filesystem::path& path, const Dataset& data, const
 }
 
 Dataset read_dataset(const std::filesystem::path& path) {
+  // HDF5's library trusts what it reads.
+  files::check_seal_if_any(path);
   const files::Hdf5Reader file(path);
   if (file.text_attribute("/", "format") != format) throw_contradiction(path, "it is no data set");
   if (const auto version = file.integer_attribute("/", "format_version"); version != format_version)

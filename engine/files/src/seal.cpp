@@ -37,6 +37,15 @@ std::string seal_of(std::string_view content) {
   return std::string(mark) + digits.data() + "\n";
 }
 
+bool has_seal(std::string_view all) {
+  return all.size() >= seal_size && all.substr(all.size() - seal_size, mark.size()) == mark;
+}
+
+void compare(const std::filesystem::path& path, std::string_view all) {
+  if (all.substr(all.size() - seal_size) != seal_of(all.substr(0, all.size() - seal_size)))
+    throw Error("file.unreadable", path.string() + ": it is damaged: its content does not have its checksum.");
+}
+
 }  // namespace
 
 std::uint32_t crc32(std::string_view bytes) {
@@ -56,12 +65,15 @@ void seal(const std::filesystem::path& path) {
 
 void check_seal(const std::filesystem::path& path) {
   const auto content = content_of(path);
-  const auto all = std::string_view(content);
-  if (all.size() < seal_size || all.substr(all.size() - seal_size, mark.size()) != mark)
+  if (!has_seal(content))
     throw Error("file.unreadable",
                 path.string() + ": it has no checksum at its end: it is cut off, or of another kind.");
-  if (all.substr(all.size() - seal_size) != seal_of(all.substr(0, all.size() - seal_size)))
-    throw Error("file.unreadable", path.string() + ": it is damaged: its content does not have its checksum.");
+  compare(path, content);
+}
+
+void check_seal_if_any(const std::filesystem::path& path) {
+  const auto content = content_of(path);
+  if (has_seal(content)) compare(path, content);
 }
 
 }  // namespace supple::files

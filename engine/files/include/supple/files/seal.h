@@ -18,4 +18,7 @@ void seal(const std::filesystem::path& path);
 /// forgery. Throws "file.unreadable": no such file, no seal, or another content.
 void check_seal(const std::filesystem::path& path);
 
+/// The same of a file that may have been written before files of its kind were sealed: one without a seal passes.
+void check_seal_if_any(const std::filesystem::path& path);
+
 }  // namespace supple::files
