@@ -333,7 +333,8 @@ DesignRequest parse_design(std::string_view body, const Limits& limits) {
 }
 
 ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
+  const auto owned = parse_document(body, limits);
+  const Document& document = owned;
   ProfileRequest request;
   Faults faults;
   Fields fields(document, "", faults);

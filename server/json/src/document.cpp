@@ -17,8 +17,6 @@ constexpr std::int64_t bytes_of_member = 120;
 constexpr std::int64_t bytes_of_container = 64;
 constexpr std::int64_t bytes_at_once = 1 << 20;  // that are reserved together, which takes a mutex
 
-/// Takes a document apart from its leaves on. The library's own way is to collect the children of an array first, for
-/// which it allocates, in a destructor: where memory is short that ends the process.
 void dismantle(Document& document) {
   if (document.is_array()) {
     auto& array = document.get_ref<Document::array_t&>();
@@ -132,20 +130,17 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
 
 }  // namespace
 
-Document parse_document(std::string_view text, const Limits& limits) {
+OwnedDocument::~OwnedDocument() { dismantle(root_); }
+
+OwnedDocument parse_document(std::string_view text, const Limits& limits) {
   if (const auto at = first_invalid_utf8(text); at != std::string_view::npos) {
     throw Error("request.not_utf8", "The body is not UTF-8 at byte " + std::to_string(at) + ".");
   }
   if (text.empty()) throw Error("request.malformed_json", "The body is empty; this request takes a JSON object.");
-  Document root;
-  BoundedBuilder builder(root, limits);
-  try {
-    Document::sax_parse(text.begin(), text.end(), &builder);
-  } catch (...) {
-    dismantle(root);
-    throw;
-  }
-  return root;
+  OwnedDocument document;
+  BoundedBuilder builder(document.root(), limits);
+  Document::sax_parse(text.begin(), text.end(), &builder);
+  return document;
 }
 
 }  // namespace supple::json

@@ -65,7 +65,8 @@ void read_range(Fields& fields, design::ReductionOptions& options) {
 }  // namespace
 
 MeasuredCurveRequest parse_measured_curve(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
+  const auto owned = parse_document(body, limits);
+  const Document& document = owned;
   MeasuredCurveRequest request;
   Faults faults;
   Fields fields(document, "", faults);

@@ -83,7 +83,8 @@ EvaluationRequest parse_evaluation(std::string_view body, const Limits& limits) 
 }
 
 UniaxialRequest parse_uniaxial(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
+  const auto owned = parse_document(body, limits);
+  const Document& document = owned;
   UniaxialRequest request;
   Faults faults;
   Fields fields(document, "", faults);

@@ -39,14 +39,14 @@ void operator delete[](void* block, const std::nothrow_t&) noexcept { std::free(
 namespace supple::json {
 namespace {
 
-/// Parses a text that is no document, and tells the largest block that was allocated on the way out.
-std::size_t allocated_on_the_way_out(const std::string& text) {
+/// Parses a text that is no request, and tells the largest block that was allocated on the way out.
+std::size_t allocated_on_the_way_out(const std::string& text, const char* code = "request.malformed_json") {
   largest_while_unwinding = 0;
   try {
     parse_geodesics(text, Limits{});
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), "request.malformed_json");
+    EXPECT_EQ(error.code(), code);
   }
   return largest_while_unwinding;
 }
@@ -64,6 +64,13 @@ TEST(Document, IsTakenApartWithoutAllocatingWhereItsRestIsNoJson) {
       << "objects";
   EXPECT_LT(allocated_on_the_way_out(repeated("{\"a\": [", 12) + repeated("\"x\", ", 10'000) + "?"), 1000U)
       << "nested ones";
+}
+
+TEST(Document, IsTakenApartWithoutAllocatingOnceItHasBeenRead) {
+  for (const std::string element : {"1", "[1, 2]", "{\"a\": [1]}"})
+    EXPECT_LT(allocated_on_the_way_out("[" + repeated(element + ", ", 10'000) + element + "]", "request.invalid"),
+              1000U)
+        << element;
 }
 
 }  // namespace
