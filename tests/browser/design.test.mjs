@@ -1,25 +1,14 @@
 // Designs by drawing: targets, sliders, history, what follows what.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
-import { DesignPage } from "./design_page.mjs";
-import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+import { withDesign } from "./design_page.mjs";
+import { picture, setUp, until } from "./harness.mjs";
 
 setUp();
 
-async function withPage(act, options) {
-  const design = await DesignPage.open(browser, server.url, options);
-  try {
-    await act(design, design.page);
-  } catch (error) {
-    await picture(design.page, "failure");
-    throw error;
-  }
-  await closePage(design.page);
-}
-
 describe("stress over strain", () => {
   it("opens with a target and a design that comes close to it", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       assert.ok((await design.handles.count()) >= 5);
       assert.match(await design.curve("achieved"), /^M/);
       assert.match(await design.curve("target"), /^M/);
@@ -43,7 +32,7 @@ describe("stress over strain", () => {
     }));
 
   it("follows a dragged control point with the curve and the tiling, and ends nearer to it", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       const last = (await design.handles.count()) - 1;
       const [curve, tiling] = [await design.curve("achieved"), await design.tiling()];
       const earlier = await design.values();
@@ -63,7 +52,7 @@ describe("stress over strain", () => {
     }));
 
   it("starts each search of a drag from the design before, in its family", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       const first = page.designs.asked.length;
       await design.drag((await design.handles.count()) - 1, 0, -40);
       await design.settled();
@@ -74,7 +63,7 @@ describe("stress over strain", () => {
     }));
 
   it("moves control points by keys, as one step of the history", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       const index = await design.movable();
       const before = await design.pointHeight(index);
       await design.handles.nth(index).focus();
@@ -87,7 +76,7 @@ describe("stress over strain", () => {
     }));
 
   it("adds and removes control points", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       const count = await design.handles.count();
       await design.button("Add a control point").click();
       await until(async () => (await design.handles.count()) === count + 1, "one more");
@@ -102,7 +91,7 @@ describe("stress over strain", () => {
     }));
 
   it("says which part of a target is out of reach", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       await design.drag(0, 0, -250);
       await design.settled();
       assert.match(await page.locator(".legend").textContent(), /Missed/);
@@ -124,7 +113,7 @@ describe("stress over strain", () => {
     }));
 
   it("undoes and redoes, by buttons and by keys", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       const index = await design.movable();
       const heights = [await design.pointHeight(index)];
       for (const down of [-40, -30]) {
@@ -149,7 +138,7 @@ describe("stress over strain", () => {
 
 describe("parameters", () => {
   it("show their profile at once when a slider is moved, and can be fitted again", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       const curve = await design.curve("achieved");
       await page.locator(".parameters .number").first().fill("0.11");
       await page.keyboard.press("Enter");
@@ -168,7 +157,7 @@ describe("parameters", () => {
     }));
 
   it("that are locked are kept by the search", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       const value = await page.locator(".parameters .number").first().inputValue();
       await page.getByRole("button", { name: "Keep parameter 1 in searches" }).click();
       await design.settled();
@@ -179,7 +168,7 @@ describe("parameters", () => {
     }));
 
   it("belong to the family that is chosen, and the ranking names all", () =>
-    withPage(async (design, page) => {
+    withDesign(async (design, page) => {
       await page.getByLabel("Stiffness", { exact: true }).check();
       // The ranking of the task before is not shown beside this one: it would have families looked at for another target.
       await page.locator(".plot.polar").waitFor();
@@ -208,7 +197,7 @@ describe("parameters", () => {
 describe("profiles over direction", () => {
   for (const [name, task] of [["Stiffness", "stiffness"], ["Poisson’s ratio", "poisson"]]) {
     it(`${task}: begin with what the design does, and follow a dragged point`, () =>
-      withPage(async (design, page) => {
+      withDesign(async (design, page) => {
         await page.getByLabel(name, { exact: true }).check();
         await page.locator(".plot.polar").waitFor();
         assert.doesNotMatch((await page.locator(".result").textContent()).replace(/of Stress/g, ""), /Stress|at a strain/, "no word of the task before");

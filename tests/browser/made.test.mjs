@@ -1,15 +1,14 @@
 // What a design is made of, how it lies and how large it is: given by a person, or left to the search.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
-import { DesignPage, number } from "./design_page.mjs";
+import { DesignPage, number, withDesign } from "./design_page.mjs";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 
 setUp();
 
 class MadePage extends DesignPage {
   static async open(browser, url, options) {
-    const { page } = await DesignPage.open(browser, url, options);
-    const made = new MadePage(page);
+    const made = await super.open(browser, url, options);
     await made.card.locator("summary").click();
     return made;
   }
@@ -45,15 +44,8 @@ class MadePage extends DesignPage {
   }
 }
 
-async function withPage(act, options, url = server.url) {
-  const design = await MadePage.open(browser, url, options);
-  try {
-    await act(design, design.page);
-  } catch (error) {
-    await picture(design.page, "failure");
-    throw error;
-  }
-  await closePage(design.page);
+function withPage(act, options) {
+  return withDesign(act, { Kind: MadePage, ...options });
 }
 
 /** The address of the page with a target that is so many times as stiff. */
@@ -102,7 +94,7 @@ describe("the material", () => {
       await design.settled();
       assert.equal(await design.value("Young’s modulus, MPa"), "26");
       assert.equal(await design.fact("Young’s modulus"), "26 MPa");
-    }, {}, address);
+    }, { url: address });
   });
 
   it("is one of a list, lies as it is told, and is what a part is made of", () =>
