@@ -202,7 +202,7 @@ describe("profiles over direction", () => {
         await page.locator(".plot.polar").waitFor();
         assert.doesNotMatch((await page.locator(".result").textContent()).replace(/of Stress/g, ""), /Stress|at a strain/, "no word of the task before");
         await design.settled();
-        assert.ok((await design.deviation()) < 15, `a target that a design comes close to, not ${await design.deviation()} % away`);
+        assert.ok((await design.deviation()) < 5, `a target that a design comes close to, not ${await design.deviation()} % away`);
         assert.match(await design.curve("achieved"), /Z$/, "a closed curve");
         assert.equal(await page.locator(".echo").count(), await design.handles.count(), "each point has its echo half a turn on");
         const curve = await design.curve("target");

@@ -13,7 +13,7 @@ import { designRequest, type Effort, profileRequest, regionsRequest } from "./re
 import { type Envelope, type FoundDesign, foundOf, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
 import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
-import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type Points, pointsOnProfile } from "./targets";
+import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type TargetCurve, targetOnProfile } from "./targets";
 
 /** Seconds that a search may take before it becomes a job whose progress is shown. */
 const IMMEDIATE_SECONDS = 0.4;
@@ -84,7 +84,7 @@ export class DesignSession {
   private epoch = 0;
   private unanswered = false;
   /** Curves of the tasks that were left, for the way back. */
-  private readonly left = new Map<string, Points>();
+  private readonly left = new Map<string, TargetCurve>();
   /** What the family reaches of each target. */
   private envelopes: readonly (Envelope | null)[] = [];
 
@@ -220,10 +220,10 @@ export class DesignSession {
     const targets = targetsOf(state);
     if (targets.length >= MOST_TARGETS) return;
     const further = furtherTarget(targets, targetOf(state));
-    const points = await this.pointsOf({ ...state, ...further }, state.found);
+    const begun = await this.curveOf({ ...state, ...further }, state.found);
     if (this.state.get() !== state) return; // something else was decided meanwhile
     this.showAll([...this.all.get(), null]);
-    this.apply(withTargets([...targets, points.length > 0 ? { ...further, points } : further], targets.length));
+    this.apply(withTargets([...targets, { ...further, ...begun }], targets.length));
   }
 
   remove(at: number): void {
@@ -325,11 +325,11 @@ export class DesignSession {
     const state = this.state.get();
     if (task === state.task) return;
     this.finish();
-    this.left.set(this.targetKey(state), state.points);
+    this.left.set(this.targetKey(state), { points: state.points, interpolation: state.interpolation });
     const next = { ...state, task };
-    const points = this.left.get(this.targetKey(next)) ?? (await this.pointsOf(next, state.found));
+    const curve = this.left.get(this.targetKey(next)) ?? (await this.curveOf(next, state.found));
     const now = this.state.get();
-    if (now.task === state.task && now.at === state.at && now.regionAt === state.regionAt && points.length > 0) this.apply({ task, points });
+    if (now.task === state.task && now.at === state.at && now.regionAt === state.regionAt && curve) this.apply({ task, ...curve });
   }
 
   setMeasure(measure: DesignState["measure"]): void {
@@ -355,8 +355,8 @@ export class DesignSession {
   adoptAsTarget(): void {
     const shown = this.shown.get();
     if (!shown || !sameProfile(shown, this.state.get())) return;
-    const points = pointsOnProfile(shown.task, shown.x, shown.achieved, this.pointCount(shown.task), this.state.get().interpolation);
-    if (points.length > 0) this.apply({ points });
+    const curve = targetOnProfile(shown.task, shown.x, shown.achieved, this.pointCount(shown.task), this.state.get().interpolation);
+    if (curve) this.apply(curve);
   }
 
   /** The target moves onto the response of the closest design that was found. */
@@ -487,13 +487,13 @@ export class DesignSession {
       family: model.family,
       parameters: model.parameters.lower.map((lower, k) => lower + share * (model.parameters.upper[k] - lower)),
     });
-    const points = await this.pointsOf(DEFAULT_STATE, at(0.7));
-    return { ...DEFAULT_STATE, points, found: at(0.3), fixed: model.parameters.lower.map(() => false) };
+    return { ...DEFAULT_STATE, ...(await this.curveOf(DEFAULT_STATE, at(0.7))), found: at(0.3), fixed: model.parameters.lower.map(() => false) };
   }
 
-  private async pointsOf(state: DesignState, found: Found | null): Promise<Points> {
+  /** The target that a design would meet; null where its profile is not to be had. */
+  private async curveOf(state: DesignState, found: Found | null): Promise<TargetCurve | null> {
     const curve = found && (await this.profile(found, { ...state, points: [] }, state.made));
-    return curve ? pointsOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task), state.interpolation) : [];
+    return curve && targetOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task), state.interpolation);
   }
 
   private pointCount(task: DesignState["task"]): number {
