@@ -33,6 +33,7 @@ describe("the curves of a drawing", () => {
     const after = moved(layout, none, 0, 0);
     expect(after.regions).toEqual([0, "rest", 2]);
     expect(layoutOf(sole, names, after)).toEqual({ outline: [1], regions: [0, "rest", 2] });
+    expect(moved(layout, none, 1, 2).regions).toEqual(["rest", 2, 0]);
     expect(moved(layout, none, 2, "nowhere").regions).toEqual(["rest", 0, "nowhere"]);
     expect(moved(layout, none, 0, "nowhere").regions).toEqual(["nowhere", "rest", 2]);
   });

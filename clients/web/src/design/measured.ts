@@ -1,7 +1,7 @@
 // Measured data that became the target: what was read, with which settings, and what is drawn behind the curve.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort, Problem } from "../contract/client";
+import { type Client, explainFile, isAbort, Problem } from "../contract/client";
 import type { MeasuredCurve, MeasuredCurveRequest } from "../contract/types";
 import type { DesignSession } from "./session";
 import type { ControlPoint, DesignState, ProfileKind } from "./state";
@@ -105,8 +105,8 @@ export class Measured {
         const places = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
         const known = this.data.get();
         const same = known?.text === text ? known : null;
-        this.data.set({ name, text, settings, curve: same?.curve ?? null, problem: explain(error), places, kind: { ...same?.kind, ...kind } });
-        done(explain(error));
+        this.data.set({ name, text, settings, curve: same?.curve ?? null, problem: explainFile(error), places, kind: { ...same?.kind, ...kind } });
+        done(explainFile(error));
       }
     }, true);
   }

@@ -1,6 +1,7 @@
 // Curves of ranked families that are laid over that of the design shown.
 import { Observable } from "../base/observable";
 import type { DesignCandidate } from "../contract/types";
+import { modulusWords } from "./made";
 import type { PinnedCurve } from "./plot";
 import type { DesignSession } from "./session";
 
@@ -30,23 +31,26 @@ export class Overlays {
   }
 
   has(family: string): boolean {
-    return this.list.get().some((curve) => curve.name === family);
+    return this.overlaid.some((curve) => curve.candidate.family === family);
   }
 
   async toggle(candidate: DesignCandidate): Promise<void> {
     const { family } = candidate;
-    if (this.has(family)) return this.show(this.overlaid.filter((curve) => curve.name !== family));
+    if (this.has(family)) return this.show(this.overlaid.filter((curve) => curve.candidate.family !== family));
     await this.add(candidate);
   }
 
   private async add(candidate: DesignCandidate): Promise<void> {
-    const { family, parameters, orientation } = candidate;
+    const { family } = candidate;
     const ranking = this.session.ranking.get();
     const { at } = this;
-    const target = ranking?.targets[at];
-    if (!target) return;
-    const curve = await this.session.profile({ family, parameters, orientation }, target, ranking.made);
-    if (curve && ranking === this.session.ranking.get() && at === this.at && !this.has(family)) this.show([...this.overlaid, { ...curve, id: FIRST_COLOUR + this.count++, name: family, candidate }]);
+    if (!ranking?.targets[at]) return;
+    const curve = await this.session.candidateCurve(candidate, ranking, at);
+    if (!curve || ranking !== this.session.ranking.get() || at !== this.at || this.has(family)) return;
+    const { x, y, youngsModulus } = curve;
+    // Another family may serve the targets best with another modulus.
+    const name = youngsModulus === null ? family : `${family} of ${modulusWords(youngsModulus)} MPa`;
+    this.show([...this.overlaid, { x, y, id: FIRST_COLOUR + this.count++, name, candidate }]);
   }
 
   private show(overlaid: readonly Overlaid[]): void {

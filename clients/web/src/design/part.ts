@@ -1,7 +1,7 @@
 // A part of the design that is shown: what is asked for, and what the server says of it.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort } from "../contract/client";
+import { type Client, explain, explainFile, isAbort } from "../contract/client";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
 import { type Choices, type Drawing, type Layout, type Where } from "./drawing";
 import { DEFAULT_MADE, radians } from "./made";
@@ -177,8 +177,8 @@ export class Part {
         done("");
       } catch (error) {
         if (signal.aborted || isAbort(error)) return;
-        this.drawingProblem.set(`${name}: ${explain(error)}`);
-        done(explain(error));
+        this.drawingProblem.set(`${name}: ${explainFile(error)}`);
+        done(explainFile(error));
       }
     }, true));
   }

@@ -3,7 +3,6 @@ import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { percent } from "../base/format";
 import type { DesignCandidate } from "../contract/types";
-import { isRange } from "./made";
 import type { Overlays } from "./overlays";
 import type { DesignSession } from "./session";
 import { expectedDeviation } from "./shown";
@@ -32,8 +31,6 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     const overlaid = overlays.has(family);
     const overlay = button("", () => void overlays.toggle(candidate), { icon: "overlay", kind: "quiet", title: `Overlay the curve of ${family}` });
     overlay.setAttribute("aria-pressed", String(overlaid));
-    // A ranking does not tell which modulus each family was given.
-    overlay.disabled = isRange(session.ranking.get()?.made.youngsModulus ?? 0);
     return h("li", {}, look, overlay);
   }
 

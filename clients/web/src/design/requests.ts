@@ -1,5 +1,5 @@
 // From what the person decided to what the server is asked.
-import type { DesignRequest, ProfileRequest, SimulationRequest } from "../contract/types";
+import type { DesignRequest, ProfileRequest, SimulationRequest, StructureRequest } from "../contract/types";
 import { DEFAULT_MADE, isRange, type Made, madeRequest, modulusOf, orientationOf, settled } from "./made";
 import { ANY, type DesignState, type Found, isPolar, type ProfileKind, type Region, type Target } from "./state";
 import { regionWords } from "./region_list";
@@ -100,6 +100,19 @@ export function profileRequest(state: ProfileKind & Pick<DesignState, "points">,
     ...((isPolar(state.task) || points.length > 1) && { samples: samplesOf(state) }),
     ...(!isPolar(state.task) && points.length > 1 && { range: [points[0][0], points[points.length - 1][0]] }),
   };
+}
+
+/** The structure of a design, to be measured. */
+export function structureRequest(found: Found, { size }: Made): StructureRequest {
+  return { family: found.family, parameters: [...found.parameters], ...(size.kind === "beam_width" && { beam_width: size.value }) } as StructureRequest;
+}
+
+/** The response of given parameters where the modulus is left to the search: it finds that, and nothing else is free. */
+export function fittedRequest(region: Region, found: Found): DesignRequest {
+  const { made } = region;
+  // Of one design the orientation is known; limits would refuse a design that is only looked at.
+  const asked: Region = { ...region, made: { ...settled(made, found), youngsModulus: made.youngsModulus, materials: made.materials }, family: found.family, found, fixed: found.parameters.map(() => true) };
+  return { ...problemOf(asked, "search"), effects: { multi_start: "off", envelope: "off" } };
 }
 
 /** The design shown, as it is, simulated at its native scale along the target's profile. */

@@ -5,11 +5,11 @@ import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort, Problem } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile } from "../contract/types";
+import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile, StructureAnswer } from "../contract/types";
 import { type Relaxation, snappedPoints } from "./reach";
 import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
-import { isRange, type Made } from "./made";
-import { designRequest, type Effort, profileRequest, regionsRequest } from "./requests";
+import { isRange, leavesModulus, type Made } from "./made";
+import { designRequest, type Effort, fittedRequest, profileRequest, regionsRequest, structureRequest } from "./requests";
 import { type Envelope, type FoundDesign, foundOf, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
 import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
@@ -381,6 +381,24 @@ export class DesignSession {
     }
   }
 
+  /**
+   * What the best design of a family does about one of the targets that were ranked for, in MPa of the modulus that serves all of
+   * them best where that is left to the search. Null where it cannot be had.
+   */
+  async candidateCurve({ family, parameters, orientation }: DesignCandidate, { targets, made }: Wanted, at: number): Promise<(Curve & { readonly youngsModulus: number | null }) | null> {
+    const found: Found = { family, parameters, ...(isRange(made.orientation) && { orientation }) };
+    if (!leavesModulus(made)) {
+      const curve = await this.profile(found, targets[at], made);
+      return curve && { ...curve, youngsModulus: null };
+    }
+    try {
+      const answer = await this.client.post<DesignAnswer>("/v1/designs", fittedRequest({ ...DEFAULT_STATE, ...withTargets(targets, at), made }, found));
+      return { x: answer.profile.x, y: answer.profile.achieved, youngsModulus: answer.material.youngs_modulus };
+    } catch {
+      return null; // a search of this family meets the same fault and tells of it
+    }
+  }
+
   /** Stops what is searched for the region in sight and keeps what is known of it. */
   private leaveRegion(): void {
     ++this.epoch;
@@ -565,11 +583,21 @@ export class DesignSession {
   private async showByHand(state: DesignState, epoch: number, signal: AbortSignal): Promise<void> {
     const found = state.found as Found;
     this.activity.set({ kind: "busy", effort: "profile", progress: null, stage: "" });
-    const profiles = await this.profilesOf(state, found, signal);
+    const [profiles, structure] = await Promise.all([this.profilesOf(state, found, signal), this.structureOf(found, state.made, signal)]);
     if (signal.aborted || epoch !== this.epoch) return;
     const ranking = this.ranking.get();
     if (ranking && !sameWanted(ranking, wantedOf(state))) this.ranking.set(null);
-    this.showAll(shownProfiles(profiles, state));
+    this.showAll(shownProfiles(profiles, state, structure));
+  }
+
+  /** Null where parameters give no structure, of which the profile says nothing. */
+  private async structureOf(found: Found, made: Made, signal: AbortSignal): Promise<StructureAnswer | null> {
+    try {
+      return await this.client.post<StructureAnswer>("/v1/structures", structureRequest(found, made), { signal });
+    } catch (error) {
+      if (error instanceof Problem) return null;
+      throw error;
+    }
   }
 
   /** One for each target, in the order of the tabs. */
