@@ -106,6 +106,19 @@ export class DesignPage {
     await this.page.mouse.dblclick(x, y);
   }
 
+  /** Drags a file over the first element of a kind and lets it go there; what was marked meanwhile is in `window.marked`. */
+  async drop(selector, text, name) {
+    await this.page.evaluate(([wanted, content, file]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([content], file));
+      const event = (kind) => new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: data });
+      const place = document.querySelector(wanted);
+      place.dispatchEvent(event("dragover"));
+      window.marked = document.querySelector(".dropping")?.className;
+      place.dispatchEvent(event("drop"));
+    }, [selector, text, name]);
+  }
+
   async deviation() {
     return number(await this.page.locator(".result .facts dd").first().textContent());
   }

@@ -20,18 +20,6 @@ class DrawingPage extends DesignPage {
     return this.page.locator("details.part");
   }
 
-  async drop(selector, text, name) {
-    await this.page.evaluate(([wanted, content, file]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([content], file));
-      const event = (kind) => new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: data });
-      const place = document.querySelector(wanted);
-      place.dispatchEvent(event("dragover"));
-      window.marked = document.querySelector(".dropping")?.className;
-      place.dispatchEvent(event("drop"));
-    }, [selector, text, name]);
-  }
-
   async saysOfThePart(words) {
     await until(async () => words.test(await this.part.textContent()), String(words));
   }

@@ -17,18 +17,10 @@ function table(rows = 500) {
   return ["Tensile test 17", "", "Strain [%];Stress [kPa]", ...lines].join("\r\n");
 }
 
-async function drop(page, text, name) {
-  await page.evaluate(([content, file]) => {
-    const data = new DataTransfer();
-    data.items.add(new File([content], file, { type: "text/csv" }));
-    document.querySelector(".plot-card .stage").dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data }));
-  }, [text, name]);
-}
-
 describe("measured data", () => {
   it("becomes the target when its file is dropped, a part of the design is saved, and the data may be read otherwise", () =>
     withDesign(async (design, page) => {
-      await drop(page, table(), "tensile.csv");
+      await design.drop(".plot-card .stage", table(), "tensile.csv");
       const card = page.locator("details.measured");
       await until(async () => (await page.locator("path.measured").getAttribute("d"))?.startsWith("M"), "the measured points");
       await card.locator("summary").click();
@@ -73,7 +65,7 @@ describe("measured data", () => {
       await design.settled();
       assert.ok(Math.abs((await design.values()).at(-1)[1] - 50 * stress(0.15)) < stress(0.15), "1000 stress N on 20 mm^2");
 
-      await drop(page, "no numbers here", "notes.txt");
+      await design.drop(".plot-card .stage", "no numbers here", "notes.txt");
       await until(async () => /notes\.txt: .*two numbers/.test(await card.textContent()), "why the file was refused");
       await card.getByRole("button", { name: "Remove" }).click();
       await until(async () => !(await page.locator("path.measured").getAttribute("d")), "the points to go");

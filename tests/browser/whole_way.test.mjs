@@ -20,15 +20,6 @@ class WholeWayPage extends DesignPage {
     return this.page.locator("details.part");
   }
 
-  /** Drops a file onto the first element of a kind. */
-  async drop(selector, text, name) {
-    await this.page.evaluate(([wanted, content, file]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([content], file));
-      document.querySelector(wanted).dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data }));
-    }, [selector, text, name]);
-  }
-
   /** Writes into a field of the part as a person does. */
   async write(label, value) {
     const field = this.part.getByLabel(label, { exact: true });

@@ -1,15 +1,15 @@
 import { describe, expect, it } from "vitest";
 import type { Outlines } from "../src/contract/types";
 import { type Drawing, isDrawing, layoutOf, moved } from "../src/design/drawing";
-import { fillingsOf } from "../src/design/fillings";
+import { fillingsOf, materialsNote } from "../src/design/fillings";
 import { DEFAULT_MADE } from "../src/design/made";
 import { type Filling, FIRST_PART, outlineRequest, partRequest, productOf } from "../src/design/part";
 import { regionOf } from "../src/design/region_list";
 import type { Shown } from "../src/design/shown";
 import { DEFAULT_STATE, type Region } from "../src/design/state";
 
-const square = (side: number): [number, number][] => [[0, 0], [side, 0], [side, side], [0, side]];
-const polygons = [{ names: ["heel", "regions"], points: square(3) }, { names: ["sole"], points: square(9) }, { names: [], points: square(4) }];
+const square = (side: number, x = 0, y = 0): [number, number][] => [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
+const polygons = [{ names: ["heel", "regions"], points: square(3, 1, 1) }, { names: ["sole"], points: square(9) }, { names: [], points: square(4, 4, 4) }];
 const sole: Drawing = { name: "sole.svg", text: "<svg/>", width: null, curves: { polygons } as unknown as Outlines };
 const none = { regions: [] };
 
@@ -18,6 +18,13 @@ describe("the curves of a drawing", () => {
     expect(layoutOf(sole, ["Region 1"], none)).toEqual({ outline: [0, 1, 2], regions: ["rest"] });
     expect(layoutOf(sole, ["Region 1"], { ...none, outline: 1 })).toEqual({ outline: [1], regions: ["rest"] });
     expect(layoutOf(sole, ["Region 1"], { ...none, outline: 7 }).outline).toEqual([0, 1, 2]);
+  });
+
+  it("are no holes where they cross what bounds the part", () => {
+    const crossed: Drawing = { ...sole, curves: { polygons: [...polygons, { names: ["forefoot"], points: square(5, 6, 6) }] } as unknown as Outlines };
+    expect(layoutOf(crossed, ["Region 1"], none).outline).toEqual([0, 1, 2]);
+    expect(layoutOf(crossed, ["Region 1"], { ...none, outline: "others" }).outline).toEqual([0, 1, 2, 3]);
+    expect(layoutOf(crossed, ["Region 1", "Region 2"], { regions: ["rest", 1] }).outline).toEqual([3]);
   });
 
   it("have the regions of their names, and the others in their order", () => {
@@ -61,7 +68,7 @@ describe("a product", () => {
     const request = partRequest({ family: "IH22", parameters: [] }, { ...FIRST_PART, kind: "drawing", orientation: 90 }, product);
     expect(request).toMatchObject({
       outline: { polygons: [square(9)] }, structure: { family: "of a", parameters: [0.5] },
-      regions: [{ name: "b", outline: square(3), structure: { family: "of b" }, orientation: 0.3 }, { name: "c", outline: square(4) }],
+      regions: [{ name: "b", outline: square(3, 1, 1), structure: { family: "of b" }, orientation: 0.3 }, { name: "c", outline: square(4, 4, 4) }],
     });
     expect(request).not.toHaveProperty("orientation");
   });
@@ -80,5 +87,13 @@ describe("a product", () => {
     expect(all.map((one) => one?.beamWidth)).toEqual([FIRST_PART.beamWidth, 0.8, 0.6123, undefined]);
     expect(all[1]).toMatchObject({ name: "Heel", orientation: Math.PI });
     expect(fillingsOf([plain], [null], [1.5])[0]?.beamWidth).toBe(1.5);
+  });
+
+  it("is of one material, which is told where its designs are not", () => {
+    const soft: Region = { ...regionOf(DEFAULT_STATE), found: { family: "IH22", parameters: [0.5] } };
+    const hard: Region = { ...soft, made: { ...DEFAULT_MADE, youngsModulus: 2500 } };
+    expect(materialsNote([soft, soft])).toBe("");
+    expect(materialsNote([soft, { ...hard, found: null }])).toBe("");
+    expect(materialsNote([soft, hard])).toMatch(/different materials \(26, 2500 MPa\)/);
   });
 });

@@ -18,7 +18,7 @@ export type Where = Place | "rest" | "nowhere";
 
 /** What a person has chosen; what is undefined is chosen by names. */
 export interface Choices {
-  /** The curve that bounds the part, or all that bound no region. */
+  /** What bounds the part: a curve, all that bound no region, or without a choice the largest of these with the holes in it. */
   readonly outline?: Place | "others";
   /** Of the regions of the product in their order. */
   readonly regions: readonly (Where | undefined)[];
@@ -41,14 +41,15 @@ export function curveWords({ names }: Outlines["polygons"][number], place: Place
 
 /**
  * Which curves bound the part and where its regions lie. By itself a region lies within the curve of its name; the first other one
- * fills the rest, the following ones the further curves within the largest; and the part is bounded by the curves that are left.
+ * fills the rest, and the following ones lie within the further curves beside the largest. Of the curves that are left the largest bounds
+ * the part, with those inside of it as holes: one that crosses it is a region that nobody has named yet.
  */
 export function layoutOf(drawing: Drawing, names: readonly string[], choices: Choices): Layout {
   const { polygons } = drawing.curves;
   const chosen = names.map((_, k) => sound(choices.regions[k], polygons.length));
   const taken = new Set<Where>(chosen.filter((where) => where !== undefined));
-  const largest = polygons.reduce((most, polygon, k) => (area(polygon.points) > area(polygons[most].points) ? k : most), 0);
-  if (names.length === 1) return bounded(polygons.length, ["rest"], choices.outline);
+  const largest = largestOf(polygons, polygons.map((_, place) => place));
+  if (names.length === 1) return bounded(polygons, ["rest"], choices.outline);
   const named = chosen.map((where, k) => {
     if (where !== undefined) return where;
     const place = polygons.findIndex((polygon, at) => !taken.has(at) && polygon.names.some((name) => sameName(name, names[k])));
@@ -62,7 +63,7 @@ export function layoutOf(drawing: Drawing, names: readonly string[], choices: Ch
     taken.add(next);
     return next;
   });
-  return bounded(polygons.length, regions, choices.outline);
+  return bounded(polygons, regions, choices.outline);
 }
 
 /** The choices with one region elsewhere: two regions do not lie at one place, and one of them fills the rest. */
@@ -76,10 +77,30 @@ export function moved(layout: Layout, choices: Choices, region: number, to: Wher
   return { ...choices, regions };
 }
 
-function bounded(count: number, regions: readonly Where[], outline: Choices["outline"]): Layout {
-  if (typeof outline === "number" && outline < count) return { outline: [outline], regions };
-  const others = Array.from({ length: count }, (_, place) => place).filter((place) => !regions.includes(place));
-  return { outline: others, regions };
+type Polygons = Outlines["polygons"];
+
+function bounded(polygons: Polygons, regions: readonly Where[], outline: Choices["outline"]): Layout {
+  if (typeof outline === "number" && outline < polygons.length) return { outline: [outline], regions };
+  const others = polygons.map((_, place) => place).filter((place) => !regions.includes(place));
+  if (outline === "others" || others.length === 0) return { outline: others, regions };
+  const largest = largestOf(polygons, others);
+  const around = polygons[largest].points;
+  return { outline: others.filter((place) => place === largest || polygons[place].points.every((point) => isInside(point, around))), regions };
+}
+
+/** `places`: at least one. */
+function largestOf(polygons: Polygons, places: readonly Place[]): Place {
+  return places.reduce((most, place) => (area(polygons[place].points) > area(polygons[most].points) ? place : most));
+}
+
+/** Whether a ray to the right leaves the polygon more often than it enters it. */
+function isInside([x, y]: readonly number[], polygon: readonly (readonly number[])[]): boolean {
+  let inside = false;
+  polygon.forEach(([fromX, fromY], k) => {
+    const [toX, toY] = polygon[(k + 1) % polygon.length];
+    if (fromY > y !== toY > y && x < fromX + ((y - fromY) / (toY - fromY)) * (toX - fromX)) inside = !inside;
+  });
+  return inside;
 }
 
 function sound(where: Where | undefined, count: number): Where | undefined {

@@ -4,13 +4,14 @@ import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { textOf } from "../base/text_file";
 import { curveWords, type Drawing, layoutOf, moved, type Where } from "./drawing";
-import { wallsOf } from "./fillings";
+import { materialsNote, wallsOf } from "./fillings";
 import type { Part } from "./part";
 import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
 
 const FILE_TYPES = ".svg,.dxf,image/svg+xml,image/vnd.dxf";
 const NO_DRAWING = "SVG or DXF (ASCII): a closed curve for the outline, and one for each region. A region lies in the curve of its name. Drop the file onto the page, or open it.";
+const LARGEST = "largest";
 const OTHERS = "others";
 
 /** In sight while the part's shape is a drawing. */
@@ -28,9 +29,10 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     else if (value > 0) part.scale(value);
     else showWidth();
   } });
-  const outline = new Select<string>("Outline of the part", [], (value) => part.choices.set({ ...part.choices.get(), outline: value === OTHERS ? OTHERS : Number(value) }));
+  const outline = new Select<string>("Outline of the part", [], (value) => part.choices.set({ ...part.choices.get(), outline: value === LARGEST ? undefined : value === OTHERS ? OTHERS : Number(value) }));
   const regions = h("div", { class: "drawing-regions", role: "group", "aria-label": "Regions of the drawing" });
-  const settings = h("div", { class: "drawing-settings" }, h("div", { class: "field" }, h("label", { for: width.id }, "Width of the drawing, mm"), width), outline.element, regions);
+  const note = h("p", { class: "note" });
+  const settings = h("div", { class: "drawing-settings" }, h("div", { class: "field" }, h("label", { for: width.id }, "Width of the drawing, mm"), width), outline.element, regions, note);
   const element = h("div", { class: "drawing-fields" },
     h("div", { class: "row" }, h("label", { class: "button", for: file.id }, "Open a drawing"), file), words, problem, settings);
 
@@ -71,6 +73,7 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     const drawing = part.drawing.get();
     settings.hidden = drawing === null;
     if (!drawing) return;
+    note.textContent = materialsNote(session.regions);
     const choices = part.choices.get();
     const { polygons, size, warnings } = drawing.curves;
     const layout = layoutOf(drawing, names(), choices);
@@ -79,8 +82,8 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     drawn = key;
     const count = `${polygons.length} closed curve${polygons.length === 1 ? "" : "s"}`;
     words.textContent = [`${drawing.name}: ${count}, ${size.map((length) => digits(length, 4)).join(" × ")} mm.`, ...warnings].join(" ");
-    outline.setChoices([{ value: OTHERS, words: names().length > 1 ? "All curves of no region" : "All curves" }, ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
-    outline.value = String(choices.outline ?? OTHERS);
+    outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: names().length > 1 ? "All curves of no region" : "All curves" }, ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
+    outline.value = String(choices.outline ?? LARGEST);
     regions.hidden = names().length === 1;
     const focused = [...regions.querySelectorAll<HTMLElement>("select, input")].indexOf(document.activeElement as HTMLElement);
     replace(regions, ...(regions.hidden ? [] : layout.regions.map((where, k) => region(drawing, where, k))));

@@ -1,5 +1,5 @@
 // What fills the regions of a part: the design of each region of the product.
-import { DEFAULT_MADE, orientationOf } from "./made";
+import { DEFAULT_MADE, modulusOf, modulusWords, orientationOf } from "./made";
 import { FIRST_PART, type Filling } from "./part";
 import { regionWords } from "./region_list";
 import type { Shown } from "./shown";
@@ -18,4 +18,10 @@ export function fillingsOf(regions: readonly Region[], shown: readonly (readonly
   return regions.map((region, k) => region.found && {
     name: regionWords(region, k), found: region.found, orientation: orientationOf(region.made, region.found), beamWidth: walls[k] ?? wallsOf(region, shown[k]),
   });
+}
+
+/** A part is of one material: a sentence where its regions were designed for several, otherwise "". */
+export function materialsNote(regions: readonly Region[]): string {
+  const moduli = [...new Set(regions.filter(({ found }) => found !== null).map(({ made, found }) => modulusWords(modulusOf(made, found))))];
+  return moduli.length > 1 ? `The designs of the regions are of different materials (${moduli.join(", ")} MPa); made of one they respond otherwise.` : "";
 }
