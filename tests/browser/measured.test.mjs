@@ -41,12 +41,12 @@ describe("measured data", () => {
       // Walls of 0.8 mm have tiles as wide as this coupon, which do not reach from grip to grip; those of a fine nozzle do.
       await part.getByLabel("Wall thickness, mm").fill("0.8");
       await part.getByLabel("Wall thickness, mm").press("Tab");
-      await part.locator(".note", { hasText: "grip is missing" }).waitFor();
+      await part.locator(".part-result .note", { hasText: "grip is missing" }).waitFor();
       await picture(page, "design-part-broken");
       await part.getByLabel("Wall thickness, mm").fill("0.3");
       await part.getByLabel("Wall thickness, mm").press("Tab");
       await until(async () => /12 × 76 × 4 mm/.test(await part.textContent()), "the part's size");
-      assert.equal(await part.locator(".note").textContent(), "");
+      assert.equal(await part.locator(".part-result .note").textContent(), "");
       await part.locator(".part-drawing").scrollIntoViewIfNeeded();
       await picture(page, "design-part");
       const saved = page.waitForEvent("download");

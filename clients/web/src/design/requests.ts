@@ -104,7 +104,7 @@ export function profileRequest(state: ProfileKind & Pick<DesignState, "points">,
 
 /** The structure of a design, to be measured. */
 export function structureRequest(found: Found, { size }: Made): StructureRequest {
-  return { family: found.family, parameters: [...found.parameters], ...(size.kind === "beam_width" && { beam_width: size.value }) } as StructureRequest;
+  return { family: found.family, parameters: [...found.parameters], ...(size.kind === "beam_width" && { beam_width: size.value }) };
 }
 
 /** The response of given parameters where the modulus is left to the search: it finds that, and nothing else is free. */

@@ -6,7 +6,7 @@ import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort, Problem } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile, StructureAnswer } from "../contract/types";
-import { type Relaxation, snappedPoints } from "./reach";
+import { type Relaxation, snappedTarget } from "./reach";
 import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
 import { isRange, leavesModulus, type Made } from "./made";
 import { designRequest, type Effort, fittedRequest, profileRequest, regionsRequest, structureRequest } from "./requests";
@@ -362,7 +362,7 @@ export class DesignSession {
   /** The target moves onto the response of the closest design that was found. */
   snapTarget(): void {
     const shown = this.shown.get();
-    if (shown && this.isCurrent) this.apply({ points: snappedPoints(shown), byHand: false });
+    if (shown && this.isCurrent) this.apply({ ...snappedTarget(shown), byHand: false });
   }
 
   /** One control point gives way. */
