@@ -228,3 +228,44 @@ describe("profiles over direction", () => {
       }));
   }
 });
+
+describe("what is compared and what is good", () => {
+  it("is seen: a pinned curve has its name in the legend, and success is green", () =>
+    withDesign(async (design, page) => {
+      await design.button("Pin").click();
+      const entry = page.locator(".legend li", { hasText: /^IH\d+, stress, [\d.]+ % off$/ });
+      await entry.waitFor();
+      assert.equal(await page.locator(".plot .curve.pin").count(), 1);
+      await design.button("Take as target").click();
+      await until(async () => (await page.locator(".result .chip").textContent()) === "Within the model’s error", "a target that is met");
+      await design.settled();
+      const [red, green, blue] = await page.locator(".result .chip").evaluate((chip) => getComputedStyle(chip).color.match(/[\d.]+/g).map(Number));
+      assert.ok(green > red && green > blue, `words in green, not in rgb(${red}, ${green}, ${blue})`);
+      await page.getByRole("button", { name: /^Remove .*pin|^Remove IH/ }).first().click();
+      await until(async () => (await entry.count()) === 0, "the entry to go with its curve");
+    }));
+});
+
+describe("on a phone", () => {
+  it("the tiling and how close it comes stay in sight while a point is dragged", () =>
+    withDesign(async (design, page) => {
+      const index = await design.movable();
+      const tiling = await design.tiling();
+      const seen = () => page.locator(".preview").evaluate((card) => {
+        const { top, bottom } = card.getBoundingClientRect();
+        return top >= 0 && bottom <= innerHeight;
+      });
+      await design.handles.nth(index).locator(".dot").scrollIntoViewIfNeeded();
+      await page.mouse.wheel(0, 150);
+      await design.drag(index, 0, -40, async () => {
+        await until(async () => (await design.tiling()) !== tiling, "a new tiling while dragging");
+        assert.ok(await seen(), "the tiling is in sight");
+        const words = await page.locator(".preview .live").textContent();
+        assert.match(words, /^IH\d+: [\d.]+ % from the target$/);
+        const [point, card] = [await design.handles.nth(index).locator(".dot").boundingBox(), await page.locator(".preview").boundingBox()];
+        assert.ok(point.y > card.y + card.height, "and does not lie over the point");
+        await picture(page, "design-phone");
+      });
+      await design.settled();
+    }, { viewport: { width: 390, height: 844 } }));
+});
