@@ -99,7 +99,7 @@ def test_bash_offers_commands_options_and_values() -> None:
 
 def test_fish_offers_commands_options_and_values(tmp_path: Path) -> None:
     assert fish_completions(tmp_path, "supple des") == ["design"]
-    assert {"layout", "homogenize", "simulate", "print", "check"} == set(fish_completions(tmp_path, "supple weave "))
+    assert {"layout", "homogenize", "deform", "simulate", "print", "check"} == set(fish_completions(tmp_path, "supple weave "))
     assert fish_completions(tmp_path, "supple design --task st") == ["stiffness", "stress_strain"]
     assert "--polish-rounds" in fish_completions(tmp_path, "supple design --polish")
     (tmp_path / "bunny.obj").touch()
@@ -108,7 +108,7 @@ def test_fish_offers_commands_options_and_values(tmp_path: Path) -> None:
 
 def test_zsh_offers_commands_options_and_values(tmp_path: Path) -> None:
     assert {"mesh", "weave", "design", "man"} <= set(zsh_completions(tmp_path, "supple", ""))
-    assert zsh_completions(tmp_path, "supple", "weave", "") == ["layout", "homogenize", "simulate", "print", "check"]
+    assert zsh_completions(tmp_path, "supple", "weave", "") == ["layout", "homogenize", "deform", "simulate", "print", "check"]
     assert zsh_completions(tmp_path, "supple", "design", "--task", "") == ["stress_strain", "stiffness", "poisson"]
     assert "--polish-rounds" in zsh_completions(tmp_path, "supple", "design", "--pol")
     assert zsh_completions(tmp_path, "supple", "design", "--csv", "") == ["files"] == zsh_completions(tmp_path, "supple", "geodesic", "")

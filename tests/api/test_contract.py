@@ -47,6 +47,28 @@ def test_every_object_is_closed(contract: Contract) -> None:
             assert "additionalProperties" in node, path
 
 
+def test_every_computation_that_may_become_a_job_is_a_kind_of_job(contract: Contract) -> None:
+    kinds = set(contract.resolve({"$ref": "#/components/schemas/Job"})["properties"]["kind"]["enum"])
+    accepting = {path for path, item in contract.spec["paths"].items() if "202" in item.get("post", {}).get("responses", {})}
+    names = {"/v1/models/{model}/evaluations": "model-evaluations", "/v1/models/{model}/uniaxial": "model-uniaxial"}
+    assert {names.get(path, path.removeprefix("/v1/")) for path in accepting} == kinds
+
+
+def test_the_result_of_a_job_may_be_whatever_its_computation_answers(contract: Contract) -> None:
+    def contents(operation: Any) -> Any:
+        return operation["responses"]["200"]["content"]
+
+    results = contents(contract.spec["paths"]["/v1/jobs/{job}/result"]["get"])
+    schemas = [entry["$ref"] for entry in results["application/json"]["schema"]["anyOf"]]
+    for path, item in contract.spec["paths"].items():
+        if "202" not in item.get("post", {}).get("responses", {}):
+            continue
+        for media_type, content in contents(item["post"]).items():
+            assert media_type in results, path
+            if media_type == "application/json":
+                assert content["schema"]["$ref"] in schemas, path
+
+
 def test_the_server_serves_this_contract(api: Api) -> None:
     assert api.get("/openapi.yaml").content == (ROOT / "api" / "openapi.yaml").read_bytes()
 

@@ -182,6 +182,8 @@ def test_a_uniaxial_load_may_be_along_a_direction_of_the_material(program: Progr
     ([*IH29, *TARGET, "--model", "ih29"], 1, "excludes"),
     ([*IH29, *TARGET, "--fixed", "a,free"], 1, "free"),
     ([*IH29, *TARGET, "--initial", "9"], 2, "--initial at index 0"),
+    ([*IH29, *TARGET, "--initial-orientation", "1"], 1, "--initial"),
+    ([*IH29, *TARGET, "--initial", "0.1", "--orientation", "0,1", "--initial-orientation", "2"], 2, "--initial-orientation"),
     ([*IH29, *TARGET, "--strain", "x"], 1, "strain"),
     (["design", "--task", "poisson", "--family", "IH99", *TARGET], 2, "design.no_model"),
     (["design", "--request", "no-such.json"], 5, "no-such.json"),

@@ -13,7 +13,7 @@ from harness import Api, pointers, problem_code
 
 COMPUTATIONS = ["/v1/geodesics", "/v1/geodesic-fields", "/v1/karcher-means", "/v1/embedded-systems",
                 "/v1/exponential-maps", "/v1/voronoi-diagrams", "/v1/voronoi-optimizations"]
-WEAVES = ["/v1/weave-layouts", "/v1/weave-homogenizations", "/v1/weave-simulations", "/v1/weave-toolpaths", "/v1/gcode-reports"]
+WEAVES = ["/v1/weave-layouts", "/v1/weave-homogenizations", "/v1/weave-deformations", "/v1/weave-simulations", "/v1/weave-toolpaths", "/v1/gcode-reports"]
 ALL = [*COMPUTATIONS, "/v1/structures", "/v1/measured-curves", "/v1/parts", "/v1/simulations", *WEAVES]
 JSON = {"Content-Type": "application/json"}
 CORNER = {"vertex": 0}
@@ -34,6 +34,7 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
         "/v1/parts": {"outline": {"rectangle": [5, 5]}, "structure": {"family": "IH01"}},
         "/v1/weave-layouts": {"weave": {"pattern": "regular"}},
         "/v1/weave-homogenizations": {"weave": {"pattern": "regular"}},
+        "/v1/weave-deformations": {"weave": {"pattern": "regular"}, "deformation_gradients": [[[1, 0], [0, 1]]]},
         "/v1/weave-simulations": {"weave": {"pattern": "actuated_rings"}, "supports": [{"at": {"crossing": 0}}]},
         "/v1/weave-toolpaths": {"weave": {"pattern": "regular", "sheet": {"columns": 1, "rows": 1}}},
         "/v1/gcode-reports": {"gcode": "G28"},
@@ -43,7 +44,9 @@ def minimal(path: str, mesh: str) -> Dict[str, Any]:
 
 @pytest.mark.parametrize("path", ALL)
 def test_a_valid_request_shows_that_the_faults_below_are_what_is_refused(api: Api, grid_mesh: str, path: str) -> None:
-    assert api.post(path, minimal(path, grid_mesh)).status_code == 200
+    answer = api.post(path, minimal(path, grid_mesh))
+    assert answer.status_code == 200
+    assert answer.json()["effects"], "every computation says which of its optional parts ran"
 
 
 @pytest.mark.parametrize("path", [*ALL, "/v1/meshes"])

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+from pathlib import Path
 from typing import Any, Dict
 from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
 
-from harness import Api, pointers, problem_code
+from harness import CLI, Api, pointers, problem_code
 from test_designs import DESIGNS, FEW, KNOWN, PROFILES, effect, known_problem, profile
 
 MODEL_MODULUS = 26.0
@@ -86,6 +89,7 @@ def test_of_several_materials_the_best_is_chosen(designs: Api) -> None:
                  {"name": "hard", "youngs_modulus": 3000}]
     answer = designs.ok(DESIGNS, {**problem, "material": materials})
     assert answer["material"]["name"] == "right" and answer["material"]["density"] == 1.1
+    assert answer["ranking"][0]["material"] == answer["material"]
     assert answer["reached"]
 
 
@@ -180,7 +184,7 @@ def test_equal_requests_with_a_choice_of_materials_have_equal_answers(designs: A
         assert first[name] == second[name]
 
 
-def test_a_turned_target_has_the_same_design_turned(designs: Api) -> None:
+def test_a_turned_target_has_the_same_design_turned(designs: Api, tmp_path: Path) -> None:
     angle = 0.6
     problem = known_problem(designs, "stiffness")
     directions = [point[0] for point in problem["target"]["control_points"]]
@@ -200,6 +204,14 @@ def test_a_turned_target_has_the_same_design_turned(designs: Api) -> None:
     start = {"initial": KNOWN["IH67"], "initial_orientation": angle + 0.02}
     followed = designs.ok(DESIGNS, {**asked, **start, "orientation": [0, np.pi]})
     assert followed["starts"] == 1 and followed["orientation"] == pytest.approx(angle, abs=1e-3)
+    # The command line sends the same request.
+    request = tmp_path / "request.json"
+    request.write_text(json.dumps(asked))
+    shown = subprocess.run(
+        [str(CLI), "--server", designs.server.url, "--json", "design", "--request", str(request), "--initial",
+         ",".join(map(str, KNOWN["IH67"])), "--orientation", "0deg,180deg", "--initial-orientation", str(angle + 0.02)],
+        capture_output=True, text=True, timeout=60, check=True)
+    assert json.loads(shown.stdout)["parameters"] == followed["parameters"]
 
 
 def test_a_turned_design_is_simulated_as_it_lies(designs: Api) -> None:

@@ -112,6 +112,11 @@ def test_loads_come_from_a_file_too(program: Program) -> None:
     (["homogenize", "regular", "--obj", "a.obj"], 1, "--deformed"),
     (["homogenize", "regular", "--directions", "all"], 1, "directions"),
     (["homogenize", "regular", "--sheet", "2x2"], 2, "weave.not_periodic"),
+    (["deform", "regular"], 1, "--gradient"),
+    (["deform", "regular", "-F", "1,0,0"], 1, "rows one after the other"),
+    (["deform", "regular", "-F", "1,0,0,-1"], 2, "positive determinant"),
+    (["layout", "sample", "--sample", "triangles"], 1, "--sample"),
+    (["layout", "sample"], 2, "is required"),
     (["simulate", *SHEET], 1, "nothing holds the sheet"),
     (["simulate", *SHEET, "--hold", "here"], 1, "is no place"),
     (["simulate", *SHEET, "--move", "c1"], 1, "PLACE=x,y"),
@@ -152,6 +157,25 @@ def test_python_homogenizes(client: supple.Client) -> None:
     with pytest.raises(supple.InvalidWeave) as raised:
         client.weave_homogenization(supple.Weave.rings())
     assert raised.value.code == "weave.not_periodic"
+
+
+def test_python_and_the_command_line_deform_cells(client: supple.Client, program: Program) -> None:
+    weave = supple.Weave.circles(2)
+    gradients = np.array([[[1.05, 0.0], [0.02, 1.0]], np.eye(2)])
+    result = client.weave_deformation(weave, gradients, deformed=[0])
+    assert result.stopped == ("converged", "converged") and result.message == ""
+    np.testing.assert_allclose(result.deformation_gradient, gradients, atol=1e-12)
+    assert result.energy_density[0] > 0 and np.abs(result.nominal_stress[1]).max() < 1e-6
+    assert list(result.cells) == [0] and result.cells[0].lattice.shape == (2, 2)
+    alone = client.start_weave_deformation(weave, gradients[0]).result()
+    np.testing.assert_array_equal(alone.nominal_stress[0], result.nominal_stress[0])
+    with pytest.raises(ValueError, match=r"\(n, 2, 2\)"):
+        client.weave_deformation(weave, [1.0, 0.0, 0.0, 1.0])
+    shown = program.ok("weave", "deform", "circles", "--type", "2", "-F", "1.05,0,0.02,1", "-F", "1,0,0,1", "--csv", "-",
+                       "--obj", "cell.obj").splitlines()
+    assert len(shown) == 3 and float(shown[1].split(",")[4]) == pytest.approx(result.nominal_stress[0, 0, 0], rel=1e-6)
+    assert (program.folder / "cell-1.obj").read_text().startswith("v ") and (program.folder / "cell-2.obj").exists()
+    assert "converged" in program.ok("weave", "deform", "circles", "--type", "2", "-F", "1.05,0,0.02,1")
 
 
 def test_python_simulates(client: supple.Client) -> None:
@@ -219,7 +243,7 @@ def test_python_prints_and_checks(client: supple.Client) -> None:
                                   grips=[supple.Grip((-4, -6), (34, -6), 1)])
     path = client.weave_toolpath(sheet, options, printer={"strand_speed": 700}, include=("gcode", "svg", "moves"))
     assert path.check.clean and path.statistics.channels == 1 and path.moves is not None and path.svg is not None
-    assert {move.kind for move in path.moves} == {"strand", "lifted", "channel", "support", "travel"}
+    assert {move.kind for move in path.moves} == {"priming", "strand", "lifted", "channel", "support", "travel"}
     assert all(move.points.shape[1] == 3 for move in path.moves) and path.gcode is not None
     report = client.gcode_report(path.gcode)
     assert report.filament == path.check.filament and report.channels[0].apex[2] == path.check.channels[0].apex[2]

@@ -44,24 +44,51 @@ def test_strands_are_as_long_as_they_are_and_their_overruns(api: Api) -> None:
 
 
 def test_the_check_of_what_was_written_finds_the_statistics(api: Api) -> None:
-    answer = printed(api, SLIDING, overrun={"start": 5, "end": 5}, printer={"channel": {"shape": "arc"}})
+    answer = printed(api, SLIDING, overrun={"start": 5, "end": 5}, printer={"channel": {"shape": "arc"}, "park": False})
     statistics, check = answer["statistics"], answer["check"]
     assert check["violations"] == [] and check["violation_count"] == 0
     assert statistics["channels"] == len(check["channels"]) == 1 and statistics["travels"] == check["travels"]
     assert check["extruded_length"] == pytest.approx(statistics["extruded_length"], rel=1e-3)
     assert check["filament"] == pytest.approx(statistics["filament"], rel=1e-3)
     assert check["minutes"] == pytest.approx(statistics["minutes"], rel=0.1), "with the way up and retractions"
-    np.testing.assert_allclose(check["lowest"] + check["highest"], statistics["lowest"] + statistics["highest"], atol=0.01)
+    np.testing.assert_allclose(check["lowest"], np.minimum(statistics["lowest"], [5, 5, 0.5]), atol=0.01, err_msg="with the priming line")
+    np.testing.assert_allclose(check["highest"], statistics["highest"], atol=0.01)
     assert report(api, answer["gcode"]) == check, "the default limits are those of the default printer"
+
+
+def test_the_nozzle_is_filled_before_the_print_and_parked_after_it(api: Api) -> None:
+    answer = printed(api, FUSED, include=["gcode", "moves"])
+    line = answer["moves"][1]
+    assert line["kind"] == "priming" and line["points"] == [[5, 5, 0.5], [65, 5, 0.5]]
+    assert answer["statistics"]["priming_length"] == pytest.approx(60) and "G0 X0 Y210" in answer["gcode"]
+    bare = printed(api, FUSED, include=["gcode", "moves"], printer={"priming_length": 0, "park": False})
+    assert bare["statistics"]["priming_length"] == 0 and "park" not in bare["gcode"]
+    assert answer["statistics"]["extruded_length"] == pytest.approx(bare["statistics"]["extruded_length"] + 60)
+    assert answer["statistics"]["lowest"] == bare["statistics"]["lowest"]
+
+
+@pytest.mark.parametrize("sample, length, channels", [("fused_grid", 5456, 0), ("squares_2", 5931, 128), ("actuation", 645, 6)])
+def test_sheets_that_were_printed_are_printed_as_they_were(api: Api, sample: str, length: float, channels: int) -> None:
+    weave = {"pattern": "printed_sample", "sample": sample}
+    answer = printed(api, weave)
+    statistics = answer["statistics"]
+    assert statistics["extruded_length"] == pytest.approx(length, rel=0.02) and statistics["channels"] == channels
+    assert answer["check"]["violation_count"] == 0 and statistics["priming_length"] == 0
+    # What the request says goes first.
+    bare = printed(api, weave, grips=[], overrun={}, overruns=[{"strand": 0, "start": 1}], printer={"priming_length": 10})
+    assert bare["statistics"]["priming_length"] == pytest.approx(10)
+    if sample != "actuation":
+        assert bare["statistics"]["support_length"] == (statistics["support_length"] if sample == "fused_grid" else 0)
+    assert api.ok("/v1/weave-layouts", {"weave": weave})["lattice"] is None
 
 
 def test_a_sliding_strand_is_lifted_and_bridged(api: Api) -> None:
     answer = printed(api, SLIDING, overrun={"start": 5, "end": 5}, include=["moves"], origin=[100, 90])
     moves = answer["moves"]
-    assert "gcode" not in answer and {move["kind"] for move in moves} == {"strand", "lifted", "channel", "travel"}
+    assert "gcode" not in answer and {move["kind"] for move in moves} == {"priming", "strand", "lifted", "channel", "travel"}
     (channel,) = (move for move in moves if move["kind"] == "channel")
     assert (channel["strand"], channel["crossing"]) == (1, 4)
-    assert channel["points"][0] == pytest.approx([113.8, 105, 0.5]) and channel["points"][1][2] == pytest.approx(2.25)
+    assert channel["points"][0] == pytest.approx([113.8, 105, 0.5]) and channel["points"][1][2] == pytest.approx(2.5)
     assert {move["strand"] for move in moves if move["kind"] == "lifted"} == {3}
     for before, move in zip(moves, moves[1:]):
         assert move["points"][0] == before["points"][-1]
@@ -73,7 +100,7 @@ def test_a_sliding_strand_is_lifted_and_bridged(api: Api) -> None:
 
 def test_the_printer_is_obeyed(api: Api) -> None:
     printer = {"name": "Own", "bed": [60, 60, 60], "nozzle_temperature": 215, "strand_speed": 750, "bead_area": 0.1,
-               "filament_diameter": 2.85, "startup_gcode": "G92 E0", "footer_gcode": "M107"}
+               "filament_diameter": 2.85, "priming_length": 0, "startup_gcode": "G92 E0", "footer_gcode": "M107"}
     answer = printed(api, FUSED, printer=printer, include=["gcode", "moves"])
     assert "Own" in answer["gcode"] and "M109 S215" in answer["gcode"] and answer["check"]["violations"] == []
     statistics = answer["statistics"]

@@ -15,6 +15,7 @@ from test_jobs import events, start_job
 
 LAYOUTS = "/v1/weave-layouts"
 HOMOGENIZATIONS = "/v1/weave-homogenizations"
+DEFORMATIONS = "/v1/weave-deformations"
 SIMULATIONS = "/v1/weave-simulations"
 SQUARES = {"pattern": "interlacing_squares", "type": 1}
 REGULAR = {"pattern": "regular"}
@@ -144,6 +145,38 @@ def test_the_strain_is_imposed_exactly_and_the_stress_is_uniaxial(api: Api) -> N
         np.testing.assert_allclose(np.array(f).T @ d, 1.05 * d, atol=1e-12)
         assert d @ np.array(sigma) @ d == pytest.approx(0.05 * modulus, rel=1e-9)
         assert abs(n @ np.array(sigma) @ n) < 1e-4 * abs(modulus) and abs(n @ np.array(sigma) @ d) < 1e-4 * abs(modulus)
+
+
+def test_a_deformation_gradient_of_a_homogenization_has_the_same_state(api: Api) -> None:
+    weave = {"pattern": "interlacing_circles", "type": 2}
+    along = homogenized(api, weave, [0, 0.7], strain=0.05)
+    states = api.ok(DEFORMATIONS, {"weave": weave, "deformation_gradients": along["deformation_gradient"], "deformed": [1]})
+    assert states["stopped"] == ["converged"] * 2 and states["message"] == ""
+    for name in ("deformation_gradient", "nominal_stress", "cauchy_stress", "energy_density"):
+        np.testing.assert_allclose(states[name], along[name], rtol=1e-4, atol=1e-4 * np.abs(along[name]).max())
+    assert [cell["state"] for cell in states["cells"]] == [1] and len(states["cells"][0]["sliding"]) == len(states["sliders"])
+    assert {effect["name"] for effect in states["effects"]} == {effect["name"] for effect in along["effects"]}
+
+
+def test_stress_is_the_derivative_of_the_energy_by_the_deformation_gradient(api: Api) -> None:
+    f, h = np.array([[1.06, 0.03], [-0.02, 0.97]]), 1e-4
+    directions = [np.eye(4)[k].reshape(2, 2) for k in range(4)]
+    gradients = [f, *(f + sign * h * d for d in directions for sign in (1, -1))]
+    answer = api.ok(DEFORMATIONS, {"weave": {"pattern": "interlacing_circles", "type": 1}, "accuracy": {"tolerance": 1e-10},
+                                   "deformation_gradients": [g.tolist() for g in gradients], "effects": {"out_of_plane": "off"}})
+    energy = np.array(answer["energy_density"])
+    slopes = (energy[1::2] - energy[2::2]) / (2 * h)
+    np.testing.assert_allclose(np.ravel(answer["nominal_stress"][0]), slopes, atol=1e-5 * np.abs(slopes).max())
+
+
+@pytest.mark.parametrize("fields, status, pointer", [
+    ({"deformation_gradients": [[[1, 0], [0, 0]]]}, 400, "/deformation_gradients/0"),
+    ({"deformation_gradients": [[[1, 0], [0, 1]]], "deformed": [1]}, 400, "/deformed/0"),
+    ({"deformation_gradients": [[[1, 0], [0, 1]]], "weave": {**REGULAR, "sheet": {"columns": 2, "rows": 2}}}, 422, "/weave"),
+    ({"deformation_gradients": [[[1, 0], [0, 1]]], "accuracy": {"segments": 0}}, 400, "/accuracy/segments")])
+def test_deformation_gradients_that_are_none_are_refused(api: Api, fields: Dict[str, Any], status: int, pointer: str) -> None:
+    answer = api.post(DEFORMATIONS, {"weave": REGULAR, **fields}, faulty=True)
+    assert (answer.status_code, pointers(answer)) == (status, [pointer])
 
 
 def test_suppressed_shear_is_stiffer_off_the_axes(api: Api) -> None:
@@ -289,8 +322,9 @@ def test_a_path_that_ends_early_is_answered_with_its_reason(api: Api) -> None:
 
 @pytest.mark.parametrize("path, document", [
     (LAYOUTS, {"weave": SQUARES}), (HOMOGENIZATIONS, {"weave": SQUARES, "directions": 20}),
+    (DEFORMATIONS, {"weave": SQUARES, "deformation_gradients": [[[1.05, 0], [0.01, 1]], [[1, 0.1], [0.1, 1]]], "deformed": [0]}),
     (SIMULATIONS, {"weave": SHEET, "supports": [held(LEFT), held(RIGHT, 0.4, 0, 0)], "states": 3}),
-], ids=["layouts", "homogenizations", "simulations"])
+], ids=["layouts", "homogenizations", "deformations", "simulations"])
 def test_a_job_has_the_result_of_the_immediate_answer(api: Api, path: str, document: Dict[str, Any]) -> None:
     job = start_job(api, path, document)
     seen = list(events(api, job))

@@ -135,6 +135,7 @@ int main(int argc, char** argv) {
                      {{"recovery", [&] { study_recovery(settings); }},
                       {"speed", [&] { study_design_speed(settings); }},
                       {"accuracy", [&] { study_design_accuracy(settings); }},
+                      {"profiles", [&] { study_profiles(settings); }},
                       {"solvers", [&] { study_solvers(settings); }},
                       {"verification", [&] { study_verification(settings); }},
                       {"freedoms", [&] { study_freedoms(settings); }},

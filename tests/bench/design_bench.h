@@ -59,6 +59,7 @@ inline constexpr design::Task all_tasks[] = {design::Task::stress_strain, design
 void study_recovery(const DesignSettings& settings);
 void study_design_speed(const DesignSettings& settings);
 void study_design_accuracy(const DesignSettings& settings);
+void study_profiles(const DesignSettings& settings);
 void study_solvers(const DesignSettings& settings);
 void study_verification(const DesignSettings& settings);
 void study_freedoms(const DesignSettings& settings);

@@ -4,6 +4,7 @@
 Usage: plot_simulations.py [FOLDER]      default: docs/bench
 
 simulations-refinement.svg   error of stress against time per state, one panel per family
+simulations-accuracy.svg     error of stress against tolerance and load step
 simulations-smoothness.svg   energy density and stress along a parameter in steps of a millionth
 
 A study whose CSV file is not there is left out.
@@ -17,9 +18,10 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from plotting import BLUE, RED, Row, numbers, read, save
+from plotting import BLUE, COLOURS, RED, Row, grouped, numbers, read, save
 
 CHOSEN = "1/2, 0.1"
+LEAST_PERCENT = 1e-10  # errors that are zero, or rounding, are drawn here
 
 
 def draw_refinement(rows: list[Row], target: Path) -> None:
@@ -63,11 +65,32 @@ def draw_smoothness(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
+def draw_accuracy(rows: list[Row], target: Path) -> None:
+    """The rows are those of tolerances; load steps stand beside them."""
+    figure, panels = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True)
+    for panel, knob, points in ((panels[0], "tolerance", rows),
+                                (panels[1], "load_step", read(target.parent / "simulations-load-step.csv"))):
+        reached = [row for row in points if row["stress_percent"] != "not reached"]
+        for colour, (family, own) in zip(COLOURS, grouped(reached, "family").items()):
+            for marker, (load, line) in zip("os^", grouped(own, "load").items()):
+                panel.plot(numbers(line, knob), [max(value, LEAST_PERCENT) for value in numbers(line, "stress_percent")],
+                           color=colour, marker=marker, markersize=4, label=f"{family}, {load}")
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.invert_xaxis()
+        panel.set_xlabel(knob.replace("_", " "))
+    panels[0].set_ylabel("error of the stress, %")
+    panels[0].legend(fontsize=6, frameon=False)
+    save(figure, target)
+
+
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
-    for name, draw in (("simulations-refinement", draw_refinement), ("simulations-smoothness", draw_smoothness)):
-        if (folder / f"{name}.csv").exists():
-            draw(read(folder / f"{name}.csv"), folder / f"{name}.svg")
+    for table, image, draw in (("simulations-refinement", "simulations-refinement", draw_refinement),
+                               ("simulations-tolerance", "simulations-accuracy", draw_accuracy),
+                               ("simulations-smoothness", "simulations-smoothness", draw_smoothness)):
+        if (folder / f"{table}.csv").exists():
+            draw(read(folder / f"{table}.csv"), folder / f"{image}.svg")
 
 
 if __name__ == "__main__":

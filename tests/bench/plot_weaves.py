@@ -6,6 +6,7 @@ Usage: plot_weaves.py [FOLDER]      default: docs/bench
 weaves-segments.svg     error of moduli against time for segments between crossings
 weaves-tolerance.svg    error of moduli and Newton iterations against the tolerance
 weaves-directions.svg   error of interpolated profiles against the number of directions
+weaves-sheets.svg       error of a sheet's force against time for segments, tolerances and load steps
 weaves-paths.svg        directions that end on another equilibrium, and time, against load steps
 weaves-speed.svg        time per direction of each cell, by what it goes into
 weaves-size.svg         time and memory of a sheet against the number of its crossings
@@ -82,6 +83,26 @@ def draw_directions(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
+def draw_sheets(rows: list[Row], target: Path) -> None:
+    """The rows are those of segments; tolerances and load steps stand beside them."""
+    figure, panels = plt.subplots(1, 3, figsize=(11.4, 3.6), sharey=True)
+    knobs = [("segments", rows)]
+    for knob, table in (("tolerance", "weaves-sheet-tolerance"), ("load_steps", "weaves-sheet-steps")):
+        knobs.append((knob, [row for row in read(target.parent / f"{table}.csv") if row[knob] != "automatic"]))
+    for panel, (knob, points) in zip(panels, knobs):
+        for colour, (sheet, own) in zip((BLUE, RED, GREEN), grouped(points, "sheet").items()):
+            panel.plot(numbers(own, "ms"), positive(numbers(own, "force_percent")), marker="o", color=colour, label=sheet)
+            for row in own:
+                panel.annotate(row[knob], (float(row["ms"]), max(float(row["force_percent"]), LEAST_PERCENT)), fontsize=6,
+                               xytext=(3, 3), textcoords="offset points")
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_xlabel(f"CPU milliseconds (numbers: {knob.replace('_', ' ')})")
+    panels[0].set_ylabel("error of the force, %")
+    panels[0].legend(fontsize=7, frameon=False)
+    save(figure, target)
+
+
 def draw_paths(rows: list[Row], target: Path) -> None:
     figure, panels = plt.subplots(1, 2, figsize=(8.4, 3.8))
     large = [row for row in rows if float(row["strain"]) > 0.2]
@@ -139,6 +160,7 @@ def main() -> None:
     for table, image, draw in (("weaves-segments", "weaves-segments", draw_segments),
                                ("weaves-tolerance", "weaves-tolerance", draw_tolerance),
                                ("weaves-directions", "weaves-directions", draw_directions),
+                               ("weaves-sheet-segments", "weaves-sheets", draw_sheets),
                                ("weaves-paths", "weaves-paths", draw_paths),
                                ("weaves-speed-cell-shares", "weaves-speed", draw_speed),
                                ("weaves-size", "weaves-size", draw_size)):

@@ -55,6 +55,7 @@ double stress_error(const microscale::State& state, const microscale::State& ref
 bool before_buckling(const microscale::State& state);
 
 void study_refinement(const SimulationSettings& settings);
+void study_simulation_accuracy(const SimulationSettings& settings);
 void study_speed(const SimulationSettings& settings);
 void study_peer(const SimulationSettings& settings);
 void study_effects(const SimulationSettings& settings);

@@ -80,6 +80,7 @@ struct WeaveShares {
 WeaveShares shares_of(const CostLedger& cost);
 
 void study_weave_accuracy(const WeaveSettings& settings);
+void study_weave_sheets(const WeaveSettings& settings);
 void study_weave_paths(const WeaveSettings& settings);
 void study_weave_speed(const WeaveSettings& settings);
 void study_weave_size(const WeaveSettings& settings);

@@ -18,8 +18,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from gallery import read_order
 from plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
-from weave_drawing import (draw_in_space, draw_layout, draw_polar, draw_repeated, draw_sheet, height_bar, pull_arrows,
-                           same_scale, save_small)
+from weave_drawing import (REST, bare, draw_in_space, draw_layout, draw_polar, draw_repeated, draw_sheet, draw_strands,
+                           height_bar, pull_arrows, same_scale, save_small)
 
 import supple
 from supple import Place, Support, Weave, WeaveOptions
@@ -84,6 +84,44 @@ def draw_cell(axes: plt.Axes, cell: Any, times: int, direction: float) -> None:
 
 def highest_point(state: supple.SheetState) -> float:
     return float(np.abs(state.crossings[:, 2]).max())
+
+
+# One crossing
+
+
+def crossing(client: supple.Client, path: Path) -> str:
+    half, pushed = 20.0, 3.0
+    strands = [supple.Strand([[-half, 0], [half, 0]]), supple.Strand([[0, -half], [0, half]])]
+    supports = [Support(Place.strand(0, share=0.0), clamped=True), Support(Place.strand(0, share=1.0), clamped=True),
+                Support(Place.strand(1, share=1.0), displacement=(0, pushed, 0))]
+    figure, panels = plt.subplots(1, 2, figsize=(7.4, 3.6))
+    forces: List[float] = []
+    bends: List[float] = []
+    for panel, name in zip(panels, ("fused", "sliding")):
+        weave = Weave.layout(strands)
+        if name == "sliding":
+            weave = weave.slide(0, 1)
+        answer = client.weave_simulation(weave, supports, options=WeaveOptions(out_of_plane="off", segments=16), timeout=TIMEOUT)
+        if not answer.converged:
+            raise RuntimeError(f"crossing {name}: {answer.message}")
+        deformed = answer.states[-1].strands or ()
+        forces.append(abs(float(answer.resultant(2)[-1][1])))
+        bends.append(float(np.abs(deformed[0][:, 1]).max()))
+        draw_strands(panel, [strand.polyline for strand in client.weave_layout(weave).strands], REST, 2.5)
+        draw_strands(panel, deformed[:1], BLUE, 2.5)
+        draw_strands(panel, deformed[1:], GREEN, 2.5)
+        panel.annotate("", (0, half + pushed + 6), (0, half + pushed + 1), arrowprops={"arrowstyle": "-|>", "color": PURPLE})
+        panel.set_title(f"{name}: {measured(forces[-1], 'N')}", fontsize=9)
+        bare(panel)
+    same_scale(panels)
+    save_small(figure, path)
+    # A beam clamped at both ends and pulled in its middle, for small deflections: F = 192 E I w / L^3.
+    bending_stiffness = 3500 * math.pi * 0.25**4 / 4
+    small = 192 * bending_stiffness * pushed / (2 * half) ** 3
+    return (f"One strand (blue) is clamped at both ends; the one across it (green) is pulled along its axis by {pushed:g} mm. Fused, it "
+            f"bends the other by {number(bends[0])} mm, at {number(forces[0])} N: the beam of small deflections would take "
+            f"{number(small)} N, and the rest is its stretching. Sliding, it moves through, at {measured(forces[1], 'N')}, and the "
+            f"other bends by {measured(bends[1], 'mm')}.")
 
 
 # Regular weaves
@@ -246,6 +284,36 @@ def squares_sheets(client: supple.Client, path: Path) -> str:
             f"each other and none bends. Types 3 and 4 take {number(forces[2])} and {number(forces[3])} N.")
 
 
+def strain_at_stress(client: supple.Client, weave: Weave, wanted: float, most: float) -> float:
+    """The strain along the diagonal at which the nominal stress along it is as wanted, N/m."""
+    along = np.full(2, math.sqrt(0.5))
+    least = 0.0
+    while most - least > 1e-3 * most:
+        strain = (least + most) / 2
+        answer = homogenize(client, weave, strain, directions=[math.pi / 4])
+        enough = float(along @ answer.nominal_stress[0] @ along) >= wanted
+        least, most = (least, strain) if enough else (strain, most)
+    return most
+
+
+def squares_diagonal(client: supple.Client, path: Path) -> str:
+    wanted = 20.0
+    figure, panels = plt.subplots(1, 4, figsize=(11, 3.2))
+    strains: List[float] = []
+    for panel, kind in zip(panels, SQUARES):
+        weave = Weave.squares(kind)
+        strains.append(strain_at_stress(client, weave, wanted, 0.4))
+        cell = homogenize(client, weave, strains[-1], directions=[math.pi / 4], deformed=[0]).cells[0]
+        draw_cell(panel, cell, 2, math.pi / 4)
+        panel.set_title(f"type {kind}: {percent(strains[-1])}", fontsize=9)
+    same_scale(panels)
+    save_small(figure, path)
+    return (f"The four types of squares under the same force along the diagonal, {wanted:g} N for each metre of width at rest. "
+            f"They lengthen by {', '.join(percent(strain) for strain in strains[:3])} and {percent(strains[3])}: types 2 and 3, whose "
+            f"strands slide at every crossing of two squares, give way by {number(min(strains[1:3]) / strains[0], 2)} to "
+            f"{number(max(strains[1:3]) / strains[0], 2)} times as much as the fused type 1.")
+
+
 # Circles and rings
 
 
@@ -295,6 +363,40 @@ def circles(client: supple.Client, path: Path) -> str:
             f"lengthens by {percent(lengthened[0])}, sliding by {percent(lengthened[1])}: circles become ovals that slide through each other.")
 
 
+def circles_anisotropy(client: supple.Client, path: Path) -> str:
+    strains = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
+    count = 36
+    ratios: List[List[float]] = [[], []]
+    diagonals: List[float] = []
+    figure, (curve, polar) = plt.subplots(1, 2, figsize=(8, 3.2))
+    polar.remove()
+    polar = figure.add_subplot(1, 2, 2, projection="polar")
+    for row, (kind, name, colour) in enumerate(((1, "fused", GREY), (2, "sliding", BLUE))):
+        for strain in strains:
+            answer = homogenize(client, Weave.circles(kind), strain, 8, directions=count)
+            modulus = answer.youngs_modulus
+            ratios[row].append(float(modulus.max() / modulus.min()))
+            if kind == 2:
+                diagonals.append(float(modulus[count // 4] / modulus[3 * count // 4]))
+        draw_polar(polar, [(answer.directions, modulus / modulus.max(), colour, name)])
+        curve.plot([100 * strain for strain in strains], ratios[row], color=colour, marker="o", markersize=3, label=name)
+    polar.set_title("at 30 %, over the greatest", fontsize=8)
+    curve.plot([100 * strain for strain in strains], diagonals, color=ORANGE, linestyle="--", label="sliding: one diagonal over the other")
+    curve.set_xlabel("strain, %", fontsize=8)
+    curve.set_ylabel("greatest over least modulus", fontsize=8)
+    curve.set_ylim(0, None)
+    curve.legend(fontsize=7, frameon=False)
+    curve.tick_params(labelsize=7)
+    save_small(figure, path)
+    (fused_first, *_, fused_last), (first, *_, last) = ratios
+    return (f"How anisotropic are circles? The greatest modulus over the least is {number(fused_first)} for fused circles at a strain of "
+            f"{percent(strains[0], 0)} and falls to {number(fused_last)} at {percent(strains[-1], 0)}. For sliding ones it is only "
+            f"{number(first)} at first, since every direction bends the same arcs, and it grows to {number(last)} as the circles become "
+            f"ovals and their crossings reach the limits of sliding. One diagonal is {number(diagonals[0])} times as stiff as the other at "
+            f"{percent(strains[0], 0)} and {number(diagonals[-1])} times at {percent(strains[-1], 0)}: circles slide along one of them "
+            f"only. So sliding makes circles highly anisotropic at large strains, and not at small ones.")
+
+
 def rings(client: supple.Client, path: Path) -> str:
     push, steps = 12.5, 25
     weave = Weave.rings()
@@ -336,12 +438,15 @@ def rings(client: supple.Client, path: Path) -> str:
 
 
 ENTRIES = [
+    Entry("crossing", "One crossing, fused and sliding", crossing),
     Entry("regular-cells", "A regular weave, crossing by crossing", regular_cells),
     Entry("regular-sheets", "Fused sheets buckle, sliding ones shear", regular_sheets),
     Entry("squares-profiles", "Four kinds of interlacing squares", squares_profiles),
     Entry("squares-locking", "No stiffness at all, until the sliders lock", squares_locking),
+    Entry("squares-diagonal", "Squares under the same force along the diagonal", squares_diagonal),
     Entry("squares-sheets", "Sheets of squares, pulled by 10 %", squares_sheets),
     Entry("circles", "Interlacing circles", circles),
+    Entry("circles-anisotropy", "Circles become anisotropic when they lock", circles_anisotropy),
     Entry("rings", "Rings that rise", rings),
 ]
 

@@ -56,7 +56,7 @@ describe("the dialog of a print", () => {
     assert.match(await print.fact("Time"), /s, without accelerations$/);
     assert.match(await print.fact("Printed"), /16 channels/);
     await dialog.getByText("The checker has read the G-code and finds nothing wrong.").waitFor();
-    assert.match(await words.textContent(), /^Layer 3 of 3: channels over sliding strands, nozzle at 0.5 to 2.25 mm/);
+    assert.match(await words.textContent(), /^Layer 3 of 3: channels over sliding strands, nozzle at 0.5 to 2.5 mm/);
     await picture(page, "print");
     const pictures = [await print.drawing()];
     const look = async (act, what) => {
@@ -68,11 +68,11 @@ describe("the dialog of a print", () => {
     await look(() => page.keyboard.press("ArrowLeft"), "the layer below");
     assert.match(await words.textContent(), /^Layer 2 of 3: strands that rise over others/);
     await look(() => page.keyboard.press("Home"), "the lowest layer");
-    assert.match(await words.textContent(), /^Layer 1 of 3: on the bed, nozzle at 0.5 mm; 64 mm printed, 4 travels\.$/);
+    assert.match(await words.textContent(), /^Layer 1 of 3: on the bed, nozzle at 0.5 mm; 124 mm printed, 5 travels\.$/);
     await look(() => dialog.getByLabel("Show travels").uncheck(), "a layer without its travels");
     await dialog.getByLabel("Moves of this layer", { exact: true }).focus();
     await look(() => page.keyboard.press("ArrowLeft"), "a layer without its last move");
-    assert.match(await words.textContent(), /of which 7 of 8 moves are shown/);
+    assert.match(await words.textContent(), /of which 9 of 10 moves are shown/);
     await look(() => dialog.getByLabel("Whole bed").check(), "the bed");
     await picture(page, "print-bed");
     await print.enter("Nozzle, °C", 205);
@@ -129,7 +129,7 @@ describe("the dialog of a print", () => {
     await until(() => dialog.getByLabel("Begins to rise at, mm", { exact: true }).isVisible(), "the opened group");
     await print.enter("Begins to rise at, mm", 2);
     await print.planned();
-    await dialog.getByText("G-code of your own").click();
+    await dialog.getByText("Start and end").click();
     await print.enter("After heating and homing", "M999");
     await dialog.getByText("unknown command: M999").waitFor();
     await print.planned();

@@ -173,7 +173,7 @@ void check_printer(const weave::PrinterProfile& printer) {
 }
 
 void parse(unsigned which, std::string_view body) {
-  switch (which % 17) {
+  switch (which % 18) {
     case 0: {
       const auto request = json::parse_geodesics(body, limits());
       require(request.mesh.size() == 64 && !request.pairs.empty() && request.pairs.size() <= limits().max_pairs);
@@ -308,6 +308,16 @@ void parse(unsigned which, std::string_view body) {
       for (const auto site : request.options.fixed_sites) require(site >= 0);
       require(request.options.tolerance > 0 && request.options.max_iterations > 0);
       require(request.options.edge_length >= 0 && std::isfinite(request.options.edge_length));
+      return check_deadline(request.deadline);
+    }
+    case 17: {
+      const auto request = json::parse_weave_deformation(body, limits());
+      check_weave(request.weave);
+      check_options(request.options);
+      require(!request.gradients.empty());
+      for (const auto& gradient : request.gradients) require(gradient.determinant() > 0);
+      for (const int index : request.deformed)
+        require(index >= 0 && static_cast<std::size_t>(index) < request.gradients.size());
       return check_deadline(request.deadline);
     }
     default: {

@@ -397,6 +397,13 @@ def stiffness_of_a_fine_cell(meshes: Meshes, more: Dict[str, Any]) -> Costly:
 
 
 @costly
+def many_gradients_of_a_fine_cell(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    gradients = [[[1.2, k / 10_000], [0.1, 1]] for k in range(10_000)]
+    return post("/v1/weave-deformations", {"weave": {"pattern": "interlacing_circles", "type": 2}, "deformation_gradients": gradients,
+                                           "accuracy": {"segments": 64, "tolerance": 1e-12, "max_iterations": 10_000, "load_steps": 10_000}, **more})
+
+
+@costly
 def sheet_of_many_strands(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     sheet = {"pattern": "regular", "sheet": {"columns": 141, "rows": 141}, "pitch": 1}
     return post("/v1/weave-simulations", {"weave": sheet, "states": 1000, "deformed": "none", "accuracy": {"segments": 16}, "supports": [

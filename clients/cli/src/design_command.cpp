@@ -22,7 +22,7 @@ struct DesignArguments {
   MeasuredCurveArguments measured;
   std::string interpolation;
   int samples = 0;
-  std::string initial;
+  std::string initial, initial_orientation;
   std::string fixed;
   std::string orientation;
   std::string youngs_modulus;
@@ -99,6 +99,12 @@ void set_orientation(const std::string& text, nlohmann::json& request) {
   request["orientation"] = angles.size() == 1 ? nlohmann::json(angles[0]) : nlohmann::json(angles);
 }
 
+void set_start(const DesignArguments& arguments, nlohmann::json& request) {
+  if (!arguments.initial.empty()) request["initial"] = parse_numbers(arguments.initial, "list of parameters");
+  if (!arguments.initial_orientation.empty())
+    request["initial_orientation"] = parse_angle(arguments.initial_orientation, "--initial-orientation");
+}
+
 void set_size(const DesignArguments& arguments, nlohmann::json& request) {
   if (arguments.beam_width > 0) request["beam_width"] = arguments.beam_width;
   if (arguments.cell_size > 0) request["cell_size"] = arguments.cell_size;
@@ -135,7 +141,7 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   };
   if (!arguments.interpolation.empty()) request["target"]["interpolation"] = arguments.interpolation;
   set_number(request, "samples", arguments.samples);
-  if (!arguments.initial.empty()) request["initial"] = parse_numbers(arguments.initial, "list of parameters");
+  set_start(arguments, request);
   if (!arguments.fixed.empty()) request["fixed"] = parse_fixed(arguments.fixed);
   set_orientation(arguments.orientation, request);
   set_material(arguments, request);
@@ -184,7 +190,12 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
   command
       .add_option("--samples", arguments.samples, "Samples at which the target is compared (10; 50 over directions)")
       ->check(CLI::PositiveNumber);
-  command.add_option("--initial", arguments.initial, "Parameters to start from, separated by commas; with a family");
+  auto* const initial = command.add_option("--initial", arguments.initial,
+                                           "Parameters to start from, separated by commas; with a family");
+  command
+      .add_option("--initial-orientation", arguments.initial_orientation,
+                  "Orientation to start from, within --orientation (its middle)")
+      ->needs(initial);
   command.add_option("--fixed", arguments.fixed, "Parameters to hold, for example 0.15,free; with a family");
   command.add_flag("--verify", arguments.verify, "Simulate the design found at its native scale too, and polish it");
   command.add_option("--verified-samples", arguments.verified_samples, "Samples that are simulated (12)")

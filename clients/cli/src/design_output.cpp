@@ -91,17 +91,18 @@ void print_samples(const nlohmann::json& profile) {
 }
 
 void print_ranking(const nlohmann::json& ranking) {
-  fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>11}  {:>10}  {:<16}  {}\n", "rank", "family", "model", "deviation",
-             "model error", "largest", "stopped", "parameters");
+  fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>11}  {:>10}  {:>9}  {:<16}  {}\n", "rank", "family", "model",
+             "deviation", "model error", "largest", "E, MPa", "stopped", "parameters");
   int rank = 0;
   for (const auto& candidate : ranking) {
     const auto& error = candidate.at("error");
     const auto& model_error = candidate.at("model_error");
-    fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>11}  {:>10}  {:<16}  {}\n", ++rank, text_in(candidate, "family"),
-               text_in(candidate, "model"), percent(error),
+    fmt::print("{:>4}  {:<8}  {:<10}  {:>10}  {:>11}  {:>10}  {:>9}  {:<16}  {}\n", ++rank,
+               text_in(candidate, "family"), text_in(candidate, "model"), percent(error),
                model_error.is_null() ? "unknown" : fmt::format("{:.3g} %", 100 * model_error.get<double>()),
-               fmt::format("{:.3g}", error.at("max").get<double>()), text_in(candidate, "stopped"),
-               numbers_text(candidate.at("parameters")));
+               fmt::format("{:.3g}", error.at("max").get<double>()),
+               fmt::format("{:.4g}", candidate.at("material").at("youngs_modulus").get<double>()),
+               text_in(candidate, "stopped"), numbers_text(candidate.at("parameters")));
   }
 }
 

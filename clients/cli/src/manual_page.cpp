@@ -66,8 +66,18 @@ std::string value_name(const CLI::Option& option) {
   return number ? " NUMBER" : " VALUE";
 }
 
+/// A line may be broken between the values to choose from.
+std::string breakable(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    out += c;
+    if (c == '|') out += "\\:";
+  }
+  return out;
+}
+
 std::string option_entry(const CLI::Option& option) {
-  std::string out = fmt::format(".TP\n.B {}\n{}", roff(joined(spellings(option), ", ") + value_name(option)),
+  std::string out = fmt::format(".TP\n.B {}\n{}", breakable(roff(joined(spellings(option), ", ") + value_name(option))),
                                 roff(option.get_description()));
   if (!option.get_default_str().empty()) out += fmt::format(" (default: {})", roff(option.get_default_str()));
   if (!option.get_envname().empty()) out += fmt::format(" (environment: {})", roff(option.get_envname()));

@@ -20,10 +20,11 @@ std::string pattern_of(const std::string& name) {
   if (name == "squares" || name == "interlacing_squares") return "interlacing_squares";
   if (name == "circles" || name == "interlacing_circles") return "interlacing_circles";
   if (name == "rings" || name == "actuated_rings") return "actuated_rings";
+  if (name == "sample" || name == "printed_sample") return "printed_sample";
   return {};
 }
 
-std::vector<std::string> pattern_names() { return {"regular", "squares", "circles", "rings"}; }
+std::vector<std::string> pattern_names() { return {"regular", "squares", "circles", "rings", "sample"}; }
 
 std::int64_t index_of(std::string_view text, const char* what) {
   const auto index = integer_in(text);
@@ -79,6 +80,7 @@ void set_pattern_fields(const WeaveArguments& arguments, nlohmann::json& weave) 
     if (value > 0) weave[name] = value;
   };
   if (!arguments.type.empty()) weave["type"] = index_of(arguments.type, "type of a pattern");
+  if (!arguments.sample.empty()) weave["sample"] = arguments.sample;
   if (!arguments.connections.empty()) weave["connections"] = parse_connections(arguments.connections);
   set_length("pitch", arguments.pitch);
   set_length("side", arguments.side);
@@ -100,11 +102,14 @@ nlohmann::json object_in_file(const std::string& file) {
 void add_weave_options(CLI::App& command, WeaveArguments& arguments) {
   command
       .add_option("weave", arguments.weave,
-                  "regular, squares, circles or rings, or a JSON file with a pattern, or strands and crossings")
+                  "regular, squares, circles, rings or sample, or a JSON file with a pattern, or strands and crossings")
       ->required();
   command.add_option("--type", arguments.type,
                      "Of squares 1 to 4 (fused, sliding in x, both ways, one corner fused), "
                      "of circles 1 (fused) or 2 (sliding)");
+  command.add_option("--sample", arguments.sample, "Which of the sheets that have been printed and tested")
+      ->check(CLI::IsMember({"fused_grid", "sliding_grid", "squares_1", "squares_2", "squares_3", "squares_4",
+                             "circles_fused", "circles_sliding", "actuation"}));
   command.add_option(
       "--connections", arguments.connections,
       "Of a regular weave: fused, slides_x or slides_y, or rows from below: fused,slides_x;slides_y,fused");
@@ -139,7 +144,7 @@ nlohmann::json weave_of(const WeaveArguments& arguments) {
   std::error_code ignored;
   if (pattern.empty() && !looks_like_path(arguments.weave) && !std::filesystem::exists(arguments.weave, ignored))
     throw Failure(ExitCode::usage,
-                  fmt::format("'{}' is neither a pattern (regular, squares, circles, rings) nor a file{}",
+                  fmt::format("'{}' is neither a pattern (regular, squares, circles, rings, sample) nor a file{}",
                               arguments.weave, suggestion(arguments.weave, pattern_names())));
   nlohmann::json weave = pattern.empty() ? object_in_file(arguments.weave) : nlohmann::json{{"pattern", pattern}};
   // A file may hold a whole request.

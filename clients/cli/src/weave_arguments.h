@@ -11,6 +11,7 @@ namespace supple::cli {
 struct WeaveArguments {
   std::string weave;  ///< a pattern or a file
   std::string type;
+  std::string sample;
   std::string connections;
   double pitch = 0;
   double side = 0;

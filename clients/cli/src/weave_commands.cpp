@@ -74,15 +74,19 @@ nlohmann::json request_of(const HomogenizeArguments& arguments) {
   return request;
 }
 
+/// Deformed cells as OBJ files; none without a name.
+void write_cells(const std::string& file, const nlohmann::json& cells) {
+  for (std::size_t i = 0; i < cells.size() && !file.empty(); ++i)
+    write_file(numbered_file(file, i, cells.size()), strands_as_obj(cells.at(i).at("strands")));
+}
+
 void homogenize(const GlobalOptions& options, const HomogenizeArguments& arguments) {
   const nlohmann::json request = request_of(arguments);
   Session session(options);
   const nlohmann::json answer = session.compute("/v1/weave-homogenizations", request).json();
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, homogenization_as_csv(answer));
   if (!arguments.plot_file.empty()) write_picture(arguments.plot_file, plot_svg(plots_of_homogenization(answer)));
-  const auto& cells = answer.at("cells");
-  for (std::size_t i = 0; i < cells.size() && !arguments.obj_file.empty(); ++i)
-    write_file(numbered_file(arguments.obj_file, i, cells.size()), strands_as_obj(cells.at(i).at("strands")));
+  write_cells(arguments.obj_file, answer.at("cells"));
   if (arguments.csv_file == "-" || arguments.plot_file == "-") return;
   session.json() ? print_json(answer) : print_homogenization(answer);
 }
@@ -110,6 +114,49 @@ void add_weave_homogenize_command(CLI::App& weave, const GlobalOptions& options)
       "Examples:\n  supple weave homogenize squares --type 2 --strain 0.3 --plot squares.svg\n"
       "  supple weave homogenize regular --connections \"fused,slides_x;slides_y,fused\" --directions 45deg,0deg");
   command->callback([&options, arguments] { homogenize(options, *arguments); });
+}
+
+struct DeformArguments {
+  WeaveArguments weave;
+  EquilibriumArguments equilibrium;
+  std::vector<std::string> gradients;
+  std::string csv_file;
+  std::string obj_file;
+};
+
+void deform(const GlobalOptions& options, const DeformArguments& arguments) {
+  nlohmann::json request = {{"weave", weave_of(arguments.weave)}};
+  for (const auto& text : arguments.gradients) {
+    const auto f = parse_numbers(text, "deformation gradient");
+    if (f.size() != 4)
+      throw Failure(ExitCode::usage,
+                    fmt::format("'{}' is no deformation gradient: write its rows one after the other, for example "
+                                "1.05,0,0,1",
+                                text));
+    request["deformation_gradients"].push_back({{f[0], f[1]}, {f[2], f[3]}});
+    if (!arguments.obj_file.empty()) request["deformed"].push_back(request["deformation_gradients"].size() - 1);
+  }
+  set_equilibrium_fields(arguments.equilibrium, request);
+  Session session(options);
+  const nlohmann::json answer = session.compute("/v1/weave-deformations", request).json();
+  if (!arguments.csv_file.empty()) write_file(arguments.csv_file, deformations_as_csv(answer));
+  write_cells(arguments.obj_file, answer.at("cells"));
+  if (arguments.csv_file == "-") return;
+  session.json() ? print_json(answer) : print_deformations(answer);
+}
+
+void add_weave_deform_command(CLI::App& weave, const GlobalOptions& options) {
+  const auto arguments = std::make_shared<DeformArguments>();
+  CLI::App* command =
+      weave.add_subcommand("deform", "Stress and energy of a periodic weave under given deformation gradients");
+  add_weave_options(*command, arguments->weave);
+  command->add_option("-F,--gradient", arguments->gradients, "F by rows: 1.05,0,0,1; may be given several times")
+      ->required();
+  add_equilibrium_options(*command, arguments->equilibrium);
+  command->add_option("--csv", arguments->csv_file, "Write a line for each gradient to this file, - for the terminal");
+  command->add_option("--obj", arguments->obj_file, "Write the deformed cells; several become name-1.obj and so on");
+  command->footer("Example:\n  supple weave deform circles --type 2 -F 1.1,0,0,1 -F 1,0.1,0.1,1 --csv states.csv");
+  command->callback([&options, arguments] { deform(options, *arguments); });
 }
 
 struct SimulateArguments {
@@ -211,6 +258,7 @@ void add_weave_commands(CLI::App& program, const GlobalOptions& options) {
   weave->fallthrough();
   add_weave_layout_command(*weave, options);
   add_weave_homogenize_command(*weave, options);
+  add_weave_deform_command(*weave, options);
   add_weave_simulate_command(*weave, options);
   add_weave_print_commands(*weave, options);
 }

@@ -85,12 +85,55 @@ void print_layout(const nlohmann::json& answer, bool crossings) {
   for (const auto& warning : answer.at("warnings")) print_notice(warning.get<std::string>());
 }
 
+namespace {
+
+constexpr auto state_names = "energy_density,stopped,residual,out_of_plane,stable,iterations,load_steps,branches";
+
+/// What every equilibrium of a cell has beside its gradient and stress, as `state_names` say.
+void append_state(std::string& line, const nlohmann::json& answer, std::size_t i) {
+  for (const char* name :
+       {"energy_density", "stopped", "residual", "out_of_plane", "stable", "iterations", "load_steps", "branches"})
+    line += ',' + cell_text(answer.at(name).at(i));
+}
+
+std::string matrix_text(const nlohmann::json& matrix) {
+  const auto entry = [&](int row, int column) { return matrix.at(row).at(column).get<double>(); };
+  return fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1));
+}
+
+}  // namespace
+
+std::string deformations_as_csv(const nlohmann::json& answer) {
+  std::string text =
+      fmt::format("F_xx,F_xy,F_yx,F_yy,P_xx,P_xy,P_yx,P_yy,sigma_xx,sigma_xy,sigma_yx,sigma_yy,{}\n", state_names);
+  for (std::size_t i = 0; i < answer.at("stopped").size(); ++i) {
+    std::string line;
+    for (const char* name : {"deformation_gradient", "nominal_stress", "cauchy_stress"})
+      append_matrix(line, answer.at(name).at(i), 2);
+    append_state(line, answer, i);
+    text += line.substr(1) + '\n';
+  }
+  return text;
+}
+
+void print_deformations(const nlohmann::json& answer) {
+  fmt::print("{:>43}   {:>43}  {:>10}  {}\n", "F: xx, xy, yx, yy", "Cauchy stress/(N/m): xx, xy, yx, yy", "W/(N/m)",
+             "stopped");
+  for (std::size_t i = 0; i < answer.at("stopped").size(); ++i)
+    fmt::print("{}   {}  {:>10.5g}  {}{}\n", matrix_text(answer.at("deformation_gradient").at(i)),
+               matrix_text(answer.at("cauchy_stress").at(i)), answer.at("energy_density").at(i).get<double>(),
+               answer.at("stopped").at(i).get<std::string>(),
+               answer.at("out_of_plane").at(i).get<bool>() ? ", out of plane" : "");
+  print_accuracy(answer);
+  print_cost(answer);
+  print_message(answer);
+}
+
 std::string homogenization_as_csv(const nlohmann::json& answer) {
   const bool mpa = answer.contains("youngs_modulus_mpa");
   std::string text = fmt::format(
-      "direction,youngs_modulus,{}poisson_ratio,F_xx,F_xy,F_yx,F_yy,sigma_xx,sigma_xy,sigma_yx,sigma_yy,energy_density,"
-      "stopped,residual,out_of_plane,stable,iterations,load_steps,branches\n",
-      mpa ? "youngs_modulus_mpa," : "");
+      "direction,youngs_modulus,{}poisson_ratio,F_xx,F_xy,F_yx,F_yy,sigma_xx,sigma_xy,sigma_yx,sigma_yy,{}\n",
+      mpa ? "youngs_modulus_mpa," : "", state_names);
   for (std::size_t i = 0; i < answer.at("directions").size(); ++i) {
     std::string line = cell_text(answer.at("directions").at(i));
     line += ',' + cell_text(answer.at("youngs_modulus").at(i));
@@ -98,9 +141,7 @@ std::string homogenization_as_csv(const nlohmann::json& answer) {
     line += ',' + cell_text(answer.at("poisson_ratio").at(i));
     append_matrix(line, answer.at("deformation_gradient").at(i), 2);
     append_matrix(line, answer.at("cauchy_stress").at(i), 2);
-    for (const char* name :
-         {"energy_density", "stopped", "residual", "out_of_plane", "stable", "iterations", "load_steps", "branches"})
-      line += ',' + cell_text(answer.at(name).at(i));
+    append_state(line, answer, i);
     text += line + '\n';
   }
   return text;

@@ -16,6 +16,9 @@ std::string homogenization_as_csv(const nlohmann::json& answer);
 void print_homogenization(const nlohmann::json& answer);
 /// Young's modulus and Poisson's ratio over directions.
 std::vector<ProfilePlot> plots_of_homogenization(const nlohmann::json& answer);
+/// A line for each deformation gradient, after a line of names.
+std::string deformations_as_csv(const nlohmann::json& answer);
+void print_deformations(const nlohmann::json& answer);
 /// Deformed strands as an OBJ file of polylines.
 std::string strands_as_obj(const nlohmann::json& strands);
 

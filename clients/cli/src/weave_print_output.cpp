@@ -45,9 +45,9 @@ void print_violation_count(const nlohmann::json& report) {
 
 void print_toolpath(const nlohmann::json& answer) {
   const auto& statistics = answer.at("statistics");
-  fmt::print("strands     {:.6g} mm on the bed, {:.6g} mm lifted, {:.6g} mm of supports\n",
+  fmt::print("strands     {:.6g} mm on the bed, {:.6g} mm lifted, {:.6g} mm of supports, {:.6g} mm to prime\n",
              number(statistics, "strand_length"), number(statistics, "lifted_length"),
-             number(statistics, "support_length"));
+             number(statistics, "support_length"), number(statistics, "priming_length"));
   print_totals(statistics, statistics.at("channels").get<std::size_t>());
   print_violation_count(answer.at("check"));
   print_cost(answer);

@@ -161,6 +161,7 @@ class DesignCandidate(Shown):
             nobody measured it.
         simulated_error: as `error.relative_rms`, of the simulated structure; None where it was not simulated.
         orientation: angle by which the tiling is turned, radians.
+        material: what the design is of; its modulus is the one found for this family, where the request leaves a choice.
     """
 
     family: str
@@ -171,6 +172,7 @@ class DesignCandidate(Shown):
     simulated_error: Optional[float]
     stopped: str
     orientation: float
+    material: MadeOf
 
 
 @dataclass(frozen=True, repr=False)
@@ -464,6 +466,7 @@ def _candidate(document: Mapping[str, Any]) -> DesignCandidate:
         simulated_error=_number_or_none(document["simulated_error"]),
         stopped=str(document["stopped"]),
         orientation=float(document["orientation"]),
+        material=_made_of(document["material"]),
     )
 
 

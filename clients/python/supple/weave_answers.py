@@ -76,7 +76,7 @@ class WeaveLayout(Drawn):
 
 @dataclass(frozen=True, repr=False)
 class DeformedCell(Drawn):
-    """A deformed cell: `direction` is an index, `lattice` has the translations as rows, `strands` are polylines of shape
+    """A deformed cell: `direction` is the index of a direction or of a deformation gradient, `lattice` has the translations as rows, `strands` are polylines of shape
     (n, 3), `sliding` tells how far each slider has moved."""
 
     direction: int
@@ -86,6 +86,36 @@ class DeformedCell(Drawn):
 
     def _drawing(self) -> Drawing:
         return Drawing("map", (Line(joined(self.strands)),), title="deformed cell")
+
+
+@dataclass(frozen=True, repr=False)
+class WeaveDeformation(Shown):
+    """Equilibria of a periodic weave, one entry for each deformation gradient.
+
+    Attributes:
+        deformation_gradient: shape (n, 2, 2); where one was not reached, as far as it came.
+        nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
+        energy_density: N/m, shape (n,).
+        stopped: "converged", "iteration_limit" or "step_too_small".
+        out_of_plane, stable: bool, shape (n,).
+        message: how many gradients were not reached; empty where all were.
+        cells: the deformed cells that were asked for, by the index of their gradient.
+        tolerance, residual: what was asked for, and the largest |g| over what that allows (None where not finite).
+    """
+
+    deformation_gradient: Array
+    nominal_stress: Array
+    cauchy_stress: Array
+    energy_density: Array
+    stopped: Tuple[str, ...]
+    out_of_plane: NDArray[np.bool_]
+    stable: NDArray[np.bool_]
+    message: str
+    cells: Mapping[int, DeformedCell]
+    tolerance: float
+    residual: Optional[float]
+    effects: Tuple[Effect, ...]
+    cost: Cost
 
 
 @dataclass(frozen=True, repr=False)
@@ -267,6 +297,34 @@ def layout_from_wire(document: Mapping[str, Any]) -> WeaveLayout:
     )
 
 
+def _cell(document: Mapping[str, Any], index: str) -> DeformedCell:
+    return DeformedCell(
+        direction=int(document[index]),
+        lattice=_array(document["lattice"]),
+        strands=_polylines(document["strands"]),
+        sliding=_array(document["sliding"]),
+    )
+
+
+def deformation_from_wire(document: Mapping[str, Any]) -> WeaveDeformation:
+    cells = [_cell(cell, "state") for cell in document["cells"]]
+    return WeaveDeformation(
+        deformation_gradient=_array(document["deformation_gradient"]),
+        nominal_stress=_array(document["nominal_stress"]),
+        cauchy_stress=_array(document["cauchy_stress"]),
+        energy_density=_array(document["energy_density"]),
+        stopped=tuple(map(str, document["stopped"])),
+        out_of_plane=np.asarray(document["out_of_plane"], dtype=np.bool_),
+        stable=np.asarray(document["stable"], dtype=np.bool_),
+        message=str(document["message"]),
+        cells={cell.direction: cell for cell in cells},
+        tolerance=float(document["accuracy"]["tolerance"]),
+        residual=document["accuracy"]["residual"],
+        effects=effects_from_wire(document["effects"]),
+        cost=cost_from_wire(document["cost"]),
+    )
+
+
 def homogenization_from_wire(document: Mapping[str, Any]) -> WeaveHomogenization:
     mpa = document.get("youngs_modulus_mpa")
     return WeaveHomogenization(
@@ -283,15 +341,7 @@ def homogenization_from_wire(document: Mapping[str, Any]) -> WeaveHomogenization
         out_of_plane=np.asarray(document["out_of_plane"], dtype=np.bool_),
         stable=np.asarray(document["stable"], dtype=np.bool_),
         message=str(document["message"]),
-        cells=tuple(
-            DeformedCell(
-                direction=int(cell["direction"]),
-                lattice=_array(cell["lattice"]),
-                strands=_polylines(cell["strands"]),
-                sliding=_array(cell["sliding"]),
-            )
-            for cell in document["cells"]
-        ),
+        cells=tuple(_cell(cell, "direction") for cell in document["cells"]),
         tolerance=float(document["accuracy"]["tolerance"]),
         residual=document["accuracy"]["residual"],
         effects=effects_from_wire(document["effects"]),

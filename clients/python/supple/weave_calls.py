@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from . import weave_printing, weaves
 from .jobs import Job, Progress, run, submit
 from .transport import Transport
-from .weave_answers import WeaveHomogenization, WeaveLayout, WeaveSimulation
+from .weave_answers import WeaveDeformation, WeaveHomogenization, WeaveLayout, WeaveSimulation
 from .weave_print_answers import GcodeReport, WeaveToolpath
 from .weave_printing import PrintOptions
 from .weaves import Force, Support, Weave, WeaveOptions
@@ -72,6 +72,41 @@ class WeaveCalls:
         """`weave_homogenization` as a job."""
         computation = weaves.homogenization(weave, strain, directions, shear, thickness, deformed, options, deadline)
         return submit(self._transport, computation)
+
+    def weave_deformation(
+        self,
+        weave: Weave,
+        deformation_gradients: ArrayLike,
+        *,
+        deformed: Sequence[int] = (),
+        options: Optional[WeaveOptions] = None,
+        deadline: Optional[float] = None,
+        timeout: Optional[float] = None,
+        progress: Optional[Progress] = None,
+    ) -> WeaveDeformation:
+        """Stress and energy of a periodic weave under given deformation gradients, each reached from rest by itself.
+
+        Args:
+            weave: a cell: a pattern without a sheet, or a layout with a lattice.
+            deformation_gradients: F of positive determinant, shape (n, 2, 2), or (2, 2) for one.
+            deformed: indices of the gradients whose deformed cells are wanted.
+
+        A gradient that could not be reached is no exception: see `WeaveDeformation.stopped`.
+        """
+        computation = weaves.deformation(weave, deformation_gradients, deformed, options, deadline)
+        return run(self._transport, computation, timeout, progress)
+
+    def start_weave_deformation(
+        self,
+        weave: Weave,
+        deformation_gradients: ArrayLike,
+        *,
+        deformed: Sequence[int] = (),
+        options: Optional[WeaveOptions] = None,
+        deadline: Optional[float] = None,
+    ) -> Job[WeaveDeformation]:
+        """`weave_deformation` as a job."""
+        return submit(self._transport, weaves.deformation(weave, deformation_gradients, deformed, options, deadline))
 
     def weave_simulation(
         self,

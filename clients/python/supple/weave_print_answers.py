@@ -14,7 +14,7 @@ from .shown import Drawn, Shown
 
 @dataclass(frozen=True, repr=False)
 class PrintMove(Shown):
-    """A move of the nozzle: `kind` is "strand", "lifted", "channel", "support" or "travel"; `points` have the shape (n, 3);
+    """A move of the nozzle: `kind` is "priming", "strand", "lifted", "channel", "support" or "travel"; `points` have the shape (n, 3);
     `strand` is None of supports and travels, `crossing` of all but channels."""
 
     kind: str
@@ -28,12 +28,13 @@ class PrintMove(Shown):
 @dataclass(frozen=True, repr=False)
 class PrintStatistics(Shown):
     """What a toolpath amounts to. `heights` are those at which something is printed level; `lowest` and `highest`, shape
-    (3,), are corners of the box of all that is printed."""
+    (3,), are corners of the box of the print, without the line that fills the nozzle."""
 
     strand_length: float
     lifted_length: float
     channel_length: float
     support_length: float
+    priming_length: float
     travel_length: float
     extruded_length: float
     filament: float
@@ -140,6 +141,7 @@ def _statistics(document: Mapping[str, Any]) -> PrintStatistics:
         lifted_length=float(document["lifted_length"]),
         channel_length=float(document["channel_length"]),
         support_length=float(document["support_length"]),
+        priming_length=float(document["priming_length"]),
         travel_length=float(document["travel_length"]),
         extruded_length=float(document["extruded_length"]),
         filament=float(document["filament"]),

@@ -14,9 +14,11 @@ from numpy.typing import ArrayLike
 from .jobs import Computation
 from .transport import Answer
 from .weave_answers import (
+    WeaveDeformation,
     WeaveHomogenization,
     WeaveLayout,
     WeaveSimulation,
+    deformation_from_wire,
     homogenization_from_wire,
     layout_from_wire,
     weave_simulation_from_wire,
@@ -130,6 +132,12 @@ class Weave:
     def rings(**more: Any) -> "Weave":
         """Rings that rise when the last strand is pushed in at its end."""
         return Weave(given(pattern="actuated_rings", **more))
+
+    @staticmethod
+    def printed_sample(sample: str, **more: Any) -> "Weave":
+        """One of nine sheets that have been printed and tested: "fused_grid", "sliding_grid", "squares_1" to "squares_4",
+        "circles_fused", "circles_sliding" or "actuation". `Client.weave_toolpath` prints it as it was."""
+        return Weave(given(pattern="printed_sample", sample=sample, **more))
 
     @staticmethod
     def layout(
@@ -317,6 +325,26 @@ def homogenization(
         deadline=deadline,
     )
     return Computation("/v1/weave-homogenizations", document, lambda answer: homogenization_from_wire(answer.json()))
+
+
+def deformation(
+    weave: Weave,
+    deformation_gradients: ArrayLike,
+    deformed: Sequence[int],
+    options: Optional[WeaveOptions],
+    deadline: Optional[float],
+) -> Computation[WeaveDeformation]:
+    gradients = np.asarray(deformation_gradients, dtype=np.float64)
+    if gradients.shape[-2:] != (2, 2) or gradients.ndim > 3:
+        raise ValueError(f"deformation_gradients must have the shape (n, 2, 2) or (2, 2), not {gradients.shape}")
+    document = request_document(
+        weave,
+        options,
+        deformation_gradients=gradients.reshape(-1, 2, 2).tolist(),
+        deformed=[int(index) for index in deformed] or None,
+        deadline=deadline,
+    )
+    return Computation("/v1/weave-deformations", document, lambda answer: deformation_from_wire(answer.json()))
 
 
 def simulation(

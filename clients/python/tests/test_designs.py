@@ -29,7 +29,7 @@ def design_document(**more: Any) -> Dict[str, Any]:
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
             "polish": None, "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
                          "model_error": None, "simulated_error": None, "stopped": "converged",
-                         "orientation": 0.25}],
+                         "orientation": 0.25, "material": MATERIAL}],
             "structure": {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": 4.8,
                           "relative_density": 0.25, "density": 0.3}, "material": MATERIAL, "orientation": 0.25, **more}
 
@@ -67,6 +67,7 @@ def test_a_design_tells_its_material_and_its_size() -> None:
     found = design_from_wire({**design_document(), **BILL})
     assert found.material.youngs_modulus == 26 and found.material.name == ""
     assert found.orientation == found.ranking[0].orientation == 0.25
+    assert found.ranking[0].material == found.material
     assert found.size.cell_size == 4.8 and found.size.density == 0.3
     assert found.structure == {"svg": "/s", "dxf": "/d", "stl": "/t"}
     nothing = {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": None, "relative_density": None,

@@ -32,7 +32,7 @@ describe("the settings of a print", () => {
   it("are all of them in the request, without a frame where there is none", () => {
     const request = toolpathRequest(weave, { ...DEFAULT_SETTINGS, "/printer/lift/run": 3, "/overrun/end": 24 }, ["moves"]);
     expect(request).toMatchObject({ weave, include: ["moves"], overrun: { start: 0, end: 24 }, loop_overlap: 0 });
-    expect(request.printer).toMatchObject({ bed: [250, 210, 210], nozzle_temperature: 180, lift: { run: 3, height: 0.75 } });
+    expect(request.printer).toMatchObject({ bed: [250, 210, 210], nozzle_temperature: 180, lift: { run: 3, height: 1 }, park: true, priming_length: 60 });
     expect(request.printer).not.toHaveProperty("bead_area");
     expect(request).not.toHaveProperty("frame");
     expect(toolpathRequest(weave, { ...DEFAULT_SETTINGS, "/frame": true, "/frame/margin": 2 }, ["gcode"]).frame).toEqual({ margin: 2, lead_in: 0 });

@@ -46,10 +46,12 @@ class Writer {
     }
   }
 
-  /// Up from the print, everything off.
+  /// Up from the print, out of its way, everything off.
   void finish(double height) {
+    const std::string speed = " F" + decimal(profile_.travel_speed, 1);
     extruder(filament_ - profile_.retraction);
-    line("G0 Z" + decimal(height, 3) + " F" + decimal(profile_.travel_speed, 1));
+    line("G0 Z" + decimal(height, 3) + speed);
+    if (profile_.park) line("G0 X0 Y" + decimal(profile_.bed[1], 3) + speed + " ; park");
     own_lines(profile_.footer_gcode);
     for (const char* off : {"M104 S0 ; nozzle off", "M140 S0 ; bed off", "M107 ; fan off", "M84 ; motors off"})
       line(off);

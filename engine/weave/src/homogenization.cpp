@@ -27,6 +27,16 @@ void check(const Weave& weave, const EquilibriumOptions& options, const Executio
     throw Error("weave.not_periodic", "The weave has no lattice; only periodic cells are homogenized.");
 }
 
+void check_deformed(const std::vector<int>& indices, std::size_t count, const std::string& of, Faults& faults) {
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    faults.require(indices[i] >= 0 && static_cast<std::size_t>(indices[i]) < count, "deformed/" + std::to_string(i),
+                   "must be the index of a " + of);
+}
+
+void check_gradient(const Eigen::Matrix2d& f, const std::string& where, Faults& faults) {
+  faults.require(f.allFinite() && f.determinant() > 0, where, "must be finite and of positive determinant");
+}
+
 void check(const HomogenizationOptions& options) {
   Faults faults;
   faults.require(options.strain >= smallest_strain && options.strain <= largest_strain && options.strain != 0, "strain",
@@ -36,10 +46,7 @@ void check(const HomogenizationOptions& options) {
     faults.require(std::isfinite(options.directions[i]), "directions/" + std::to_string(i), "must be finite, in rad");
   faults.require(!options.thickness || (*options.thickness > 0 && std::isfinite(*options.thickness)), "thickness",
                  "must be positive, in mm");
-  for (std::size_t i = 0; i < options.deformed.size(); ++i)
-    faults.require(
-        options.deformed[i] >= 0 && static_cast<std::size_t>(options.deformed[i]) < options.directions.size(),
-        "deformed/" + std::to_string(i), "must be the index of a direction");
+  check_deformed(options.deformed, options.directions.size(), "direction", faults);
   faults.throw_if_any("weave.invalid_option");
 }
 
@@ -78,10 +85,29 @@ Prescription::Entry strain_entry(int component, double change) {
   return {Prescription::Entry::Kind::strain, component, 0, change};
 }
 
-DirectionalResponse respond(const Weave& weave, const HomogenizationOptions& options, int index,
+/// For each of so many entries whether it is among the indices.
+std::vector<bool> chosen(const std::vector<int>& indices, std::size_t count) {
+  std::vector<bool> result(count, false);
+  for (const int i : indices) result[static_cast<std::size_t>(i)] = true;
+  return result;
+}
+
+/// The equilibrium under a gradient that has been checked.
+CellState state_under(const Weave& weave, const Eigen::Matrix2d& f, const EquilibriumOptions& options,
+                      const Execution& execution, bool lines) {
+  Prescription prescription;
+  // Along the axes the dyads are the matrix' entries, row by row.
+  for (int k = 0; k < 4; ++k)
+    prescription.held.push_back(strain_entry(k, f(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
+  prescription.strain = (f - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff();
+  WeaveRun run(weave, prescription, 0, options, execution);
+  const bool arrived = run.advance_to(1);
+  run.bill_effects();
+  return state_of(run, weave, arrived, lines);
+}
+
+DirectionalResponse respond(const Weave& weave, const HomogenizationOptions& options, double direction, bool lines,
                             const Execution& execution) {
-  const double direction = options.directions[static_cast<std::size_t>(index)];
-  const bool lines = std::find(options.deformed.begin(), options.deformed.end(), index) != options.deformed.end();
   // F^T d = stretch d: of the components along d d^T, d n^T, n d^T, n n^T the first two are given.
   Prescription prescription;
   prescription.held = {strain_entry(0, options.strain), strain_entry(1, 0)};
@@ -129,9 +155,11 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
   check(weave, options.equilibrium, execution);
   check(options);
   const auto n = static_cast<int>(options.directions.size());
+  const std::vector<bool> wanted = chosen(options.deformed, options.directions.size());
   std::vector<DirectionalResponse> responses(options.directions.size());
-  const auto bills = parallel_bills(n, execution, "directions", [&](int i, const Execution& own) {
-    responses[static_cast<std::size_t>(i)] = respond(weave, options, i, own);
+  const auto bills = parallel_bills(n, execution, "directions", [&](int index, const Execution& own) {
+    const auto i = static_cast<std::size_t>(index);
+    responses[i] = respond(weave, options, options.directions[i], wanted[i], own);
   });
   if (execution.cost) add_bills(bills, *execution.cost);
   return responses;
@@ -140,18 +168,31 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
 CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gradient,
                       const EquilibriumOptions& options, const Execution& execution, bool lines) {
   check(weave, options, execution);
-  if (!deformation_gradient.allFinite() || !(deformation_gradient.determinant() > 0))
-    throw Error("weave.invalid_load", "The deformation gradient must be finite and of positive determinant.",
-                {{"deformation_gradient", "must be finite and of positive determinant"}});
-  Prescription prescription;
-  // Along the axes the dyads are the matrix' entries, row by row.
-  for (int k = 0; k < 4; ++k)
-    prescription.held.push_back(strain_entry(k, deformation_gradient(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
-  prescription.strain = (deformation_gradient - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff();
-  WeaveRun run(weave, prescription, 0, options, execution);
-  const bool arrived = run.advance_to(1);
-  run.bill_effects();
-  return state_of(run, weave, arrived, lines);
+  Faults faults;
+  check_gradient(deformation_gradient, "deformation_gradient", faults);
+  faults.throw_if_any("weave.invalid_load");
+  return state_under(weave, deformation_gradient, options, execution, lines);
+}
+
+std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen::Matrix2d>& deformation_gradients,
+                                    const EquilibriumOptions& options, const std::vector<int>& deformed,
+                                    const Execution& execution) {
+  check(weave, options, execution);
+  Faults faults;
+  faults.require(!deformation_gradients.empty(), "deformation_gradients", "must not be empty");
+  for (std::size_t i = 0; i < deformation_gradients.size(); ++i)
+    check_gradient(deformation_gradients[i], "deformation_gradients/" + std::to_string(i), faults);
+  check_deformed(deformed, deformation_gradients.size(), "deformation gradient", faults);
+  faults.throw_if_any("weave.invalid_load");
+  const std::vector<bool> wanted = chosen(deformed, deformation_gradients.size());
+  std::vector<CellState> states(deformation_gradients.size());
+  const auto bills =
+      parallel_bills(static_cast<int>(states.size()), execution, "gradients", [&](int index, const Execution& own) {
+        const auto i = static_cast<std::size_t>(index);
+        states[i] = state_under(weave, deformation_gradients[i], options, own, wanted[i]);
+      });
+  if (execution.cost) add_bills(bills, *execution.cost);
+  return states;
 }
 
 }  // namespace supple::weave

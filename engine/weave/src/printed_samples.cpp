@@ -24,14 +24,15 @@ constexpr double channel_area = slicer_area(0.48, 0.2);
 PrinterProfile sample_profile() {
   PrinterProfile profile;
   profile.bead_area = strand_area;
+  // The published statistics leave the start and the end out.
+  profile.priming_length = 0;
+  profile.park = false;
   profile.channel_flow = channel_area / strand_area;
-  profile.channel.apex = 2;
   return profile;
 }
 
 PrintJob grid(Connection connection) {
   PrintJob job{regular_sheet(20, 20, uniform_block(connection)), sample_profile(), {}};
-  job.profile.lift.height = 1;
   job.profile.lifted_flow = 0.55;
   job.profile.channel.longer = 0.4;
   // Three tenths of a strand, to hold it on the bed.

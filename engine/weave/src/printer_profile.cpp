@@ -63,6 +63,7 @@ void validate(const PrinterProfile& profile) {
   length(profile.strand_height, "strand_height");
   length(profile.travel_clearance, "travel_clearance");
   check_range(faults, profile.retraction, "retraction", 0, largest_length, "mm");
+  check_range(faults, profile.priming_length, "priming_length", 0, largest_bed, "mm");
   length(profile.lift.height, "lift/height");
   length(profile.lift.top, "lift/top");
   check_range(faults, profile.lift.run, "lift/run", profile.lift.top, largest_length, "mm", true);

@@ -17,6 +17,7 @@ namespace supple::weave {
 namespace {
 
 constexpr double same_nozzle_position = 1e-6;  ///< mm
+constexpr double priming_margin = 5;           ///< from the bed's edges and from the print, mm
 constexpr double largest_length = 1000;        ///< mm; of overruns, margins and grips
 constexpr std::size_t most_grips = 100;
 constexpr int most_overlap = 10;  ///< of a loop over itself, in its lengths
@@ -165,14 +166,55 @@ void add_strand(int number, const Strand& strand, StrandPath path, const Printer
   }
 }
 
-/// Moves everything to its place; the nozzle comes from above (0, 0).
-void place(std::vector<Move>& moves, const ToolpathOptions& options, const PrinterProfile& profile) {
+Eigen::AlignedBox2d printed_box(const std::vector<Move>& moves) {
   Eigen::AlignedBox2d box;
   for (const Move& move : moves)
     if (move.kind != MoveKind::travel)
       for (const Eigen::Vector3d& p : move.points) box.extend(Eigen::Vector2d(p.head<2>()));
+  return box;
+}
+
+/// A line along the first edge of the bed that is clear of the box: front, rear, left or right. Empty if none is.
+std::vector<Eigen::Vector2d> priming_line(const Eigen::AlignedBox2d& print, const PrinterProfile& profile) {
+  const Eigen::Vector2d bed = profile.bed.head<2>();
+  const Eigen::Vector2d length = (bed.array() - 2 * priming_margin).min(profile.priming_length);
+  const Eigen::Vector2d low = Eigen::Vector2d::Constant(priming_margin);
+  const Eigen::Vector2d high = bed - low;
+  const auto along_x = [&](double y) { return std::vector{Eigen::Vector2d(low[0], y), {low[0] + length[0], y}}; };
+  const auto along_y = [&](double x) { return std::vector{Eigen::Vector2d(x, low[1]), {x, low[1] + length[1]}}; };
+  for (auto& line : {along_x(low[1]), along_x(high[1]), along_y(low[0]), along_y(high[0])}) {
+    Eigen::AlignedBox2d own(line[0]);
+    own.extend(line[1]);
+    if ((line[1] - line[0]).norm() > 0 && own.squaredExteriorDistance(print) >= priming_margin * priming_margin)
+      return line;
+  }
+  return {};
+}
+
+/// Before everything that has been placed: the nozzle comes from above (0, 0), primes and goes on to the print.
+void add_priming(std::vector<Move>& moves, const PrinterProfile& profile) {
+  if (profile.priming_length == 0) return;
+  const auto line = priming_line(printed_box(moves), profile);
+  if (line.empty()) return;
+  const double z = profile.strand_height;
+  const double height = z + profile.travel_clearance;
+  const auto at = [](const Eigen::Vector2d& p, double over_bed) { return Eigen::Vector3d(p[0], p[1], over_bed); };
+  const Move arrival{
+      MoveKind::travel, {Eigen::Vector3d(0, 0, height), at(line[0], height), at(line[0], z)}, 0, profile.travel_speed};
+  const Move priming{MoveKind::priming,
+                     {at(line[0], z), at(line[1], z)},
+                     bead_area(profile, profile.strand_width / 2),
+                     profile.strand_speed};
+  std::vector<Eigen::Vector3d>& first = moves.front().points;
+  first.front() = at(line[1], first[1][2]);
+  first.insert(first.begin(), at(line[1], z));
+  moves.insert(moves.begin(), {arrival, priming});
+}
+
+/// Moves everything to its place; the nozzle comes from above (0, 0).
+void place(std::vector<Move>& moves, const ToolpathOptions& options, const PrinterProfile& profile) {
   const Eigen::Vector2d shift =
-      options.origin ? *options.origin : Eigen::Vector2d(profile.bed.head<2>() / 2 - box.center());
+      options.origin ? *options.origin : Eigen::Vector2d(profile.bed.head<2>() / 2 - printed_box(moves).center());
   for (Move& move : moves)
     for (Eigen::Vector3d& p : move.points) p.head<2>() += shift;
   std::vector<Eigen::Vector3d>& first = moves.front().points;
@@ -202,6 +244,8 @@ void check_bed(const Toolpath& path, const PrinterProfile& profile) {
 
 std::string_view to_string(MoveKind kind) {
   switch (kind) {
+    case MoveKind::priming:
+      return "priming";
     case MoveKind::strand:
       return "strand";
     case MoveKind::lifted:
@@ -264,6 +308,7 @@ Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const Toolp
   Toolpath result{builder.take(), {}};
   execution.cancellation.throw_if_requested();
   place(result.moves, options, profile);
+  add_priming(result.moves, profile);
   result.statistics = statistics(result.moves, profile);
   check_bed(result, profile);
   return result;

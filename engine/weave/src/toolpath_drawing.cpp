@@ -20,6 +20,8 @@ const char* colour(MoveKind kind) {
       return "#d08020";
     case MoveKind::channel:
       return "#b03030";
+    case MoveKind::priming:
+      return "#8a6fb0";
     case MoveKind::support:
       return "#888888";
     case MoveKind::travel:

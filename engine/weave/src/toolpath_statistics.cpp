@@ -49,13 +49,17 @@ ToolpathStatistics statistics(const std::vector<Move>& moves, const PrinterProfi
         result.channel_length += length;
         ++result.channels;
         break;
+      case MoveKind::priming:
+        result.priming_length += length;
+        break;
       default:
         result.support_length += length;
     }
     result.extruded_length += length;
     result.filament += length * filament_per_mm(profile, move.area);
     add_heights(move, result.heights);
-    for (const Eigen::Vector3d& p : move.points) box.extend(p);
+    if (move.kind != MoveKind::priming)
+      for (const Eigen::Vector3d& p : move.points) box.extend(p);
   }
   if (!box.isEmpty()) {
     result.lowest = box.min();

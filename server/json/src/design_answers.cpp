@@ -161,10 +161,9 @@ void write_structure(JsonWriter& out, const FoundDesigns& found, double density)
   out.end_object();
 }
 
-/// What the design is made of; without materials in the request, that of the model's data.
-MaterialSpec material_of(const FoundDesigns& found) {
-  const auto& best = found.ranking.front().design;
-  return found.spec.materials.empty() ? MaterialSpec{} : found.spec.materials[best.material];
+/// What a design is made of; without materials in the request, that of the model's data.
+MaterialSpec material_of(const FoundDesigns& found, const design::Design& design) {
+  return found.spec.materials.empty() ? MaterialSpec{} : found.spec.materials[design.material];
 }
 
 void write_material(JsonWriter& out, const MaterialSpec& material, double youngs_modulus, const DesignModel& model) {
@@ -183,7 +182,7 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
   write_model(out, model, true);
   out.key("parameters").numbers(best.parameters);
   out.field("orientation", best.orientation);
-  const auto material = material_of(found);
+  const auto material = material_of(found, best);
   write_material(out, material, best.youngs_modulus, model);
   out.key("profile");
   write_design_profile(out, found, 0);
@@ -200,6 +199,7 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
     write_model(out, found.models[design.space], false);
     out.key("parameters").numbers(design.parameters);
     out.field("orientation", design.orientation);
+    write_material(out, material_of(found, design), design.youngs_modulus, found.models[design.space]);
     write_error(out, design.error);
     write_number_or_null(out, "model_error", design.model_error);
     write_number_or_null(out, "simulated_error", simulated_error);

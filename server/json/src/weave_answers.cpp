@@ -77,12 +77,11 @@ void write_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, c
   write_number_or_null(out, "residual", residual.value());
 }
 
-/// An array with write(response) for each direction.
-template <class Write>
-void write_each(JsonWriter& out, std::string_view name, const std::vector<DirectionalResponse>& responses,
-                Write write) {
+/// An array with write(entry) for each entry.
+template <class Entry, class Write>
+void write_each(JsonWriter& out, std::string_view name, const std::vector<Entry>& entries, Write write) {
   out.key(name).begin_array();
-  for (const auto& response : responses) write(response);
+  for (const auto& entry : entries) write(entry);
   out.end_array();
 }
 
@@ -94,34 +93,63 @@ void write_moduli(JsonWriter& out, bool with_thickness, const std::vector<Direct
   write_each(out, "poisson_ratio", responses, [&](const auto& r) { number_or_null(r.poisson_ratio); });
 }
 
-void write_cell_states(JsonWriter& out, const std::vector<DirectionalResponse>& responses) {
-  const auto write_matrix = [&](std::string_view name, Eigen::Matrix2d CellState::*matrix) {
-    write_each(out, name, responses, [&](const auto& r) { write_rows(out, r.state.*matrix); });
+const CellState& state_in(const CellState& state) { return state; }
+const CellState& state_in(const DirectionalResponse& response) { return response.state; }
+
+/// Arrays about the states that the entries are or have.
+template <class Entry>
+void write_cell_states(JsonWriter& out, const std::vector<Entry>& entries) {
+  const auto write_field = [&](std::string_view name, auto member, auto write) {
+    write_each(out, name, entries, [&](const Entry& entry) { write(state_in(entry).*member); });
   };
-  const auto write_integer = [&](std::string_view name, int CellState::*count) {
-    write_each(out, name, responses, [&](const auto& r) { out.integer(r.state.*count); });
-  };
-  write_matrix("deformation_gradient", &CellState::deformation_gradient);
-  write_matrix("nominal_stress", &CellState::nominal_stress);
-  write_matrix("cauchy_stress", &CellState::cauchy_stress);
-  write_each(out, "energy_density", responses, [&](const auto& r) { out.number(r.state.energy_density); });
-  write_each(out, "stopped", responses, [&](const auto& r) { out.string(weave::to_string(r.state.stopped)); });
-  write_each(out, "residual", responses,
-             [&](const auto& r) { std::isfinite(r.state.residual) ? out.number(r.state.residual) : out.null(); });
-  write_each(out, "out_of_plane", responses, [&](const auto& r) { out.boolean(r.state.out_of_plane); });
-  write_each(out, "stable", responses, [&](const auto& r) { out.boolean(r.state.stable); });
-  write_integer("iterations", &CellState::iterations);
-  write_integer("load_steps", &CellState::load_steps);
-  write_integer("branches", &CellState::branches);
+  const auto write_matrix = [&](const Eigen::Matrix2d& matrix) { write_rows(out, matrix); };
+  const auto write_boolean = [&](bool value) { out.boolean(value); };
+  const auto write_integer = [&](int value) { out.integer(value); };
+  write_field("deformation_gradient", &CellState::deformation_gradient, write_matrix);
+  write_field("nominal_stress", &CellState::nominal_stress, write_matrix);
+  write_field("cauchy_stress", &CellState::cauchy_stress, write_matrix);
+  write_field("energy_density", &CellState::energy_density, [&](double value) { out.number(value); });
+  write_field("stopped", &CellState::stopped, [&](weave::Stop stop) { out.string(weave::to_string(stop)); });
+  write_field("residual", &CellState::residual,
+              [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); });
+  write_field("out_of_plane", &CellState::out_of_plane, write_boolean);
+  write_field("stable", &CellState::stable, write_boolean);
+  write_field("iterations", &CellState::iterations, write_integer);
+  write_field("load_steps", &CellState::load_steps, write_integer);
+  write_field("branches", &CellState::branches, write_integer);
 }
 
-std::string message_about(const std::vector<DirectionalResponse>& responses) {
-  const auto lost = std::count_if(responses.begin(), responses.end(), [](const DirectionalResponse& r) {
-    return r.state.stopped != weave::Stop::converged;
-  });
+/// What became of the entries that did not converge; `of` names several of them, `lost_words` says it.
+template <class Entry>
+std::string message_about(const std::vector<Entry>& entries, const std::string& of, const std::string& lost_words) {
+  const auto lost = std::count_if(entries.begin(), entries.end(),
+                                  [](const Entry& e) { return state_in(e).stopped != weave::Stop::converged; });
   if (lost == 0) return {};
-  return std::to_string(lost) + " of " + std::to_string(responses.size()) +
-         " directions have no value; `stopped` says why.";
+  return std::to_string(lost) + " of " + std::to_string(entries.size()) + " " + of + " " + lost_words +
+         "; `stopped` says why.";
+}
+
+/// The deformed cells that were asked for; `number` is the field with the index.
+template <class Entry>
+void write_cells(JsonWriter& out, std::string_view number, const std::vector<int>& deformed, const Weave& weave,
+                 const std::vector<Entry>& entries) {
+  out.key("cells").begin_array();
+  for (const int index : deformed) {
+    const CellState& state = state_in(entries[static_cast<std::size_t>(index)]);
+    out.begin_object().field(number, index);
+    write_lattice(out, state.deformation_gradient * *weave.lattice);
+    write_polylines(out, state.strands);
+    out.key("sliding").numbers(state.sliding).end_object();
+  }
+  out.end_array();
+}
+
+template <class Entry>
+void write_cell_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, const std::vector<Entry>& entries) {
+  LargestResidual residual;
+  for (const Entry& entry : entries) residual.add(state_in(entry).residual, state_in(entry).tolerance);
+  write_accuracy(out, options, residual);
+  out.end_object();
 }
 
 void write_deformed(JsonWriter& out, DeformedStrands deformed, const Weave& weave, const weave::SheetState& state) {
@@ -196,21 +224,24 @@ std::string write_weave_homogenization(const WeaveHomogenizationRequest& request
   out.begin_object().field("strain", options.strain).key("directions").numbers(options.directions);
   write_moduli(out, options.thickness.has_value(), responses);
   write_cell_states(out, responses);
-  out.field("message", message_about(responses));
+  out.field("message", message_about(responses, "directions", "have no value"));
   write_sliders(out, weave);
-  out.key("cells").begin_array();
-  for (const int index : options.deformed) {
-    const auto& state = responses[static_cast<std::size_t>(index)].state;
-    out.begin_object().field("direction", index);
-    write_lattice(out, state.deformation_gradient * *weave.lattice);
-    write_polylines(out, state.strands);
-    out.key("sliding").numbers(state.sliding).end_object();
-  }
-  out.end_array();
-  LargestResidual residual;
-  for (const auto& response : responses) residual.add(response.state.residual, response.state.tolerance);
-  write_accuracy(out, options.equilibrium, residual);
+  write_cells(out, "direction", options.deformed, weave, responses);
+  write_cell_accuracy(out, options.equilibrium, responses);
+  write_bill(out, bill);
   out.end_object();
+  return out.take();
+}
+
+std::string write_weave_deformation(const WeaveDeformationRequest& request, const Weave& weave,
+                                    const std::vector<CellState>& states, const Bill& bill) {
+  JsonWriter out;
+  out.begin_object();
+  write_cell_states(out, states);
+  out.field("message", message_about(states, "deformation gradients", "were not reached"));
+  write_sliders(out, weave);
+  write_cells(out, "state", request.deformed, weave, states);
+  write_cell_accuracy(out, request.options, states);
   write_bill(out, bill);
   out.end_object();
   return out.take();

@@ -19,7 +19,7 @@ constexpr std::size_t most_crossings = 1'000'000;
 constexpr std::size_t most_members = 1000;
 const std::vector<std::string_view> connection_names{"fused", "slides_x", "slides_y"};
 const std::vector<std::string_view> pattern_names{"regular", "interlacing_squares", "interlacing_circles",
-                                                  "actuated_rings"};
+                                                  "actuated_rings", "printed_sample"};
 
 void read_length(Fields& fields, std::string_view name, double& out) { fields.number(name, out, 0, longest, true); }
 
@@ -144,6 +144,16 @@ CirclesSpec read_circles(Fields& fields) {
   return circles;
 }
 
+SampleSpec read_sample(Fields& fields) {
+  SampleSpec spec;
+  std::vector<std::string_view> names;
+  names.reserve(weave::all_samples.size());
+  for (const weave::Sample sample : weave::all_samples) names.push_back(to_string(sample));
+  fields.required("sample");
+  fields.choice("sample", spec.sample, names);
+  return spec;
+}
+
 StrandSpec read_strand(const Document& value, const std::string& pointer, Faults& faults, std::size_t most_points) {
   StrandSpec strand;
   Fields fields(value, pointer, faults);
@@ -239,7 +249,7 @@ void read_source(Fields& fields, WeaveSpec& weave, const Limits& limits) {
     weave.source = read_layout(fields, limits);
     return;
   }
-  enum class Pattern { none = -1, regular, squares, circles, rings };
+  enum class Pattern { none = -1, regular, squares, circles, rings, sample };
   auto pattern = Pattern::none;
   fields.choice("pattern", pattern, pattern_names);
   switch (pattern) {
@@ -254,6 +264,9 @@ void read_source(Fields& fields, WeaveSpec& weave, const Limits& limits) {
       break;
     case Pattern::rings:
       weave.source = RingsSpec{};
+      break;
+    case Pattern::sample:
+      weave.source = read_sample(fields);
       break;
     case Pattern::none:
       break;

@@ -1,5 +1,6 @@
 #include "supple/json/weave_requests.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <string>
 
@@ -11,6 +12,7 @@ namespace {
 // The ranges of api/openapi.yaml.
 constexpr double least_strain = -0.5;
 constexpr double largest_strain = 2;
+constexpr double largest_stretch = 10;
 constexpr double largest_angle = 1000;
 constexpr double largest_value = 1e6;
 constexpr int most_directions = 10'000;
@@ -37,18 +39,43 @@ void read_directions(Fields& fields, std::vector<double>& directions) {
   directions = weave::directions_over_half_turn(count);
 }
 
-void read_deformed(Fields& fields, const std::vector<double>& directions, std::vector<int>& deformed) {
+/// Indices of some of `count` entries, which are called by `name`.
+void read_deformed(Fields& fields, std::size_t count, const std::string& name, std::vector<int>& deformed) {
   const auto* entries = fields.array("deformed", false, 0, most_directions, "");
   if (!entries) return;
   for (std::size_t i = 0; i < entries->size(); ++i) {
     const auto& entry = (*entries)[i];
     const double value = entry.is_number_integer() ? entry.get<double>() : -1;
-    if (value < 0 || value >= static_cast<double>(directions.size())) {
+    if (value < 0 || value >= static_cast<double>(count)) {
       fields.faults().add(fields.at("deformed") + "/" + std::to_string(i),
-                          "must be the index of one of the " + std::to_string(directions.size()) + " directions");
+                          "must be the index of one of the " + std::to_string(count) + " " + name);
     } else {
       deformed.push_back(entry.get<int>());
     }
+  }
+}
+
+/// Matrices by rows, of positive determinant.
+void read_gradients(Fields& fields, std::vector<Eigen::Matrix2d>& gradients) {
+  const auto* entries = fields.array("deformation_gradients", true, 1, most_directions, "");
+  if (!entries) return;
+  gradients.reserve(entries->size());
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const auto& rows = (*entries)[i];
+    const std::string pointer = fields.at("deformation_gradients") + "/" + std::to_string(i);
+    Eigen::Matrix2d& gradient = gradients.emplace_back(Eigen::Matrix2d::Identity());
+    if (!rows.is_array() || rows.size() != 2) {
+      fields.faults().add(pointer, "must be a 2 x 2 matrix, an array of 2 rows");
+      continue;
+    }
+    bool whole = true;
+    for (std::size_t k = 0; k < 2; ++k) {
+      Eigen::Vector2d row(0, 0);
+      whole &= read_components(rows[k], pointer + "/" + std::to_string(k), fields.faults(), row, -largest_stretch,
+                               largest_stretch);
+      gradient.row(static_cast<Eigen::Index>(k)) = row;
+    }
+    if (whole && !(gradient.determinant() > 0)) fields.faults().add(pointer, "must be of positive determinant");
   }
 }
 
@@ -169,8 +196,23 @@ WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, con
   options.shear_free = shear == Shear::free;
   if (fields.present("thickness")) fields.number("thickness", options.thickness.emplace(1), 0, largest_value, true);
   fields.optional("thickness");
-  read_deformed(fields, options.directions, options.deformed);
+  read_deformed(fields, options.directions.size(), "directions", options.deformed);
   read_equilibrium_options(fields, options.equilibrium);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
+
+WeaveDeformationRequest parse_weave_deformation(std::string_view body, const Limits& limits) {
+  const auto document = parse_document(body, limits);
+  WeaveDeformationRequest request;
+  Faults faults;
+  Fields fields(document, "", faults);
+  request.weave = read_weave(fields, limits);
+  read_gradients(fields, request.gradients);
+  read_deformed(fields, request.gradients.size(), "deformation gradients", request.deformed);
+  read_equilibrium_options(fields, request.options);
   request.deadline = read_deadline(fields, limits);
   fields.finish();
   faults.throw_if_any();

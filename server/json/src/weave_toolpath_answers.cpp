@@ -27,6 +27,7 @@ void write_statistics(JsonWriter& out, const weave::ToolpathStatistics& s) {
   out.key("statistics").begin_object();
   out.field("strand_length", s.strand_length).field("lifted_length", s.lifted_length);
   out.field("channel_length", s.channel_length).field("support_length", s.support_length);
+  out.field("priming_length", s.priming_length);
   out.field("travel_length", s.travel_length).field("extruded_length", s.extruded_length);
   out.field("filament", s.filament).field("travels", s.travels).field("channels", s.channels);
   out.key("heights").numbers(s.heights).field("minutes", s.minutes);

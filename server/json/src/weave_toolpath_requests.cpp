@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "supple/problem/problem.h"
 #include "weave_reader.h"
@@ -64,6 +65,8 @@ void read_printer(Fields& fields, weave::PrinterProfile& printer) {
   size(fields, "strand_height", printer.strand_height);
   size(fields, "travel_clearance", printer.travel_clearance);
   fields.number("retraction", printer.retraction, 0, thickest);
+  fields.number("priming_length", printer.priming_length, 0, farthest);
+  fields.boolean("park", printer.park);
   nested(fields, "lift", [&](Fields& lift) {
     size(lift, "height", printer.lift.height);
     size(lift, "top", printer.lift.top);
@@ -107,6 +110,7 @@ void read_overrun(Fields& fields, weave::Overrun& overrun) {
 void read_overruns(Fields& fields, const Limits& limits, WeaveToolpathRequest& request) {
   const auto* entries = fields.array("overruns", false, 0, limits.max_strands, "");
   if (!entries) return;
+  request.options.overruns.clear();
   for (std::size_t i = 0; i < entries->size(); ++i) {
     Fields entry((*entries)[i], fields.at("overruns") + "/" + std::to_string(i), fields.faults());
     int strand = 0;
@@ -124,6 +128,7 @@ void read_overruns(Fields& fields, const Limits& limits, WeaveToolpathRequest& r
 void read_grips(Fields& fields, std::vector<weave::Grip>& grips) {
   const auto* entries = fields.array("grips", false, 0, most_grips, "");
   if (!entries) return;
+  grips.clear();
   for (std::size_t i = 0; i < entries->size(); ++i) {
     weave::Grip& grip = grips.emplace_back();
     Fields entry((*entries)[i], fields.at("grips") + "/" + std::to_string(i), fields.faults());
@@ -194,6 +199,12 @@ WeaveToolpathRequest parse_weave_toolpath(std::string_view body, const Limits& l
   Faults faults;
   Fields fields(document, "", faults);
   request.weave = read_weave(fields, limits);
+  if (const auto* spec = std::get_if<SampleSpec>(&request.weave.source)) {
+    // It is printed as it was, but for what the request says.
+    const weave::PrintJob job = weave::printed_sample(spec->sample);
+    request.printer = job.profile;
+    request.options = job.options;
+  }
   nested(fields, "printer", [&](Fields& printer) { read_printer(printer, request.printer); });
   read_options(fields, limits, request);
   request.include = read_include(fields);

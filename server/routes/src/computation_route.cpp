@@ -173,6 +173,18 @@ std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, con
   }
 }
 
+void tell_asked(const Execution& execution, std::string_view effect, bool asked) {
+  if (execution.cost)
+    execution.cost->add_effect(effect, asked, asked ? "the request asks for it" : "the request does not ask for it");
+}
+
+void tell_error_bars(const neural::Model& model, const Execution& execution) {
+  const bool known = model.calibration.has_value();
+  if (execution.cost)
+    execution.cost->add_effect("error_bars", known,
+                               known ? "the model knows by how much it errs" : "the model was not calibrated");
+}
+
 std::string plain_number(double value) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};

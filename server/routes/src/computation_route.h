@@ -4,10 +4,12 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "supple/http/message.h"
 #include "supple/jobs/job_queue.h"
 #include "supple/json/answers.h"
+#include "supple/neural/model.h"
 #include "supple/routes/services.h"
 
 namespace supple::routes {
@@ -42,6 +44,12 @@ json::Bill billed(const Execution& outer, Compute compute) {
   bill.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return bill;
 }
+
+/// Tells of an optional part that the request alone decides on.
+void tell_asked(const Execution& execution, std::string_view effect, bool asked);
+
+/// Tells whether the answers of a model have error bars.
+void tell_error_bars(const neural::Model& model, const Execution& execution);
 
 /// The shortest text that reads back as the same number, for headers.
 std::string plain_number(double value);

@@ -190,7 +190,10 @@ store::Result compute_profile(const store::LoadedModel& model, const json::Profi
   const auto bill = billed(outer, [&](const Execution& execution) {
     profile = design::evaluate_profile(model.model, model.evaluator, request.parameters, request.samples,
                                        request.equilibrium_tolerance, execution);
-    if (request.material && request.material->has_modulus)
+    tell_error_bars(model.model, execution);
+    const bool other_modulus = request.material && request.material->has_modulus;
+    tell_asked(execution, "modulus", other_modulus);
+    if (other_modulus)
       profile = design::scaled(std::move(profile), request.samples.task,
                                request.material->youngs_modulus.least / model.model.provenance.youngs_modulus);
     execution.checkpoint(1, "");

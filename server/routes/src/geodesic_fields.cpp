@@ -36,6 +36,18 @@ store::Result binary_result(const json::GeodesicFieldRequest& request, const sur
   return result;
 }
 
+void tell_effects(const json::GeodesicFieldRequest& request, CostLedger* cost) {
+  if (!cost) return;
+  const bool graph = request.method == surface::FieldMethod::edge_graph;
+  cost->add_effect("approximation", graph || request.relative_error > 0,
+                   graph                        ? "the request asks for distances along edges"
+                   : request.relative_error > 0 ? "the request allows a relative error"
+                                                : "the request asks for exact distances");
+  const bool bounded = std::isfinite(request.max_distance);
+  cost->add_effect("distance_limit", bounded,
+                   bounded ? "the request gives the greatest distance" : "the request asks for all distances");
+}
+
 store::Result compute(const json::GeodesicFieldRequest& request, const store::LoadedMesh& mesh,
                       const std::vector<surface::SurfacePoint>& sources, bool binary, const Execution& outer) {
   std::optional<surface::GeodesicField> field;
@@ -45,6 +57,7 @@ store::Result compute(const json::GeodesicFieldRequest& request, const store::Lo
     options.relative_error = request.relative_error;
     options.max_distance = request.max_distance;
     field = mesh.solver(execution).field(sources, options, execution);
+    tell_effects(request, execution.cost);
   });
   if (binary) return binary_result(request, *field, bill);
   return json_result(json::write_geodesic_field(request, *field, bill));

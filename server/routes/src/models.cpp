@@ -58,6 +58,9 @@ store::Result compute_evaluation(const store::LoadedModel& model, const json::Ev
   const auto bill = billed(outer, [&](const Execution& execution) {
     result = with_pointers(
         [&] { return neural::evaluate_batch(model.model, model.evaluator, batch_of(request), execution); });
+    tell_asked(execution, "stresses", request.order >= neural::Order::stress);
+    tell_asked(execution, "tangents", request.order >= neural::Order::tangent);
+    tell_error_bars(model.model, execution);
   });
   metrics.count_evaluations(model.model.id, request.strains.cols());
   return json_result(json::write_evaluation(version_of(model), request.order, result.values, result.trust,
@@ -70,6 +73,7 @@ store::Result compute_uniaxial(const store::LoadedModel& model, const json::Unia
   const auto bill = billed(outer, [&](const Execution& execution) {
     curve = neural::uniaxial_curve(model.model, model.evaluator, request.parameters, request.direction,
                                    request.green_strains, request.options, execution);
+    tell_error_bars(model.model, execution);
   });
   metrics.count_evaluations(model.model.id, static_cast<std::int64_t>(curve.states.size()));
   return json_result(json::write_uniaxial(version_of(model), request, curve.states, curve.trust, bill));

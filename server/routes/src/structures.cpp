@@ -61,6 +61,8 @@ store::Result describe(const json::StructureRequest& request, const tiling::Stru
       const StageTimer timer(execution.cost, "export");
       svg = tiling::write_svg(structure, request.files, execution);
     }
+    tell_asked(execution, "mesh", request.mesh.has_value());
+    tell_asked(execution, "svg", request.svg);
     execution.checkpoint(1, "");
   });
   return json_result(json::write_structure(structure, mesh ? &*mesh : nullptr, svg ? &*svg : nullptr, bill));

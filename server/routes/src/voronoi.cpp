@@ -89,6 +89,12 @@ store::Result compute(const json::VoronoiDiagramRequest& request,
     }
     if (file != DiagramFile::none)
       body = write_diagram_file(file, mesh.mesh(), diagram, request.panel_scale, execution);
+    const bool bounded = request.options.method == voronoi::DiagramMethod::bounded;
+    if (execution.cost)
+      execution.cost->add_effect(
+          "approximation", bounded,
+          bounded ? "the request allows a relative error" : "the request asks for exact borders");
+    tell_asked(execution, "statistics", request.statistics);
   });
   if (file != DiagramFile::none) return file_result(file, std::move(body), bill);
   const auto* numbers = statistics ? &*statistics : nullptr;

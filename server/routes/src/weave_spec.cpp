@@ -103,6 +103,8 @@ Weave lay_out(const json::CirclesSpec& spec, const Execution& execution) {
 
 Weave lay_out(const json::RingsSpec&, const Execution&) { return weave::actuated_rings(); }
 
+Weave lay_out(const json::SampleSpec& spec, const Execution&) { return weave::printed_sample(spec.sample).weave; }
+
 Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
   if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) return lay_out(*layout, spec.radius, execution);
   try {
@@ -165,6 +167,7 @@ bool is_small(const json::RegularSpec& spec) { return is_small(spec.sheet); }
 bool is_small(const json::SquaresSpec& spec) { return is_small(spec.sheet); }
 bool is_small(const json::CirclesSpec& spec) { return is_small(spec.sheet); }
 bool is_small(const json::RingsSpec&) { return true; }
+bool is_small(const json::SampleSpec&) { return true; }
 bool is_small(const json::LayoutSpec& spec) {
   if (spec.strands.size() > few_straight_strands || (spec.crossings && spec.crossings->size() > few_crossings))
     return false;

@@ -99,6 +99,22 @@ store::Result file(const WeaveToolpathRequest& request, Form form, const json::L
   return result;
 }
 
+void tell_effects(const WeaveToolpathRequest& request, const weave::Toolpath& path, const Execution& execution) {
+  if (!execution.cost) return;
+  const weave::ToolpathStatistics& s = path.statistics;
+  execution.cost->add_effect("priming", s.priming_length > 0,
+                             s.priming_length > 0                 ? "the printer's profile asks for it"
+                             : request.printer.priming_length > 0 ? "no edge of the bed is clear of the print"
+                                                                  : "the printer's profile asks for none");
+  execution.cost->add_effect("supports", s.support_length > 0,
+                             s.support_length > 0 ? "the request asks for a frame or grips"
+                                                  : "the request asks for neither a frame nor grips");
+  execution.cost->add_effect("channels", s.channels > 0, s.channels > 0 ? "strands slide" : "no strand slides",
+                             s.channels);
+  tell_asked(execution, "svg", request.include.svg);
+  tell_asked(execution, "moves", request.include.moves);
+}
+
 store::Result describe(const WeaveToolpathRequest& request, const json::Limits& limits, const Execution& outer) {
   Weave weave;
   weave::Toolpath path;
@@ -127,6 +143,7 @@ store::Result describe(const WeaveToolpathRequest& request, const json::Limits& 
       const StageTimer timer(execution.cost, "check");
       check = check_gcode(gcode, limits_of(request.printer, weave), {execution.cancellation});
     }
+    tell_effects(request, path, execution);
     execution.checkpoint(1, "");
   });
   const json::ToolpathFiles files{request.include.gcode ? &gcode : nullptr, request.include.svg ? &svg : nullptr,
@@ -139,6 +156,10 @@ store::Result report(const json::GcodeReportRequest& request, const Execution& o
   const auto bill = billed(outer, [&](const Execution& execution) {
     const StageTimer timer(execution.cost, "check");
     found = check_gcode(request.gcode, request.limits, execution);
+    if (execution.cost)
+      execution.cost->add_effect("channel_recognition", !found.channels.empty(),
+                                 found.channels.empty() ? "no bridge stands on two feet" : "bridges stand on two feet",
+                                 static_cast<std::int64_t>(found.channels.size()));
     execution.checkpoint(1, "");
   });
   return json_result(json::write_gcode_report(found, bill));

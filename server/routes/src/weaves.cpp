@@ -33,6 +33,16 @@ Weave lay_out_first(const json::WeaveSpec& spec, const Execution& execution) {
   return lay_out_billed(spec, part.execution());
 }
 
+/// The same where a cell is needed. Throws "weave.not_periodic".
+Weave lay_out_periodic(const json::WeaveSpec& spec, const Execution& execution) {
+  Weave weave = lay_out_first(spec, execution);
+  if (!weave.lattice) {
+    const auto* const why = "The weave has no lattice; only periodic cells are homogenized.";
+    throw Error("weave.not_periodic", why, {{"/weave", why}});
+  }
+  return weave;
+}
+
 /// Throws "request.limit_exceeded" where the strands at rest would be too large an answer.
 void check_polylines(const Weave& weave, const json::Limits& limits) {
   double points = 0;
@@ -53,6 +63,16 @@ store::Result draw(const json::WeaveSpec& spec, const json::Limits& limits, cons
   result.content_type = svg_type;
   result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
   return result;
+}
+
+/// Whether crossings had to be found.
+void tell_search(const json::WeaveSpec& spec, CostLedger* cost) {
+  if (!cost) return;
+  const auto* layout = std::get_if<json::LayoutSpec>(&spec.source);
+  cost->add_effect("crossing_search", layout && !layout->crossings,
+                   !layout             ? "the pattern knows its crossings"
+                   : layout->crossings ? "the request gives the crossings"
+                                       : "the request gives no crossings");
 }
 
 store::Result describe(const json::WeaveLayoutRequest& request, const json::Limits& limits, const Execution& outer) {
@@ -76,6 +96,8 @@ store::Result describe(const json::WeaveLayoutRequest& request, const json::Limi
       const StageTimer timer(execution.cost, "export");
       svg = to_svg(weave, execution);
     }
+    tell_search(request.weave, execution.cost);
+    tell_asked(execution, "svg", request.svg);
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_layout(weave, warnings, request.svg ? &svg : nullptr, bill, outer));
@@ -112,11 +134,7 @@ store::Result homogenize(const json::WeaveHomogenizationRequest& request, const 
   Weave weave;
   std::vector<weave::DirectionalResponse> responses;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    weave = lay_out_first(request.weave, execution);
-    if (!weave.lattice) {
-      const auto* const why = "The weave has no lattice; only periodic cells are homogenized.";
-      throw Error("weave.not_periodic", why, {{"/weave", why}});
-    }
+    weave = lay_out_periodic(request.weave, execution);
     check_deformed(weave, request.options.equilibrium.segments, request.options.deformed.size(), limits);
     try {
       responses = weave::homogenize(weave, request.options, execution);
@@ -127,6 +145,23 @@ store::Result homogenize(const json::WeaveHomogenizationRequest& request, const 
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_homogenization(request, weave, responses, bill));
+}
+
+store::Result deform(const json::WeaveDeformationRequest& request, const json::Limits& limits, const Execution& outer) {
+  Weave weave;
+  std::vector<weave::CellState> states;
+  const auto bill = billed(outer, [&](const Execution& execution) {
+    weave = lay_out_periodic(request.weave, execution);
+    check_deformed(weave, request.options.segments, request.deformed.size(), limits);
+    try {
+      states = weave::deform_cells(weave, request.gradients, request.options, request.deformed, execution);
+    } catch (const Error& error) {
+      if (error.code() != "weave.invalid_option") throw;
+      throw option_fault(error);
+    }
+    execution.checkpoint(1, "");
+  });
+  return json_result(json::write_weave_deformation(request, weave, states, bill));
 }
 
 store::Result simulate(const json::WeaveSimulationRequest& request, const json::Limits& limits,
@@ -164,28 +199,30 @@ http::Response answer_layout(Services& services, const http::Request& http_reque
   return answer_computation(services, http_request, std::move(computation));
 }
 
-http::Response answer_homogenization(Services& services, const http::Request& http_request) {
+/// Reads a request, refuses what can be refused at once, and computes.
+template <class Request>
+http::Response answer(Services& services, const http::Request& http_request, const char* kind,
+                      Request (*parse)(std::string_view, const json::Limits&),
+                      store::Result (*compute)(const Request&, const json::Limits&, const Execution&)) {
   require_ready(services);
-  auto request = json::parse_weave_homogenization(json_body(http_request), services.limits.json);
+  Request request = parse(json_body(http_request), services.limits.json);
   if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
-  jobs::Computation computation{"weave-homogenizations", {}, request.deadline, {}};
-  computation.run = [request = std::make_shared<const json::WeaveHomogenizationRequest>(std::move(request)),
-                     limits = services.limits.json](const Execution& execution) {
-    return homogenize(*request, limits, execution);
-  };
+  jobs::Computation computation{kind, {}, request.deadline, {}};
+  computation.run = [request = std::make_shared<const Request>(std::move(request)), limits = services.limits.json,
+                     compute](const Execution& execution) { return compute(*request, limits, execution); };
   return answer_computation(services, http_request, std::move(computation));
 }
 
+http::Response answer_homogenization(Services& services, const http::Request& http_request) {
+  return answer(services, http_request, "weave-homogenizations", json::parse_weave_homogenization, homogenize);
+}
+
+http::Response answer_deformation(Services& services, const http::Request& http_request) {
+  return answer(services, http_request, "weave-deformations", json::parse_weave_deformation, deform);
+}
+
 http::Response answer_simulation(Services& services, const http::Request& http_request) {
-  require_ready(services);
-  auto request = json::parse_weave_simulation(json_body(http_request), services.limits.json);
-  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
-  jobs::Computation computation{"weave-simulations", {}, request.deadline, {}};
-  computation.run = [request = std::make_shared<const json::WeaveSimulationRequest>(std::move(request)),
-                     limits = services.limits.json](const Execution& execution) {
-    return simulate(*request, limits, execution);
-  };
-  return answer_computation(services, http_request, std::move(computation));
+  return answer(services, http_request, "weave-simulations", json::parse_weave_simulation, simulate);
 }
 
 }  // namespace
@@ -197,6 +234,7 @@ void add_weave_routes(http::Router& router, Services& services) {
   };
   add("/v1/weave-layouts", answer_layout);
   add("/v1/weave-homogenizations", answer_homogenization);
+  add("/v1/weave-deformations", answer_deformation);
   add("/v1/weave-simulations", answer_simulation);
 }
 

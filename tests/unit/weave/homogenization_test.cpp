@@ -193,6 +193,37 @@ TEST(Homogenization, StressIsTheDerivativeOfTheEnergy) {
   EXPECT_NEAR(at.cauchy_stress(0, 1), at.cauchy_stress(1, 0), 1e-7 * at.cauchy_stress.norm());
 }
 
+TEST(Homogenization, DeformsSeveralCellsAsEachByItself) {
+  const Weave weave = interlacing_squares(SquareType::all_slide_x);
+  std::vector<Eigen::Matrix2d> gradients(3, Eigen::Matrix2d::Identity());
+  gradients[1] << 1.05, 0.02, 0, 0.98;
+  gradients[2] << 1, 0.1, 0.1, 1;
+  CostLedger cost;
+  Execution execution;
+  execution.cost = &cost;
+  const auto states = deform_cells(weave, gradients, {}, {2}, execution);
+  ASSERT_EQ(states.size(), 3U);
+  EXPECT_EQ(states[0].nominal_stress.norm(), 0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const CellState alone = deform_cell(weave, gradients[i], {}, {}, i == 2);
+    EXPECT_LT((states[i].deformation_gradient - gradients[i]).norm(), 1e-15);
+    EXPECT_EQ(states[i].nominal_stress, alone.nominal_stress);
+    EXPECT_EQ(states[i].sliding, alone.sliding);
+    EXPECT_EQ(states[i].strands, alone.strands);
+    EXPECT_EQ(states[i].strands.empty(), i != 2);
+  }
+  EXPECT_FALSE(cost.effects().empty());
+  const auto refused = [&](const std::vector<Eigen::Matrix2d>& given, const std::vector<int>& deformed) {
+    return ::supple::testing::places(
+        ::supple::testing::expect_error("weave.invalid_load", [&] { deform_cells(weave, given, {}, deformed); }));
+  };
+  gradients[1] << 1, 0, 0, -1;
+  gradients[2](0, 0) = NAN;
+  EXPECT_EQ(refused(gradients, {3, -1}), (std::vector<std::string>{"deformation_gradients/1", "deformation_gradients/2",
+                                                                   "deformed/0", "deformed/1"}));
+  EXPECT_EQ(refused({}, {}), std::vector<std::string>{"deformation_gradients"});
+}
+
 TEST(Homogenization, CostsNothingUnderARotationOfTheCell) {
   Eigen::Matrix2d f;
   f << std::cos(0.4), -std::sin(0.4), std::sin(0.4), std::cos(0.4);

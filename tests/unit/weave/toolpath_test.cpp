@@ -35,6 +35,13 @@ std::vector<const Move*> of_kind(const Toolpath& path, MoveKind kind) {
   return found;
 }
 
+/// Without the line beside the print.
+PrinterProfile unprimed() {
+  PrinterProfile profile;
+  profile.priming_length = 0;
+  return profile;
+}
+
 double highest(const Move& move) {
   double z = 0;
   for (const Eigen::Vector3d& p : move.points) z = std::max(z, p[2]);
@@ -42,7 +49,7 @@ double highest(const Move& move) {
 }
 
 TEST(Toolpath, WeldsFusedStrandsInOneLayerWithoutTravelsThatDrag) {
-  const Toolpath path = toolpath(regular_sheet(3, 3, uniform_block(Connection::fused)));
+  const Toolpath path = toolpath(regular_sheet(3, 3, uniform_block(Connection::fused)), unprimed());
   EXPECT_TRUE(of_kind(path, MoveKind::lifted).empty());
   EXPECT_EQ(path.statistics.heights, std::vector<double>{0.5});
   EXPECT_NEAR(path.statistics.extruded_length, 6 * 12, 1e-9);
@@ -59,7 +66,7 @@ TEST(Toolpath, WeldsFusedStrandsInOneLayerWithoutTravelsThatDrag) {
 
 TEST(Toolpath, PrintsTheLowerStrandThenTheSlidingOneThenTheChannel) {
   const Weave weave = sliding_cross();
-  const PrinterProfile profile;
+  const PrinterProfile profile = unprimed();
   const Toolpath path = toolpath(weave, profile);
   std::vector<std::pair<MoveKind, int>> kinds;
   for (const Move& move : path.moves)
@@ -78,7 +85,7 @@ TEST(Toolpath, PrintsTheLowerStrandThenTheSlidingOneThenTheChannel) {
   const double sign = lifted.points[0][1] > centre[1] ? 1 : -1;
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(lifted.points[i][1] - centre[1], sign * along[i], 1e-9);
-    EXPECT_NEAR(lifted.points[i][2], i == 0 || i == 3 ? 0.5 : 1.25, 1e-9);
+    EXPECT_NEAR(lifted.points[i][2], i == 0 || i == 3 ? 0.5 : 1.5, 1e-9);
   }
 
   const Move& channel = *of_kind(path, MoveKind::channel)[0];
@@ -86,8 +93,57 @@ TEST(Toolpath, PrintsTheLowerStrandThenTheSlidingOneThenTheChannel) {
   EXPECT_EQ(channel.speed, 300);
   ASSERT_EQ(channel.points.size(), 3U);
   EXPECT_LT((channel.points[0] - Eigen::Vector3d(centre[0] - 1.2, centre[1], 0.5)).norm(), 1e-9);
-  EXPECT_LT((channel.points[1] - Eigen::Vector3d(centre[0], centre[1], 2.25)).norm(), 1e-9);
+  EXPECT_LT((channel.points[1] - Eigen::Vector3d(centre[0], centre[1], 2.5)).norm(), 1e-9);
   EXPECT_LT((channel.points[2] - Eigen::Vector3d(centre[0] + 1.44, centre[1], 0.5)).norm(), 1e-9);
+}
+
+TEST(Toolpath, PrimesTheNozzleAlongTheFirstEdgeThatIsClear) {
+  const Weave weave = sliding_cross();
+  const PrinterProfile profile;
+  const Toolpath plain = toolpath(weave, unprimed());
+  ToolpathOptions options;
+  const Toolpath path = toolpath(weave, profile);
+  const auto priming = of_kind(path, MoveKind::priming);
+  ASSERT_EQ(priming.size(), 1U);
+  EXPECT_EQ(priming[0], &path.moves[1]) << "after the way to it";
+  EXPECT_EQ(priming[0]->points, (std::vector<Eigen::Vector3d>{{5, 5, 0.5}, {65, 5, 0.5}}));
+  EXPECT_NEAR(path.statistics.priming_length, 60, 1e-12);
+  EXPECT_NEAR(path.statistics.extruded_length, plain.statistics.extruded_length + 60, 1e-9);
+  EXPECT_EQ(path.statistics.travels, plain.statistics.travels + 1);
+  EXPECT_EQ(path.statistics.lowest, plain.statistics.lowest) << "the box is that of the print";
+  EXPECT_EQ(path.statistics.highest, plain.statistics.highest);
+  for (std::size_t i = 1; i < path.moves.size(); ++i)
+    EXPECT_LT((path.moves[i].points.front() - path.moves[i - 1].points.back()).norm(), 1e-12) << "no jump, move " << i;
+
+  // Where the print lies in the way.
+  options.origin = Eigen::Vector2d(35, 19.9);
+  Toolpath moved = toolpath(weave, profile, options);
+  EXPECT_EQ(of_kind(moved, MoveKind::priming)[0]->points[0], Eigen::Vector3d(5, 205, 0.5)) << "4.9 mm are too near";
+  options.origin = Eigen::Vector2d(35, 20);
+  moved = toolpath(weave, profile, options);
+  EXPECT_EQ(of_kind(moved, MoveKind::priming)[0]->points[0], Eigen::Vector3d(5, 5, 0.5)) << "5 mm are clear";
+  const auto primed_in = [&](const Eigen::Vector2d& bed) {
+    PrinterProfile small = profile;
+    small.bed.head<2>() = bed;
+    const Toolpath result = toolpath(weave, small);
+    const auto lines = of_kind(result, MoveKind::priming);
+    EXPECT_EQ(result.statistics.priming_length > 0, !lines.empty());
+    return lines.empty() ? Eigen::Vector4d(-1, -1, -1, -1)
+                         : Eigen::Vector4d(lines[0]->points[0][0], lines[0]->points[0][1], lines[0]->points[1][0],
+                                           lines[0]->points[1][1]);
+  };
+  EXPECT_EQ(primed_in({40, 30}), Eigen::Vector4d(5, 5, 5, 25)) << "left, as long as the bed allows";
+  EXPECT_EQ(primed_in({30, 40}), Eigen::Vector4d(5, 5, 25, 5));
+  EXPECT_EQ(primed_in({39, 39}), Eigen::Vector4d(-1, -1, -1, -1)) << "no edge is clear";
+}
+
+TEST(Gcode, ParksTheNozzleWhereTheProfileSaysSo) {
+  PrinterProfile profile;
+  const Toolpath path = toolpath(sliding_cross(), profile);
+  EXPECT_NE(to_gcode(path, profile).find("G0 X0 Y210 F3000 ; park\nM104 S0"), std::string::npos);
+  EXPECT_TRUE(check_gcode(to_gcode(path, profile), limits_of(profile, sliding_cross())).violations.empty());
+  profile.park = false;
+  EXPECT_EQ(to_gcode(path, profile).find("park"), std::string::npos);
 }
 
 TEST(Toolpath, DrawsArcsThroughTheSameFeetAndApexAsTriangles) {
@@ -95,7 +151,7 @@ TEST(Toolpath, DrawsArcsThroughTheSameFeetAndApexAsTriangles) {
   profile.channel.shape = ChannelShape::arc;
   const Move channel = *of_kind(toolpath(sliding_cross(), profile), MoveKind::channel)[0];
   EXPECT_GT(channel.points.size(), 10U);
-  EXPECT_NEAR(highest(channel), 2.25, 1e-9);
+  EXPECT_NEAR(highest(channel), 2.5, 1e-9);
   EXPECT_NEAR((channel.points.front() - channel.points.back()).norm(), 1.2 * 2.2, 1e-9);
 }
 
@@ -214,7 +270,7 @@ TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
   Weave weave = sliding_cross();
   weave.strands[1] = line({0, -10}, {0, 1});
   EXPECT_EQ(fault(weave).where, "crossings/0");
-  EXPECT_NE(fault(weave).message.find("lifted 0.9375 mm"), std::string::npos) << fault(weave).message;
+  EXPECT_NE(fault(weave).message.find("lifted 1.0000 mm"), std::string::npos) << fault(weave).message;
   weave = sliding_cross();
   weave.strands[0] = line({-10, 0}, {1, 0});
   EXPECT_NE(fault(weave).message.find("1.0000 mm to the end of strands/0"), std::string::npos) << fault(weave).message;
@@ -334,8 +390,8 @@ TEST(Toolpath, DrawsEachMoveInItsPicture) {
 
 TEST(Toolpath, DrawsEachKindOfMoveInAColourOfItsOwnAsWideAsItsBead) {
   Toolpath path;
-  const std::vector<MoveKind> kinds{MoveKind::strand, MoveKind::lifted, MoveKind::channel, MoveKind::support,
-                                    MoveKind::travel};
+  const std::vector<MoveKind> kinds{MoveKind::priming, MoveKind::strand,  MoveKind::lifted,
+                                    MoveKind::channel, MoveKind::support, MoveKind::travel};
   for (const MoveKind kind : kinds) {
     Move move;
     move.kind = kind;

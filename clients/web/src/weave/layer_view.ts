@@ -9,7 +9,7 @@ import { ToolpathDrawing } from "./toolpath_drawing";
 
 type Extent = "part" | "bed";
 const LEGEND: readonly (readonly [kind: string, words: string])[] = [
-  ["strand", "On the bed"], ["lifted", "Lifted"], ["channel", "Channel"], ["support", "Frame"], ["travel", "Travel, nothing printed"],
+  ["strand", "On the bed"], ["lifted", "Lifted"], ["channel", "Channel"], ["support", "Frame"], ["priming", "Fills the nozzle"], ["travel", "Travel, nothing printed"],
 ];
 
 export class LayerView {

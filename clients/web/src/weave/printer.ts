@@ -65,7 +65,7 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
   {
     title: "Lifts over strands", seldom: true,
     fields: [
-      number("/printer/lift/height", "Height over a strand", 0.75, "mm"), number("/printer/lift/top", "Fully up within", 0.75, "mm"),
+      number("/printer/lift/height", "Height over a strand", 1, "mm"), number("/printer/lift/top", "Fully up within", 0.75, "mm"),
       number("/printer/lift/run", "Begins to rise at", 2, "mm"), number("/printer/lift/bridge", "Stays up for less than", 2.5, "mm"),
     ],
   },
@@ -74,12 +74,14 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
     fields: [
       { pointer: "/printer/channel/shape", words: "Shape", initial: "triangle", kind: "choice", choices: [["triangle", "Triangle"], ["arc", "Arc"]] },
       number("/printer/channel/half_width", "First foot to crossing", 1.2, "mm"), number("/printer/channel/longer", "Second half longer by", 0.2),
-      number("/printer/channel/apex", "Apex over the feet", 1.75, "mm"),
+      number("/printer/channel/apex", "Apex over the feet", 2, "mm"),
     ],
   },
   {
-    title: "G-code of your own", seldom: true,
+    title: "Start and end", seldom: true,
     fields: [
+      number("/printer/priming_length", "Line that fills the nozzle", 60, "mm"),
+      { pointer: "/printer/park", words: "Park the nozzle at the end", initial: true, kind: "switch" },
       { pointer: "/printer/startup_gcode", words: "After heating and homing", initial: "", kind: "lines" },
       { pointer: "/printer/footer_gcode", words: "Before the heaters are switched off", initial: "", kind: "lines" },
     ],
@@ -97,7 +99,7 @@ export function toolpathRequest(weave: Weave, settings: PrintSettings, include: 
   for (const { pointer } of ALL_FIELDS) {
     const value = settings[pointer];
     // Whether there is a frame is no place of the request.
-    if (value === null || typeof value === "boolean" || (pointer.startsWith("/frame/") && settings["/frame"] !== true)) continue;
+    if (value === null || pointer === "/frame" || (pointer.startsWith("/frame/") && settings["/frame"] !== true)) continue;
     put(request, pointer, value);
   }
   return { ...request, include } as unknown as WeaveToolpathRequest;

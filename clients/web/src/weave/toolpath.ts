@@ -33,7 +33,7 @@ export function layersOf(moves: readonly PrintMove[]): Layer[] {
       travels.push(move);
       continue;
     }
-    const stage: Stage = move.kind === "channel" ? "channels" : move.kind !== "support" && rising.has(move.strand) ? "sliding" : "bed";
+    const stage: Stage = move.kind === "channel" ? "channels" : move.strand !== null && rising.has(move.strand) ? "sliding" : "bed";
     if (runs.length === 0 || runs[runs.length - 1].stage !== stage) runs.push({ stage, moves: [] });
     runs[runs.length - 1].moves.push(...travels, move);
     travels = [];

@@ -79,6 +79,7 @@ TEST(DesignAnswers, SayWhatTheStructureIsMadeOfAndMeasures) {
   answer = written(designs);
   EXPECT_EQ(answer["material"]["name"], "TPU");
   EXPECT_EQ(answer["material"]["youngs_modulus"], 55);
+  EXPECT_EQ(answer["ranking"][0]["material"], answer["material"]);
   EXPECT_EQ(answer["structure"]["density"], 0.5);
   EXPECT_EQ(answer["structure"]["beam_width"], 0.5);
   EXPECT_EQ(answer["structure"]["cell_size"], 8);

@@ -76,6 +76,25 @@ TEST(WeaveAnswers, HaveOneEntryForEachDirectionAndNullWhereOneWasNotReached) {
             0.25);
 }
 
+TEST(WeaveAnswers, HaveOneEntryForEachDeformationGradient) {
+  weave::Weave weave = one_crossing();
+  weave.lattice = Eigen::Matrix2d{{4, 0}, {0, 4}};
+  WeaveDeformationRequest request;
+  request.deformed = {1};
+  auto lost = response(0, weave::Stop::iteration_limit).state;
+  lost.nominal_stress << 1, 2, 3, 4;
+  lost.energy_density = 0.5;
+  const auto answer = Json::parse(write_weave_deformation(request, weave, {response(1).state, lost}, {}));
+  EXPECT_EQ(answer["stopped"], Json::parse(R"(["converged","iteration_limit"])"));
+  EXPECT_EQ(answer["message"], "1 of 2 deformation gradients were not reached; `stopped` says why.");
+  EXPECT_EQ(answer["nominal_stress"][1], Json::parse("[[1.0,2.0],[3.0,4.0]]"));
+  EXPECT_EQ(answer["energy_density"], Json::parse("[0.0,0.5]"));
+  ASSERT_EQ(answer["cells"].size(), 1U);
+  EXPECT_EQ(answer["cells"][0]["state"], 1);
+  EXPECT_NEAR(answer["cells"][0]["lattice"][1][0].get<double>(), 0.8, 1e-12);
+  EXPECT_NEAR(answer["accuracy"]["residual"].get<double>(), 0.2, 1e-12);
+}
+
 TEST(WeaveAnswers, HoldStrandsInTheFormThatWasAskedFor) {
   weave::SimulationResult result;
   result.unknowns = 7;

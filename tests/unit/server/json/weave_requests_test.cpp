@@ -195,6 +195,28 @@ TEST(WeaveRequests, PointToEachFieldOfAHomogenizationAtFault) {
       (Pointers{"/accuracy/segments", "/sliding/barrier_range", "/effects/twist"}));
 }
 
+TEST(WeaveRequests, ReadDeformationGradientsByRows) {
+  const auto read = [](const std::string& more) {
+    return parse_weave_deformation(R"({"weave":{"pattern":"regular"},)" + more + "}", {});
+  };
+  const auto request = read(R"("deformation_gradients":[[[1.1,0.2],[0,0.9]],[[1,0],[0,1]]],"deformed":[1])");
+  ASSERT_EQ(request.gradients.size(), 2U);
+  EXPECT_EQ(request.gradients[0], (Eigen::Matrix2d{{1.1, 0.2}, {0, 0.9}}));
+  EXPECT_EQ(request.deformed, std::vector<int>{1});
+  const auto faults = [&](const std::string& more) {
+    return ::supple::testing::places(::supple::testing::expect_error("request.invalid", [&] { read(more); }));
+  };
+  EXPECT_EQ(faults(R"("deformed":[])"), Pointers{"/deformation_gradients"});
+  EXPECT_EQ(faults(R"("deformation_gradients":[[[1,0],[0,-1]],[1,0],[[1,0],[0,11]],[[1,0],[0]]],"deformed":[4])"),
+            (Pointers{"/deformation_gradients/0", "/deformation_gradients/1/0", "/deformation_gradients/1/1",
+                      "/deformation_gradients/2/1/1", "/deformation_gradients/3/1", "/deformed/0"}));
+}
+
+TEST(WeaveRequests, NameASheetThatHasBeenPrinted) {
+  const auto request = parse_weave_layout(R"({"weave":{"pattern":"printed_sample","sample":"squares_3"}})", {});
+  EXPECT_EQ(std::get<SampleSpec>(request.weave.source).sample, weave::Sample::squares_3);
+}
+
 TEST(WeaveRequests, ReadSupportsAndForcesAtEveryKindOfPlace) {
   const auto request = parse_weave_simulation(
       R"({"weave":{"pattern":"actuated_rings"},"states":4,"deformed":"vtu",

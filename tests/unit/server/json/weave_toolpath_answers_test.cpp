@@ -18,6 +18,7 @@ weave::Toolpath one_channel() {
   path.statistics.lifted_length = 2;
   path.statistics.channel_length = 3;
   path.statistics.support_length = 4;
+  path.statistics.priming_length = 4.5;
   path.statistics.travel_length = 5;
   path.statistics.extruded_length = 6;
   path.statistics.filament = 7;
@@ -47,7 +48,7 @@ TEST(WeaveToolpathAnswers, HaveStatisticsAndCheckAndWhatElseWasAskedFor) {
   EXPECT_EQ(all["gcode"], gcode);
   EXPECT_EQ(all["svg"], svg);
   EXPECT_EQ(all["statistics"], Json::parse(R"({"strand_length":1.0,"lifted_length":2.0,"channel_length":3.0,
-      "support_length":4.0,"travel_length":5.0,"extruded_length":6.0,"filament":7.0,"travels":8,"channels":9,
+      "support_length":4.0,"priming_length":4.5,"travel_length":5.0,"extruded_length":6.0,"filament":7.0,"travels":8,"channels":9,
       "heights":[0.5,1.5],"minutes":10.0,"lowest":[0.0,0.0,0.0],"highest":[1.0,2.0,3.0]})"));
   EXPECT_EQ(all["check"]["violation_count"], 1);
   const auto few = Json::parse(write_weave_toolpath(one_channel(), {}, one_violation(), {}));

@@ -69,8 +69,16 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
                                             const Execution& execution = {});
 
 /// Computes the equilibrium under a given deformation gradient (det > 0). The gradient is imposed exactly and reached
-/// in a straight line from rest. `polylines` fills CellState::strands. Throws what `homogenize` throws.
+/// in a straight line from rest. `polylines` fills CellState::strands. Throws what `homogenize` throws, and
+/// "weave.invalid_load" for a gradient that is none.
 CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gradient,
                       const EquilibriumOptions& options = {}, const Execution& execution = {}, bool polylines = false);
+
+/// The same for each of several gradients, which are computed in parallel, each from rest; results do not depend on the
+/// number of threads. `deformed` has the indices of those whose strands are wanted. Reports progress by gradients, and
+/// bills like `homogenize`. Errors name entries of "deformation_gradients" and "deformed".
+std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen::Matrix2d>& deformation_gradients,
+                                    const EquilibriumOptions& options = {}, const std::vector<int>& deformed = {},
+                                    const Execution& execution = {});
 
 }  // namespace supple::weave

@@ -8,10 +8,10 @@ namespace supple::weave {
 
 /// How a strand is printed over another one without touching it: it rises before their crossing and comes down after.
 struct Lift {
-  double height = 0.75;  ///< height of the nozzle over a strand that lies on the bed, mm
-  double top = 0.75;     ///< it is fully up within this of the crossing, divided by the sine of the crossing angle, mm
-  double run = 2;        ///< it begins to rise this far from the crossing, or later if something is in the way; mm
-  double bridge = 2.5;   ///< it stays up where it would come down for less than this, mm
+  double height = 1;    ///< height of the nozzle over a strand that lies on the bed, mm
+  double top = 0.75;    ///< it is fully up within this of the crossing, divided by the sine of the crossing angle, mm
+  double run = 2;       ///< it begins to rise this far from the crossing, or later if something is in the way; mm
+  double bridge = 2.5;  ///< it stays up where it would come down for less than this, mm
 };
 
 enum class ChannelShape {
@@ -24,11 +24,12 @@ struct Channel {
   ChannelShape shape = ChannelShape::triangle;
   double half_width = 1.2;  ///< distance from the first foot to the crossing along the bottom strand, mm
   double longer = 0.2;      ///< the second half is longer by this share: what sags there stays clear of the strand
-  double apex = 1.75;       ///< height over the feet, mm
+  double apex = 2;          ///< height over the feet, mm
 };
 
-/// A printer, its material and how it prints strands. The defaults are a Prusa i3 MK3S with PLA. Speeds are in mm/min
-/// and temperatures in degrees Celsius.
+/// A printer, its material and how it prints strands. The defaults are a Prusa i3 MK3S with PLA, with the heights and
+/// speeds of most of the nine sheets that have been printed (see `printed_samples.h`). Speeds are in mm/min and
+/// temperatures in degrees Celsius.
 struct PrinterProfile {
   std::string name = "Prusa i3 MK3S, PLA";
   Eigen::Vector3d bed{250, 210, 210};  ///< where the nozzle may go, from (0, 0, 0); mm
@@ -44,6 +45,10 @@ struct PrinterProfile {
   double strand_height = 0.5;         ///< height of the nozzle over the bed, mm
   double travel_clearance = 1;        ///< height of the nozzle over everything that is printed, mm
   double retraction = 0.4;            ///< retraction of the filament around every travel, mm
+  /// Length (mm) of the line that fills the nozzle before the print, with a frame's bead along an edge of the bed that
+  /// is clear of the print. It is left out if it is 0 or no edge is clear.
+  double priming_length = 60;
+  bool park = true;  ///< at the end the nozzle goes to the rear left corner, out of the way of the print
   Lift lift{};
   Channel channel{};
 
@@ -53,7 +58,7 @@ struct PrinterProfile {
   double travel_speed = 3000;
   double retraction_speed = 2100;
 
-  std::string startup_gcode{};  ///< lines after heating and homing: a line that primes the nozzle, say
+  std::string startup_gcode{};  ///< lines after heating and homing
   std::string footer_gcode{};   ///< lines before the heaters are switched off
 };
 

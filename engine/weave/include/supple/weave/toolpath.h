@@ -49,6 +49,7 @@ struct ToolpathOptions {
 };
 
 enum class MoveKind {
+  priming,  ///< beside the print, to fill the nozzle
   strand,   ///< on the bed
   lifted,   ///< the part of a strand that passes over others
   channel,  ///< over a sliding strand
@@ -72,6 +73,7 @@ struct ToolpathStatistics {
   double lifted_length = 0;  ///< length of their lifted parts, including ramps
   double channel_length = 0;
   double support_length = 0;
+  double priming_length = 0;
   double travel_length = 0;
   double extruded_length = 0;  ///< length of everything except travels
   double filament = 0;         ///< mm
@@ -79,7 +81,7 @@ struct ToolpathStatistics {
   int channels = 0;
   std::vector<double> heights{};    ///< heights at which something is printed level, ascending
   double minutes = 0;               ///< lengths divided by speeds, without accelerations
-  Eigen::Vector3d lowest{0, 0, 0};  ///< lowest corner of the box of everything that is printed
+  Eigen::Vector3d lowest{0, 0, 0};  ///< lowest corner of the box of the print, without the priming line
   Eigen::Vector3d highest{0, 0, 0};
 };
 
@@ -88,8 +90,8 @@ struct Toolpath {
   ToolpathStatistics statistics{};
 };
 
-/// Computes how a finite layout is printed: first supports, then strands that slide nowhere, then strands that pass
-/// over others, and last channels.
+/// Computes how a finite layout is printed: first a priming line, then supports, then strands that slide nowhere, then
+/// strands that pass over others, and last channels.
 ///
 /// Fused strands are printed through each other in one layer, so that they weld. At a sliding crossing the strand that
 /// slides is the upper one. It rises just before the crossing and comes down after it, and a channel that is fused to

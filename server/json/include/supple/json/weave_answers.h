@@ -17,6 +17,10 @@ std::string write_weave_layout(const weave::Weave& weave, const std::vector<std:
 std::string write_weave_homogenization(const WeaveHomogenizationRequest& request, const weave::Weave& weave,
                                        const std::vector<weave::DirectionalResponse>& responses, const Bill& bill);
 
+/// `states` has an entry for each deformation gradient of the request.
+std::string write_weave_deformation(const WeaveDeformationRequest& request, const weave::Weave& weave,
+                                    const std::vector<weave::CellState>& states, const Bill& bill);
+
 /// Where supports ended up: those of a box are several.
 struct HeldPlace {
   int support = 0;  ///< index of the request's

@@ -10,6 +10,7 @@
 #include "supple/json/limits.h"
 #include "supple/weave/homogenization.h"
 #include "supple/weave/patterns.h"
+#include "supple/weave/printed_samples.h"
 #include "supple/weave/simulation.h"
 
 /// The requests about weaves as types; they are read like those of requests.h and throw the same. Whether strands meet
@@ -72,6 +73,11 @@ struct CirclesSpec {
 
 struct RingsSpec {};
 
+/// One of the sheets that have been printed and tested.
+struct SampleSpec {
+  weave::Sample sample = weave::Sample::fused_grid;
+};
+
 /// A crossing that is connected otherwise than the pattern has it.
 struct CrossingOverride {
   int crossing = 0;
@@ -81,7 +87,7 @@ struct CrossingOverride {
 
 /// The field "weave", the same in every request that has one.
 struct WeaveSpec {
-  std::variant<LayoutSpec, RegularSpec, SquaresSpec, CirclesSpec, RingsSpec> source;
+  std::variant<LayoutSpec, RegularSpec, SquaresSpec, CirclesSpec, RingsSpec, SampleSpec> source;
   double radius = 0.25;
   weave::Material material;
   std::vector<CrossingOverride> overrides;
@@ -101,6 +107,15 @@ struct WeaveHomogenizationRequest {
   double deadline = 0;
 };
 WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, const Limits& limits);
+
+struct WeaveDeformationRequest {
+  WeaveSpec weave;
+  std::vector<Eigen::Matrix2d> gradients;
+  std::vector<int> deformed;
+  weave::EquilibriumOptions options;
+  double deadline = 0;
+};
+WeaveDeformationRequest parse_weave_deformation(std::string_view body, const Limits& limits);
 
 /// Where something is held or pulled.
 struct StrandCoordinate {
