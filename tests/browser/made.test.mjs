@@ -186,23 +186,34 @@ describe("the material", () => {
     }, { url: address });
   });
 
-  it("that is left to the search is told of each family whose curve is laid over", async () => {
+  it("that is left to the search is told of each family, and curves of families are laid over with theirs", async () => {
     const address = await stiffer(4);
     await withPage(async (design, page) => {
+      await page.locator(".ranking li").nth(1).waitFor();
+      assert.equal(await page.locator(".rank-material").count(), 0, "a modulus that was given needs no saying");
       await design.choose("Find it: Young’s modulus");
       await design.write("Young’s modulus at most, MPa", 400);
-      const other = await page.locator(".rank:not([aria-current]) .rank-name").first().textContent();
+      const row = page.locator(".rank:not([aria-current])").first();
+      const [other, words] = [await row.locator(".rank-name").textContent(), await row.locator(".rank-material").textContent()];
+      assert.match(words, /^[\d.]+ MPa$/);
+      assert.ok(number(words) >= 13 && number(words) <= 400, words);
+      const mine = await page.locator(".rank[aria-current] .rank-material").textContent();
+      assert.equal(mine, await design.fact("Young’s modulus"));
+      const asked = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
       await page.getByRole("button", { name: `Overlay the curve of ${other}` }).click();
-      const entry = page.locator(".legend li", { hasText: new RegExp(`^${other} of [\\d.]+ MPa$`) });
+      assert.ok(Math.abs((await asked).postDataJSON().material.youngs_modulus / number(words) - 1) < 0.005, "its own modulus");
+      const entry = page.locator(".legend li", { hasText: `${other} of ${words}` });
       await entry.waitFor();
-      const modulus = number((await entry.textContent()).split(" of ")[1]);
-      assert.ok(modulus >= 13 && modulus <= 400, `${modulus} MPa`);
-      const held = page.designs.asked.at(-1);
-      assert.deepEqual([held.family, held.fixed, held.material], [other, held.initial, { youngs_modulus: [13, 400] }]);
       assert.equal(await page.locator(".plot .curve.pin").count(), 1);
       await picture(page, "made-overlay");
       await page.getByRole("button", { name: `Overlay the curve of ${other}` }).click();
       await until(async () => (await entry.count()) === 0, "the curve to go");
+      // Looked at, it begins with the modulus that it was ranked with.
+      const before = page.designs.asked.length;
+      await row.click();
+      await until(() => page.designs.asked.length > before, "a search of that family");
+      await until(() => page.url().includes(`design=${other}`) && page.url().includes("found-modulus="), "its modulus in the link");
+      await design.settled();
     }, { url: address });
   });
 

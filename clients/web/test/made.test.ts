@@ -5,7 +5,7 @@ import { readLink, writeLink } from "../src/design/link";
 import { DEFAULT_MADE, faultOf, leavesModulus, type Made, madeRequest, modulusOf, sameMade } from "../src/design/made";
 import { FIRST_PART, partRequest, settingsOf } from "../src/design/part";
 import { regionOf, regionsOf, withRegions } from "../src/design/region_list";
-import { designRequest, fittedRequest, patchRequest, polishRequest, profileRequest, regionsRequest, structurePath, verificationRequest } from "../src/design/requests";
+import { designRequest, patchRequest, polishRequest, profileRequest, regionsRequest, structurePath, verificationRequest } from "../src/design/requests";
 import { freshness, shownDesigns, shownProfiles } from "../src/design/shown";
 import { DEFAULT_STATE, type DesignState } from "../src/design/state";
 
@@ -96,13 +96,6 @@ describe("several materials", () => {
     expect(fault({ youngsModulus: [60, 20] })).toMatchObject({ at: 1, part: "youngsModulus", sentence: "Young’s modulus of PLA: the greatest value is at least the least one, 60 MPa." });
     expect(fault({ density: 30 })).toMatchObject({ at: 1, part: "density" });
     expect(faultOf({ ...list, cellSizes: [8, 2] })?.field).toBe("cellSizes");
-  });
-
-  it("are asked for with all parameters held to learn the modulus of one family", () => {
-    const request = fittedRequest({ ...chosen, made: { ...list, orientation: [0, 90] } }, { ...found, orientation: 0.5 });
-    expect(request).toMatchObject({ family: "IH22", initial: [0.3, 0.4], fixed: [0.3, 0.4], orientation: expect.closeTo(0.5, 12), effects: { multi_start: "off" } });
-    expect(request.material).toHaveLength(2);
-    for (const field of ["limits", "session", "initial_orientation"]) expect(request).not.toHaveProperty(field);
   });
 });
 

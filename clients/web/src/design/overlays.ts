@@ -1,9 +1,10 @@
 // Curves of ranked families that are laid over that of the design shown.
 import { Observable } from "../base/observable";
 import type { DesignCandidate } from "../contract/types";
-import { modulusWords } from "./made";
+import { leavesModulus, modulusWords } from "./made";
 import type { PinnedCurve } from "./plot";
 import type { DesignSession } from "./session";
+import { foundOf } from "./shown";
 
 /** Colours are those of pins; overlays begin where pins have seldom come to. */
 const FIRST_COLOUR = 3;
@@ -41,16 +42,16 @@ export class Overlays {
   }
 
   private async add(candidate: DesignCandidate): Promise<void> {
-    const { family } = candidate;
+    const { family, material } = candidate;
     const ranking = this.session.ranking.get();
     const { at } = this;
-    if (!ranking?.targets[at]) return;
-    const curve = await this.session.candidateCurve(candidate, ranking, at);
+    const target = ranking?.targets[at];
+    if (!target) return;
+    const curve = await this.session.profile(foundOf(candidate, ranking), target, ranking.made);
     if (!curve || ranking !== this.session.ranking.get() || at !== this.at || this.has(family)) return;
-    const { x, y, youngsModulus } = curve;
     // Another family may serve the targets best with another modulus.
-    const name = youngsModulus === null ? family : `${family} of ${modulusWords(youngsModulus)} MPa`;
-    this.show([...this.overlaid, { x, y, id: FIRST_COLOUR + this.count++, name, candidate }]);
+    const name = leavesModulus(ranking.made) ? `${family} of ${modulusWords(material.youngs_modulus)} MPa` : family;
+    this.show([...this.overlaid, { ...curve, id: FIRST_COLOUR + this.count++, name, candidate }]);
   }
 
   private show(overlaid: readonly Overlaid[]): void {

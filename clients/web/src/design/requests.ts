@@ -107,14 +107,6 @@ export function structureRequest(found: Found, { size }: Made): StructureRequest
   return { family: found.family, parameters: [...found.parameters], ...(size.kind === "beam_width" && { beam_width: size.value }) };
 }
 
-/** The response of given parameters where the modulus is left to the search: it finds that, and nothing else is free. */
-export function fittedRequest(region: Region, found: Found): DesignRequest {
-  const { made } = region;
-  // Of one design the orientation is known; limits would refuse a design that is only looked at.
-  const asked: Region = { ...region, made: { ...settled(made, found), youngsModulus: made.youngsModulus, materials: made.materials }, family: found.family, found, fixed: found.parameters.map(() => true) };
-  return { ...problemOf(asked, "search"), effects: { multi_start: "off", envelope: "off" } };
-}
-
 /** The design shown, as it is, simulated at its native scale along the target's profile. */
 export function verificationRequest(state: DesignState, found: Found): DesignRequest {
   return {

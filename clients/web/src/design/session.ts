@@ -8,8 +8,8 @@ import { runJob } from "../contract/jobs";
 import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile, StructureAnswer } from "../contract/types";
 import { type Relaxation, snappedTarget } from "./reach";
 import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
-import { isRange, leavesModulus, type Made } from "./made";
-import { designRequest, type Effort, fittedRequest, profileRequest, regionsRequest, structureRequest } from "./requests";
+import { type Made } from "./made";
+import { designRequest, type Effort, profileRequest, regionsRequest, structureRequest } from "./requests";
 import { type Envelope, type FoundDesign, foundOf, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
 import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
@@ -315,9 +315,8 @@ export class DesignSession {
   }
 
   /** Looks at the best design of one family of the ranking. */
-  lookAt({ family, parameters, orientation }: DesignCandidate): void {
-    const { made } = this.state.get();
-    this.apply({ family, found: { family, parameters, ...(isRange(made.orientation) && { orientation }) }, byHand: false });
+  lookAt(candidate: DesignCandidate): void {
+    this.apply({ family: candidate.family, found: foundOf(candidate, this.state.get()), byHand: false });
   }
 
   /** Another task; its target is the one it had, or what the design at hand does there. */
@@ -378,24 +377,6 @@ export class DesignSession {
       return { x: answer.x, y: answer.y };
     } catch {
       return null; // the main request meets the same fault and tells of it
-    }
-  }
-
-  /**
-   * What the best design of a family does about one of the targets that were ranked for, in MPa of the modulus that serves all of
-   * them best where that is left to the search. Null where it cannot be had.
-   */
-  async candidateCurve({ family, parameters, orientation }: DesignCandidate, { targets, made }: Wanted, at: number): Promise<(Curve & { readonly youngsModulus: number | null }) | null> {
-    const found: Found = { family, parameters, ...(isRange(made.orientation) && { orientation }) };
-    if (!leavesModulus(made)) {
-      const curve = await this.profile(found, targets[at], made);
-      return curve && { ...curve, youngsModulus: null };
-    }
-    try {
-      const answer = await this.client.post<DesignAnswer>("/v1/designs", fittedRequest({ ...DEFAULT_STATE, ...withTargets(targets, at), made }, found));
-      return { x: answer.profile.x, y: answer.profile.achieved, youngsModulus: answer.material.youngs_modulus };
-    } catch {
-      return null; // a search of this family meets the same fault and tells of it
     }
   }
 
