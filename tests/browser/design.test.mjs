@@ -236,7 +236,7 @@ describe("what is compared and what is good", () => {
       const entry = page.locator(".legend li", { hasText: /^IH\d+, stress, [\d.]+ % off$/ });
       await entry.waitFor();
       assert.equal(await page.locator(".plot .curve.pin").count(), 1);
-      await design.button("Take as target").click();
+      await design.button("Snap to the closest reachable").click();
       await until(async () => (await page.locator(".result .chip").textContent()) === "Within the model’s error", "a target that is met");
       await design.settled();
       const [red, green, blue] = await page.locator(".result .chip").evaluate((chip) => getComputedStyle(chip).color.match(/[\d.]+/g).map(Number));
