@@ -15,6 +15,7 @@ describe("stress over strain", () => {
       assert.match(await page.locator(".envelope").getAttribute("d"), /^M/);
       assert.ok((await design.deviation()) < 10, "the first target is one that a design reaches");
       assert.match(await design.tiling(), /^M/);
+      assert.ok((await page.locator(".tiling .solid").evaluate((path) => path.getScreenCTM().d)) > 0, "the tiling lies as in the server's file, not mirrored");
       const [bar, frame] = [await page.locator(".scale-words").boundingBox(), await page.locator(".tiling").boundingBox()];
       assert.ok(bar.y > frame.y && bar.y + bar.height < frame.y + frame.height, "the scale is within the picture");
       assert.match(await page.locator(".legend").textContent(), /each value by itself/, "an envelope says that it is pointwise");
