@@ -52,6 +52,11 @@ describe("the rules of accessibility", () => {
     await design.values();
     await design.button("Pin").click();
     assert.deepEqual(await violationsInBothColours(design.page, "design-open"), []);
+    await severalMaterials(design);
+    await design.page.getByLabel("Name of material 2").fill("TPU");
+    await design.page.keyboard.press("Tab");
+    await design.page.locator("details.made .note.problem:visible").waitFor();
+    assert.deepEqual(await violationsInBothColours(design.page, "design-materials"), []);
     await furtherTarget(design);
     assert.deepEqual(await violationsInBothColours(design.page, "design-targets"), []);
     await design.page.getByTitle("Divide the product into regions").click();
@@ -59,6 +64,8 @@ describe("the rules of accessibility", () => {
     await design.settled();
     await design.page.getByRole("button", { name: "Rename this region" }).click();
     assert.deepEqual(await violationsInBothColours(design.page, "design-regions"), []);
+    await drawnPart(design);
+    assert.deepEqual(await violationsInBothColours(design.page, "design-drawing"), []);
     await design.page.getByRole("button", { name: "Rename this target" }).click();
     assert.deepEqual(await violationsInBothColours(design.page), []);
     await closePage(design.page);
@@ -111,6 +118,21 @@ describe("the rules of accessibility", () => {
   });
 });
 
+async function severalMaterials({ page }) {
+  await page.locator("details.made").getByLabel("Material", { exact: true }).selectOption("Several: the search chooses");
+  await page.getByLabel("Name of material 5").waitFor();
+  await until(async () => (await page.locator(".result .facts dt", { hasText: /^Material$/ }).count()) === 1, "the material that was found");
+}
+
+/** A part of a drawing, and a drawing that was refused. */
+async function drawnPart(design) {
+  const drawing = (content) => `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">${content}</svg>`;
+  await design.drop(".preview", drawing('<rect width="60" height="40"/><circle id="hole" cx="30" cy="20" r="8"/>'), "plate.svg");
+  await design.page.locator("details.part .facts", { hasText: "60 × 40 × 4 mm" }).waitFor();
+  await design.drop(".preview", drawing(""), "empty.svg");
+  await design.page.locator(".drop-problem").waitFor();
+}
+
 async function furtherTarget(design) {
   await design.page.getByTitle("Add a further target of the same design").click();
   await until(async () => (await design.page.getByRole("tab").count()) === 2, "a further tab");
@@ -147,8 +169,15 @@ describe("on a small screen, where nothing is wider than it, the rules are kept"
     await isAsWideAsTheScreen(design.page);
     await picture(design.page, "design-small");
     await furtherTarget(design);
+    await design.page.locator("details.made summary").click();
+    await severalMaterials(design);
+    await drawnPart(design);
     assert.deepEqual(await violations(design.page), []);
     await isAsWideAsTheScreen(design.page);
+    await design.page.locator("details.part").scrollIntoViewIfNeeded();
+    await picture(design.page, "design-drawing-small");
+    await design.page.locator("details.made .materials").scrollIntoViewIfNeeded();
+    await picture(design.page, "design-materials-small");
     await design.page.locator(".bill-menu summary span").evaluate((words) => (words.textContent = "59 min 59 s"));
     await isAsWideAsTheScreen(design.page);
     await design.page.locator(".bill-menu summary").click();

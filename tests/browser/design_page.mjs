@@ -1,6 +1,6 @@
 // The design page as a person meets it: what can be read there, and done.
 import assert from "node:assert/strict";
-import { openPage, until, WAIT_MS } from "./harness.mjs";
+import { browser, closePage, openPage, picture, server, until, WAIT_MS } from "./harness.mjs";
 
 /** Numbers as the page writes them, with its own minus. */
 export function number(text) {
@@ -9,7 +9,7 @@ export function number(text) {
 
 export class DesignPage {
   static async open(browser, url, options) {
-    const page = new DesignPage(await openPage(browser, url, options));
+    const page = new this(await openPage(browser, url, options));
     await page.settled();
     return page;
   }
@@ -106,6 +106,19 @@ export class DesignPage {
     await this.page.mouse.dblclick(x, y);
   }
 
+  /** Drags a file over the first element of a kind and lets it go there; what was marked meanwhile is in `window.marked`. */
+  async drop(selector, text, name) {
+    await this.page.evaluate(([wanted, content, file]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([content], file));
+      const event = (kind) => new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: data });
+      const place = document.querySelector(wanted);
+      place.dispatchEvent(event("dragover"));
+      window.marked = document.querySelector(".dropping")?.className;
+      place.dispatchEvent(event("drop"));
+    }, [selector, text, name]);
+  }
+
   async deviation() {
     return number(await this.page.locator(".result .facts dd").first().textContent());
   }
@@ -121,4 +134,19 @@ export class DesignPage {
   slider(name) {
     return this.page.getByLabel(name, { exact: true });
   }
+}
+
+/**
+ * Does something on a page that has been opened for it, and leaves a picture where that fails. `Kind`: the page with what else a
+ * file of tests can do on it.
+ */
+export async function withDesign(act, { Kind = DesignPage, url = server.url, ...options } = {}) {
+  const design = await Kind.open(browser, url, options);
+  try {
+    await act(design, design.page);
+  } catch (error) {
+    await picture(design.page, "failure");
+    throw error;
+  }
+  await closePage(design.page);
 }

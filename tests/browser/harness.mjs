@@ -30,14 +30,14 @@ async function freePort() {
 }
 
 /** supple-server on a port that it keeps over restarts. */
-class Server {
+export class Server {
   /** `keys`: it answers holders of a key alone, which is `key`. */
-  static async start({ keys = false } = {}) {
+  static async start({ keys = false, models = MODELS } = {}) {
     for (const file of [SERVER, path.join(EDITOR, "index.html")]) assert.ok(existsSync(file), `${file} is missing: build it first`);
     const server = new Server();
     server.folder = await mkdtemp(path.join(tmpdir(), "supple-browser-"));
     await mkdir(path.join(server.folder, "models"));
-    for (const model of MODELS) await copyFile(path.join(ROOT, "models", model), path.join(server.folder, "models", model));
+    for (const model of models) await copyFile(path.join(ROOT, "models", model), path.join(server.folder, "models", model));
     const data = path.join(server.folder, "data");
     if (keys) server.key = execFileSync(SERVER, ["keys", "add", "--data", data, "--name", "a person", "--scopes", "read,compute"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }).trim();
     server.port = await freePort();
@@ -84,7 +84,7 @@ class Server {
  */
 const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"];
 
-function launch({ webgl = false } = {}) {
+export function launch({ webgl = false } = {}) {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
     args: ["--no-sandbox", ...(webgl ? WEBGL : ["--disable-gpu"])], // root in a container has no sandbox

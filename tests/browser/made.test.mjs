@@ -1,15 +1,14 @@
 // What a design is made of, how it lies and how large it is: given by a person, or left to the search.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
-import { DesignPage, number } from "./design_page.mjs";
+import { DesignPage, number, withDesign } from "./design_page.mjs";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 
 setUp();
 
 class MadePage extends DesignPage {
   static async open(browser, url, options) {
-    const { page } = await DesignPage.open(browser, url, options);
-    const made = new MadePage(page);
+    const made = await super.open(browser, url, options);
     await made.card.locator("summary").click();
     return made;
   }
@@ -45,15 +44,8 @@ class MadePage extends DesignPage {
   }
 }
 
-async function withPage(act, options, url = server.url) {
-  const design = await MadePage.open(browser, url, options);
-  try {
-    await act(design, design.page);
-  } catch (error) {
-    await picture(design.page, "failure");
-    throw error;
-  }
-  await closePage(design.page);
+function withPage(act, options) {
+  return withDesign(act, { Kind: MadePage, ...options });
 }
 
 /** The address of the page with a target that is so many times as stiff. */
@@ -102,7 +94,7 @@ describe("the material", () => {
       await design.settled();
       assert.equal(await design.value("Young’s modulus, MPa"), "26");
       assert.equal(await design.fact("Young’s modulus"), "26 MPa");
-    }, {}, address);
+    }, { url: address });
   });
 
   it("is one of a list, lies as it is told, and is what a part is made of", () =>
@@ -144,6 +136,86 @@ describe("the material", () => {
       assert.equal(answer.status, 200);
       assert.equal((await answer.json()).material.youngs_modulus, 2500);
     }));
+
+  it("is the one of several that serves the target best", async () => {
+    const address = await stiffer(60);
+    await withPage(async (design, page) => {
+      await design.card.getByLabel("Material", { exact: true }).selectOption("Several: the search chooses");
+      await design.settled();
+      assert.deepEqual(page.designs.asked.at(-1).material.map((one) => one.name), ["TPU", "PLA", "PETG", "ABS", "PA12"]);
+      assert.ok(await design.card.getByLabel("Density of the material, g/cm³").isHidden(), "each has a density of its own");
+      // The target is that of the models' material times 60, which is 1560 MPa.
+      assert.deepEqual([await design.fact("Material"), await design.fact("Young’s modulus")], ["PA12", "1600 MPa"]);
+      assert.match(await design.card.locator("summary").textContent(), /5 materials/);
+      const [share, density] = [number(await design.fact("Relative density")) / 100, number(await design.fact("Density"))];
+      assert.ok(Math.abs(density - 1.01 * share) < 0.006, `${density} of ${share}`);
+      await until(() => /materials=TPU.*found-material=PA12&found-modulus=1600/.test(page.url()), "the materials in the link");
+      // Without the one found another one is, with a modulus within its range.
+      await design.card.getByRole("button", { name: "Remove material 5" }).click();
+      await design.settled();
+      await design.write("Young’s modulus of TPU at most, MPa", 1570);
+      assert.deepEqual(page.designs.asked.at(-1).material[0], { name: "TPU", youngs_modulus: [26, 1570], density: 1.21 });
+      assert.equal(await design.fact("Material"), "TPU");
+      const modulus = number(await design.fact("Young’s modulus"));
+      assert.ok(modulus > 1400 && modulus <= 1570, `${modulus} MPa`);
+      await design.card.getByRole("button", { name: "Add a material" }).click();
+      assert.equal(await page.evaluate(() => document.activeElement.value), "PA12", "the one that is missing, ready to be named otherwise");
+      await design.settled();
+      await design.card.scrollIntoViewIfNeeded();
+      await picture(page, "made-materials");
+      const asked = page.designs.asked.length;
+      await design.fill("Name of material 5", "PLA");
+      assert.match(await design.card.locator(".note.problem:visible").textContent(), /^Each material has a name of its own/);
+      assert.equal(page.designs.asked.length, asked, "nothing was asked for");
+      await design.fill("Name of material 5", "PA12");
+      // Parameters set by hand are of the material that was found.
+      const profile = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
+      await design.slider("Parameter 1").focus();
+      await page.keyboard.press("ArrowRight");
+      assert.ok((await profile).postDataJSON().material.youngs_modulus > 1400);
+      await design.settled();
+      const link = page.url();
+      const theirs = await MadePage.open(browser, link);
+      await theirs.settled();
+      assert.equal(await theirs.value("Name of material 4"), "ABS");
+      await closePage(theirs.page);
+      await design.card.getByLabel("Material", { exact: true }).selectOption("PLA");
+      await design.settled();
+      assert.equal(await design.fact("Young’s modulus"), "2500 MPa");
+      assert.equal(await design.fact("Material"), undefined);
+    }, { url: address });
+  });
+
+  it("that is left to the search is told of each family, and curves of families are laid over with theirs", async () => {
+    const address = await stiffer(4);
+    await withPage(async (design, page) => {
+      await page.locator(".ranking li").nth(1).waitFor();
+      assert.equal(await page.locator(".rank-material").count(), 0, "a modulus that was given needs no saying");
+      await design.choose("Find it: Young’s modulus");
+      await design.write("Young’s modulus at most, MPa", 400);
+      const row = page.locator(".rank:not([aria-current])").first();
+      const [other, words] = [await row.locator(".rank-name").textContent(), await row.locator(".rank-material").textContent()];
+      assert.match(words, /^[\d.]+ MPa$/);
+      assert.ok(number(words) >= 13 && number(words) <= 400, words);
+      const mine = await page.locator(".rank[aria-current] .rank-material").textContent();
+      assert.equal(mine, await design.fact("Young’s modulus"));
+      const asked = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
+      await page.getByRole("button", { name: `Overlay the curve of ${other}` }).click();
+      assert.ok(Math.abs((await asked).postDataJSON().material.youngs_modulus / number(words) - 1) < 0.005, "its own modulus");
+      const entry = page.locator(".legend li", { hasText: `${other} of ${words}` });
+      await entry.waitFor();
+      assert.equal(await page.locator(".plot .curve.pin").count(), 1);
+      await picture(page, "made-overlay");
+      await page.getByRole("button", { name: `Overlay the curve of ${other}` }).click();
+      await until(async () => (await entry.count()) === 0, "the curve to go");
+      // Looked at, it begins with the modulus that it was ranked with.
+      const before = page.designs.asked.length;
+      await row.click();
+      await until(() => page.designs.asked.length > before, "a search of that family");
+      await until(() => page.url().includes(`design=${other}`) && page.url().includes("found-modulus="), "its modulus in the link");
+      await design.settled();
+    }, { url: address });
+  });
 
   it("is of the design of the region in sight", () =>
     withPage(async (design, page) => {
@@ -192,6 +264,38 @@ describe("limits", () => {
       await design.write("Beam width at least, mm", least);
       assert.deepEqual(page.designs.asked.at(-1).limits, { beam_width: [least, 100] });
       assert.ok(number(await design.fact("Beam width")) >= least, `${await design.fact("Beam width")} of at least ${least}`);
+    }));
+
+  it("of cells are those of beams of a given width, and of parameters set by hand all is measured", () =>
+    withPage(async (design, page) => {
+      const [before, share, density] = [number(await design.fact("Cell size")), await design.fact("Relative density"), await design.fact("Density")];
+      const most = Number((0.9 * before).toPrecision(3));
+      await design.write("Cell size at most, mm", most);
+      assert.deepEqual(page.designs.asked.at(-1).limits, { cell_size: [0, most] });
+      const after = number(await design.fact("Cell size"));
+      assert.ok(after <= most, `${after} mm of at most ${most} mm`);
+      assert.notEqual(await design.fact("Relative density"), share);
+      await until(() => page.url().includes(`cell-sizes=0,${most}`), "the limit in the link");
+      await design.choose("Cell size");
+      assert.ok(await design.card.getByLabel("Cell size at most, mm").isHidden(), "cells of a given size have no limit");
+      assert.equal(page.designs.asked.at(-1).limits, undefined);
+      await design.choose("Beam width");
+      // A slider by hand: what the search says of a design is also said of it.
+      const [cell, parameter] = [number(await design.fact("Cell size")), Number(await page.locator(".parameters .number").first().inputValue())];
+      await page.locator(".parameters .number").first().fill(String(parameter - 0.05));
+      await page.keyboard.press("Enter");
+      await until(async () => (await page.locator(".result .chip").textContent()) === "Set by hand", "word of it");
+      const [byHand, relative] = [await design.fact("Density"), await design.fact("Relative density")];
+      assert.ok(byHand !== undefined && byHand !== density, `${byHand} instead of ${density}`);
+      assert.ok(Math.abs(number(byHand) - 1.2 * number(relative) / 100) < 0.01, `${byHand} at ${relative}`);
+      assert.notEqual(number(await design.fact("Cell size")), cell);
+      const measured = [await design.fact("Cell size"), byHand];
+      // The search measures the same structure alike.
+      const answer = await fetch(`${server.url}/v1/designs`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({
+        beam_width: Number(await design.value("Beam width, mm")), task: "stress_strain", family: await design.family(), fixed: [parameter - 0.05], initial: [parameter - 0.05], target: { control_points: [[0, 0], [0.1, 0.01]] },
+      }) });
+      const { structure } = await answer.json();
+      assert.deepEqual([number(measured[0]), number(measured[1])], [structure.cell_size, structure.density].map((value) => Number(value.toPrecision(3))));
     }));
 
   it("that no server would take are refused where they stand", () =>

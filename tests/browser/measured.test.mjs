@@ -2,8 +2,9 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { describe, it } from "node:test";
-import { DesignPage } from "./design_page.mjs";
-import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+import { withDesign } from "./design_page.mjs";
+import { picture, setUp, until } from "./harness.mjs";
+import { watertight } from "./stl.mjs";
 
 setUp();
 
@@ -16,38 +17,10 @@ function table(rows = 500) {
   return ["Tensile test 17", "", "Strain [%];Stress [kPa]", ...lines].join("\r\n");
 }
 
-async function drop(page, text, name) {
-  await page.evaluate(([content, file]) => {
-    const data = new DataTransfer();
-    data.items.add(new File([content], file, { type: "text/csv" }));
-    document.querySelector(".plot-card .stage").dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data }));
-  }, [text, name]);
-}
-
-/** The size of a binary STL's solid; fails where an edge is not one of exactly two triangles. */
-function sizeOfClosed(stl) {
-  const count = stl.readUInt32LE(80);
-  assert.equal(stl.length, 84 + 50 * count);
-  const edges = new Map();
-  const [lower, upper] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  for (let t = 0; t < count; ++t) {
-    const corners = [0, 1, 2].map((c) => [0, 1, 2].map((k) => stl.readFloatLE(84 + 50 * t + 12 + 12 * c + 4 * k)));
-    for (const corner of corners) corner.forEach((value, k) => { lower[k] = Math.min(lower[k], value); upper[k] = Math.max(upper[k], value); });
-    corners.forEach((corner, c) => {
-      const [from, to] = [corner.join(), corners[(c + 1) % 3].join()];
-      edges.set(`${from}|${to}`, (edges.get(`${from}|${to}`) ?? 0) + 1);
-    });
-  }
-  for (const [edge, uses] of edges) assert.ok(uses === 1 && edges.get(edge.split("|").reverse().join("|")) === 1, "the surface is closed");
-  return upper.map((value, k) => value - lower[k]);
-}
-
 describe("measured data", () => {
-  it("becomes the target when its file is dropped, a part of the design is saved, and the data may be read otherwise", async () => {
-    const design = await DesignPage.open(browser, server.url);
-    const { page } = design;
-    try {
-      await drop(page, table(), "tensile.csv");
+  it("becomes the target when its file is dropped, a part of the design is saved, and the data may be read otherwise", () =>
+    withDesign(async (design, page) => {
+      await design.drop(".plot-card .stage", table(), "tensile.csv");
       const card = page.locator("details.measured");
       await until(async () => (await page.locator("path.measured").getAttribute("d"))?.startsWith("M"), "the measured points");
       await card.locator("summary").click();
@@ -68,19 +41,19 @@ describe("measured data", () => {
       // Walls of 0.8 mm have tiles as wide as this coupon, which do not reach from grip to grip; those of a fine nozzle do.
       await part.getByLabel("Wall thickness, mm").fill("0.8");
       await part.getByLabel("Wall thickness, mm").press("Tab");
-      await part.locator(".note", { hasText: "grip is missing" }).waitFor();
+      await part.locator(".part-result .note", { hasText: "grip is missing" }).waitFor();
       await picture(page, "design-part-broken");
       await part.getByLabel("Wall thickness, mm").fill("0.3");
       await part.getByLabel("Wall thickness, mm").press("Tab");
       await until(async () => /12 × 76 × 4 mm/.test(await part.textContent()), "the part's size");
-      assert.equal(await part.locator(".note").textContent(), "");
+      assert.equal(await part.locator(".part-result .note").textContent(), "");
       await part.locator(".part-drawing").scrollIntoViewIfNeeded();
       await picture(page, "design-part");
       const saved = page.waitForEvent("download");
       await part.getByRole("button", { name: "STL" }).click();
       const file = await saved;
       assert.match(file.suggestedFilename(), /^supple-IH\d+-12x76x4mm\.stl$/);
-      const size = sizeOfClosed(await readFile(await file.path()));
+      const { size } = watertight(await readFile(await file.path()));
       [12, 76, 4].forEach((wanted, k) => assert.ok(Math.abs(size[k] - wanted) < 1e-4, `${size}`));
 
       await card.getByLabel("Unit of stress").selectOption("N");
@@ -92,14 +65,9 @@ describe("measured data", () => {
       await design.settled();
       assert.ok(Math.abs((await design.values()).at(-1)[1] - 50 * stress(0.15)) < stress(0.15), "1000 stress N on 20 mm^2");
 
-      await drop(page, "no numbers here", "notes.txt");
+      await design.drop(".plot-card .stage", "no numbers here", "notes.txt");
       await until(async () => /notes\.txt: .*two numbers/.test(await card.textContent()), "why the file was refused");
       await card.getByRole("button", { name: "Remove" }).click();
       await until(async () => !(await page.locator("path.measured").getAttribute("d")), "the points to go");
-    } catch (error) {
-      await picture(page, "failure");
-      throw error;
-    }
-    await closePage(page);
-  });
+    }));
 });

@@ -1,17 +1,12 @@
 // Regions of a product: each has targets and a design of its own.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
-import { DesignPage } from "./design_page.mjs";
+import { DesignPage, withDesign } from "./design_page.mjs";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 
 setUp();
 
 class RegionsPage extends DesignPage {
-  static async open(browser, url, options) {
-    const { page } = await DesignPage.open(browser, url, options);
-    return new RegionsPage(page);
-  }
-
   get regions() {
     return this.page.getByRole("tablist", { name: "Regions of the product" }).getByRole("tab");
   }
@@ -41,15 +36,8 @@ class RegionsPage extends DesignPage {
   }
 }
 
-async function withRegions(act, options) {
-  const design = await RegionsPage.open(browser, server.url, options);
-  try {
-    await act(design, design.page);
-  } catch (error) {
-    await picture(design.page, "failure");
-    throw error;
-  }
-  await closePage(design.page);
+function withRegions(act, options) {
+  return withDesign(act, { Kind: RegionsPage, ...options });
 }
 
 describe("regions of a product", () => {

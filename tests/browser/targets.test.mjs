@@ -1,18 +1,13 @@
 // Several targets of one design: tabs that are added, looked at, named and taken away, and what follows them.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
-import { DesignPage, number } from "./design_page.mjs";
+import { DesignPage, number, withDesign } from "./design_page.mjs";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { saved } from "./weave_page.mjs";
 
 setUp();
 
 class TargetsPage extends DesignPage {
-  static async open(browser, url, options) {
-    const { page } = await DesignPage.open(browser, url, options);
-    return new TargetsPage(page);
-  }
-
   get tabs() {
     return this.page.getByRole("tablist", { name: "Targets of the design" }).getByRole("tab");
   }
@@ -38,15 +33,8 @@ class TargetsPage extends DesignPage {
   }
 }
 
-async function withTargets(act, options) {
-  const design = await TargetsPage.open(browser, server.url, options);
-  try {
-    await act(design, design.page);
-  } catch (error) {
-    await picture(design.page, "failure");
-    throw error;
-  }
-  await closePage(design.page);
+function withTargets(act, options) {
+  return withDesign(act, { Kind: TargetsPage, ...options });
 }
 
 describe("several targets", () => {

@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
-import type { DesignAnswer, Profile } from "../src/contract/types";
+import type { DesignAnswer, Profile, StructureAnswer } from "../src/contract/types";
 import { commandOf, curlOf, pythonOf, searchOf } from "../src/design/copy_text";
 import { readLink, writeLink } from "../src/design/link";
-import { DEFAULT_MADE, faultOf, type Made, madeRequest, sameMade } from "../src/design/made";
+import { DEFAULT_MADE, faultOf, leavesModulus, type Made, madeRequest, modulusOf, sameMade } from "../src/design/made";
 import { FIRST_PART, partRequest, settingsOf } from "../src/design/part";
-import { regionsOf, withRegions } from "../src/design/region_list";
+import { regionOf, regionsOf, withRegions } from "../src/design/region_list";
 import { designRequest, patchRequest, polishRequest, profileRequest, regionsRequest, structurePath, verificationRequest } from "../src/design/requests";
 import { freshness, shownDesigns, shownProfiles } from "../src/design/shown";
 import { DEFAULT_STATE, type DesignState } from "../src/design/state";
@@ -13,7 +13,7 @@ const origin = "http://127.0.0.1:8080";
 const found = { family: "IH22", parameters: [0.3, 0.4] };
 const plain: DesignState = { ...DEFAULT_STATE, points: [[-0.1, -0.5], [0, 0], [0.2, 1]], found, fixed: [false, false] };
 const given: Made = { ...DEFAULT_MADE, youngsModulus: 2500, density: 1.24, orientation: 30, size: { kind: "beam_width", value: 0.5 } };
-const open: Made = { youngsModulus: [20, 60], density: 1.21, orientation: [0, 180], size: { kind: "cell_size", value: 5 }, relativeDensity: [0.1, 0.35], leastBeamWidth: 0.4 };
+const open: Made = { ...DEFAULT_MADE, youngsModulus: [20, 60], density: 1.21, orientation: [0, 180], size: { kind: "cell_size", value: 5 }, relativeDensity: [0.1, 0.35], leastBeamWidth: 0.4 };
 /** As a search answers that was left to find the modulus and the orientation. */
 const searched: DesignState = { ...plain, made: open, family: "IH22", found: { ...found, youngsModulus: 41, orientation: 1.25 } };
 
@@ -60,6 +60,42 @@ describe("a request", () => {
   it("for a file of the structure has the width of its beams", () => {
     expect(structurePath(found, "stl", [2, 2], 0.5)).toBe("/v1/families/IH22/structure?parameters=0.3,0.4&beam_width=0.5&cells=2,2&format=stl");
     expect(structurePath(found, "stl", [2, 2], 0.3)).toBe(structurePath(found, "stl", [2, 2]));
+  });
+});
+
+describe("several materials", () => {
+  const list: Made = { ...DEFAULT_MADE, materials: [{ name: "TPU & co: soft", youngsModulus: [20, 60], density: 1.21 }, { name: "PLA", youngsModulus: 2500, density: 1.24 }], cellSizes: [2, 8] };
+  const chosen: DesignState = { ...plain, made: list, family: "IH22", found: { ...found, material: "PLA", youngsModulus: 2500 } };
+
+  it("are in a request, and one of them is that of a design", () => {
+    expect(designRequest(chosen, "search", "s")).toMatchObject({
+      material: [{ name: "TPU & co: soft", youngs_modulus: [20, 60], density: 1.21 }, { name: "PLA", youngs_modulus: 2500, density: 1.24 }], limits: { cell_size: [2, 8] },
+    });
+    expect(profileRequest(chosen, chosen.found ?? found, list)).toMatchObject({ material: { youngs_modulus: 2500, density: 1.24 } });
+    expect(verificationRequest(chosen, chosen.found ?? found)).not.toHaveProperty("limits");
+    expect(modulusOf(list, null)).toBe(40);
+    expect(modulusOf(list, { material: "ABS", youngsModulus: 2100 })).toBe(60);
+    expect([leavesModulus(list), leavesModulus({ ...list, materials: [list.materials[1]] }), leavesModulus(DEFAULT_MADE)]).toEqual([true, false, false]);
+    expect(madeRequest({ ...list, size: { kind: "cell_size", value: 5 } })).not.toHaveProperty("limits");
+  });
+
+  it("are in links and in what is copied", () => {
+    expect(readLink(writeLink(chosen))).toEqual(chosen);
+    const two = withRegions([regionOf(chosen), { ...regionOf(plain), region: "Heel" }], 0);
+    expect(readLink(writeLink(two))).toEqual(two);
+    expect(readLink(writeLink(chosen).replace("materials=", "materials=x%3A"))?.made).toEqual(DEFAULT_MADE);
+    expect(JSON.parse(/<<'END'\n(.*)\nEND\n/.exec(commandOf(chosen, origin))?.[1] ?? "").material).toHaveLength(2);
+    expect(commandOf({ ...plain, made: { ...DEFAULT_MADE, cellSizes: [2, 8] } }, origin)).toContain('--cell-size-limits="2,8"');
+    expect(pythonOf(chosen, origin)).toContain('material=[supple.Material(name="TPU & co: soft", youngs_modulus=[20, 60], density=1.21), supple.Material(name="PLA", youngs_modulus=2500, density=1.24)]');
+  });
+
+  it("have names of their own, moduli and densities", () => {
+    const fault = (change: object) => faultOf({ ...list, materials: [list.materials[0], { ...list.materials[1], ...change }] });
+    expect(fault({})).toBeNull();
+    expect(fault({ name: "TPU & co: soft" })).toMatchObject({ field: "materials", at: 1, part: "name", sentence: "Each material has a name of its own, of at most 40 characters." });
+    expect(fault({ youngsModulus: [60, 20] })).toMatchObject({ at: 1, part: "youngsModulus", sentence: "Young’s modulus of PLA: the greatest value is at least the least one, 60 MPa." });
+    expect(fault({ density: 30 })).toMatchObject({ at: 1, part: "density" });
+    expect(faultOf({ ...list, cellSizes: [8, 2] })?.field).toBe("cellSizes");
   });
 });
 
@@ -118,7 +154,7 @@ describe("what a design is made of", () => {
   it("is that of the answer, and of an earlier decision once another is wanted", () => {
     const [shown] = shownDesigns(answer, searched);
     expect(shown.found).toEqual(searched.found);
-    expect(shown.measures).toEqual({ youngsModulus: 41, materialDensity: 1.21, orientation: 1.25, beamWidth: 0.45, cellSize: 5, relativeDensity: 0.2, density: 0.242 });
+    expect(shown.measures).toEqual({ material: "", youngsModulus: 41, materialDensity: 1.21, orientation: 1.25, beamWidth: 0.45, cellSize: 5, relativeDensity: 0.2, density: 0.242 });
     expect(freshness(shown, searched)).toBe("current");
     expect(freshness(shown, { ...searched, made: { ...open, density: 1.3 } })).toBe("outdated");
     expect(freshness(shown, { ...searched, made: { ...open } })).toBe("current");
@@ -130,6 +166,16 @@ describe("what a design is made of", () => {
     const [shown] = shownProfiles([{ ...found, model: "m", x: [-0.1, 0, 0.2], y: [-0.5, 0, 1], error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], byHand);
     expect(freshness(shown, byHand)).toBe("current");
     expect(shown.measures).toMatchObject({ youngsModulus: 41, orientation: 1.25, beamWidth: 0.5, cellSize: null, density: null });
+  });
+
+  it("is measured on the structure of parameters set by hand, whatever its size", () => {
+    const profiles = [{ ...found, model: "m", x: [-0.1, 0, 0.2], y: [-0.5, 0, 1], error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile];
+    const structure = { beam_width: 0.3, cell_area: 9, relative_density: 0.25 } as StructureAnswer;
+    const [cells] = shownProfiles(profiles, { ...searched, byHand: true }, structure);
+    expect(cells.measures).toMatchObject({ cellSize: 5, beamWidth: 0.5, relativeDensity: 0.25, density: 0.3025, materialDensity: 1.21 });
+    const [beams] = shownProfiles(profiles, { ...plain, byHand: true }, structure);
+    expect(beams.measures).toMatchObject({ cellSize: 3, beamWidth: 0.3, density: 0.3 });
+    expect(shownProfiles(profiles, { ...plain, byHand: true }, null)[0].measures).toMatchObject({ beamWidth: 0.3, cellSize: null, density: null });
   });
 
   it("is what a part begins with", () => {

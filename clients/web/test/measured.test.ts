@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { MeasuredCurve } from "../src/contract/types";
 import { Client } from "../src/contract/client";
 import { drawnBehind, Measured, type MeasuredData, measuredRequest, FIRST_SETTINGS, reductionSentence } from "../src/design/measured";
-import { textOf } from "../src/design/measured_card";
+import { textOf } from "../src/base/text_file";
 import { DesignSession } from "../src/design/session";
 import { DEFAULT_STATE } from "../src/design/state";
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { DesignCandidate, Model, PartialDesign, Profile } from "../src/contract/types";
-import { relaxation, snappedPoints } from "../src/design/reach";
+import { relaxation, snappedTarget } from "../src/design/reach";
 import { errorBand, expectedDeviation, freshness, modelError, shownPartial, shownProfiles, type Shown } from "../src/design/shown";
 import { relativeDeviation, targetCurve } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
@@ -114,12 +114,21 @@ describe("a target that no design meets", () => {
 
   it("moves onto what the design does, with as many points where these suffice", () => {
     const answer = profileOf(state.points, [0, 0.375, 0.75, 1.125, 1.5]);
-    const snapped = snappedPoints(answer);
+    const { points: snapped, interpolation } = snappedTarget(answer);
+    expect(interpolation).toBe(state.interpolation);
     expect(snapped.map((point) => point[0])).toEqual([0, 0.1, 0.2]);
     expect(snapped[0]).toEqual([0, 0]);
     expect(snapped[1][1]).toBeCloseTo(0.75, 9);
     const wavy = profileOf(state.points, [0, 1, 0.2, 1.4, 0.1]);
-    const followed = snappedPoints(wavy);
-    expect(relativeDeviation(wavy.achieved, wavy.x.map(targetCurve(false, followed, "cubic")))).toBeLessThan(0.01);
+    const followed = snappedTarget(wavy);
+    expect(relativeDeviation(wavy.achieved, wavy.x.map(targetCurve(false, followed.points, followed.interpolation)))).toBeLessThan(0.01);
+  });
+
+  it("moves onto a response that jumps, too, with a curve that does not swing beside the jump", () => {
+    const x = Array.from({ length: 60 }, (_, k) => (k * Math.PI) / 60);
+    const jumps = x.map((angle) => (Math.abs(Math.sin(2 * angle)) > 0.4 ? 0.13 - 0.08 * Math.abs(Math.sin(2 * angle)) : 0.05));
+    const points: ControlPoint[] = [[0, 1], [1, 1], [2, 1]];
+    const { points: snapped, interpolation } = snappedTarget({ ...profileOf(points, []), task: "stiffness", points, interpolation: "cubic", x, achieved: jumps, target: x.map(() => 1) });
+    expect(relativeDeviation(jumps, x.map(targetCurve(true, snapped, interpolation)))).toBeLessThan(0.02);
   });
 });

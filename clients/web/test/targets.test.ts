@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import type { ControlPoint } from "../src/design/state";
+import type { ControlPoint, Interpolation } from "../src/design/state";
 import { relativeDeviation, targetCurve } from "../src/design/spline";
 import {
-  addPoint, convertedPoints, HALF_TURN, isAtRest, movePoint, pointsOnProfile, removePoint, roomAfter, wrapped,
+  addPoint, convertedPoints, HALF_TURN, isAtRest, movePoint, pointsOnProfile, removePoint, roomAfter, targetOnProfile, wrapped,
 } from "../src/design/targets";
 
 const extent = { lower: -0.1, upper: 0.2 };
@@ -69,6 +69,19 @@ describe("a target taken from a profile", () => {
     expect(points).toHaveLength(6);
     expect(points[0]).toEqual([0, 0]);
     expect(points[5]).toEqual([0.3, 0.6]);
+  });
+
+  it("becomes a curve that follows it, also beside a jump, where a smooth one swings", () => {
+    const x = Array.from({ length: 60 }, (_, k) => (k * Math.PI) / 60);
+    // Stiff within four sectors, as pentagons are whose beams are pulled straight, and soft between them.
+    const jumps = x.map((angle) => (Math.abs(Math.sin(2 * angle)) > 0.4 ? 0.05 + 0.08 * (1 - Math.abs(Math.sin(2 * angle))) : 0.05));
+    const curve = targetOnProfile("stiffness", x, jumps, 6, "cubic");
+    expect(curve?.interpolation).toBe("monotone");
+    const away = (interpolation: Interpolation, points = curve?.points ?? []) => relativeDeviation(x.map(targetCurve(true, points, interpolation)), jumps, 0);
+    expect(away("monotone")).toBeLessThan(0.015);
+    expect(away("cubic", pointsOnProfile("stiffness", x, jumps, 6, "cubic"))).toBeGreaterThan(0.05);
+    expect(targetOnProfile("stiffness", x, x.map((angle) => 1 + 0.1 * Math.cos(2 * angle)), 6, "cubic")?.interpolation).toBe("cubic");
+    expect(targetOnProfile("stiffness", x, x.map(() => null), 6, "cubic")).toBeNull();
   });
 
   it("is followed by the curve through its points, by more of them where the profile turns often", () => {

@@ -139,3 +139,8 @@ export function explain(error: unknown): string {
   }
   return error instanceof Error ? error.message : String(error);
 }
+
+/** The same of a file that was sent as text: that the fault lies in the text needs no saying. */
+export function explainFile(error: unknown): string {
+  return explain(error).replace(/^\/text: /, "");
+}

@@ -25,8 +25,8 @@ function option(name: string, value: string | number | undefined): string[] {
 
 export function commandOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
-  // The command line takes further targets, regions and the orientation to begin with from a request.
-  if (request.also ?? request.regions ?? request.initial_orientation !== undefined) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
+  // The command line takes further targets, regions, several materials and the orientation to begin with from a request.
+  if (request.also ?? request.regions ?? (Array.isArray(request.material) || request.initial_orientation !== undefined)) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
   const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
   const parts = [
     ...option("task", request.task), ...option("family", request.family), ...option("direction", request.direction), ...option("strain", request.strain),
@@ -48,6 +48,7 @@ function madeOptions({ made }: DesignState): string[] {
     ...option("orientation", orientation === undefined ? undefined : angles.map((angle) => `${angle}deg`).join(",")),
     ...option("beam-width", beam_width), ...option("cell-size", cell_size),
     ...option("relative-density", limits?.relative_density?.join(",")), ...option("beam-width-limits", limits?.beam_width?.join(",")),
+    ...option("cell-size-limits", limits?.cell_size?.join(",")),
   ];
 }
 
@@ -61,8 +62,10 @@ function keywords(values: Readonly<Record<string, unknown>>): string {
   return Object.entries(values).filter(([, value]) => value !== undefined).map(([name, value]) => `${name}=${python(value)}`).join(", ");
 }
 
+type RequestedMaterial = Readonly<Record<string, unknown>>;
+
 interface RequestedMade {
-  material?: Readonly<Record<string, unknown>>;
+  material?: RequestedMaterial | readonly RequestedMaterial[];
   orientation?: unknown;
   initial_orientation?: number;
   beam_width?: number;
@@ -74,8 +77,10 @@ type RequestedTarget = Omit<NonNullable<DesignRequest["also"]>[number], "target"
 
 /** What the structure is made of, how it lies and how large it is, as keywords. */
 function pythonMade({ material, orientation, initial_orientation, beam_width, cell_size, limits }: RequestedMade): string {
+  const one = (entry: RequestedMaterial): string => `supple.Material(${keywords(entry)})`;
+  const list = (entries: readonly RequestedMaterial[]): string => `[${entries.map(one).join(", ")}]`;
   return [
-    material && `material=supple.Material(${keywords(material)})`, keywords({ orientation, initial_orientation, beam_width, cell_size }),
+    material && `material=${Array.isArray(material) ? list(material) : one(material as RequestedMaterial)}`, keywords({ orientation, initial_orientation, beam_width, cell_size }),
     limits && `limits=supple.Limits(${keywords(limits)})`,
   ].filter((words) => words).join(", ");
 }

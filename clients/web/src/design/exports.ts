@@ -34,9 +34,9 @@ export function jsonOf(shown: Shown, verified: Curve | null, also: readonly Show
 }
 
 function madeDocument({ measures }: Shown): Record<string, unknown> {
-  const { youngsModulus, materialDensity, orientation, beamWidth, cellSize, relativeDensity, density } = measures;
+  const { material, youngsModulus, materialDensity, orientation, beamWidth, cellSize, relativeDensity, density } = measures;
   return {
-    material: { youngs_modulus: youngsModulus, density: materialDensity },
+    material: { ...(material !== "" && { name: material }), youngs_modulus: youngsModulus, density: materialDensity },
     orientation,
     structure: { beam_width: beamWidth, cell_size: cellSize, relative_density: relativeDensity, density },
   };

@@ -1,6 +1,6 @@
 // The state in a link: readable, short, and checked when it comes back from a stranger.
 import { plain } from "../base/format";
-import { type FoundMade, isRange, type Made, madeLink, readMade } from "./made";
+import { type FoundMade, isRange, leavesModulus, type Made, madeLink, readMade } from "./made";
 import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, type Region, type Target, TASKS, WEIGHT_LIMITS } from "./state";
 import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
 import { MOST_NAME, MOST_TARGETS, targetsOf, withTargets } from "./target_list";
@@ -24,8 +24,9 @@ function regionText(state: Region): string {
   fields.push(...madeLink(state.made), ["family", state.family]);
   if (state.found) {
     fields.push(["design", state.found.family], ["parameters", state.found.parameters.map(plain).join(",")]);
-    const { youngsModulus, orientation } = state.found;
-    if (isRange(state.made.youngsModulus) && youngsModulus !== undefined) fields.push(["found-modulus", plain(youngsModulus)]);
+    const { material, youngsModulus, orientation } = state.found;
+    if (state.made.materials.length > 0 && material !== undefined) fields.push(["found-material", encodeURIComponent(material)]);
+    if (leavesModulus(state.made) && youngsModulus !== undefined) fields.push(["found-modulus", plain(youngsModulus)]);
     if (isRange(state.made.orientation) && orientation !== undefined) fields.push(["found-orientation", plain(orientation)]);
     if (state.fixed.some(Boolean)) fields.push(["fixed", state.fixed.map(Number).join(",")]);
     if (state.byHand) fields.push(["hand", "1"]);
@@ -96,12 +97,14 @@ function readRegion(fields: Fields): Region | null {
   };
 }
 
-function readFoundMade(fields: Fields, { youngsModulus, orientation }: Made): FoundMade {
+function readFoundMade(fields: Fields, made: Made): FoundMade {
   const read = (name: string) => number(fields.get(name), -LARGEST, LARGEST, NaN);
   const [modulus, angle] = [read("found-modulus"), read("found-orientation")];
+  const material = made.materials.find(({ name }) => name === fields.get("found-material"))?.name;
   return {
-    ...(isRange(youngsModulus) && modulus > 0 && { youngsModulus: modulus }),
-    ...(isRange(orientation) && !Number.isNaN(angle) && { orientation: angle }),
+    ...(material !== undefined && { material }),
+    ...(leavesModulus(made) && modulus > 0 && { youngsModulus: modulus }),
+    ...(isRange(made.orientation) && !Number.isNaN(angle) && { orientation: angle }),
   };
 }
 

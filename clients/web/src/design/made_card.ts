@@ -2,7 +2,8 @@
 import { Segments, Select } from "../base/controls";
 import { h, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
-import { DEFAULT_MADE, type Fault, faultOf, isRange, type Made, MADE_LIMITS, type MadeField, modulusOf, modulusWords, orientationOf, PRESETS, type Range, sameMade, type Size } from "./made";
+import { DEFAULT_MADE, type Fault, faultOf, isRange, leavesModulus, type Made, MADE_LIMITS, type MadeField, modulusOf, modulusWords, orientationOf, PRESETS, type Range, sameMade, settled, type Size } from "./made";
+import { MaterialList } from "./material_list";
 import type { DesignSession } from "./session";
 
 /** Of a modulus that is left to the search, to begin with: on either side of the one that was given. */
@@ -13,6 +14,7 @@ const FIRST_CELL_SIZE = 5;
 const DIGITS = 3;
 
 const OWN = "own";
+const SEVERAL = "several";
 const DATA = "data";
 
 /** A number, or two of them with the choice to leave the value to the search. */
@@ -56,6 +58,7 @@ export function madeCard(session: DesignSession): HTMLElement {
     { value: DATA, words: `Of the models’ data (${DEFAULT_MADE.youngsModulus} MPa)` },
     ...PRESETS.map(({ name, youngsModulus, density }) => ({ value: name, words: `${name} (${youngsModulus} MPa, ${density} g/cm³)` })),
     { value: OWN, words: "Other values" },
+    { value: SEVERAL, words: "Several: the search chooses" },
   ], (value) => choose(value));
   const findModulus = findBox("Young’s modulus", (find) => {
     const { made, found } = session.state.get();
@@ -69,20 +72,22 @@ export function madeCard(session: DesignSession): HTMLElement {
     apply({ orientation: find ? HALF_TURN : rounded((orientationOf(made, found) * 180) / Math.PI) }, true);
   });
   const sizeKind = new Segments<Size["kind"]>("Size", [{ value: "beam_width", words: "Beam width" }, { value: "cell_size", words: "Cell size" }], (kind) => chooseSize(kind));
-  const fields: Record<MadeField, Field> = {
+  const materials = new MaterialList((list) => apply({ materials: list, ...(list.length === 0 && { youngsModulus: DEFAULT_MADE.youngsModulus, density: DEFAULT_MADE.density }) }, true));
+  const fields: Record<Exclude<MadeField, "materials">, Field> = {
     youngsModulus: fieldOf("Young’s modulus, MPa", () => read(true), { most: "Young’s modulus at most, MPa", choice: findModulus.element }),
     density: fieldOf("Density of the material, g/cm³", () => read(false)),
     orientation: fieldOf("Orientation, °", () => read(true), { most: "Orientation at most, °", choice: findOrientation.element }),
     size: fieldOf("Beam width, mm", () => read(true)),
     relativeDensity: fieldOf("Relative density from, %", () => read(true), { most: "Relative density at most, %" }),
     leastBeamWidth: fieldOf("Beam width at least, mm", () => read(true)),
+    cellSizes: fieldOf("Cell size from, mm", () => read(true), { most: "Cell size at most, mm" }),
   };
   const element = h("details", { class: "card controls made", "aria-label": "Material and size" },
     h("summary", {}, "Material and size ", summary),
     preset.element, h("p", { class: "muted" }, "Values of materials are typical ones: those of a print differ, so measure yours."),
-    fields.youngsModulus.element, fields.density.element, fields.orientation.element, sizeKind.element, fields.size.element,
+    materials.element, fields.youngsModulus.element, fields.density.element, fields.orientation.element, sizeKind.element, fields.size.element,
     h("fieldset", { class: "made-limits" }, h("legend", {}, "Limits"), h("p", { class: "muted" }, "The search keeps to designs within them; an empty field is no limit."),
-      fields.relativeDensity.element, fields.leastBeamWidth.element));
+      fields.relativeDensity.element, fields.leastBeamWidth.element, fields.cellSizes.element));
 
   /** `searched`: the search has something else to find, also where parameters were set by hand. */
   function apply(change: Partial<Made>, searched: boolean): void {
@@ -92,41 +97,54 @@ export function madeCard(session: DesignSession): HTMLElement {
     tell(fault);
     if (fault) return;
     if (sameMade(made, before)) return show(before);
-    const asksForSearch = searched && (isRange(made.youngsModulus) || isRange(made.orientation) || made.relativeDensity !== null || made.leastBeamWidth !== null);
+    const asksForSearch = searched && (leavesModulus(made) || isRange(made.orientation) || made.relativeDensity !== null || made.leastBeamWidth !== null || made.cellSizes !== null);
     session.apply({ made, ...(asksForSearch && { byHand: false }) });
   }
 
   function choose(value: string): void {
-    if (value === OWN) return fields.youngsModulus.inputs[0].focus();
+    if (value === OWN) {
+      // What was found is what to go on from.
+      const { made, found } = session.state.get();
+      const { youngsModulus, density } = settled(made, found ?? {});
+      if (made.materials.length > 0) apply({ youngsModulus, density, materials: [] }, false);
+      return fields.youngsModulus.inputs[0].focus();
+    }
+    if (value === SEVERAL) return apply({ materials: PRESETS }, true);
     const { youngsModulus, density } = PRESETS.find(({ name }) => name === value) ?? DEFAULT_MADE;
-    apply({ youngsModulus, density }, false);
+    apply({ youngsModulus, density, materials: [] }, false);
   }
 
   function chooseSize(kind: Size["kind"]): void {
     const measures = session.shown.get()?.measures;
     const value = kind === "beam_width" ? (measures?.beamWidth ?? DEFAULT_MADE.size.value) : (measures?.cellSize ?? FIRST_CELL_SIZE);
-    apply({ size: { kind, value: rounded(value) }, ...(kind === "beam_width" && { leastBeamWidth: null }) }, true);
+    apply({ size: { kind, value: rounded(value) }, ...(kind === "beam_width" ? { leastBeamWidth: null } : { cellSizes: null }) }, true);
   }
 
   /** What stands in the fields becomes what is wanted, unless something is at fault. */
   function read(searched: boolean): void {
     const { made } = session.state.get();
     const pair = ({ inputs: [least, most] }: Field): Range => [numberIn(least), numberIn(most)];
-    const [from, to] = fields.relativeDensity.inputs;
-    const noDensity = from.value === "" && to.value === "" && !from.validity.badInput && !to.validity.badInput;
-    const share = (input: HTMLInputElement, otherwise: number) => (input.value === "" && !input.validity.badInput ? otherwise : numberIn(input) / 100);
+    // An empty field is no limit, and two of them are none at all.
+    const isEmpty = (input: HTMLInputElement): boolean => input.value === "" && !input.validity.badInput;
+    const limits = ({ inputs }: Field, [least, most]: Range, unit: number): Range | null => {
+      if (inputs.every(isEmpty)) return null;
+      const value = (input: HTMLInputElement, otherwise: number) => (isEmpty(input) ? otherwise : numberIn(input) / unit);
+      return [value(inputs[0], least), value(inputs[1], most)];
+    };
     const [thinnest] = fields.leastBeamWidth.inputs;
     apply({
       youngsModulus: isRange(made.youngsModulus) ? pair(fields.youngsModulus) : numberIn(fields.youngsModulus.inputs[0]),
       density: numberIn(fields.density.inputs[0]),
       orientation: isRange(made.orientation) ? pair(fields.orientation) : numberIn(fields.orientation.inputs[0]),
       size: { kind: made.size.kind, value: numberIn(fields.size.inputs[0]) },
-      relativeDensity: noDensity ? null : [share(from, MADE_LIMITS.relativeDensity[0]), share(to, MADE_LIMITS.relativeDensity[1])],
-      leastBeamWidth: made.size.kind === "beam_width" || (thinnest.value === "" && !thinnest.validity.badInput) ? null : numberIn(thinnest),
+      relativeDensity: limits(fields.relativeDensity, MADE_LIMITS.relativeDensity, 100),
+      leastBeamWidth: made.size.kind === "beam_width" || isEmpty(thinnest) ? null : numberIn(thinnest),
+      cellSizes: made.size.kind === "cell_size" ? null : limits(fields.cellSizes, MADE_LIMITS.cellSizes, 1),
     }, searched);
   }
 
   function tell(fault: Fault | null): void {
+    materials.tell(fault);
     for (const [name, { inputs, problem }] of Object.entries(fields)) {
       const isAtFault = fault?.field === name;
       problem.textContent = isAtFault ? fault.sentence : "";
@@ -147,9 +165,14 @@ export function madeCard(session: DesignSession): HTMLElement {
   }
 
   function show(made: Made): void {
-    const { youngsModulus, density, orientation, size, relativeDensity, leastBeamWidth } = made;
+    const { youngsModulus, density, orientation, size, relativeDensity, leastBeamWidth, cellSizes } = made;
+    const several = made.materials.length > 0;
     const known = [{ name: DATA, ...DEFAULT_MADE }, ...PRESETS].find((one) => one.youngsModulus === youngsModulus && one.density === density);
-    preset.value = known?.name ?? OWN;
+    preset.value = several ? SEVERAL : (known?.name ?? OWN);
+    materials.show(made.materials);
+    materials.element.hidden = !several;
+    fields.youngsModulus.element.hidden = several;
+    fields.density.element.hidden = several;
     findModulus.input.checked = isRange(youngsModulus);
     findOrientation.input.checked = isRange(orientation);
     sizeKind.value = size.kind;
@@ -159,9 +182,13 @@ export function madeCard(session: DesignSession): HTMLElement {
     write(fields.size, size.value, false);
     (fields.size.element.querySelector("label") as HTMLElement).textContent = size.kind === "beam_width" ? "Beam width, mm" : "Cell size, mm";
     write(fields.relativeDensity, relativeDensity && [inPercent(relativeDensity[0]), inPercent(relativeDensity[1])], true);
-    fields.relativeDensity.inputs.forEach((input, k) => {
-      if (relativeDensity?.[k] === MADE_LIMITS.relativeDensity[k]) input.value = "";
-    });
+    write(fields.cellSizes, cellSizes, true);
+    for (const name of ["relativeDensity", "cellSizes"] as const) {
+      fields[name].inputs.forEach((input, k) => {
+        if (made[name]?.[k] === MADE_LIMITS[name][k]) input.value = "";
+      });
+    }
+    fields.cellSizes.element.hidden = size.kind === "cell_size";
     write(fields.leastBeamWidth, leastBeamWidth, false);
     fields.leastBeamWidth.element.hidden = size.kind === "beam_width";
     summary.textContent = madeWords(made);
@@ -180,10 +207,10 @@ export function madeCard(session: DesignSession): HTMLElement {
 }
 
 /** In a few words, for the card that is closed. */
-function madeWords({ youngsModulus, orientation, size, relativeDensity, leastBeamWidth }: Made): string {
+function madeWords({ youngsModulus, materials, orientation, size, relativeDensity, leastBeamWidth, cellSizes }: Made): string {
   const words = (value: number | Range, unit: string, write = digits) => `${isRange(value) ? value.map((one) => write(one)).join(" to ") : write(value)}${unit}`;
   return [
-    words(youngsModulus, " MPa", modulusWords), words(orientation, "°"), `${size.kind === "beam_width" ? "beams" : "cells"} of ${digits(size.value)} mm`,
-    relativeDensity || leastBeamWidth !== null ? "limits" : "",
+    materials.length > 0 ? `${materials.length} material${materials.length === 1 ? "" : "s"}` : words(youngsModulus, " MPa", modulusWords), words(orientation, "°"), `${size.kind === "beam_width" ? "beams" : "cells"} of ${digits(size.value)} mm`,
+    relativeDensity || leastBeamWidth !== null || cellSizes ? "limits" : "",
   ].filter((part) => part !== "").join(", ");
 }

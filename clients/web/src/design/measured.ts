@@ -1,7 +1,7 @@
 // Measured data that became the target: what was read, with which settings, and what is drawn behind the curve.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort, Problem } from "../contract/client";
+import { type Client, explainFile, isAbort, Problem } from "../contract/client";
 import type { MeasuredCurve, MeasuredCurveRequest } from "../contract/types";
 import type { DesignSession } from "./session";
 import type { ControlPoint, DesignState, ProfileKind } from "./state";
@@ -67,9 +67,9 @@ export class Measured {
     private readonly client: Client,
   ) {}
 
-  /** Data from a file, the clipboard or a drop: what the server reads becomes the target. */
-  read(text: string, name: string): void {
-    this.ask(text, name, FIRST_SETTINGS);
+  /** Data from a file, the clipboard or a drop: what the server reads becomes the target. Ends with why it was refused, or with "". */
+  read(text: string, name: string): Promise<string> {
+    return new Promise((done) => this.ask(text, name, FIRST_SETTINGS, done));
   }
 
   change(settings: Partial<MeasuredSettings>): void {
@@ -87,7 +87,7 @@ export class Measured {
     this.data.set(null);
   }
 
-  private ask(text: string, name: string, settings: MeasuredSettings): void {
+  private ask(text: string, name: string, settings: MeasuredSettings, done: (problem: string) => void = () => {}): void {
     const { task } = this.session.state.get();
     // Instruments measure stretch and force over rest width; directions have no such choice.
     const kind = { task, measure: task === "stress_strain" ? ("engineering" as const) : this.session.state.get().measure };
@@ -99,12 +99,14 @@ export class Measured {
         this.data.set({ name, text, settings, curve, problem: "", places: [], kind: { ...kind, at, regionAt } });
         const { control_points: points, interpolation } = curve.target;
         this.session.apply({ points: points.map(([x, y]): ControlPoint => [x, y]), interpolation, measure: kind.measure, byHand: false });
+        done("");
       } catch (error) {
         if (signal.aborted || isAbort(error)) return;
         const places = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
         const known = this.data.get();
         const same = known?.text === text ? known : null;
-        this.data.set({ name, text, settings, curve: same?.curve ?? null, problem: explain(error), places, kind: { ...same?.kind, ...kind } });
+        this.data.set({ name, text, settings, curve: same?.curve ?? null, problem: explainFile(error), places, kind: { ...same?.kind, ...kind } });
+        done(explainFile(error));
       }
     }, true);
   }

@@ -2,6 +2,7 @@
 import { button, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
+import { textOf } from "../base/text_file";
 import type { MeasuredCurve } from "../contract/types";
 import { type Measured, type MeasuredData, reductionSentence } from "./measured";
 import { isPolar } from "./state";
@@ -15,10 +16,10 @@ const FORCES = ["mN", "N", "kN", "lbf", "kgf", "gf"];
 export function measuredCard(measured: Measured): HTMLElement {
   const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
     const chosen = file.files?.[0];
-    if (chosen) void readFile(measured, chosen);
+    if (chosen) void chosen.arrayBuffer().then((bytes) => measured.read(textOf(bytes), chosen.name));
     file.value = "";
   } });
-  const note = h("p", { class: "muted" }, "CSV or text with two columns or more; or drop a file onto the plot.");
+  const note = h("p", { class: "muted" }, "CSV or text with two columns or more; or drop a file onto the page.");
   const settings = h("div", { class: "measured-settings" });
   const paste = button("Paste", () => void pasteFrom(measured, note), { title: "Take the table that is in the clipboard" });
   const remove = button("Remove", () => measured.remove(), { title: "Forget the measured data; the target stays" });
@@ -26,7 +27,7 @@ export function measuredCard(measured: Measured): HTMLElement {
     remove.hidden = !data;
     if (!data) {
       replace(settings);
-      note.textContent = "CSV or text with two columns or more; or drop a file onto the plot.";
+      note.textContent = "CSV or text with two columns or more; or drop a file onto the page.";
       return;
     }
     note.textContent = data.problem ? `${data.name}: ${data.problem}` : `${data.name}: ${data.curve ? reductionSentence(data.curve, digits, percent) : ""}`;
@@ -39,24 +40,11 @@ export function measuredCard(measured: Measured): HTMLElement {
     note, settings);
 }
 
-export async function readFile(measured: Measured, file: File): Promise<void> {
-  measured.read(textOf(await file.arrayBuffer()), file.name);
-}
-
-/** UTF-8, or else the Latin-1 that older instruments write. */
-export function textOf(bytes: ArrayBuffer): string {
-  try {
-    return new TextDecoder("utf-8", { fatal: true }).decode(bytes);
-  } catch {
-    return new TextDecoder("windows-1252").decode(bytes);
-  }
-}
-
 async function pasteFrom(measured: Measured, note: HTMLElement): Promise<void> {
   try {
     measured.read(await navigator.clipboard.readText(), "Clipboard");
   } catch {
-    note.textContent = "The browser does not let this page read the clipboard; open a file or drop it onto the plot.";
+    note.textContent = "The browser does not let this page read the clipboard; open a file or drop it onto the page.";
   }
 }
 

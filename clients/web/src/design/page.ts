@@ -8,6 +8,8 @@ import { undoKeys } from "../base/undo_keys";
 import { ConnectionLost, explain } from "../contract/client";
 import type { Page, Surroundings } from "../page";
 import { commandOf, curlOf, pythonOf } from "./copy_text";
+import { isDrawing } from "./drawing";
+import { takeDrops } from "./drops";
 import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
 import { Measured } from "./measured";
@@ -60,6 +62,8 @@ export function designPage({ client, link }: Surroundings): Page {
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
     h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
   );
+
+  takeDrops(element, (text, name) => (isDrawing(name, text) ? part.open(text, name) : measured.read(text, name)));
 
   // All that is of an earlier decision is dimmed as one, until the answer to this one has come.
   for (const part of [session.shown, session.state]) {

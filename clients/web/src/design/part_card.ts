@@ -5,7 +5,12 @@ import { download } from "../base/download";
 import { digits } from "../base/format";
 import { late } from "../base/late";
 import { explain } from "../contract/client";
-import { type Part, type PartFormat, type PartSettings, type PartState, settingsOf } from "./part";
+import { layoutOf } from "./drawing";
+import { drawingFields } from "./drawing_fields";
+import { fillingsOf } from "./fillings";
+import { type Part, type PartFormat, type PartSettings, type PartState, type Product, productOf, settingsOf } from "./part";
+import { radians } from "./made";
+import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
 
 const PAUSE_MS = 400;
@@ -13,7 +18,10 @@ type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "f
 const LABELS: Record<NumberSetting, string> = {
   width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³", orientation: "Orientation, °",
 };
-const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm" } as const;
+const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm", drawing: "" } as const;
+/** Of a drawing the size is that of its curves, and several regions have walls and orientations of their own. */
+const OF_A_SHAPE: readonly NumberSetting[] = ["width", "length", "end"];
+const OF_ONE_FILLING: readonly NumberSetting[] = ["beamWidth", "orientation"];
 
 /** What stands in the way of making this part, and what helps. */
 function noteOf(state: PartState): string {
@@ -26,7 +34,7 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   const drawing = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, shape);
   const facts = h("dl", { class: "facts compact" });
   const note = h("p", { class: "note", role: "status" });
-  const kind = new Segments<PartSettings["kind"]>("Shape", [{ value: "coupon", words: "Coupon" }, { value: "block", words: "Block" }, { value: "rectangle", words: "Sheet" }], (value) => change({ kind: value }));
+  const kind = new Segments<PartSettings["kind"]>("Shape", [{ value: "coupon", words: "Coupon" }, { value: "block", words: "Block" }, { value: "rectangle", words: "Sheet" }, { value: "drawing", words: "Drawing" }], (value) => change({ kind: value }));
   const whole = new Checkbox("Whole tiles only", (value) => change({ whole: value }));
   const fields = new Map<NumberSetting, { field: HTMLElement; label: HTMLElement; input: HTMLInputElement }>();
   for (const name of Object.keys(LABELS) as NumberSetting[]) {
@@ -39,11 +47,13 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     const label = h("label", { for: id }, LABELS[name]);
     fields.set(name, { field: h("div", { class: "field" }, label, input), label, input });
   }
+  const fromDrawing = drawingFields(session, part);
   const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) => button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` }));
+  const result = h("div", { class: "part-result" }, drawing, facts, note, h("div", { class: "row", role: "group", "aria-label": "Files of the part" }, ...formats));
   const element = h("details", { class: "card controls part", "aria-label": "Part" },
-    h("summary", {}, "Part to make"), kind.element,
+    h("summary", {}, "Part to make"), kind.element, fromDrawing,
     h("div", { class: "part-fields" }, ...[...fields.values()].map((entry) => entry.field)), whole.element,
-    drawing, facts, note, h("div", { class: "row", role: "group", "aria-label": "Files of the part" }, ...formats));
+    result);
 
   const later = late(() => describe(), PAUSE_MS);
 
@@ -56,25 +66,44 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     const settings = part.settings.get();
     kind.value = settings.kind;
     whole.value = settings.whole;
+    const drawn = settings.kind === "drawing";
     for (const [name, { field, label, input }] of fields) {
       input.value = String(settings[name]);
+      field.hidden = drawn && (OF_A_SHAPE.includes(name) || (OF_ONE_FILLING.includes(name) && session.regions.length > 1));
       if (name === "end") {
-        field.hidden = settings.kind === "rectangle";
+        field.hidden ||= settings.kind === "rectangle";
         label.textContent = END_WORDS[settings.kind];
       }
     }
+    fromDrawing.hidden = !drawn;
+    // What was made is of another shape until a drawing has been read.
+    result.hidden = drawn && part.drawing.get() === null;
+  }
+
+  /** The shape that was drawn, with the design of each region; null for the other shapes. */
+  function product(): Product | null {
+    const drawing = part.drawing.get();
+    const settings = part.settings.get();
+    if (settings.kind !== "drawing" || !drawing) return null;
+    const { regions } = session;
+    const choices = part.choices.get();
+    const fillings = fillingsOf(regions, session.regionShown, choices.walls);
+    const one = regions.length === 1;
+    return productOf(drawing, layoutOf(drawing, regions.map(regionWords), choices),
+      fillings.map((filling) => filling && (one ? { ...filling, beamWidth: settings.beamWidth, orientation: radians(settings.orientation) } : filling)));
   }
 
   function describe(): void {
     const shown = session.shown.get();
-    if (element.open && shown && !shown.provisional) part.describe(shown.found);
+    if (!element.open || !shown || shown.provisional || result.hidden) return;
+    part.describe(shown.found, product());
   }
 
   async function save(format: PartFormat): Promise<void> {
     const shown = session.shown.get();
     if (!shown) return;
     try {
-      const file = await part.file(shown.found, format);
+      const file = await part.file(shown.found, format, product());
       download(file.name, file.type, file.content);
     } catch (error) {
       note.textContent = explain(error);
@@ -93,6 +122,20 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     later.ask();
   });
   part.settings.watch(() => show());
+  part.drawing.watch((read) => {
+    show();
+    if (!read) return;
+    element.open = true;
+    later.now();
+  });
+  let several = false;
+  session.state.watch(({ otherRegions }) => {
+    if (several === otherRegions.length > 0) return;
+    several = !several;
+    show();
+  });
+  // A part of several regions changes with each of them.
+  for (const one of [part.choices, session.kept, session.all]) one.watch(() => part.settings.get().kind === "drawing" && later.ask());
   element.addEventListener("toggle", () => describe());
   part.state.watch((state) => {
     note.textContent = noteOf(state);

@@ -6,7 +6,6 @@ import { degrees, digits, percent } from "../base/format";
 import { Working } from "../base/working";
 import { CartesianPlot } from "./cartesian_plot";
 import { drawnBehind, type Measured } from "./measured";
-import { readFile } from "./measured_card";
 import type { Overlays } from "./overlays";
 import type { Pins } from "./pins";
 import type { PlotView, PlotWishes } from "./plot";
@@ -75,27 +74,11 @@ export class PlotPanel {
       part.watch(() => this.schedule());
     }
     session.activity.watch((activity) => this.showActivity(activity));
-    this.takeDroppedFiles();
     new ResizeObserver(() => this.resize()).observe(this.stage);
   }
 
   get plot(): ProfilePlot {
     return isPolar(this.session.state.get().task) ? this.polar : this.cartesian;
-  }
-
-  /** A file of measured data that is dropped onto the plot becomes the target. */
-  private takeDroppedFiles(): void {
-    const over = (event: DragEvent, is: boolean) => {
-      event.preventDefault();
-      this.stage.classList.toggle("dropping", is);
-    };
-    this.stage.addEventListener("dragover", (event) => over(event, true));
-    this.stage.addEventListener("dragleave", (event) => over(event, false));
-    this.stage.addEventListener("drop", (event) => {
-      over(event, false);
-      const file = event.dataTransfer?.files[0];
-      if (file) void readFile(this.measured, file);
-    });
   }
 
   private wishes(): PlotWishes {

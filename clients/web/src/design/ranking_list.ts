@@ -3,7 +3,7 @@ import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { percent } from "../base/format";
 import type { DesignCandidate } from "../contract/types";
-import { isRange } from "./made";
+import { leavesModulus, type Made, modulusWords } from "./made";
 import type { Overlays } from "./overlays";
 import type { DesignSession } from "./session";
 import { expectedDeviation } from "./shown";
@@ -18,7 +18,7 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     h("p", { class: "muted" }, "Bar: the deviation that a simulation is expected to show, made of the design’s deviation and of the model’s mean error (±). Shorter is better."),
     list, again);
 
-  function row(candidate: DesignCandidate, longest: number): HTMLElement {
+  function row(candidate: DesignCandidate, longest: number, made: Made): HTMLElement {
     const { family } = candidate;
     const chosen = family === session.state.get().found?.family;
     const expected = expectedDeviation(candidate);
@@ -28,12 +28,11 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
       { type: "button", class: "rank", "aria-current": chosen ? "true" : null, title: `Look at ${family}: ${words}`, onclick: () => session.lookAt(candidate) },
       h("span", { class: "rank-name" }, family), bar,
       h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
-      h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`));
+      h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`),
+      leavesModulus(made) && h("span", { class: "rank-material muted" }, materialWords(candidate)));
     const overlaid = overlays.has(family);
     const overlay = button("", () => void overlays.toggle(candidate), { icon: "overlay", kind: "quiet", title: `Overlay the curve of ${family}` });
     overlay.setAttribute("aria-pressed", String(overlaid));
-    // A ranking does not tell which modulus each family was given.
-    overlay.disabled = isRange(session.ranking.get()?.made.youngsModulus ?? 0);
     return h("li", {}, look, overlay);
   }
 
@@ -55,7 +54,7 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     // A family whose model's error nobody knows has a full bar, and does not make those of all others vanish.
     const longest = Math.max(...ranking.candidates.filter((one) => one.model_error !== null).map(expectedDeviation), 1e-9);
     const focused = [...list.querySelectorAll("button")].indexOf(document.activeElement as HTMLButtonElement);
-    replace(list, ...ranking.candidates.map((candidate) => row(candidate, longest)));
+    replace(list, ...ranking.candidates.map((candidate) => row(candidate, longest, ranking.made)));
     if (focused >= 0) list.querySelectorAll("button")[focused]?.focus();
   }
   for (const part of [session.ranking, session.state, overlays.list]) part.watch(show);
@@ -64,4 +63,9 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
 
 function modelWords({ model_error: error }: DesignCandidate): string {
   return error === null ? "an unknown amount" : percent(error);
+}
+
+/** The material that serves the targets best with this family. */
+function materialWords({ material: { name, youngs_modulus } }: DesignCandidate): string {
+  return `${name ? `${name}, ` : ""}${modulusWords(youngs_modulus)} MPa`;
 }

@@ -2,7 +2,7 @@
 import { type ControlPoint, isPolar } from "./state";
 import type { Shown } from "./shown";
 import { relativeDeviation, targetCurve } from "./spline";
-import { fewestPoints, isAtRest, pointsOnProfile, type Points } from "./targets";
+import { fewestPoints, isAtRest, type Points, type TargetCurve, targetOnProfile } from "./targets";
 
 const LEAST_POISSON = 0.1;
 /** A moved target may be missed by so much: it follows what a design does. */
@@ -61,16 +61,16 @@ function heightOf(task: Shown["task"], y: number): number {
   return task === "stiffness" ? Math.max(0, y) : y;
 }
 
-/** The control points moved onto what the design does; as many more as that takes. */
-export function snappedPoints(shown: Answer): Points {
+/** The target moved onto what the design does; with as many more points, and with another curve between them, as that takes. */
+export function snappedTarget(shown: Answer): TargetCurve {
   const { task, points, interpolation, x, achieved } = shown;
   const known = x.flatMap((at, k): ControlPoint[] => (achieved[k] === null ? [] : [[at, achieved[k] as number]]));
-  if (known.length < fewestPoints(task)) return points;
+  if (known.length < fewestPoints(task)) return { points, interpolation };
   const polar = isPolar(task);
   const last = known[known.length - 1];
   const once = polar && last[0] - known[0][0] > Math.PI - 1e-6 ? known.slice(0, -1) : known;
   const response = targetCurve(polar, once, "cubic");
   const moved = points.map((point): ControlPoint => (isAtRest(task, point) ? point : [point[0], response(point[0])]));
-  if (deviationFrom(shown, sampled(shown, moved)) <= SNAPPED) return moved;
-  return pointsOnProfile(task, x, achieved, points.length, interpolation, SNAPPED);
+  if (deviationFrom(shown, sampled(shown, moved)) <= SNAPPED) return { points: moved, interpolation };
+  return targetOnProfile(task, x, achieved, points.length, interpolation, SNAPPED) ?? { points, interpolation };
 }

@@ -1,5 +1,5 @@
 // From what the person decided to what the server is asked.
-import type { DesignRequest, ProfileRequest, SimulationRequest } from "../contract/types";
+import type { DesignRequest, ProfileRequest, SimulationRequest, StructureRequest } from "../contract/types";
 import { DEFAULT_MADE, isRange, type Made, madeRequest, modulusOf, orientationOf, settled } from "./made";
 import { ANY, type DesignState, type Found, isPolar, type ProfileKind, type Region, type Target } from "./state";
 import { regionWords } from "./region_list";
@@ -100,6 +100,11 @@ export function profileRequest(state: ProfileKind & Pick<DesignState, "points">,
     ...((isPolar(state.task) || points.length > 1) && { samples: samplesOf(state) }),
     ...(!isPolar(state.task) && points.length > 1 && { range: [points[0][0], points[points.length - 1][0]] }),
   };
+}
+
+/** The structure of a design, to be measured. */
+export function structureRequest(found: Found, { size }: Made): StructureRequest {
+  return { family: found.family, parameters: [...found.parameters], ...(size.kind === "beam_width" && { beam_width: size.value }) };
 }
 
 /** The design shown, as it is, simulated at its native scale along the target's profile. */

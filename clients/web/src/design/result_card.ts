@@ -119,10 +119,11 @@ function facts(shown: Shown, error: ModelError | null): HTMLElement {
 }
 
 /** What the structure is made of and what it measures, as far as anybody knows. */
-function measureRows({ youngsModulus, orientation, beamWidth, cellSize, relativeDensity, density }: Measures): [string, string][] {
+function measureRows({ material, youngsModulus, orientation, beamWidth, cellSize, relativeDensity, density }: Measures): [string, string][] {
   const known = (term: string, value: number | null, words: (value: number) => string): [string, string][] => (value === null ? [] : [[term, words(value)]]);
   return [
-    ["Young’s modulus", `${modulusWords(youngsModulus)} MPa`],
+    ...(material === "" ? [] : [["Material", material] as [string, string]]),
+    ...known("Young’s modulus", youngsModulus, (value) => `${modulusWords(value)} MPa`),
     ["Orientation", degrees(orientation)],
     ...known("Beam width", beamWidth, (value) => `${digits(value)} mm`),
     ...known("Cell size", cellSize, (value) => `${digits(value)} mm`),

@@ -5,15 +5,15 @@ import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort, Problem } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile } from "../contract/types";
-import { type Relaxation, snappedPoints } from "./reach";
+import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile, StructureAnswer } from "../contract/types";
+import { type Relaxation, snappedTarget } from "./reach";
 import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
-import { isRange, type Made } from "./made";
-import { designRequest, type Effort, profileRequest, regionsRequest } from "./requests";
+import { type Made } from "./made";
+import { designRequest, type Effort, profileRequest, regionsRequest, structureRequest } from "./requests";
 import { type Envelope, type FoundDesign, foundOf, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
 import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
-import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type Points, pointsOnProfile } from "./targets";
+import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type TargetCurve, targetOnProfile } from "./targets";
 
 /** Seconds that a search may take before it becomes a job whose progress is shown. */
 const IMMEDIATE_SECONDS = 0.4;
@@ -84,7 +84,7 @@ export class DesignSession {
   private epoch = 0;
   private unanswered = false;
   /** Curves of the tasks that were left, for the way back. */
-  private readonly left = new Map<string, Points>();
+  private readonly left = new Map<string, TargetCurve>();
   /** What the family reaches of each target. */
   private envelopes: readonly (Envelope | null)[] = [];
 
@@ -220,10 +220,10 @@ export class DesignSession {
     const targets = targetsOf(state);
     if (targets.length >= MOST_TARGETS) return;
     const further = furtherTarget(targets, targetOf(state));
-    const points = await this.pointsOf({ ...state, ...further }, state.found);
+    const begun = await this.curveOf({ ...state, ...further }, state.found);
     if (this.state.get() !== state) return; // something else was decided meanwhile
     this.showAll([...this.all.get(), null]);
-    this.apply(withTargets([...targets, points.length > 0 ? { ...further, points } : further], targets.length));
+    this.apply(withTargets([...targets, { ...further, ...begun }], targets.length));
   }
 
   remove(at: number): void {
@@ -315,9 +315,8 @@ export class DesignSession {
   }
 
   /** Looks at the best design of one family of the ranking. */
-  lookAt({ family, parameters, orientation }: DesignCandidate): void {
-    const { made } = this.state.get();
-    this.apply({ family, found: { family, parameters, ...(isRange(made.orientation) && { orientation }) }, byHand: false });
+  lookAt(candidate: DesignCandidate): void {
+    this.apply({ family: candidate.family, found: foundOf(candidate, this.state.get()), byHand: false });
   }
 
   /** Another task; its target is the one it had, or what the design at hand does there. */
@@ -325,11 +324,11 @@ export class DesignSession {
     const state = this.state.get();
     if (task === state.task) return;
     this.finish();
-    this.left.set(this.targetKey(state), state.points);
+    this.left.set(this.targetKey(state), { points: state.points, interpolation: state.interpolation });
     const next = { ...state, task };
-    const points = this.left.get(this.targetKey(next)) ?? (await this.pointsOf(next, state.found));
+    const curve = this.left.get(this.targetKey(next)) ?? (await this.curveOf(next, state.found));
     const now = this.state.get();
-    if (now.task === state.task && now.at === state.at && now.regionAt === state.regionAt && points.length > 0) this.apply({ task, points });
+    if (now.task === state.task && now.at === state.at && now.regionAt === state.regionAt && curve) this.apply({ task, ...curve });
   }
 
   setMeasure(measure: DesignState["measure"]): void {
@@ -355,14 +354,14 @@ export class DesignSession {
   adoptAsTarget(): void {
     const shown = this.shown.get();
     if (!shown || !sameProfile(shown, this.state.get())) return;
-    const points = pointsOnProfile(shown.task, shown.x, shown.achieved, this.pointCount(shown.task), this.state.get().interpolation);
-    if (points.length > 0) this.apply({ points });
+    const curve = targetOnProfile(shown.task, shown.x, shown.achieved, this.pointCount(shown.task), this.state.get().interpolation);
+    if (curve) this.apply(curve);
   }
 
   /** The target moves onto the response of the closest design that was found. */
   snapTarget(): void {
     const shown = this.shown.get();
-    if (shown && this.isCurrent) this.apply({ points: snappedPoints(shown), byHand: false });
+    if (shown && this.isCurrent) this.apply({ ...snappedTarget(shown), byHand: false });
   }
 
   /** One control point gives way. */
@@ -487,13 +486,13 @@ export class DesignSession {
       family: model.family,
       parameters: model.parameters.lower.map((lower, k) => lower + share * (model.parameters.upper[k] - lower)),
     });
-    const points = await this.pointsOf(DEFAULT_STATE, at(0.7));
-    return { ...DEFAULT_STATE, points, found: at(0.3), fixed: model.parameters.lower.map(() => false) };
+    return { ...DEFAULT_STATE, ...(await this.curveOf(DEFAULT_STATE, at(0.7))), found: at(0.3), fixed: model.parameters.lower.map(() => false) };
   }
 
-  private async pointsOf(state: DesignState, found: Found | null): Promise<Points> {
+  /** The target that a design would meet; null where its profile is not to be had. */
+  private async curveOf(state: DesignState, found: Found | null): Promise<TargetCurve | null> {
     const curve = found && (await this.profile(found, { ...state, points: [] }, state.made));
-    return curve ? pointsOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task), state.interpolation) : [];
+    return curve && targetOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task), state.interpolation);
   }
 
   private pointCount(task: DesignState["task"]): number {
@@ -565,11 +564,21 @@ export class DesignSession {
   private async showByHand(state: DesignState, epoch: number, signal: AbortSignal): Promise<void> {
     const found = state.found as Found;
     this.activity.set({ kind: "busy", effort: "profile", progress: null, stage: "" });
-    const profiles = await this.profilesOf(state, found, signal);
+    const [profiles, structure] = await Promise.all([this.profilesOf(state, found, signal), this.structureOf(found, state.made, signal)]);
     if (signal.aborted || epoch !== this.epoch) return;
     const ranking = this.ranking.get();
     if (ranking && !sameWanted(ranking, wantedOf(state))) this.ranking.set(null);
-    this.showAll(shownProfiles(profiles, state));
+    this.showAll(shownProfiles(profiles, state, structure));
+  }
+
+  /** Null where parameters give no structure, of which the profile says nothing. */
+  private async structureOf(found: Found, made: Made, signal: AbortSignal): Promise<StructureAnswer | null> {
+    try {
+      return await this.client.post<StructureAnswer>("/v1/structures", structureRequest(found, made), { signal });
+    } catch (error) {
+      if (error instanceof Problem) return null;
+      throw error;
+    }
   }
 
   /** One for each target, in the order of the tabs. */

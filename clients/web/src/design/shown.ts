@@ -1,6 +1,6 @@
 // What the plot, the cards and the exports show: answers of the server in one form.
-import type { Design, DesignCandidate, DesignStop, Model, PartialDesign, Profile } from "../contract/types";
-import { foundMade, isRange, type Made, modulusOf, orientationOf, sameMade } from "./made";
+import type { Design, DesignCandidate, DesignStop, Model, PartialDesign, Profile, StructureAnswer } from "../contract/types";
+import { foundMade, isRange, leavesModulus, type Made, materialOf, modulusOf, orientationOf, sameMade } from "./made";
 import { type Found, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 import { askedOrder, sameTargets, targetOf, targetsOf } from "./target_list";
@@ -24,8 +24,10 @@ export interface Wanted {
 
 /** What a design is made of, how it lies and what it measures; null where nobody has measured it. */
 export interface Measures {
-  /** In MPa. */
-  readonly youngsModulus: number;
+  /** Name of the material, of several. */
+  readonly material: string;
+  /** In MPa; null while a search has not told which of several it is. */
+  readonly youngsModulus: number | null;
   /** Of the material, in g/cm^3. */
   readonly materialDensity: number;
   /** In radians. */
@@ -119,7 +121,7 @@ export function sameWanted(a: Wanted, b: Wanted): boolean {
 
 export function sameFound(a: Found, b: Found): boolean {
   const sameParameters = a.parameters.length === b.parameters.length && a.parameters.every((value, k) => value === b.parameters[k]);
-  return a.family === b.family && sameParameters && a.youngsModulus === b.youngsModulus && a.orientation === b.orientation;
+  return a.family === b.family && sameParameters && a.material === b.material && a.youngsModulus === b.youngsModulus && a.orientation === b.orientation;
 }
 
 /**
@@ -138,21 +140,34 @@ export type FoundDesign = Design & { readonly cost: { readonly seconds: number }
 
 /** The design of an answer, with what had been left to the search. */
 export function foundOf({ family, parameters, material, orientation }: Pick<Design, "family" | "parameters" | "orientation" | "material">, { made }: Pick<Region, "made">): Found {
-  return { family, parameters, ...foundMade(made, material.youngs_modulus, orientation) };
+  return { family, parameters, ...foundMade(made, material, orientation) };
 }
 
-/** What is known of a design that nobody has measured: beams have the width that was given, all else follows from the structure. */
+/** What is known of a design without its structure: beams have the width that was given, all else follows from the structure. */
 function unmeasured(made: Made, found: Found): Measures {
-  const beamWidth = made.size.kind === "beam_width" ? made.size.value : null;
+  const { size } = made;
+  const { name, density } = materialOf(made, found);
+  const isKnown = !leavesModulus(made) || found.youngsModulus !== undefined;
   return {
-    youngsModulus: modulusOf(made, found), materialDensity: made.density, orientation: orientationOf(made, found), beamWidth, cellSize: beamWidth === null ? made.size.value : null,
-    relativeDensity: null, density: null,
+    material: isKnown ? name : "", youngsModulus: isKnown ? modulusOf(made, found) : null, materialDensity: density, orientation: orientationOf(made, found),
+    beamWidth: size.kind === "beam_width" ? size.value : null, cellSize: size.kind === "cell_size" ? size.value : null, relativeDensity: null, density: null,
+  };
+}
+
+/** The same with its structure, whose beams may have any width: a structure scales. */
+function measured(made: Made, found: Found, structure: StructureAnswer): Measures {
+  const known = unmeasured(made, found);
+  const { beam_width, cell_area, relative_density } = structure;
+  const scale = made.size.value / (made.size.kind === "beam_width" ? beam_width : Math.sqrt(cell_area));
+  return {
+    ...known, beamWidth: scale * beam_width, cellSize: scale * Math.sqrt(cell_area),
+    relativeDensity: relative_density, density: relative_density * known.materialDensity,
   };
 }
 
 function measuresOf({ material, orientation, structure }: FoundDesign): Measures {
   return {
-    youngsModulus: material.youngs_modulus, materialDensity: material.density, orientation, beamWidth: structure?.beam_width ?? null, cellSize: structure?.cell_size ?? null,
+    material: material.name ?? "", youngsModulus: material.youngs_modulus, materialDensity: material.density, orientation, beamWidth: structure?.beam_width ?? null, cellSize: structure?.cell_size ?? null,
     relativeDensity: structure?.relative_density ?? null, density: structure?.density ?? null,
   };
 }
@@ -192,8 +207,8 @@ export function shownDesigns(answer: FoundDesign, asked: Region): readonly Shown
   });
 }
 
-/** What a design of given parameters does: one profile for each target in the order of the tabs. */
-export function shownProfiles(profiles: readonly Profile[], asked: Region): readonly Shown[] {
+/** What a design of given parameters does: one profile for each target in the order of the tabs. `structure`: null where it has none. */
+export function shownProfiles(profiles: readonly Profile[], asked: Region, structure: StructureAnswer | null = null): readonly Shown[] {
   const targets = targetsOf(asked);
   const compared = targets.map((target, place) => comparison(profiles[place].x, profiles[place].y, target));
   const overall = overallDeviation(compared.map(({ deviation }, place) => ({ deviation, weight: targets[place].weight })));
@@ -207,7 +222,7 @@ export function shownProfiles(profiles: readonly Profile[], asked: Region): read
       made: asked.made,
       found,
       model: profile.model,
-      measures: unmeasured(asked.made, found),
+      measures: structure ? measured(asked.made, found, structure) : unmeasured(asked.made, found),
       ...compared[place],
       overall,
       errorBar: profile.error_bar,

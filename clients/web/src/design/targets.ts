@@ -124,6 +124,30 @@ export function pointsOnProfile(task: Task, x: readonly number[], y: readonly (n
   return chosen.map(pointAt);
 }
 
+/** A curve through control points. */
+export interface TargetCurve {
+  readonly points: Points;
+  readonly interpolation: Interpolation;
+}
+
+/**
+ * The target that a sampled profile becomes: of this interpolation where it follows the profile, otherwise of the one that follows
+ * it best. A smooth curve swings beside a jump, so that no design would meet it. Null where too little is known of the profile.
+ */
+export function targetOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number, interpolation: Interpolation, tolerance = PROFILE_DEVIATION): TargetCurve | null {
+  const known = x.flatMap((at, k): ControlPoint[] => (y[k] === null ? [] : [[at, y[k] as number]]));
+  const deviation = ({ points, interpolation: curve }: TargetCurve): number =>
+    relativeDeviation(known.map(([, value]) => value), known.map(([at]) => at).map(targetCurve(isPolar(task), points, curve)), task === "poisson" ? LEAST_POISSON : 0);
+  let best: TargetCurve | null = null;
+  for (const curve of new Set<Interpolation>([interpolation, "monotone", "linear"])) {
+    const tried: TargetCurve = { points: pointsOnProfile(task, x, y, count, curve, tolerance), interpolation: curve };
+    if (tried.points.length === 0) return null;
+    if (!best || deviation(tried) < deviation(best)) best = tried;
+    if (deviation(best) <= tolerance) break;
+  }
+  return best;
+}
+
 /** Indices of so many samples, evenly spaced; over directions without one that repeats the first, over strain with the state at rest. */
 function evenly(task: Task, known: readonly ControlPoint[], count: number): number[] {
   const places = Array.from({ length: count }, (_, k) => Math.round(isPolar(task) ? (k * known.length) / count : (k * (known.length - 1)) / (count - 1)));

@@ -1,0 +1,106 @@
+// The part of a drawing: its file, its size, and where the regions of the product lie in it.
+import { Select } from "../base/controls";
+import { h, replace, uniqueId } from "../base/dom";
+import { digits } from "../base/format";
+import { textOf } from "../base/text_file";
+import { curveWords, type Drawing, layoutOf, moved, type Where } from "./drawing";
+import { materialsNote, wallsOf } from "./fillings";
+import type { Part } from "./part";
+import { regionWords } from "./region_list";
+import type { DesignSession } from "./session";
+
+const FILE_TYPES = ".svg,.dxf,image/svg+xml,image/vnd.dxf";
+const NO_DRAWING = "SVG or DXF (ASCII): a closed curve for the outline, and one for each region. A region lies in the curve of its name. Drop the file onto the page, or open it.";
+const LARGEST = "largest";
+const OTHERS = "others";
+
+/** In sight while the part's shape is a drawing. */
+export function drawingFields(session: DesignSession, part: Part): HTMLElement {
+  const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
+    const chosen = file.files?.[0];
+    if (chosen) void chosen.arrayBuffer().then((bytes) => part.open(textOf(bytes), chosen.name));
+    file.value = "";
+  } });
+  const words = h("p", { class: "muted" }, NO_DRAWING);
+  const problem = h("p", { class: "note problem", role: "alert", hidden: true });
+  const width = h("input", { type: "number", class: "number", id: uniqueId("width"), min: 0, step: "any", onchange: () => {
+    const value = Number(width.value);
+    if (width.value === "" && !width.validity.badInput) part.scale(null);
+    else if (value > 0) part.scale(value);
+    else showWidth();
+  } });
+  const outline = new Select<string>("Outline of the part", [], (value) => part.choices.set({ ...part.choices.get(), outline: value === LARGEST ? undefined : value === OTHERS ? OTHERS : Number(value) }));
+  const regions = h("div", { class: "drawing-regions", role: "group", "aria-label": "Regions of the drawing" });
+  const note = h("p", { class: "note" });
+  const settings = h("div", { class: "drawing-settings" }, h("div", { class: "field" }, h("label", { for: width.id }, "Width of the drawing, mm"), width), outline.element, regions, note);
+  const element = h("div", { class: "drawing-fields" },
+    h("div", { class: "row" }, h("label", { class: "button", for: file.id }, "Open a drawing"), file), words, problem, settings);
+
+  function showWidth(): void {
+    const { width: asked = null, curves } = part.drawing.get() ?? {};
+    width.value = asked === null ? "" : String(asked);
+    width.placeholder = curves ? digits(curves.size[0], 4) : "";
+  }
+
+  function region(drawing: Drawing, where: Where, k: number): HTMLElement {
+    const name = regionWords(session.regions[k], k);
+    const list = new Select<string>(name, [
+      { value: "rest", words: "The rest of the part" },
+      ...drawing.curves.polygons.map((polygon, place) => ({ value: String(place), words: `Within ${curveWords(polygon, place)}` })),
+      { value: "nowhere", words: "Nowhere" },
+    ], (value) => {
+      const to: Where = value === "rest" || value === "nowhere" ? value : Number(value);
+      const choices = part.choices.get();
+      part.choices.set({ ...choices, ...moved(layoutOf(drawing, names(), choices), choices, k, to) });
+    });
+    list.value = String(where);
+    const walls = h("input", { type: "number", class: "number", min: 0, step: "any", "aria-label": `Wall thickness of ${name}, mm`, onchange: () => {
+      const value = Number(walls.value);
+      const { walls: before } = part.choices.get();
+      const after = session.regions.map((_, place) => (place === k ? (walls.value !== "" && value > 0 ? value : undefined) : before[place]));
+      part.choices.set({ ...part.choices.get(), walls: after });
+    } });
+    walls.value = String(part.choices.get().walls[k] ?? wallsOf(session.regions[k], session.regionShown[k]));
+    return h("div", { class: "drawing-region" }, list.element, h("div", { class: "field" }, h("span", { class: "field-words", "aria-hidden": "true" }, "Walls, mm"), walls));
+  }
+
+  function names(): string[] {
+    return session.regions.map(regionWords);
+  }
+
+  let drawn = "";
+  function show(): void {
+    const drawing = part.drawing.get();
+    settings.hidden = drawing === null;
+    if (!drawing) return;
+    note.textContent = materialsNote(session.regions);
+    const choices = part.choices.get();
+    const { polygons, size, warnings } = drawing.curves;
+    const layout = layoutOf(drawing, names(), choices);
+    const key = JSON.stringify([drawing.name, drawing.width, polygons.length, size, names(), layout, choices.walls, choices.outline, session.regions.map((one, k) => wallsOf(one, session.regionShown[k]))]);
+    if (key === drawn) return; // fields that are built anew lose the focus
+    drawn = key;
+    const count = `${polygons.length} closed curve${polygons.length === 1 ? "" : "s"}`;
+    words.textContent = [`${drawing.name}: ${count}, ${size.map((length) => digits(length, 4)).join(" × ")} mm.`, ...warnings].join(" ");
+    outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: names().length > 1 ? "All curves of no region" : "All curves" }, ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
+    outline.value = String(choices.outline ?? LARGEST);
+    regions.hidden = names().length === 1;
+    const focused = [...regions.querySelectorAll<HTMLElement>("select, input")].indexOf(document.activeElement as HTMLElement);
+    replace(regions, ...(regions.hidden ? [] : layout.regions.map((where, k) => region(drawing, where, k))));
+    if (focused >= 0) regions.querySelectorAll<HTMLElement>("select, input")[focused]?.focus();
+    showWidth();
+  }
+
+  part.drawingProblem.watch((sentence) => {
+    problem.textContent = sentence;
+    problem.hidden = sentence === "";
+  });
+  let count = 1;
+  session.state.watch(({ otherRegions }) => {
+    // Places of regions are those of their order, which says nothing once there are more or fewer.
+    if (otherRegions.length + 1 !== count) part.choices.set({ ...part.choices.get(), regions: [], walls: [] });
+    count = otherRegions.length + 1;
+  });
+  for (const one of [part.drawing, part.choices, session.state, session.kept, session.all]) one.watch(show);
+  return element;
+}

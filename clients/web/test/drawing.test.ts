@@ -1,0 +1,99 @@
+import { describe, expect, it } from "vitest";
+import type { Outlines } from "../src/contract/types";
+import { type Drawing, isDrawing, layoutOf, moved } from "../src/design/drawing";
+import { fillingsOf, materialsNote } from "../src/design/fillings";
+import { DEFAULT_MADE } from "../src/design/made";
+import { type Filling, FIRST_PART, outlineRequest, partRequest, productOf } from "../src/design/part";
+import { regionOf } from "../src/design/region_list";
+import type { Shown } from "../src/design/shown";
+import { DEFAULT_STATE, type Region } from "../src/design/state";
+
+const square = (side: number, x = 0, y = 0): [number, number][] => [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
+const polygons = [{ names: ["heel", "regions"], points: square(3, 1, 1) }, { names: ["sole"], points: square(9) }, { names: [], points: square(4, 4, 4) }];
+const sole: Drawing = { name: "sole.svg", text: "<svg/>", width: null, curves: { polygons } as unknown as Outlines };
+const none = { regions: [] };
+
+describe("the curves of a drawing", () => {
+  it("bound the part, where no region lies in them", () => {
+    expect(layoutOf(sole, ["Region 1"], none)).toEqual({ outline: [0, 1, 2], regions: ["rest"] });
+    expect(layoutOf(sole, ["Region 1"], { ...none, outline: 1 })).toEqual({ outline: [1], regions: ["rest"] });
+    expect(layoutOf(sole, ["Region 1"], { ...none, outline: 7 }).outline).toEqual([0, 1, 2]);
+  });
+
+  it("are no holes where they cross what bounds the part", () => {
+    const crossed: Drawing = { ...sole, curves: { polygons: [...polygons, { names: ["forefoot"], points: square(5, 6, 6) }] } as unknown as Outlines };
+    expect(layoutOf(crossed, ["Region 1"], none).outline).toEqual([0, 1, 2]);
+    expect(layoutOf(crossed, ["Region 1"], { ...none, outline: "others" }).outline).toEqual([0, 1, 2, 3]);
+    expect(layoutOf(crossed, ["Region 1", "Region 2"], { regions: ["rest", 1] }).outline).toEqual([3]);
+  });
+
+  it("have the regions of their names, and the others in their order", () => {
+    expect(layoutOf(sole, ["Midfoot", " HEEL"], none)).toEqual({ outline: [1, 2], regions: ["rest", 0] });
+    expect(layoutOf(sole, ["Region 1", "Region 2", "Region 3"], none)).toEqual({ outline: [1], regions: ["rest", 0, 2] });
+    expect(layoutOf(sole, ["1", "2", "3", "4"], none).regions).toEqual(["rest", 0, 2, "nowhere"]);
+  });
+
+  it("have a region where somebody wants it, and never two", () => {
+    const names = ["Toes", "Heel", "Arch"];
+    const layout = layoutOf(sole, names, none);
+    expect(layout.regions).toEqual(["rest", 0, 2]);
+    const after = moved(layout, none, 0, 0);
+    expect(after.regions).toEqual([0, "rest", 2]);
+    expect(layoutOf(sole, names, after)).toEqual({ outline: [1], regions: [0, "rest", 2] });
+    expect(moved(layout, none, 1, 2).regions).toEqual(["rest", 2, 0]);
+    expect(moved(layout, none, 2, "nowhere").regions).toEqual(["rest", 0, "nowhere"]);
+    expect(moved(layout, none, 0, "nowhere").regions).toEqual(["nowhere", "rest", 2]);
+  });
+});
+
+describe("a file", () => {
+  it("is a drawing by its name or by what it begins with", () => {
+    expect(isDrawing("SOLE.DXF", "0\nSECTION")).toBe(true);
+    expect(isDrawing("clipboard", '\n<?xml version="1.0"?><svg/>')).toBe(true);
+    expect(isDrawing("tensile.csv", "0,0\n1,2")).toBe(false);
+  });
+
+  it("is asked about with a width where there is one", () => {
+    expect(outlineRequest("<svg/>", null)).toEqual({ text: "<svg/>" });
+    expect(outlineRequest("<svg/>", 80)).toEqual({ text: "<svg/>", width: 80 });
+  });
+});
+
+describe("a product", () => {
+  const filling = (name: string, orientation = 0): Filling => ({ name, found: { family: `of ${name}`, parameters: [0.5] }, orientation, beamWidth: 0.4 });
+  const layout = { outline: [1], regions: ["rest", 0, 2] as const };
+
+  it("has a structure in each region", () => {
+    const product = productOf(sole, layout, [filling("a"), filling("b", 0.3), filling("c")]);
+    const request = partRequest({ family: "IH22", parameters: [] }, { ...FIRST_PART, kind: "drawing", orientation: 90 }, product);
+    expect(request).toMatchObject({
+      outline: { polygons: [square(9)] }, structure: { family: "of a", parameters: [0.5] },
+      regions: [{ name: "b", outline: square(3, 1, 1), structure: { family: "of b" }, orientation: 0.3 }, { name: "c", outline: square(4, 4, 4) }],
+    });
+    expect(request).not.toHaveProperty("orientation");
+  });
+
+  it("is made without the regions that have no design", () => {
+    expect(productOf(sole, layout, [null, filling("b"), null])).toMatchObject({ rest: { name: "b" }, regions: [{ filling: { name: "b" } }] });
+    expect(productOf(sole, layout, [null, null, null])).toBeNull();
+  });
+
+  it("has walls as its designs were asked for, or as somebody chose them", () => {
+    const plain: Region = { ...regionOf(DEFAULT_STATE), found: { family: "IH22", parameters: [0.5] } };
+    const wide: Region = { ...plain, region: "Heel", made: { ...DEFAULT_MADE, size: { kind: "beam_width", value: 0.8 }, orientation: 180 } };
+    const cells: Region = { ...plain, made: { ...DEFAULT_MADE, size: { kind: "cell_size", value: 5 } } };
+    const shown = [null, null, [{ measures: { beamWidth: 0.61234567 } } as Shown], null];
+    const all = fillingsOf([plain, wide, cells, { ...plain, found: null }], shown, [undefined, undefined, undefined, 3]);
+    expect(all.map((one) => one?.beamWidth)).toEqual([FIRST_PART.beamWidth, 0.8, 0.6123, undefined]);
+    expect(all[1]).toMatchObject({ name: "Heel", orientation: Math.PI });
+    expect(fillingsOf([plain], [null], [1.5])[0]?.beamWidth).toBe(1.5);
+  });
+
+  it("is of one material, which is told where its designs are not", () => {
+    const soft: Region = { ...regionOf(DEFAULT_STATE), found: { family: "IH22", parameters: [0.5] } };
+    const hard: Region = { ...soft, made: { ...DEFAULT_MADE, youngsModulus: 2500 } };
+    expect(materialsNote([soft, soft])).toBe("");
+    expect(materialsNote([soft, { ...hard, found: null }])).toBe("");
+    expect(materialsNote([soft, hard])).toMatch(/different materials \(26, 2500 MPa\)/);
+  });
+});

@@ -1,0 +1,106 @@
+// Drawings as the shape of a part, and files that are dropped: each goes to what it is for, and a refusal stands where it was dropped.
+import assert from "node:assert/strict";
+import { describe, it } from "node:test";
+import { DesignPage, withDesign } from "./design_page.mjs";
+import { picture, setUp, until } from "./harness.mjs";
+
+setUp();
+
+/** A plate of 60 mm by 40 mm with a round hole. */
+const PLATE = `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><rect id="plate" width="60" height="40"/><circle id="hole" cx="30" cy="20" r="8"/></svg>`;
+const OPEN = `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><polyline points="0,0 10,0 10,10"/></svg>`;
+/** A square of 20 mm, as a CAD program writes it. */
+const SQUARE = [
+  "0", "SECTION", "2", "HEADER", "9", "$INSUNITS", "70", "4", "0", "ENDSEC", "0", "SECTION", "2", "ENTITIES", "0", "LWPOLYLINE", "8", "square", "90", "4", "70", "1",
+  ...[[0, 0], [20, 0], [20, 20], [0, 20]].flatMap(([x, y]) => ["10", x, "20", y]), "0", "ENDSEC", "0", "EOF", "",
+].join("\n");
+
+class DrawingPage extends DesignPage {
+  get part() {
+    return this.page.locator("details.part");
+  }
+
+  async saysOfThePart(words) {
+    await until(async () => words.test(await this.part.textContent()), String(words));
+  }
+
+  /** The refusal in sight, and the card above it. */
+  async refusal() {
+    const note = this.page.locator(".drop-problem");
+    await note.waitFor();
+    return [await note.textContent(), await note.evaluate((element) => element.previousElementSibling.className)];
+  }
+}
+
+function withDrawings(act, options) {
+  return withDesign(act, { Kind: DrawingPage, ...options });
+}
+
+describe("a drawing", () => {
+  it("becomes the shape of the part wherever it is dropped, with its holes, and is scaled", () =>
+    withDrawings(async (design, page) => {
+      await design.drop(".preview", PLATE, "plate.svg");
+      await design.saysOfThePart(/plate\.svg: 2 closed curves, 60 × 40 mm\./);
+      assert.match(await page.evaluate(() => window.marked), /^card preview dropping$/, "the card under the file was marked");
+      assert.equal(await page.locator(".dropping").count(), 0);
+      await design.saysOfThePart(/Size60 × 40 × 4 mm/);
+      assert.ok(await design.part.getByLabel("Width, mm", { exact: true }).isHidden(), "the drawing says how wide the part is");
+      const asked = page.waitForRequest((request) => request.url().endsWith("/v1/parts") && request.postDataJSON().outline.polygons?.length === 1);
+      await design.part.getByLabel("Outline of the part").selectOption("plate");
+      assert.equal((await asked).postDataJSON().outline.polygons[0].length, 4, "the plate without its hole");
+      await design.part.getByLabel("Width of the drawing, mm").fill("30");
+      await design.part.getByLabel("Width of the drawing, mm").press("Tab");
+      await design.saysOfThePart(/Size30 × 20 × 4 mm/);
+      await picture(page, "design-drawing");
+      await design.part.getByLabel("Coupon", { exact: true }).check();
+      await design.saysOfThePart(/Size30 × 90 × 4 mm/);
+    }));
+
+  it("is opened as a file too, in SVG and in DXF", () =>
+    withDrawings(async (design, page) => {
+      await design.part.locator("summary").click();
+      await design.part.getByLabel("Drawing", { exact: true }).check();
+      assert.ok(await design.part.locator(".part-drawing").isHidden(), "there is no drawing yet");
+      const chosen = page.waitForEvent("filechooser");
+      await design.part.getByText("Open a drawing").click();
+      await (await chosen).setFiles({ name: "square.dxf", mimeType: "image/vnd.dxf", buffer: Buffer.from(SQUARE) });
+      await design.saysOfThePart(/square\.dxf: 1 closed curve, 20 × 20 mm\./);
+      await design.saysOfThePart(/Size20 × 20 × 4 mm/);
+    }));
+
+  it("has the regions of the product where a person wants them", () =>
+    withDrawings(async (design, page) => {
+      await page.getByTitle("Divide the product into regions").click();
+      await page.locator(".regions-card li").nth(1).waitFor();
+      await design.settled();
+      await design.drop(".plot-card", PLATE, "plate.svg");
+      const list = (name) => design.part.getByLabel(name, { exact: true });
+      await list("Region 2").waitFor();
+      assert.deepEqual([await list("Region 1").inputValue(), await list("Region 2").inputValue()], ["rest", "1"], "the second region lies within the hole");
+      const asked = page.waitForRequest((request) => request.url().endsWith("/v1/parts") && request.postDataJSON().regions?.[0].name === "Region 1");
+      await list("Region 1").selectOption("Within hole");
+      assert.deepEqual((await asked).postDataJSON().outline.polygons.map((polygon) => polygon.length), [4]);
+      assert.equal(await list("Region 2").inputValue(), "rest", "two regions do not lie at one place");
+      await page.getByRole("button", { name: "Remove this region" }).click();
+      await until(async () => !(await list("Region 1").isVisible()), "one region, which fills all");
+    }));
+});
+
+describe("a file that is refused", () => {
+  it("is told of beside the place where it was dropped, until another one is taken", () =>
+    withDrawings(async (design, page) => {
+      await design.drop(".plot-card .stage", "no numbers here", "notes.txt");
+      const [words, card] = await design.refusal();
+      assert.match(words, /^notes\.txt: .*two numbers/);
+      assert.match(card, /plot-card/);
+      await design.drop("details.part summary", OPEN, "open.svg");
+      await until(async () => /^open\.svg: /.test((await design.refusal())[0]), "the other refusal");
+      const [sentence, part] = await design.refusal();
+      assert.match(sentence, /closed/);
+      assert.match(part, /\bpart\b/);
+      await picture(page, "design-refused");
+      await design.drop("details.part summary", PLATE, "plate.svg");
+      await design.saysOfThePart(/plate\.svg: 2 closed curves/);
+      assert.ok(await page.locator(".drop-problem").isHidden());
+    }));
+});

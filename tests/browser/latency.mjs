@@ -1,0 +1,125 @@
+// How long somebody who drags a control point waits for the tiling: from the mouse's event to the picture after the tiling was
+// redrawn, in a real browser, on the real page, by a real server with all models.
+//
+//     node latency.mjs ../../docs/bench
+//
+// writes editor-latency.csv and editor-latency.md there. The numbers mean something on a machine without other work alone.
+import { readdir, writeFile } from "node:fs/promises";
+import os from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+import { DesignPage } from "./design_page.mjs";
+import { launch, Server } from "./harness.mjs";
+
+/** Of three parameters, between the families of one and of four; the searches between the drags are those of this family. */
+const FAMILY = "IH22";
+const REDRAW_MS = 5_000;
+/** Far enough that the design changes, by another length each time, there and back again. */
+const PIXELS = [9, 14, 19, 24];
+const ASKED_MS = 100;
+
+const [folder, count = "60"] = process.argv.slice(2);
+const DRAGS = Number(count);
+if (!folder || !(DRAGS > 0)) {
+  console.error("usage: node latency.mjs FOLDER [DRAGS]");
+  process.exit(1);
+}
+
+/** Runs in the page: remembers when the mouse last moved, and when what was drawn after that could be seen. */
+function watch() {
+  const seen = { mouse: NaN, curve: NaN, tiling: NaN };
+  window.seen = seen;
+  window.addEventListener("pointermove", (event) => {
+    if (event.buttons === 1 && Number.isNaN(seen.mouse)) seen.mouse = event.timeStamp;
+  }, { capture: true });
+  const note = (what) => {
+    if (Number.isNaN(seen.mouse) || !Number.isNaN(seen[what])) return;
+    const before = seen.mouse;
+    // The task after the next frame's callbacks runs when that frame has been drawn.
+    requestAnimationFrame(() => setTimeout(() => {
+      if (before === seen.mouse) seen[what] = performance.now();
+    }));
+  };
+  const changes = (selector, what) => new MutationObserver(() => note(what)).observe(document.querySelector(selector), { attributes: true, attributeFilter: ["d"] });
+  changes(".tiling .solid", "tiling");
+  changes(".plot .curve.achieved", "curve");
+}
+
+async function measureDrag(design, index, pixels) {
+  const { page } = design;
+  const [x, y] = await design.centre(index);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.evaluate(() => Object.assign(window.seen, { mouse: NaN, curve: NaN, tiling: NaN }));
+  await page.mouse.move(x, y + pixels);
+  const redrawn = await page.waitForFunction(() => !Number.isNaN(window.seen.tiling), undefined, { timeout: REDRAW_MS, polling: 20 }).then(() => true, () => false);
+  const { mouse, curve, tiling } = await page.evaluate(() => window.seen);
+  await page.mouse.up();
+  await design.settled();
+  return { curve: curve - mouse, tiling: redrawn ? tiling - mouse : NaN };
+}
+
+/** The value that a share of all is below, between neighbours in proportion. */
+function quantile(values, share) {
+  const sorted = [...values].sort((a, b) => a - b);
+  const at = share * (sorted.length - 1);
+  const lower = Math.floor(at);
+  return sorted[lower] + (at - lower) * ((sorted[lower + 1] ?? sorted[lower]) - sorted[lower]);
+}
+
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const models = (await readdir(path.join(root, "models"))).filter((name) => name.endsWith(".h5"));
+const server = await Server.start({ models });
+const browser = await launch();
+const rows = [];
+const load = [os.loadavg()[0]];
+try {
+  const design = await DesignPage.open(browser, server.url);
+  const { page } = design;
+  await page.getByLabel("Family of tilings").selectOption(FAMILY);
+  await design.settled();
+  await page.evaluate(watch);
+  const index = await design.movable();
+  for (let drag = 0; drag < DRAGS; ++drag) {
+    const pixels = PIXELS[Math.floor(drag / 2) % PIXELS.length] * (drag % 2 === 0 ? -1 : 1);
+    const { curve, tiling } = await measureDrag(design, index, pixels);
+    rows.push({ drag: drag + 1, pixels, curve, tiling, load: os.loadavg()[0] });
+  }
+} finally {
+  load.push(os.loadavg()[0]);
+  await browser.close();
+  await server.close();
+}
+
+const known = rows.map((row) => row.tiling).filter(Number.isFinite);
+const missed = rows.length - known.length;
+const curves = rows.map((row) => row.curve).filter(Number.isFinite);
+const ms = (value) => `${Math.round(value)} ms`;
+const [median, p90] = [quantile(known, 0.5), quantile(known, 0.9)];
+const cores = os.cpus();
+const busy = Math.max(...load) > 0.5 * cores.length;
+const table = (name, values) => `| ${name} | ${ms(quantile(values, 0.5))} | ${ms(quantile(values, 0.9))} | ${ms(Math.max(...values))} |`;
+await writeFile(path.join(folder, "editor-latency.csv"), `${["drag,pixels,curve_ms,tiling_ms,load", ...rows.map(({ drag, pixels, curve, tiling, load: now }) =>
+  [drag, pixels, Number.isFinite(curve) ? curve.toFixed(1) : "", Number.isFinite(tiling) ? tiling.toFixed(1) : "", now.toFixed(2)].join(","))].join("\n")}\n`);
+await writeFile(path.join(folder, "editor-latency.md"), `# How fast the editor follows the mouse
+
+A control point of a target is dragged ${rows.length} times on the page *Design* in headless Chromium, with a server that has all models. Each time the clock runs from the
+mouse's event to the picture after the tiling was redrawn. In between are the search for a design that follows the moved target, the drawing of its curve, and the
+request for its structure and the drawing of that. The family is ${FAMILY}. [All drags](editor-latency.csv).
+
+\`\`\`text
+node tests/browser/latency.mjs docs/bench
+\`\`\`
+
+| From the mouse to | Median | 90 of 100 | Longest |
+|---|--:|--:|--:|
+${table("the design's curve", curves)}
+${table("the tiling", known)}
+
+Measured on ${new Date().toISOString().slice(0, 10)} on ${cores.length} cores of ${cores[0].model.trim()}, with a load of ${load[0].toFixed(1)} (average of one minute) before
+and ${load[1].toFixed(1)} after. ${busy ? "The machine was busy with other work, so that these are no times of an idle machine; measure again there." : "The machine did nothing else."}
+${missed === 0 ? "Every drag changed the tiling." : `In ${missed} drags the tiling did not change within ${REDRAW_MS / 1000} s; they are not in the table.`}
+
+Asked is a median of less than ${ASKED_MS} ms on an idle machine. ${median < ASKED_MS ? "It is met." : busy ? "It is not met on this busy one." : "It is not met."}
+`);
+console.log(`median ${ms(median)}, 90 of 100 within ${ms(p90)}, of ${known.length} drags; load ${load.map((value) => value.toFixed(1)).join(" to ")}`);
