@@ -11,7 +11,9 @@
 #   --mirror URL                       Debian's packages for debootstrap (http://deb.debian.org/debian)
 #   --certificates FILE                further certificates that npm trusts while the editor is built; without it the
 #                                      file that NODE_EXTRA_CA_CERTS names, if there is one
-#   --compiler-cache FOLDER            a folder of ccache, so that a later build compiles only what has changed
+#   --compiler-cache FOLDER            a folder of ccache, so that a later build compiles only what has changed; with that of
+#                                      the checkout and its CMake options what has been compiled there is not compiled again
+#   --cmake OPTIONS                    further options of CMake, -DCMAKE_UNITY_BUILD=OFF for example
 #   --save FILE                        writes the image as an archive that docker load and podman load read
 #   --test                             runs tests/deploy/test_image.sh with the built image
 #
@@ -30,13 +32,14 @@ storage=""
 mirror=http://deb.debian.org/debian
 certificates=${NODE_EXTRA_CA_CERTS:-}
 compiler_cache=""
+cmake_options=""
 archive=""
 with_tests=""
 while [ $# -gt 0 ]; do
   case "$1" in
-    -h | --help) sed -n '2,21s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,23s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --test) with_tests=1; shift; continue ;;
-    --base | --tag | --storage | --mirror | --certificates | --compiler-cache | --save) ;;
+    --base | --tag | --storage | --mirror | --certificates | --compiler-cache | --cmake | --save) ;;
     *) usage "unknown argument '$1'" ;;
   esac
   [ $# -gt 1 ] || usage "$1 needs a value"
@@ -47,6 +50,7 @@ while [ $# -gt 0 ]; do
     --mirror) mirror=$2 ;;
     --certificates) certificates=$2 ;;
     --compiler-cache) compiler_cache=$(realpath -m "$2") ;;
+    --cmake) cmake_options=$2 ;;
     --save) archive=$(realpath -m "$2") ;;
   esac
   shift 2
@@ -131,6 +135,7 @@ say "The image $tag"
 extra=()
 [ -z "$certificates" ] || extra+=(--secret "id=certificates,src=$certificates")
 if [ -n "$compiler_cache" ]; then mkdir -p "$compiler_cache"; extra+=(--volume "$compiler_cache:/root/.cache/ccache"); fi
+[ -z "$cmake_options" ] || extra+=(--build-arg "CMAKE_OPTIONS=$cmake_options")
 buildah bud --jobs 2 --isolation chroot --format docker "${pull[@]}" "${extra[@]}" -f deploy/Containerfile -t "$tag" .
 build_seconds=$((SECONDS - start - base_seconds))
 

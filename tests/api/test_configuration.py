@@ -166,7 +166,7 @@ def test_the_check_finds_what_would_keep_a_server_from_starting(tmp_path: Path) 
         refused = run("--check-config", *arguments, folder=tmp_path)
         assert refused.returncode == 2 and message in refused.stderr, refused.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["empty", "file", "keys"], "it only looks"
-    sound = run("--check-config", "--host", "0.0.0.0", "--open", folder=tmp_path)
+    sound = check(tmp_path, "--host", "0.0.0.0", "--open")
     assert sound.returncode == 0 and sound.stdout.endswith("# A server can start with this configuration.\n")
 
 

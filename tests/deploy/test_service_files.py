@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import shutil
 import subprocess
@@ -89,8 +90,10 @@ def test_the_unit_has_limits_and_is_understood_by_systemd() -> None:
 @pytest.mark.parametrize("script", sorted(path.relative_to(ROOT).as_posix() for folder in (DEPLOY, ROOT / "tests" / "deploy") for path in folder.glob("*.sh")))
 def test_a_script_explains_itself_and_refuses_what_it_does_not_know(script: str) -> None:
     told = subprocess.run([str(ROOT / script), "--help"], capture_output=True, text=True, timeout=60, check=False)
+    lines = (ROOT / script).read_text().splitlines()
+    header = [line[2:] for line in itertools.takewhile(lambda line: line.startswith("#"), lines[1:])]
     assert told.returncode == 0 and script in told.stdout and told.stderr == ""
-    assert "set -" not in told.stdout, "the help ends before the script begins"
+    assert told.stdout.splitlines() == header, "the help is the comment that the script begins with, all of it"
     refused = subprocess.run([str(ROOT / script), "--no-such-option"], capture_output=True, text=True, timeout=60, check=False)
     assert refused.returncode != 0 and "--no-such-option" in refused.stderr
     if shutil.which("shellcheck") is not None:
