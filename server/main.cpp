@@ -62,11 +62,6 @@ void log_access(const http::Answered& answered) {
                answered.seconds, answered.body_bytes);
 }
 
-access::Rule rule_of_keys(const ServerOptions& options) {
-  if (options.open) return access::Rule::never;
-  return routes::is_loopback(options.http.host) ? access::Rule::where_keys_are : access::Rule::always;
-}
-
 /// Ends the process once so many seconds have passed, whatever still runs: what the store has acknowledged is on disk.
 void end_at_the_latest_after(double seconds) {
   std::thread([seconds] {
@@ -83,7 +78,7 @@ class Process {
       : options_(options),
         signals_(signals),
         memory_(options.memory, options.request_memory, options.process_memory),
-        gate_(options.key_file(), rule_of_keys(options), [](const std::string& text) { spdlog::warn(text); }),
+        gate_(options.key_file(), options.rule_of_keys(), [](const std::string& text) { spdlog::warn(text); }),
         metrics_(SUPPLE_VERSION) {
     services_.limits = options.limits;
     services_.version = SUPPLE_VERSION;

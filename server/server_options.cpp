@@ -1,13 +1,21 @@
 #include "server_options.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
+#include <map>
+#include <string_view>
 #include <thread>
 
 #include "commands.h"
+#include "configuration_check.h"
 #include "keys_command.h"
+#include "option_sources.h"
 #include "supple/budget/memory.h"
+#include "supple/routes/guard.h"
 
 namespace supple {
 namespace {
@@ -93,7 +101,68 @@ void add_limits(CLI::App& app, ServerOptions& options) {
       ->transform(CLI::AsSizeValue(false));
 }
 
+/// A configuration that cannot be used.
+constexpr int unusable = 2;
+
+/// The defaults that depend on the machine, in words.
+std::map<std::string, std::string> computed_defaults() {
+  return {{"--models", "`share/supple/models` beside the folder of the program, if there is one"},
+          {"--web", "`share/supple/web` beside the folder of the program, if there is one"},
+          {"--keys", "the file `keys` in the data folder"},
+          {"--workers", "one for each core"},
+          {"--immediate", "two for each core"},
+          {"--helper", "`supple-helper` beside the program, if it is there"},
+          {"--helper-memory", "a quarter of the memory, 8 GiB at most"},
+          {"--memory", "half of the memory"},
+          {"--max-request-memory", "a quarter of the memory, 1 GiB at least"},
+          {"--mesh-memory", "an eighth of the memory, 2 GiB at most"}};
+}
+
+/// Options about the process, which no file and no variable of the environment sets.
+struct AboutProcess {
+  std::string config;
+  bool check = false;
+  bool table = false;
+};
+
+void add_process_options(CLI::App& app, AboutProcess& about) {
+  auto* const group = app.add_option_group(
+      "Configuration",
+      "Each option can also be set by a variable of the environment (SUPPLE_MAX_STORE for --max-store) and by a file. "
+      "The command line counts most, then the environment, then the file");
+  group->add_option("--config", about.config, "File of lines \"max-store = 1e9\"; without it that of SUPPLE_CONFIG")
+      ->configurable(false);
+  group
+      ->add_flag("--check-config", about.check,
+                 "Look whether a server could start with this configuration, show it, and end: 0 if it could, else 2")
+      ->configurable(false);
+  group->add_flag("--help-config", about.table, "Print a table of all options and their names")->configurable(false);
+}
+
+bool asks_for(int argc, char** argv, std::string_view option) {
+  return std::any_of(argv + 1, argv + argc, [&](const char* argument) { return argument == option; });
+}
+
+void print_faults(const std::vector<std::string>& faults) {
+  for (const auto& fault : faults) std::cerr << "supple-server: " << fault << '\n';
+}
+
+/// Shows the configuration and what is wrong with it. Returns the exit status.
+int check_configuration(const OptionSources& sources, const ServerOptions& options) {
+  sources.print_effective(std::cout);
+  const auto faults = configuration_faults(options);
+  print_faults(faults);
+  if (!faults.empty()) return unusable;
+  std::cout << "# A server can start with this configuration." << std::endl;
+  return 0;
+}
+
 }  // namespace
+
+access::Rule ServerOptions::rule_of_keys() const {
+  if (open) return access::Rule::never;
+  return routes::is_loopback(http.host) ? access::Rule::where_keys_are : access::Rule::always;
+}
 
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   const auto shares = budget::default_shares(budget::memory_limits());
@@ -156,13 +225,30 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   app.add_option("--log-level", options.log_level, "What is logged")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
   add_limits(app, options);
+  AboutProcess about;
+  add_process_options(app, about);
+  OptionSources sources(app, argc, argv, computed_defaults());
+  if (asks_for(argc, argv, "--help-config")) {
+    sources.print_table(std::cout);
+    return 0;
+  }
+  // A file that does not work keeps nobody from reading how it should be.
+  if (!asks_for(argc, argv, "--help") && !asks_for(argc, argv, "-h") && !asks_for(argc, argv, "--version")) {
+    if (const auto path = config_path(argc, argv); !path.empty()) sources.read_file(path);
+    sources.read_environment(environ);
+  }
+  for (const auto& warning : sources.warnings()) std::cerr << "supple-server: warning: " << warning << '\n';
+  print_faults(sources.faults());
+  if (!sources.faults().empty()) return unusable;
   add_keys_commands(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error);
+    const int status = app.exit(error);
+    return status != 0 && asks_for(argc, argv, "--check-config") ? unusable : status;
   }
   if (!app.get_subcommands().empty()) return 0;
+  if (about.check) return check_configuration(sources, options);
   // Who allows more has it.
   options.process_memory = std::max(shares.process, options.memory + options.mesh_memory);
   return std::nullopt;

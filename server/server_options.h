@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/access/gate.h"
 #include "supple/access/key_file.h"
 #include "supple/base/helper_processes.h"
 #include "supple/http/server.h"
@@ -39,11 +40,15 @@ struct ServerOptions {
   HelperOptions helper{{}, 0, 0};  ///< everything in this process where its program is empty
   std::string log_level = "info";
 
+  /// When requests need a key.
+  access::Rule rule_of_keys() const;
   access::KeyFile key_file() const { return access::KeyFile(keys.empty() ? data + "/keys" : keys); }
 };
 
-/// Reads the command line, and runs its command where there is one. Returns the exit status where the process is to end
-/// at once (help, version, a mistake, a command that has run). Commands throw std::runtime_error.
+/// Reads the configuration file, the environment and the command line, each of which counts more than the one before,
+/// and runs the command line's command where there is one. Returns the exit status where the process is to end at once
+/// (help, version, a mistake, --check-config, a command that has run). Commands throw std::runtime_error. What of the
+/// environment is not used is told on standard error.
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options);
 
 }  // namespace supple

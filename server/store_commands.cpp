@@ -42,7 +42,9 @@ int check_command(int argc, char** argv) {
       "the content that it was stored with.",
       "supple-server check");
   app.option_defaults()->always_capture_default();
-  app.add_option("--data", data, "Folder of meshes, jobs and results")->check(CLI::ExistingDirectory);
+  app.add_option("--data", data, "Folder of meshes, jobs and results")
+      ->envname("SUPPLE_DATA")
+      ->check(CLI::ExistingDirectory);
   app.add_flag("--repair", repair,
                "Move what is damaged into the folder's quarantine, so that the rest is sound; nothing is deleted. No "
                "server may use the folder meanwhile");
@@ -62,7 +64,9 @@ int backup_command(int argc, char** argv) {
   std::string to;
   CLI::App app("Copies a data folder as it is at one moment, also while a server uses it.", "supple-server backup");
   app.option_defaults()->always_capture_default();
-  app.add_option("--data", data, "Folder of meshes, jobs and results")->check(CLI::ExistingDirectory);
+  app.add_option("--data", data, "Folder of meshes, jobs and results")
+      ->envname("SUPPLE_DATA")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--to", to, "Folder that becomes the backup; it is empty or does not exist")->required();
   if (const auto status = parse(app, argc, argv)) return *status;
   const auto copy = store::back_up(data, to);
@@ -76,7 +80,8 @@ int restore_command(int argc, char** argv) {
   CLI::App app("Makes a data folder of a backup.", "supple-server restore");
   app.option_defaults()->always_capture_default();
   app.add_option("--from", from, "Folder of the backup")->required()->check(CLI::ExistingDirectory);
-  app.add_option("--data", data, "Folder that the server is to use; it is empty or does not exist");
+  app.add_option("--data", data, "Folder that the server is to use; it is empty or does not exist")
+      ->envname("SUPPLE_DATA");
   app.add_flag("--replace", replace, "Move what is in the data folder into its quarantine instead of refusing");
   if (const auto status = parse(app, argc, argv)) return *status;
   const auto copy = store::restore(from, data, replace);

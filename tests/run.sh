@@ -2,7 +2,7 @@
 # Installs what the tests need, builds, and runs the tests.
 #
 #   tests/run.sh                the parts that a change is tried with, less than 20 minutes on two cores
-#   tests/run.sh --all          every part but hostile_asan, as continuous integration runs them
+#   tests/run.sh --all          every part but hostile_asan and image, as continuous integration runs them
 #   tests/run.sh unit api       only these parts, in the order below
 #   tests/run.sh --list         the parts and what each does
 #   tests/run.sh --all --minutes    writes how long each part took into CONTRIBUTING.md
@@ -25,6 +25,8 @@ declare -A about=(
   [python]="the Python package: mypy --strict and its own tests"
   [api]="black box over HTTP: contract, examples, jobs, faults, restart, kill -9, clients"
   [docs]="the pages: links, spelling, and every block of code that can run, against a real server"
+  [deploy]="the image's recipe, compose, the systemd unit and the manifests for Kubernetes, without building or starting them"
+  [image]="the image from Debian's packages, and the API tests against the server in it (root, buildah, debootstrap)"
   [hostile]="hostile requests: deadlines, hang-ups, budgets"
   [bench]="the benchmarks' short runs: that they work, not what they measure"
   [web]="the web editor: types, unit tests, build"
@@ -35,10 +37,10 @@ declare -A about=(
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
-order=(arrows format build unit stability python api docs hostile web browser bench tidy asan hostile_asan tsan fuzz)
-usual=(arrows format build unit stability python api docs web)
-# Half an hour by itself: before a release, and after a change to what takes requests apart.
-by_name_only=(hostile_asan)
+order=(arrows format build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image)
+usual=(arrows format build unit stability python api docs deploy web)
+# Half an hour each: before a release, and after a change to what takes requests apart, or to deploy/.
+by_name_only=(hostile_asan image)
 
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
@@ -63,6 +65,9 @@ part_stability() { build_preset release && ctest --test-dir build/release -j "$j
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
 part_api() { build_preset release --target supple supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/api; }
 part_docs() { build_preset release --target supple supple-server engine_examples && "$python" -m pytest -q -p no:cacheprovider tests/docs; }
+part_deploy() { build_preset release --target supple-server && install_modules tests/deploy &&
+  "$python" -m pytest -q -p no:cacheprovider tests/deploy; }
+part_image() { build_preset release --target supple make_test_model && deploy/build_image.sh --test; }
 part_hostile() { build_preset release --target supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/hostile; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
 part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&

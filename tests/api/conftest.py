@@ -1,4 +1,4 @@
-"""Fixtures of the API tests. The server and the CLI come from SUPPLE_BUILD (build/release)."""
+"""Fixtures of the API tests. The server and the CLI come from SUPPLE_BUILD (build/release), the server from SUPPLE_TEST_SERVER where that is set."""
 
 from __future__ import annotations
 

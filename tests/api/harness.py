@@ -18,7 +18,8 @@ from contract import Contract, ROOT, strict_json
 from shapes import obj_text
 
 BUILD = Path(os.environ.get("SUPPLE_BUILD", ROOT / "build" / "release"))
-SERVER = BUILD / "server" / "supple-server"
+SERVER = Path(os.environ.get("SUPPLE_TEST_SERVER", BUILD / "server" / "supple-server"))
+"""SUPPLE_TEST_SERVER names another program in its place, which becomes the server: that of an image, for example."""
 CLI = BUILD / "clients" / "cli" / "supple"
 MODEL_MAKER = BUILD / "tests" / "support" / "make_test_model"
 MESHES = ROOT / "api" / "examples" / "meshes"

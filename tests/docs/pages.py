@@ -11,7 +11,7 @@ from urllib.parse import unquote
 ROOT = Path(__file__).resolve().parents[2]
 
 #: Pages whose links are followed: all that the project has.
-LINKED = sorted(path.relative_to(ROOT).as_posix() for folder in ("", "docs", "docs/notes", "docs/bench", "deploy", "server", "models",
+LINKED = sorted(path.relative_to(ROOT).as_posix() for folder in ("", "docs", "docs/notes", "docs/bench", "deploy", "deploy/kubernetes", "server", "models",
                                                                 "models/datasets", "clients/cli", "clients/python", "clients/web", "api/examples",
                                                                 "api/examples/meshes", "api/examples/networks")
                 for path in (ROOT / folder).glob("*.md"))

@@ -1,5 +1,5 @@
-"""Every block of code of the pages does what it shows: shells and Python against a real server, JSON by parsing it, C++ by being the
-file that is compiled.
+"""Every block of code of the pages does what it shows: shells and Python against a real server, JSON by parsing it, TOML by being a
+configuration that the server takes, C++ by being the file that is compiled.
 
 The blocks of a page run in their order in one folder, in which the checkout's files are at hand. Before them there are, in Python,
 `supple`, `client` and `mesh` (a trefoil knot that was uploaded), and in shells `id`, that mesh's name, and on the path the programs
@@ -118,13 +118,23 @@ def check_json(block: Block, contract: Contract) -> None:
         contract.validate({"$ref": f"#/components/schemas/{block.schema}"}, document, block.place)
 
 
+@pytest.mark.parametrize("page", pages_with("toml"))
+def test_toml_blocks_are_configurations_of_the_server(page: str, tmp_path: Path) -> None:
+    for block in blocks(page, "toml"):
+        path = tmp_path / "supple.toml"
+        path.write_text(block.code, encoding="utf-8")
+        done = subprocess.run([str(SERVER), "--config", str(path), "--check-config", "--open"], cwd=tmp_path, capture_output=True, text=True,
+                              timeout=60, check=False)
+        assert done.returncode == 0, f"{block.place}: {done.stderr}"
+
+
 @pytest.mark.parametrize("page", RUN)
 def test_blocks_name_a_language_that_is_checked(page: str) -> None:
     """Otherwise a block without a language would be one that nobody runs."""
     faults = []
     for block in blocks_of(page):
-        if block.language not in ("sh", "python", "json", "cpp", "text"):
-            faults.append(f"{block.place}: the language '{block.language}' is not sh, python, json, cpp or text")
+        if block.language not in ("sh", "python", "json", "toml", "cpp", "text"):
+            faults.append(f"{block.place}: the language '{block.language}' is not sh, python, json, toml, cpp or text")
         if block.not_run is not None and len(block.not_run.split()) < 3:
             faults.append(f"{block.place}: '{block.not_run}' is no reason")
     assert not faults, "\n".join(faults)

@@ -1,0 +1,45 @@
+// Checks objects of Kubernetes, a JSON list on standard input, with the schemas that the package kubernetes-models ships: each value by
+// the schema, then the names of all fields by the types, since schemas let unknown fields pass. Prints what is wrong, a line
+// each, and ends with 1 then.
+
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import ts from "typescript";
+
+const objects = JSON.parse(readFileSync(0, "utf8"));
+const faults = [];
+const program = [];
+for (const [index, object] of objects.entries()) {
+  const module = `kubernetes-models/${object.apiVersion}`;
+  const name = `${object.kind} ${object.metadata?.name}`;
+  let kinds;
+  try {
+    kinds = await import(module);
+  } catch {
+    faults.push(`${name}: there is no apiVersion '${object.apiVersion}'`);
+    continue;
+  }
+  if (!(object.kind in kinds)) {
+    faults.push(`${name}: ${object.apiVersion} has no kind '${object.kind}'`);
+    continue;
+  }
+  try {
+    new kinds[object.kind](object).validate();
+  } catch (error) {
+    faults.push(`${name}: ${error.message}`);
+  }
+  program.push(`import type { I${object.kind} as Kind${index} } from "${module}";`,
+               `export const object${index}: Kind${index} = ${JSON.stringify(object)};`);
+}
+
+// The compiler finds the types from a folder within this one.
+const folder = new URL("node_modules/.manifests/", import.meta.url).pathname;
+mkdirSync(folder, { recursive: true });
+const file = `${folder}manifests.ts`;
+writeFileSync(file, program.join("\n"));
+const options = { noEmit: true, strict: true, skipLibCheck: true, module: ts.ModuleKind.NodeNext,
+                  moduleResolution: ts.ModuleResolutionKind.NodeNext, target: ts.ScriptTarget.ES2022, types: [] };
+for (const found of ts.getPreEmitDiagnostics(ts.createProgram([file], options)))
+  faults.push(ts.flattenDiagnosticMessageText(found.messageText, " "));
+
+for (const fault of faults) console.log(fault);
+process.exitCode = faults.length > 0 ? 1 : 0;
