@@ -11,8 +11,7 @@
 #   --mirror URL                       Debian's packages for debootstrap (http://deb.debian.org/debian)
 #   --certificates FILE                further certificates that npm trusts while the editor is built; without it the
 #                                      file that NODE_EXTRA_CA_CERTS names, if there is one
-#   --compiler-cache FOLDER            a folder of ccache, so that a later build compiles only what has changed; with that of
-#                                      the checkout and its CMake options what has been compiled there is not compiled again
+#   --compiler-cache FOLDER            a folder of ccache that the compilation in the image uses
 #   --cmake OPTIONS                    further options of CMake, -DCMAKE_UNITY_BUILD=OFF for example
 #   --save FILE                        writes the image as an archive that docker load and podman load read
 #   --test                             runs tests/deploy/test_image.sh with the built image
