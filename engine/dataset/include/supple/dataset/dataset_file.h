@@ -16,9 +16,9 @@ struct FileOptions {
 /// place, synchronized and renamed. The same data give the same bytes. Throws "file.write_failed".
 void write_dataset(const std::filesystem::path& path, const Dataset& data, const FileOptions& options = {});
 
-/// Reads a data set. Throws "file.unreadable" if there is no such file, if its content does not have its checksum, if it
-/// is no HDF5 file or has another layout, or if its columns contradict each other. Files that were written before data
-/// sets had checksums are read without one.
+/// Reads a data set. Throws "file.unreadable" if there is no such file, if its content does not have its checksum, if
+/// it is no HDF5 file or has another layout, or if its columns contradict each other. Files that were written before
+/// data sets had checksums are read without one.
 Dataset read_dataset(const std::filesystem::path& path);
 
 // HDF5's library is not made for several threads: only one thread at a time may be in these functions.
