@@ -134,7 +134,7 @@ void OptionSources::read_file(const std::string& path) {
     faults_.push_back(std::string("--config: ") + error.what());
     return;
   }
-  for (const auto& fault : file.faults) faults_.push_back(path + ", " + fault);
+  for (const auto& fault : file.faults) faults_.emplace_back(path).append(", ").append(fault);
   std::vector<std::string> keys;
   for (const auto& entry : entries_) keys.push_back(entry.key);
   for (const auto& setting : file.settings) {
