@@ -2,6 +2,7 @@
 // is the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client
 // would get is valid JSON in UTF-8.
 
+#include <Eigen/LU>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
