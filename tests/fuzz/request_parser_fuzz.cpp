@@ -1,4 +1,4 @@
-// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to @ in the seeds, chooses the parser, the rest
+// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to A in the seeds, chooses the parser, the rest
 // is the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client
 // would get is valid JSON in UTF-8.
 
