@@ -35,7 +35,7 @@ ROOMS = {
     "server/log": {"log"},
     "server/budget": {"base", "problem", "budget"},
     "server/access": {"base", "problem", "access"},
-    "server/configuration": {"configuration"},
+    "server/configuration": {"problem", "configuration"},
     "server/http": {"base", "problem", "budget", "log", "http"},
     "server/json": {"base", "numerics", "surface", "embedded", "voronoi", "outlines", "tiling", "microscale", "weave", "neural", "design", "problem", "budget", "json"},
     "server/store": {"base", "numerics", "surface", "neural", "design", "problem", "store"},

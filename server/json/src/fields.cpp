@@ -4,6 +4,7 @@
 #include <charconv>
 #include <limits>
 
+#include "supple/problem/edit_distance.h"
 #include "supple/problem/problem.h"
 
 namespace supple::json {
@@ -15,22 +16,6 @@ std::string text_of(double value) {
 }
 
 std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
-
-/// Edits (insertions, deletions, substitutions) between two short words.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
 
 /// An unknown key as it may be shown: long ones are cut, and so stay cheap to compare.
 std::string shown(const std::string& key) { return key.size() <= 64 ? key : key.substr(0, 64) + "..."; }
@@ -219,9 +204,10 @@ void Fields::finish() {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     const auto name = shown(key);
     std::string message = "unknown field";
-    const auto nearest = std::min_element(
-        known_.begin(), known_.end(), [&](auto a, auto b) { return edit_distance(name, a) < edit_distance(name, b); });
-    if (nearest != known_.end() && edit_distance(name, *nearest) <= 2)
+    const auto nearest = std::min_element(known_.begin(), known_.end(), [&](auto a, auto b) {
+      return problem::edit_distance(name, a) < problem::edit_distance(name, b);
+    });
+    if (nearest != known_.end() && problem::edit_distance(name, *nearest) <= 2)
       message += "; did you mean " + quoted(*nearest) + "?";
     faults_.add(pointer_ + "/" + pointer_token(name), message);
   }
