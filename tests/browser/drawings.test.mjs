@@ -86,6 +86,59 @@ describe("a drawing", () => {
     }));
 });
 
+describe("a field that someone is writing in", () => {
+  it("keeps what stands in it while answers come, and shows theirs if nothing was changed", () =>
+    withDrawings(async (design, page) => {
+      await design.drop(".preview", PLATE, "plate.svg");
+      await design.saysOfThePart(/Size60 × 40 × 4 mm/);
+      let answer;
+      const held = new Promise((resolve) => (answer = resolve));
+      await page.route("**/v1/outlines", async (route) => { await held; await route.continue(); }, { times: 1 });
+      const width = design.part.getByLabel("Width of the drawing, mm");
+      await width.fill("30");
+      await width.press("Tab");
+      // The width's answer shows all settings of the part again.
+      await design.part.getByLabel("Thickness, mm", { exact: true }).fill("8");
+      answer();
+      await design.saysOfThePart(/30 × 20 mm\./);
+      const thickness = design.part.getByLabel("Thickness, mm", { exact: true });
+      assert.equal(await thickness.inputValue(), "8");
+      await thickness.press("Tab");
+      await design.saysOfThePart(/Size30 × 20 × 8 mm/);
+      // What was written and taken back leaves the field to the page again.
+      await thickness.fill("9");
+      await thickness.fill("8");
+      await thickness.press("Tab");
+      assert.equal(await thickness.inputValue(), "8");
+      await thickness.fill("-1");
+      await thickness.press("Tab");
+      assert.equal(await thickness.inputValue(), "8", "a thickness that cannot be is not kept");
+    }));
+
+  it("keeps the walls of a region that are being written while the regions' places change", () =>
+    withDrawings(async (design, page) => {
+      await page.getByTitle("Divide the product into regions").click();
+      await page.locator(".regions-card li").nth(1).waitFor();
+      await design.settled();
+      await design.drop(".plot-card", PLATE, "plate.svg");
+      const walls = design.part.getByLabel("Wall thickness of Region 2, mm", { exact: true });
+      await walls.waitFor();
+      let answer;
+      const held = new Promise((resolve) => (answer = resolve));
+      await page.route("**/v1/outlines", async (route) => { await held; await route.continue(); }, { times: 1 });
+      const width = design.part.getByLabel("Width of the drawing, mm");
+      await width.fill("30");
+      await width.press("Tab");
+      await walls.fill("0.6");
+      answer();
+      await design.saysOfThePart(/30 × 20 mm\./);
+      const asked = page.waitForRequest((request) => request.url().endsWith("/v1/parts") && request.postDataJSON().regions?.[0].beam_width === 0.6);
+      await walls.press("Tab");
+      await asked;
+      assert.equal(await walls.inputValue(), "0.6");
+    }));
+});
+
 describe("a file that is refused", () => {
   it("is told of beside the place where it was dropped, until another one is taken", () =>
     withDrawings(async (design, page) => {

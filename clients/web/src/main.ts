@@ -4,6 +4,7 @@ import { Account } from "./account";
 import { liveRegion } from "./base/announce";
 import { startTheme } from "./base/theme";
 import { Bills } from "./base/bills";
+import { watchWriting } from "./base/writing";
 import { BillMenu } from "./bill_menu";
 import { Client, isServing } from "./contract/client";
 import { Connection } from "./contract/connection";
@@ -12,6 +13,7 @@ import type { Page } from "./page";
 import { type PageEntry, PAGES } from "./pages";
 
 startTheme();
+watchWriting(document);
 
 const connection = new Connection(isServing);
 const account = new Account();

@@ -1,6 +1,7 @@
 // Form controls that always have their label, and tell when they are moved and when they are let go.
 import { h, uniqueId } from "./dom";
 import { icon, type IconName } from "./icons";
+import { showText } from "./writing";
 
 export interface ButtonOptions {
   icon?: IconName;
@@ -115,7 +116,7 @@ export class Slider {
   set value(value: number) {
     this.used = value;
     this.range.value = String(value);
-    if (document.activeElement !== this.number) this.showNumber();
+    this.showNumber();
     const share = (value - this.lower) / (this.upper - this.lower);
     this.range.style.setProperty("--share", `${100 * Math.max(0, Math.min(1, share))}%`);
   }
@@ -135,7 +136,7 @@ export class Slider {
   }
 
   private showNumber(): void {
-    this.number.value = String(Number(this.used.toFixed(this.options.digits)));
+    showText(this.number, String(Number(this.used.toFixed(this.options.digits))));
   }
 
   private tell(value: number, done: boolean): void {

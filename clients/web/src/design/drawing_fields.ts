@@ -3,6 +3,7 @@ import { Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { textOf } from "../base/text_file";
+import { showText } from "../base/writing";
 import { curveWords, type Drawing, layoutOf, moved, type Where } from "./drawing";
 import { materialsNote, wallsOf } from "./fillings";
 import type { Part } from "./part";
@@ -13,6 +14,13 @@ const FILE_TYPES = ".svg,.dxf,image/svg+xml,image/vnd.dxf";
 const NO_DRAWING = "SVG or DXF (ASCII): a closed curve for the outline, and one for each region. A region lies in the curve of its name. Drop the file onto the page, or open it.";
 const LARGEST = "largest";
 const OTHERS = "others";
+
+/** Where a region of the product lies, and its walls. */
+interface RegionFields {
+  readonly element: HTMLElement;
+  readonly list: Select<string>;
+  readonly walls: HTMLInputElement;
+}
 
 /** In sight while the part's shape is a drawing. */
 export function drawingFields(session: DesignSession, part: Part): HTMLElement {
@@ -38,11 +46,11 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
 
   function showWidth(): void {
     const { width: asked = null, curves } = part.drawing.get() ?? {};
-    width.value = asked === null ? "" : String(asked);
+    showText(width, asked === null ? "" : String(asked));
     width.placeholder = curves ? digits(curves.size[0], 4) : "";
   }
 
-  function region(drawing: Drawing, where: Where, k: number): HTMLElement {
+  function region(drawing: Drawing, k: number): RegionFields {
     const name = regionWords(session.regions[k], k);
     const list = new Select<string>(name, [
       { value: "rest", words: "The rest of the part" },
@@ -51,24 +59,38 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     ], (value) => {
       const to: Where = value === "rest" || value === "nowhere" ? value : Number(value);
       const choices = part.choices.get();
-      part.choices.set({ ...choices, ...moved(layoutOf(drawing, names(), choices), choices, k, to) });
+      const now = part.drawing.get() ?? drawing; // it may have been scaled
+      part.choices.set({ ...choices, ...moved(layoutOf(now, names(), choices), choices, k, to) });
     });
-    list.value = String(where);
     const walls = h("input", { type: "number", class: "number", min: 0, step: "any", "aria-label": `Wall thickness of ${name}, mm`, onchange: () => {
       const value = Number(walls.value);
       const { walls: before } = part.choices.get();
       const after = session.regions.map((_, place) => (place === k ? (walls.value !== "" && value > 0 ? value : undefined) : before[place]));
       part.choices.set({ ...part.choices.get(), walls: after });
     } });
-    walls.value = String(part.choices.get().walls[k] ?? wallsOf(session.regions[k], session.regionShown[k]));
-    return h("div", { class: "drawing-region" }, list.element, h("div", { class: "field" }, h("span", { class: "field-words", "aria-hidden": "true" }, "Walls, mm"), walls));
+    const element = h("div", { class: "drawing-region" }, list.element, h("div", { class: "field" }, h("span", { class: "field-words", "aria-hidden": "true" }, "Walls, mm"), walls));
+    return { element, list, walls };
   }
 
   function names(): string[] {
     return session.regions.map(regionWords);
   }
 
-  let drawn = "";
+  let fields: RegionFields[] = [];
+  let built = "";
+  /** Fields that are built anew lose the focus and what is being written in them. */
+  function build(drawing: Drawing): void {
+    const { polygons } = drawing.curves;
+    const several = names().length > 1;
+    const key = JSON.stringify([drawing.name, polygons.map(curveWords), names()]);
+    if (key === built) return;
+    built = key;
+    outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: several ? "All curves of no region" : "All curves" }, ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
+    fields = several ? names().map((_, k) => region(drawing, k)) : [];
+    regions.hidden = !several;
+    replace(regions, ...fields.map(({ element }) => element));
+  }
+
   function show(): void {
     const drawing = part.drawing.get();
     settings.hidden = drawing === null;
@@ -77,17 +99,14 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     const choices = part.choices.get();
     const { polygons, size, warnings } = drawing.curves;
     const layout = layoutOf(drawing, names(), choices);
-    const key = JSON.stringify([drawing.name, drawing.width, polygons.length, size, names(), layout, choices.walls, choices.outline, session.regions.map((one, k) => wallsOf(one, session.regionShown[k]))]);
-    if (key === drawn) return; // fields that are built anew lose the focus
-    drawn = key;
     const count = `${polygons.length} closed curve${polygons.length === 1 ? "" : "s"}`;
     words.textContent = [`${drawing.name}: ${count}, ${size.map((length) => digits(length, 4)).join(" × ")} mm.`, ...warnings].join(" ");
-    outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: names().length > 1 ? "All curves of no region" : "All curves" }, ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
+    build(drawing);
     outline.value = String(choices.outline ?? LARGEST);
-    regions.hidden = names().length === 1;
-    const focused = [...regions.querySelectorAll<HTMLElement>("select, input")].indexOf(document.activeElement as HTMLElement);
-    replace(regions, ...(regions.hidden ? [] : layout.regions.map((where, k) => region(drawing, where, k))));
-    if (focused >= 0) regions.querySelectorAll<HTMLElement>("select, input")[focused]?.focus();
+    fields.forEach(({ list, walls }, k) => {
+      list.value = String(layout.regions[k]);
+      showText(walls, String(choices.walls[k] ?? wallsOf(session.regions[k], session.regionShown[k])));
+    });
     showWidth();
   }
 

@@ -2,6 +2,7 @@
 import { Segments, Select } from "../base/controls";
 import { h, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
+import { showText } from "../base/writing";
 import { DEFAULT_MADE, type Fault, faultOf, isRange, leavesModulus, type Made, MADE_LIMITS, type MadeField, modulusOf, modulusWords, orientationOf, PRESETS, type Range, sameMade, settled, type Size } from "./made";
 import { MaterialList } from "./material_list";
 import type { DesignSession } from "./session";
@@ -157,9 +158,9 @@ export function madeCard(session: DesignSession): HTMLElement {
   }
 
   function write({ inputs: [first, second] }: Field, value: number | Range | null, range: boolean): void {
-    first.value = value === null ? "" : String(isRange(value) ? value[0] : value);
+    showText(first, value === null ? "" : String(isRange(value) ? value[0] : value));
     if (!second) return;
-    second.value = value !== null && isRange(value) ? String(value[1]) : "";
+    showText(second, value !== null && isRange(value) ? String(value[1]) : "");
     second.hidden = !range;
     (second.previousElementSibling as HTMLElement).hidden = !range;
   }
@@ -185,7 +186,7 @@ export function madeCard(session: DesignSession): HTMLElement {
     write(fields.cellSizes, cellSizes, true);
     for (const name of ["relativeDensity", "cellSizes"] as const) {
       fields[name].inputs.forEach((input, k) => {
-        if (made[name]?.[k] === MADE_LIMITS[name][k]) input.value = "";
+        if (made[name]?.[k] === MADE_LIMITS[name][k]) showText(input, "");
       });
     }
     fields.cellSizes.element.hidden = size.kind === "cell_size";

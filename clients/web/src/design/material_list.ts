@@ -1,6 +1,7 @@
 // Materials of which the search chooses one: each with a name, a modulus or a range of it, and a density.
 import { button } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
+import { showText } from "../base/writing";
 import { DEFAULT_MADE, type Fault, isRange, type Material, MOST_MATERIAL_NAME, MOST_MATERIALS, PRESETS } from "./made";
 
 interface Row {
@@ -62,10 +63,10 @@ export class MaterialList {
 
   private write({ name, least, most, density }: Row, material: Material): void {
     const { youngsModulus } = material;
-    name.value = material.name;
-    least.value = String(isRange(youngsModulus) ? youngsModulus[0] : youngsModulus);
-    most.value = isRange(youngsModulus) ? String(youngsModulus[1]) : "";
-    density.value = String(material.density);
+    showText(name, material.name);
+    showText(least, String(isRange(youngsModulus) ? youngsModulus[0] : youngsModulus));
+    showText(most, isRange(youngsModulus) ? String(youngsModulus[1]) : "");
+    showText(density, String(material.density));
     least.setAttribute("aria-label", `Young’s modulus of ${material.name}, MPa`);
     most.setAttribute("aria-label", `Young’s modulus of ${material.name} at most, MPa`);
     density.setAttribute("aria-label", `Density of ${material.name}, g/cm³`);

@@ -4,6 +4,7 @@ import { h, replace, svg, uniqueId } from "../base/dom";
 import { download } from "../base/download";
 import { digits } from "../base/format";
 import { late } from "../base/late";
+import { showText } from "../base/writing";
 import { explain } from "../contract/client";
 import { layoutOf } from "./drawing";
 import { drawingFields } from "./drawing_fields";
@@ -68,7 +69,7 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     whole.value = settings.whole;
     const drawn = settings.kind === "drawing";
     for (const [name, { field, label, input }] of fields) {
-      input.value = String(settings[name]);
+      showText(input, String(settings[name]));
       field.hidden = drawn && (OF_A_SHAPE.includes(name) || (OF_ONE_FILLING.includes(name) && session.regions.length > 1));
       if (name === "end") {
         field.hidden ||= settings.kind === "rectangle";

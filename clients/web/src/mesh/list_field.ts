@@ -1,5 +1,6 @@
 // A field for a list that is written by hand; what is no such list is said at the field.
 import { h, uniqueId } from "../base/dom";
+import { showText } from "../base/writing";
 
 export interface ListField {
   readonly element: HTMLElement;
@@ -19,7 +20,7 @@ export function listField<Value>(label: string, placeholder: string, fault: stri
   return {
     element: h("div", { class: "field" }, h("label", { for: id }, label), input),
     set(text) {
-      if (document.activeElement !== input || input.validity.valid) input.value = text;
+      if (document.activeElement !== input || input.validity.valid) showText(input, text);
     },
   };
 }

@@ -2,6 +2,7 @@
 import { button, Checkbox, Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { download } from "../base/download";
+import { showText } from "../base/writing";
 import type { PrintSession } from "./print_session";
 import { type Field, type FieldGroup, fieldsAt, PRINT_FIELDS, profileText, type Value } from "./printer";
 
@@ -62,7 +63,7 @@ function rowOf(print: PrintSession, field: Field): Row {
   let used: Value = null;
   const show = (value: Value) => {
     used = value;
-    input.value = value === null ? "" : String(value);
+    showText(input, value === null ? "" : String(value));
   };
   input.addEventListener("change", () => {
     if (field.kind !== "number") return change(input.value);

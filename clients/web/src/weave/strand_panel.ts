@@ -1,6 +1,7 @@
 // Strands of one's own: the cell that they repeat in, drawing them, and their text.
 import { button, Segments } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
+import { showText } from "../base/writing";
 import type { Draft } from "./draft";
 import { type Ends, isLattice, strandWords, withLattice, withoutStrand } from "./layout_edit";
 import { LayoutTextError, readLayoutText, writeLayoutText } from "./layout_text";
@@ -36,9 +37,7 @@ function latticeFields(session: WeaveSession): HTMLElement {
   session.state.watch(({ layout: { lattice } }) => {
     kind.value = lattice ? "cell" : "sheet";
     table.hidden = !lattice;
-    lattice?.flat().forEach((value, k) => {
-      if (document.activeElement !== fields[k]) fields[k].value = String(value);
-    });
+    lattice?.flat().forEach((value, k) => showText(fields[k], String(value)));
   });
   return h("div", { class: "controls" }, kind.element, table);
 }
