@@ -5,6 +5,8 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
+include(GNUInstallDirs)
+
 find_program(SUPPLE_CCACHE ccache)
 if(SUPPLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   # Paths relative to the checkout: several checkouts share what was compiled.
@@ -40,7 +42,20 @@ endif()
 function(supple_room name)
   cmake_parse_arguments(room "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(supple_${name} STATIC ${room_SOURCES})
-  target_include_directories(supple_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/include
-    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
-  target_link_libraries(supple_${name} PUBLIC ${room_PUBLIC} PRIVATE ${room_PRIVATE} supple_options)
+  # The name that programs outside use, whether Supple is a folder of theirs or installed.
+  add_library(Supple::${name} ALIAS supple_${name})
+  target_include_directories(supple_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+  target_link_libraries(supple_${name} PUBLIC ${room_PUBLIC} PRIVATE ${room_PRIVATE} $<BUILD_INTERFACE:supple_options>)
+endfunction()
+
+# supple_install_rooms(ROOM ...)
+# Installs the libraries and public headers of these rooms and of no others, for find_package(Supple).
+function(supple_install_rooms)
+  foreach(name IN LISTS ARGN)
+    get_target_property(folder supple_${name} SOURCE_DIR)
+    set_target_properties(supple_${name} PROPERTIES EXPORT_NAME ${name})
+    install(TARGETS supple_${name} EXPORT SuppleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+    install(DIRECTORY ${folder}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library FILES_MATCHING PATTERN "*.h")
+  endforeach()
 endfunction()

@@ -134,6 +134,8 @@ say "The image $tag"
 extra=()
 [ -z "$certificates" ] || extra+=(--secret "id=certificates,src=$certificates")
 if [ -n "$compiler_cache" ]; then mkdir -p "$compiler_cache"; extra+=(--volume "$compiler_cache:/root/.cache/ccache"); fi
+# The recipe sees no history.
+if command -v cmake >/dev/null; then cmake_options="-DSUPPLE_VERSION=$(cmake -P cmake/SuppleVersion.cmake) $cmake_options"; fi
 [ -z "$cmake_options" ] || extra+=(--build-arg "CMAKE_OPTIONS=$cmake_options")
 buildah bud --jobs 2 --isolation chroot --format docker "${pull[@]}" "${extra[@]}" -f deploy/Containerfile -t "$tag" .
 build_seconds=$((SECONDS - start - base_seconds))

@@ -85,11 +85,9 @@ def npm_components(lock: Dict[str, Any]) -> List[Dict[str, Any]]:
     return components
 
 
-def version_of(cmake: str) -> str:
-    found = re.search(r"project\(\s*Supple\b[^)]*VERSION\s+([\d.]+)", cmake, re.IGNORECASE)
-    if not found:
-        raise LookupError("CMakeLists.txt names no version")
-    return found.group(1)
+def version_of(program: Path) -> str:
+    """What a built program says its version is, without its own name."""
+    return output_of(str(program), "--version").split()[-1]
 
 
 def bill(build: Path) -> Dict[str, Any]:
@@ -102,7 +100,7 @@ def bill(build: Path) -> Dict[str, Any]:
     return {
         "bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1,
         "metadata": {"timestamp": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-                     "component": {"type": "application", "name": "supple", "version": version_of((ROOT / "CMakeLists.txt").read_text())}},
+                     "component": {"type": "application", "name": "supple", "version": version_of(build / PROGRAMS[0])}},
         "components": [debian_component(name) for name in sorted(names)] + npm_components(lock),
     }
 

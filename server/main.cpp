@@ -26,6 +26,7 @@
 #include "supple/routes/guard.h"
 #include "supple/routes/resume.h"
 #include "supple/routes/routes.h"
+#include "version.h"
 
 namespace supple {
 namespace {
@@ -79,9 +80,9 @@ class Process {
         signals_(signals),
         memory_(options.memory, options.request_memory, options.process_memory),
         gate_(options.key_file(), options.rule_of_keys(), [](const std::string& text) { spdlog::warn(text); }),
-        metrics_(SUPPLE_VERSION) {
+        metrics_(server_version()) {
     services_.limits = options.limits;
-    services_.version = SUPPLE_VERSION;
+    services_.version = server_version();
     services_.data = options.data;
     services_.web = options.web;
     services_.metrics = &metrics_;
@@ -115,7 +116,7 @@ class Process {
     int status = 0;
     try {
       open();
-      std::cout << "supple-server " SUPPLE_VERSION " listens on http://" << host_in_url(options_.http.host) << ":"
+      std::cout << "supple-server " << server_version() << " listens on http://" << host_in_url(options_.http.host) << ":"
                 << port << std::endl;
       spdlog::info("ready: data in {}, {} models, {} workers, {} compute threads, {} connections", options_.data,
                    models_->size(), options_.jobs.workers, thread_count(), options_.http.max_connections);

@@ -16,6 +16,7 @@
 #include "option_sources.h"
 #include "supple/budget/memory.h"
 #include "supple/routes/guard.h"
+#include "version.h"
 
 namespace supple {
 namespace {
@@ -184,7 +185,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
       "supple-server");
   app.option_defaults()->always_capture_default();
   app.footer(command_list());
-  app.set_version_flag("--version", "supple-server " SUPPLE_VERSION);
+  app.set_version_flag("--version", std::string("supple-server ") + server_version());
   app.add_option("--host", options.http.host, "Address to listen on");
   app.add_option("--port", options.http.port, "Port to listen on; 0 takes any free one, which is printed")
       ->check(CLI::Range(0, 65535));

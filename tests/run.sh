@@ -2,7 +2,7 @@
 # Installs what the tests need, builds, and runs the tests.
 #
 #   tests/run.sh                the parts that a change is tried with, less than 20 minutes on two cores
-#   tests/run.sh --all          every part but hostile_asan and image, as continuous integration runs them
+#   tests/run.sh --all          every part but those that run by name only, as continuous integration runs them
 #   tests/run.sh unit api       only these parts, in the order below
 #   tests/run.sh --list         the parts and what each does
 #   tests/run.sh --all --minutes    writes how long each part took into CONTRIBUTING.md
@@ -27,6 +27,8 @@ declare -A about=(
   [docs]="the pages: links, spelling, and every block of code that can run, against a real server"
   [deploy]="the image's recipe, compose, the systemd unit and the manifests for Kubernetes, without building or starting them"
   [image]="the image from Debian's packages, and the API tests against the server in it (root, buildah, debootstrap)"
+  [packages]="the packages for Debian: what is in them, and that it works from there (npm, cpack)"
+  [reproducible]="two builds of the packages from nothing, which have the same bytes"
   [hostile]="hostile requests: deadlines, hang-ups, budgets"
   [bench]="the benchmarks' short runs: that they work, not what they measure"
   [web]="the web editor: types, unit tests, build"
@@ -37,10 +39,10 @@ declare -A about=(
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
-order=(arrows format build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image)
+order=(arrows format build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible)
 usual=(arrows format build unit stability python api docs deploy web)
-# Half an hour each: before a release, and after a change to what takes requests apart, or to deploy/.
-by_name_only=(hostile_asan image)
+# Up to half an hour each: before a release, and after a change to what takes requests apart, to deploy/ or to what is installed.
+by_name_only=(hostile_asan image packages reproducible)
 
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
@@ -68,6 +70,8 @@ part_docs() { build_preset release --target supple supple-server engine_examples
 part_deploy() { build_preset release --target supple-server && install_modules tests/deploy &&
   "$python" -m pytest -q -p no:cacheprovider tests/deploy; }
 part_image() { build_preset release --target supple make_test_model && deploy/build_image.sh --test; }
+part_packages() { deploy/build_packages.sh && "$python" -m pytest -q -p no:cacheprovider tests/release; }
+part_reproducible() { tests/release/reproducible.sh; }
 part_hostile() { build_preset release --target supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/hostile; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
 part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&

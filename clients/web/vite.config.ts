@@ -1,4 +1,5 @@
 import { defineConfig } from "vitest/config";
+import { licences } from "./licences";
 
 // Where `npm run dev` finds a server; the built editor asks the one that serves it.
 const server = process.env.SUPPLE_SERVER ?? "http://127.0.0.1:8080";
@@ -6,6 +7,7 @@ const proxied = ["/v1", "/healthz", "/readyz", "/openapi.yaml"];
 
 export default defineConfig({
   base: "./",
+  plugins: [licences("licences.txt")],
   assetsInclude: ["**/*.obj"],
   server: {
     proxy: Object.fromEntries(proxied.map((path) => [path, server])),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from pathlib import Path
 from typing import Any, Dict
 
 import pytest
@@ -58,12 +59,12 @@ def match(expected: Any, actual: Any, tolerance: float, where: str = "") -> None
         assert actual == expected, f"{where} is {actual!r}, not {expected!r}"
 
 
-def send(api: Api, step: Dict[str, Any], saved: Dict[str, str]) -> Any:
+def send(api: Api, step: Dict[str, Any], saved: Dict[str, str], folder: Path) -> Any:
     headers = filled(step.get("headers", {}), saved)
     statuses = step["status"] if isinstance(step["status"], list) else [step["status"]]
     body = None
     if "file" in step:
-        body = (ROOT / "api" / "examples" / step["file"]).read_bytes()
+        body = (folder / step["file"]).read_bytes()
         if "body" in step:
             body = json.dumps({**json.loads(body), **filled(step["body"], saved)}).encode()
             headers.setdefault("Content-Type", "application/json")
@@ -77,13 +78,13 @@ def send(api: Api, step: Dict[str, Any], saved: Dict[str, str]) -> Any:
     return api.call(step["method"], filled(step["path"], saved), body=body, headers=headers, faulty=mistake), statuses
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_the_example_runs_as_documented(api: Api, path: Any) -> None:
+def run_example(api: Api, path: Path) -> None:
+    """Sends the steps of a file of examples and compares the answers with what it says. Files beside it may be sent, too."""
     saved: Dict[str, str] = {}
     for step in json.loads(path.read_text(encoding="utf-8"))["steps"]:
         end = time.monotonic() + REPEAT_SECONDS
         while True:
-            response, statuses = send(api, step, saved)
+            response, statuses = send(api, step, saved, path.parent)
             assert response.status_code in statuses, f"{step['name']}: {response.status_code} {response.text[:1000]}"
             repeat = step.get("repeat_until")
             if repeat is None or pointed(response.json(), repeat["pointer"]) == repeat["value"]:
@@ -100,6 +101,11 @@ def test_the_example_runs_as_documented(api: Api, path: Any) -> None:
         assert filled(step.get("response_text", ""), saved) in response.text, step["name"]
         for name, pointer in step.get("save", {}).items():
             saved[name] = str(pointed(response.json(), pointer))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_example_runs_as_documented(api: Api, path: Path) -> None:
+    run_example(api, path)
 
 
 def test_there_are_examples_of_every_operation(api: Api) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import re
 import shutil
 import subprocess
@@ -87,7 +88,7 @@ def test_the_unit_has_limits_and_is_understood_by_systemd() -> None:
     assert done.returncode == 0, f"more than 2.0 of 10 is exposed:\n{done.stdout[-2000:]}"
 
 
-@pytest.mark.parametrize("script", sorted(path.relative_to(ROOT).as_posix() for folder in (DEPLOY, ROOT / "tests" / "deploy") for path in folder.glob("*.sh")))
+@pytest.mark.parametrize("script", sorted(path.relative_to(ROOT).as_posix() for folder in (DEPLOY, DEPLOY / "slurm", ROOT / "tests" / "deploy", ROOT / "tests" / "release") for path in folder.glob("*.sh")))
 def test_a_script_explains_itself_and_refuses_what_it_does_not_know(script: str) -> None:
     told = subprocess.run([str(ROOT / script), "--help"], capture_output=True, text=True, timeout=60, check=False)
     lines = (ROOT / script).read_text().splitlines()
@@ -99,3 +100,19 @@ def test_a_script_explains_itself_and_refuses_what_it_does_not_know(script: str)
     if shutil.which("shellcheck") is not None:
         checked = subprocess.run(["shellcheck", str(ROOT / script)], capture_output=True, text=True, timeout=60, check=False)
         assert checked.returncode == 0, checked.stdout
+
+
+@pytest.mark.skipif(shutil.which("shellcheck") is None, reason="shellcheck is not installed")
+@pytest.mark.parametrize("script", ["postinst", "prerm", "postrm"])
+def test_a_script_of_the_package_has_nothing_that_shellcheck_finds(script: str) -> None:
+    checked = subprocess.run(["shellcheck", str(DEPLOY / "debian" / script)], capture_output=True, text=True, timeout=60, check=False)
+    assert checked.returncode == 0, checked.stdout
+
+
+def test_everything_that_names_a_version_names_that_of_the_contract() -> None:
+    contract = yaml.safe_load((ROOT / "api" / "openapi.yaml").read_text(encoding="utf-8"))["info"]["version"]
+    page = json.loads((ROOT / "clients" / "web" / "package.json").read_text(encoding="utf-8"))["version"]
+    python = re.search(r'^version = "(.*)"$', (ROOT / "clients" / "python" / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
+    module = re.search(r'^__version__ = "(.*)"$', (ROOT / "clients" / "python" / "supple" / "__init__.py").read_text(encoding="utf-8"), re.MULTILINE)
+    assert python and module
+    assert {"page": page, "python": python.group(1), "module": module.group(1)} == dict.fromkeys(("page", "python", "module"), contract)

@@ -1,6 +1,9 @@
 #include "program.h"
 
+#include <string>
+
 #include "commands.h"
+#include "version.h"
 
 namespace supple::cli {
 namespace {
@@ -48,7 +51,7 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
   CLI::App& program = *owner;
   program.footer(footer);
   program.require_subcommand(1);
-  program.set_version_flag("--version", "supple " SUPPLE_VERSION, "Print the version");
+  program.set_version_flag("--version", std::string("supple ") + program_version(), "Print the version");
   program.fallthrough();
   program.add_option("--server", options.server, "Where supple-server answers")
       ->envname("SUPPLE_SERVER")
@@ -82,7 +85,7 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
   add_profile_command(program, options);
   add_weave_commands(program, options);
   add_job_commands(program, options);
-  add_program_commands(program, SUPPLE_VERSION);
+  add_program_commands(program, program_version());
   return owner;
 }
 

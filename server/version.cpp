@@ -1,0 +1,7 @@
+#include "version.h"
+
+namespace supple {
+
+const char* server_version() { return SUPPLE_VERSION; }
+
+}  // namespace supple
