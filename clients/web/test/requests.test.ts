@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { designRequest, patchRequest, profileRequest, structurePath, verificationRequest } from "../src/design/requests";
 import { DEFAULT_STATE, type DesignState } from "../src/design/state";
-import { coveringCells } from "../src/design/tiling_preview";
+import { copiesOf } from "../src/design/tiling_preview";
 
 const found = { family: "IH21", parameters: [0.12, 0.7] };
 const state: DesignState = { ...DEFAULT_STATE, points: [[-0.1, -1], [0, 0], [0.2, 2]], found, fixed: [false, false], direction: 0.3 };
@@ -63,9 +63,19 @@ describe("the structure's file", () => {
     );
   });
 
-  it("has cells enough to cover a square, also of a slanted lattice", () => {
-    expect(coveringCells([[5, 0], [0, 10]], 20)).toEqual([4, 2]);
-    const [first, second] = coveringCells([[5, 5], [5, -5]], 20);
-    expect([first, second]).toEqual([4, 4]);
+  it("is drawn again around itself until a square is covered, also of a slanted lattice", () => {
+    // A patch of 5 by 10 reaches 2.5 and 5 from its centre, and a square of 20 reaches 10: three to either side, and two.
+    const straight = copiesOf([5, 0, 0, -10], 20);
+    expect(straight).toHaveLength(7 * 5 - 1);
+    expect(straight).toContainEqual([15, -20]);
+    expect(straight).not.toContainEqual([0, 0]);
+    for (const [a, b] of [[[5, 5], [5, -5]], [[6, 1], [2, 7]]]) {
+      const places = [[0, 0], ...copiesOf([...a, ...b], 20)];
+      // The nearest patch to each place of the square is less than its own size away.
+      const reach = Math.max(Math.hypot(a[0] + b[0], a[1] + b[1]), Math.hypot(a[0] - b[0], a[1] - b[1])) / 2;
+      for (let x = -10; x <= 10; x += 2) {
+        for (let y = -10; y <= 10; y += 2) expect(Math.min(...places.map(([px, py]) => Math.hypot(x - px, y - py)))).toBeLessThanOrEqual(reach);
+      }
+    }
   });
 });

@@ -142,6 +142,14 @@ TEST(Export, TheSvgsSizeIsTheSolidsInMillimetres) {
   EXPECT_NEAR(number_after(" height=\""), upper.y() - lower.y(), 1e-4);
   EXPECT_NE(svg.find("mm\" height"), std::string::npos);
   EXPECT_NE(svg.find("fill-rule=\"evenodd\""), std::string::npos);
+  // The page draws copies of a patch: their translations are in the file's coordinates, whose y points down.
+  std::istringstream translations(svg.substr(svg.find("data-translations=\"") + 19));
+  for (int k = 0; k < 2; ++k) {
+    double x = 0, y = 0;
+    translations >> x >> y;
+    EXPECT_NEAR(x, structure.tiling.lattice(0, k), 1e-6);
+    EXPECT_NEAR(-y, structure.tiling.lattice(1, k), 1e-6);
+  }
 }
 
 TEST(Export, TheDxfHasTheSectionsOfR2000AndUniqueHandles) {

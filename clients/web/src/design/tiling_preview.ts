@@ -1,5 +1,5 @@
 // The structure of the design shown, drawn from the server's file.
-import { h, svg } from "../base/dom";
+import { h, replace, svg, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
 import { Latest } from "../base/latest";
 import { type Client, isAbort } from "../contract/client";
@@ -9,13 +9,14 @@ import { structurePath } from "./requests";
 import type { DesignSession } from "./session";
 import type { Found } from "./state";
 
-const MOST_CELLS = 16;
+/** Of the patch that the server is asked for, along each translation: uniting its beams is what takes time. Copies of it fill the window. */
+const PATCH_CELLS = 2;
+/** Copies to either side of the patch. */
+const MOST_COPIES = 8;
 /** Height of the frame over its width. */
 const HEIGHT_SHARE = 3 / 4;
 /** Of the beams in the server's file, mm. */
 const DRAWN_WIDTH = DEFAULT_MADE.size.value;
-/** How much smaller than at the default parameters a family's cell may become, along a side. */
-const SHRINKAGE = 1.6;
 
 /** Side of the square that is shown, mm: some cells, whatever their size. */
 export function windowSize(family: Family): number {
@@ -23,13 +24,23 @@ export function windowSize(family: Family): number {
   return Math.max(14, Math.min(48, 2.4 * longest));
 }
 
-/** Cells along the two translations whose patch covers a square of this side around its centre. */
-export function coveringCells(lattice: readonly (readonly number[])[], side: number): [number, number] {
-  const [[ax, ay], [bx, by]] = lattice;
+/** Where copies of a patch have to lie so that, with it, they cover a square of this side around its centre; `a` and `b` repeat the patch. */
+export function copiesOf([ax, ay, bx, by]: readonly number[], side: number): [number, number][] {
   const area = Math.abs(ax * by - ay * bx);
-  // The square's reach across the other translation, over the cell's width there.
-  const count = (x: number, y: number) => Math.min(MOST_CELLS, Math.ceil((side * (Math.abs(x) + Math.abs(y))) / area));
-  return [count(bx, by), count(ax, ay)];
+  // The square's reach across the other translation, over the patch's width there; and since a patch is no parallelogram but whole tiles, some more.
+  const count = (x: number, y: number) => Math.min(MOST_COPIES, Math.ceil((side * (Math.abs(x) + Math.abs(y))) / (2 * area) + 0.25));
+  const [alongA, alongB] = [count(bx, by), count(ax, ay)];
+  const places: [number, number][] = [];
+  for (let i = -alongA; i <= alongA; ++i) {
+    for (let j = -alongB; j <= alongB; ++j) if (i !== 0 || j !== 0) places.push([i * ax + j * bx, i * ay + j * by]);
+  }
+  return places;
+}
+
+/** The two translations that repeat the cell, of a file of the server. */
+function translationsOf(file: Document): number[] | null {
+  const numbers = file.documentElement.getAttribute("data-translations")?.split(" ").map(Number) ?? [];
+  return numbers.length === 4 && numbers.every(Number.isFinite) ? numbers : null;
 }
 
 /** The length of 1, 2 or 5 times a power of ten that comes closest, so that it can be read. */
@@ -40,10 +51,11 @@ function roundLength(length: number): number {
 }
 
 export function tilingPreview(session: DesignSession, client: Client): HTMLElement {
-  const shape = svg("path", { class: "solid", "fill-rule": "evenodd" });
+  const shape = svg("path", { class: "solid", id: uniqueId("patch"), "fill-rule": "evenodd" });
+  const copies = svg("g", { class: "copies" });
   const scaleBar = svg("path", { class: "scale-bar" });
   const scaleWords = svg("text", { class: "scale-words" });
-  const turned = svg("g", {}, shape);
+  const turned = svg("g", {}, copies, shape);
   const drawing = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, turned, scaleBar, scaleWords);
   const caption = h("figcaption", {});
   // On a small screen the card of the design is far away while a point is dragged.
@@ -61,10 +73,13 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
     const family = session.family(found.family);
     if (!family) return;
     const side = windowSize(family);
-    const path = structurePath(found, "svg", coveringCells(family.cell.lattice, SHRINKAGE * side * (isTurned() ? Math.SQRT2 : 1)));
-    const text = await (await client.send("GET", path, undefined, { signal })).text();
-    const solid = new DOMParser().parseFromString(text, "image/svg+xml").querySelector("path");
-    shape.setAttribute("d", solid?.getAttribute("d") ?? "");
+    const path = structurePath(found, "svg", [PATCH_CELLS, PATCH_CELLS]);
+    const file = new DOMParser().parseFromString(await (await client.send("GET", path, undefined, { signal })).text(), "image/svg+xml");
+    shape.setAttribute("d", file.querySelector("path")?.getAttribute("d") ?? "");
+    const translations = translationsOf(file)?.map((length) => PATCH_CELLS * length);
+    // The corners of a turned square reach further.
+    const places = translations ? copiesOf(translations, side * (isTurned() ? Math.SQRT2 : 1)) : [];
+    replace(copies, ...places.map(([x, y]) => svg("use", { href: `#${shape.id}`, x, y })));
     drawing.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
     drawing.setAttribute("aria-label", `Tiling ${found.family} with parameters ${found.parameters.map((value) => digits(value)).join(", ")}`);
     drawnSide = side;
