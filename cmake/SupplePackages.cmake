@@ -11,6 +11,7 @@ install(FILES ${networks} DESTINATION ${share}/models COMPONENT server)
 install(DIRECTORY clients/web/dist/ DESTINATION ${share}/web COMPONENT server OPTIONAL)
 install(FILES api/openapi.yaml api/errors.yaml DESTINATION ${share}/api COMPONENT server)
 install(FILES deploy/supple-server.service DESTINATION lib/systemd/system COMPONENT server)
+install(FILES deploy/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/supple-server COMPONENT server)
 # Where Debian's Python looks for packages of its own. Elsewhere `pip install clients/python` is the way.
 install(DIRECTORY clients/python/supple DESTINATION lib/python3/dist-packages COMPONENT python
   FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE)

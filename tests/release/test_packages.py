@@ -106,6 +106,7 @@ def test_the_server_finds_its_networks_and_its_page(server: str, unpacked: Path)
     page = run("curl", "-fsS", server + "/")
     assert "<title>" in page
     assert "MIT" in run("curl", "-fsS", server + "/licences.txt")
+    assert "systemctl" in (unpacked / "usr/share/doc/supple-server/README.md").read_text(encoding="utf-8"), "what postinst refers to"
 
 
 def test_the_packaged_helper_meshes_and_the_client_writes_the_file(server: str, unpacked: Path, tmp_path: Path) -> None:
