@@ -116,8 +116,8 @@ class Process {
     int status = 0;
     try {
       open();
-      std::cout << "supple-server " << server_version() << " listens on http://" << host_in_url(options_.http.host) << ":"
-                << port << std::endl;
+      std::cout << "supple-server " << server_version() << " listens on http://" << host_in_url(options_.http.host)
+                << ":" << port << std::endl;
       spdlog::info("ready: data in {}, {} models, {} workers, {} compute threads, {} connections", options_.data,
                    models_->size(), options_.jobs.workers, thread_count(), options_.http.max_connections);
       int signal = 0;

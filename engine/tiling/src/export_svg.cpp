@@ -25,7 +25,8 @@ std::string svg_of(const std::vector<Face>& faces, const std::string& title, con
   const std::string width = decimal(2 * half.x()), height = decimal(2 * half.y());
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width +
          "mm\" height=\"" + height + "mm\" viewBox=\"" + decimal(-half.x()) + " " + decimal(-half.y()) + " " + width +
-         " " + height + "\"" + attributes + ">\n<title>" + title + "</title>\n<path fill-rule=\"evenodd\" d=\"" + path + "\"/>\n</svg>\n";
+         " " + height + "\"" + attributes + ">\n<title>" + title + "</title>\n<path fill-rule=\"evenodd\" d=\"" + path +
+         "\"/>\n</svg>\n";
 }
 
 std::string make_svg(const Structure& structure, const ExportOptions& options) {

@@ -10,8 +10,8 @@
 // Solids of the plane, faces in millimetres, as files; made in this process.
 namespace supple::tiling {
 
-/// One SVG path with holes (even-odd fill), true to scale, the origin in its middle; `title` needs no escapes. `attributes`
-/// are further ones of the root, each after a space.
+/// One SVG path with holes (even-odd fill), true to scale, the origin in its middle; `title` needs no escapes.
+/// `attributes` are further ones of the root, each after a space.
 std::string svg_of(const std::vector<Face>& faces, const std::string& title, const std::string& attributes = {});
 /// Closed LWPOLYLINEs, AutoCAD R2000 ASCII; the title is a comment where it is not empty.
 std::string dxf_of(const std::vector<Face>& faces, const std::string& title);

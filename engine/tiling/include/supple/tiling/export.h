@@ -14,8 +14,8 @@ struct ExportOptions {
   double height = 1.0;  ///< height of the extrusion, mm; used by STL only
 };
 
-/// The solid as one SVG path with holes (even-odd fill), true to scale in millimetres. The root's attribute data-translations has
-/// the x and y of the two translations that repeat the cell, in the file's coordinates.
+/// The solid as one SVG path with holes (even-odd fill), true to scale in millimetres. The root's attribute
+/// data-translations has the x and y of the two translations that repeat the cell, in the file's coordinates.
 std::string write_svg(const Structure& structure, const ExportOptions& options = {}, const Execution& execution = {});
 /// The outlines of the solid patch and of its holes as closed LWPOLYLINEs, in AutoCAD R2000 ASCII and millimetres.
 std::string write_dxf(const Structure& structure, const ExportOptions& options = {}, const Execution& execution = {});
