@@ -74,6 +74,13 @@ std::string answer(std::string_view request, const HelperTasks& tasks) {
   }
 }
 
+// The address space that a sanitizer reserves for itself is beyond any limit.
+#ifdef SUPPLE_SANITIZED
+constexpr bool is_limited = false;
+#else
+constexpr bool is_limited = true;
+#endif
+
 }  // namespace
 
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
@@ -82,7 +89,7 @@ int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
   // The server's end is this one's: until then its computations have their time to finish.
   std::signal(SIGTERM, SIG_IGN);
   std::signal(SIGINT, SIG_IGN);
-  if (const auto memory = std::strtoull(argv[1], nullptr, 10); memory > 0) {
+  if (const auto memory = std::strtoull(argv[1], nullptr, 10); is_limited && memory > 0) {
     const rlimit limit{memory, memory};
     ::setrlimit(RLIMIT_AS, &limit);
   }
