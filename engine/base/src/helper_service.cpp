@@ -74,12 +74,15 @@ std::string answer(std::string_view request, const HelperTasks& tasks) {
   }
 }
 
+/// Limits the address space of this process to `memory` bytes (0: no limit).
+void limit_address_space([[maybe_unused]] std::uint64_t memory) {
 // The address space that a sanitizer reserves for itself is beyond any limit.
-#ifdef SUPPLE_SANITIZED
-constexpr bool is_limited = false;
-#else
-constexpr bool is_limited = true;
+#ifndef SUPPLE_SANITIZED
+  if (memory == 0) return;
+  const rlimit limit{memory, memory};
+  ::setrlimit(RLIMIT_AS, &limit);
 #endif
+}
 
 }  // namespace
 
@@ -89,10 +92,7 @@ int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
   // The server's end is this one's: until then its computations have their time to finish.
   std::signal(SIGTERM, SIG_IGN);
   std::signal(SIGINT, SIG_IGN);
-  if (const auto memory = std::strtoull(argv[1], nullptr, 10); is_limited && memory > 0) {
-    const rlimit limit{memory, memory};
-    ::setrlimit(RLIMIT_AS, &limit);
-  }
+  limit_address_space(std::strtoull(argv[1], nullptr, 10));
   while (true) {
     std::array<char, sizeof(std::uint64_t)> head{};
     if (!receive(head.data(), head.size())) return 0;
