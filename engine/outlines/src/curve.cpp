@@ -40,6 +40,29 @@ Piece bulge(const Point& a, const Point& b, double bulge) {
   return Arc{centre, radius, Point(-radius.y(), radius.x()), 0, 4 * std::atan(bulge), b};
 }
 
+void transform(Curve& curve, const Map& map) {
+  struct Move {
+    const Map& map;
+    void operator()(Line& line) const { line.to = map * line.to; }
+    void operator()(Cubic& cubic) const {
+      cubic.first = map * cubic.first;
+      cubic.second = map * cubic.second;
+      cubic.to = map * cubic.to;
+    }
+    void operator()(Arc& arc) const {
+      arc.centre = map * arc.centre;
+      arc.cosine = map.linear() * arc.cosine;
+      arc.sine = map.linear() * arc.sine;
+      arc.to = map * arc.to;
+    }
+    void operator()(Spline& spline) const {
+      for (Point& p : spline.control_points) p = map * p;
+    }
+  };
+  curve.begin = map * curve.begin;
+  for (Piece& piece : curve.pieces) std::visit(Move{map}, piece);
+}
+
 Points Flattener::flatten(const Curve& curve) {
   points_.clear();
   add(curve.begin);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <string>
 #include <variant>
@@ -10,6 +10,7 @@ namespace supple::outlines {
 
 using Point = Eigen::Vector2d;
 using Points = std::vector<Point>;
+using Map = Eigen::Affine2d;
 
 // What curves are made of. Each piece begins where the one before ends.
 
@@ -63,6 +64,9 @@ void for_each_control_point(const Piece& piece, const Visit& visit) {
     for (const Point& p : std::get<Spline>(piece).control_points) visit(p);
   }
 }
+
+/// The image of a curve.
+void transform(Curve& curve, const Map& map);
 
 /// A straight line, or a part of a circle, from a to b, whose bulge is the tangent of a quarter of its angle:
 /// counterclockwise where it is positive.

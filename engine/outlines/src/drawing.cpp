@@ -283,6 +283,13 @@ void add_curve(RawDrawing& drawing, Curve curve, const Execution& execution) {
   drawing.curves.push_back(std::move(curve));
 }
 
+void check_nesting(int depth, const char* things, const std::string& where) {
+  if (depth <= most_nested) return;
+  const std::string what = std::string("has more than ") + std::to_string(most_nested) + " " + things;
+  throw Error("outline.too_large", "The drawing " + what + " within each other.",
+              {{"text", what + " within each other, at " + where}});
+}
+
 void check_pieces(std::size_t count) {
   if (count <= Flattener::most_corners) return;
   const std::string limit = std::to_string(Flattener::most_corners);

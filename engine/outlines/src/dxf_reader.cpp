@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "reading.h"
@@ -98,6 +100,8 @@ struct Entity {
     return std::abs(value) < 1e9 ? static_cast<int>(value) : usual;
   }
   bool flag(int code, int bit) const { return (integer(code, 0) & bit) != 0; }
+  /// Of a block or an insert, whose coordinates may be left out.
+  Point position() const { return {number(10, 0), number(20, 0)}; }
   Point point(int code) const { return {number(code), number(code + 10)}; }
   std::string_view text(int code) const {
     const auto group = find(code);
@@ -129,6 +133,22 @@ struct Vertex {
   double bulge = 0;
 };
 
+/// A block: its text, which is read anew wherever it is inserted, and the place in it that comes to the insert's.
+struct Block {
+  GroupReader groups;
+  std::optional<Group> first;
+  Point base = Point::Zero();
+};
+
+/// What an insert says about all that its block draws.
+struct Inserted {
+  Map map = Map::Identity();
+  std::string layer;
+  std::vector<std::string> names;
+  std::string group;
+  int depth = 0;  ///< 0 outside blocks
+};
+
 class DxfReader {
  public:
   DxfReader(std::string_view text, const DrawingOptions& options, const Execution& execution)
@@ -150,19 +170,31 @@ class DxfReader {
     const double unit = millimetres_of(options_.unit).value_or(unit_);
     drawing_.unit = unit;
     drawing_.unit_is_known = unit_is_known_ || options_.unit != LengthUnit::automatic;
-    if (unit != 1) scale(unit);
+    if (unit != 1) {
+      const Map scale(Eigen::Scaling(unit));
+      for (Curve& curve : drawing_.curves) transform(curve, scale);
+    }
     return std::move(drawing_);
   }
 
  private:
   void advance() {
     if (++read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
+    if (block_.depth > 0) count_copied();
     group_ = groups_.next();
+  }
+  /// A group of a block, or an insert of one, which may be empty.
+  void count_copied() {
+    if (++copied_ <= most_copied_groups) return;
+    const std::string limit = std::to_string(most_copied_groups);
+    throw Error("outline.too_large", "The drawing inserts blocks of more than " + limit + " groups in all.",
+                {{"text", "inserts blocks of more than " + limit + " groups in all"}});
   }
   bool at_end_of_section() const { return !group_ || (group_->code == 0 && group_->value == "ENDSEC"); }
 
   void read_section(std::string_view name) {
     const bool header = name == "HEADER", tables = name == "TABLES", entities = name == "ENTITIES";
+    const bool blocks = name == "BLOCKS";
     has_entities_ = has_entities_ || entities;
     advance();
     while (!at_end_of_section()) {
@@ -172,6 +204,12 @@ class DxfReader {
       } else if (group_->code == 0 && (entities || (tables && group_->value == "LAYER"))) {
         const Entity entity = take_entity();
         entities ? read_entity(entity) : read_layer(entity);
+        continue;
+      }
+      if (blocks && group_->code == 0 && group_->value == "BLOCK") {
+        const Entity block = take_entity();
+        // What follows is read where it is inserted.
+        blocks_.try_emplace(std::string(block.text(2)), Block{groups_, group_, block.position()});
         continue;
       }
       advance();
@@ -201,10 +239,16 @@ class DxfReader {
     if (layer.flag(70, 1) || layer.integer(62, 0) < 0) hidden_layers_.emplace(layer.text(2));
   }
 
+  /// What a block has on layer 0 is on the layer of what inserts it.
+  std::string layer_of(const Entity& entity) const {
+    const std::string_view own = entity.text(8);
+    return !block_.layer.empty() && (own.empty() || own == "0") ? block_.layer : std::string(own);
+  }
+
   /// Whether the entity is shown in model space.
   bool is_shown(const Entity& entity) {
     if (entity.integer(67, 0) == 1) return false;  // of a sheet
-    if (entity.integer(60, 0) != 1 && !hidden_layers_.contains(std::string(entity.text(8)))) return true;
+    if (entity.integer(60, 0) != 1 && !hidden_layers_.contains(layer_of(entity))) return true;
     ++drawing_.hidden;
     return false;
   }
@@ -226,6 +270,7 @@ class DxfReader {
     if (entity.kind == "CIRCLE" || entity.kind == "ARC") return add_circle(entity);
     if (entity.kind == "ELLIPSE") return add_ellipse(entity);
     if (entity.kind == "SPLINE") return add_spline(entity);
+    if (entity.kind == "INSERT") return insert(entity);
     // What annotates a drawing, or marks places in it, is no shape that anyone misses.
     constexpr std::array<std::string_view, 12> annotations{"TEXT",    "MTEXT",  "DIMENSION",   "LEADER",
                                                            "MLEADER", "ATTDEF", "VIEWPORT",    "POINT",
@@ -251,6 +296,44 @@ class DxfReader {
     add_polyline(entity, vertices);
   }
 
+  /// A block drawn at a place, or in rows and columns of places.
+  void insert(const Entity& entity) {
+    const std::string name(entity.text(2));
+    const auto found = blocks_.find(name);
+    const double side = side_of(entity);
+    if (found == blocks_.end() || side == 0)
+      return leave_out(drawing_, side == 0 ? "tilted INSERT" : "INSERT of no block of the file");
+    check_nesting(block_.depth + 1, "blocks", entity.words());
+    const int columns = std::max(1, entity.integer(70, 1)), rows = std::max(1, entity.integer(71, 1));
+    const Point step(entity.number(44, 0), entity.number(45, 0));
+    const Map turned = block_.map * Eigen::Scaling(side, 1.0) * Eigen::Translation2d(entity.position()) *
+                       Eigen::Rotation2Dd(entity.number(50, 0) * degree);
+    const Map scaled =
+        Eigen::Scaling(entity.number(41, 1), entity.number(42, 1)) * Map(Eigen::Translation2d(-found->second.base));
+    Inserted inner{turned, layer_of(entity), block_.names, {}, block_.depth + 1};
+    inner.names.insert(inner.names.begin(), shortened(name));
+    inner.names.resize(std::min(inner.names.size(), most_names - 1));
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        inner.map = turned * Eigen::Translation2d(column * step.x(), row * step.y()) * scaled;
+        inner.group = "/" + std::to_string(++inserts_);
+        read_block(found->second, inner);
+      }
+    }
+  }
+
+  void read_block(const Block& block, const Inserted& inner) {
+    if (++read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
+    count_copied();
+    const auto outer = std::tuple(groups_, group_, block_);
+    groups_ = block.groups;
+    group_ = block.first;
+    block_ = inner;
+    while (!at_end_of_section() && !(group_->code == 0 && group_->value == "ENDBLK"))
+      group_->code == 0 ? read_entity(take_entity()) : advance();
+    std::tie(groups_, group_, block_) = outer;
+  }
+
   /// -1 where the entity's own coordinates are seen from behind, 0 where its plane is tilted.
   static double side_of(const Entity& entity) {
     const bool is_upright = std::abs(entity.number(210, 0)) <= upright && std::abs(entity.number(220, 0)) <= upright;
@@ -264,29 +347,14 @@ class DxfReader {
       leave_out(drawing_, "tilted " + shortened(entity.kind));
       return;
     }
-    if (side < 0 && !is_world) map_points(curve, [](Point& p) { p.x() = -p.x(); });
-    curve.group = shortened(entity.text(8));
-    if (!curve.group.empty()) curve.names = {curve.group};
-    curve.what = entity.words() + " (layer " + quoted(curve.group) + ")";
+    if (side < 0 && !is_world) transform(curve, Map(Eigen::Scaling(-1.0, 1.0)));
+    transform(curve, block_.map);
+    const std::string layer = shortened(layer_of(entity));
+    curve.group = layer + block_.group;
+    if (!layer.empty()) curve.names = {layer};
+    curve.names.insert(curve.names.end(), block_.names.begin(), block_.names.end());
+    curve.what = entity.words() + " (layer " + quoted(layer) + ")";
     add_curve(drawing_, std::move(curve), execution_);
-  }
-
-  template <class Change>
-  static void map_points(Curve& curve, const Change& change) {
-    change(curve.begin);
-    for (Piece& piece : curve.pieces) {
-      if (auto* line = std::get_if<Line>(&piece)) {
-        change(line->to);
-      } else if (auto* arc = std::get_if<Arc>(&piece)) {
-        for (Point* p : {&arc->centre, &arc->cosine, &arc->sine, &arc->to}) change(*p);
-      } else if (auto* spline = std::get_if<Spline>(&piece)) {
-        for (Point& p : spline->control_points) change(p);
-      }
-    }
-  }
-
-  void scale(double factor) {
-    for (Curve& curve : drawing_.curves) map_points(curve, [factor](Point& p) { p *= factor; });
   }
 
   void add_polyline(const Entity& entity, const std::vector<Vertex>& vertices) {
@@ -377,6 +445,8 @@ class DxfReader {
   }
 
   static constexpr std::size_t groups_between_checks = 16'384;
+  /// Blocks within each other may stand for any number of entities.
+  static constexpr std::size_t most_copied_groups = 2'000'000;
 
   GroupReader groups_;
   const DrawingOptions& options_;
@@ -384,6 +454,10 @@ class DxfReader {
   RawDrawing drawing_;
   std::optional<Group> group_;
   std::set<std::string> hidden_layers_;
+  std::map<std::string, Block> blocks_;
+  Inserted block_;  ///< the one that is being drawn
+  std::size_t inserts_ = 0;
+  std::size_t copied_ = 0;
   std::size_t read_ = 0;
   double unit_ = 1;
   bool unit_is_known_ = false;

@@ -23,6 +23,8 @@ constexpr std::size_t curves_between_checks = 256;
 constexpr double largest_coordinate = 1e7;
 /// Of a name, bytes.
 constexpr std::size_t longest_name = 100;
+/// Groups, or what is drawn again, within each other.
+constexpr int most_nested = 100;
 /// An element's own and those of the nearest groups.
 constexpr std::size_t most_names = 10;
 
@@ -56,6 +58,9 @@ void leave_out(RawDrawing& drawing, const std::string& kind);
 
 /// Throws "outline.too_large" where a curve has more pieces than a drawing has corners.
 void check_pieces(std::size_t count);
+
+/// Throws "outline.too_large" for what lies within more than most_nested `things`.
+void check_nesting(int depth, const char* things, const std::string& where);
 
 /// Adds a curve, whose coordinates must be within bounds. Throws "outline.too_large".
 void add_curve(RawDrawing& drawing, Curve curve, const Execution& execution);

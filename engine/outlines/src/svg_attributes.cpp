@@ -1,5 +1,6 @@
 #include "svg_attributes.h"
 
+#include <Eigen/Geometry>
 #include <numbers>
 #include <stdexcept>
 
@@ -100,29 +101,6 @@ Curve ellipse(const Point& centre, double rx, double ry) {
   curve.closed = true;
   curve.pieces.emplace_back(Arc{centre, {rx, 0}, {0, ry}, 0, 2 * std::numbers::pi, curve.begin});
   return curve;
-}
-
-void transform(Curve& curve, const Map& map) {
-  struct Move {
-    const Map& map;
-    void operator()(Line& line) const { line.to = map * line.to; }
-    void operator()(Cubic& cubic) const {
-      cubic.first = map * cubic.first;
-      cubic.second = map * cubic.second;
-      cubic.to = map * cubic.to;
-    }
-    void operator()(Arc& arc) const {
-      arc.centre = map * arc.centre;
-      arc.cosine = map.linear() * arc.cosine;
-      arc.sine = map.linear() * arc.sine;
-      arc.to = map * arc.to;
-    }
-    void operator()(Spline& spline) const {
-      for (Point& p : spline.control_points) p = map * p;
-    }
-  };
-  curve.begin = map * curve.begin;
-  for (Piece& piece : curve.pieces) std::visit(Move{map}, piece);
 }
 
 }  // namespace supple::outlines

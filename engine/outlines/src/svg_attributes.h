@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,8 +8,6 @@
 #include "reading.h"
 
 namespace supple::outlines {
-
-using Map = Eigen::Affine2d;
 
 /// A list of "matrix", "translate", "scale", "rotate", "skewX" and "skewY", the last of which is applied first. Throws
 /// std::invalid_argument that says what is wrong with it.
@@ -28,8 +25,5 @@ std::vector<Curve> read_path(std::string_view text);
 
 /// A whole ellipse from its rightmost point.
 Curve ellipse(const Point& centre, double rx, double ry);
-
-/// The image of a curve.
-void transform(Curve& curve, const Map& map);
 
 }  // namespace supple::outlines

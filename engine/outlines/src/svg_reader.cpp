@@ -1,9 +1,11 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <numbers>
 #include <pugixml.hpp>
 #include <stdexcept>
+#include <unordered_map>
 #include <utility>
 
 #include "svg_attributes.h"
@@ -11,7 +13,8 @@
 namespace supple::outlines {
 namespace {
 
-constexpr int most_groups = 100;
+/// Elements that are drawn again: a few of them within each other may stand for any number.
+constexpr std::size_t most_copies = 200'000;
 constexpr std::size_t elements_between_checks = 4'096;
 
 /// Without the prefix of a namespace.
@@ -114,49 +117,58 @@ class SvgReader {
       return value;
     };
     const auto width = side("width"), height = side("height");
-    const auto box = read_numbers(root.attribute("viewBox").value());
-    if (!box.empty() && (box.size() != 4 || !(box[2] > 0) || !(box[3] > 0)))
-      throw std::invalid_argument("viewBox must be four numbers, of which width and height are positive");
-    double bottom = 0;
-    Eigen::Vector2d scale(mm_per_pixel, mm_per_pixel), corner = Eigen::Vector2d::Zero();
+    const auto box = box_of(root);
+    // In user units of the page: where its box is drawn, and how large it is.
+    Map view = Map::Identity();
+    page_size_ = {width.value_or(0), height.value_or(0)};
+    double unit = mm_per_pixel;
     drawing_.unit_is_known = width || height;
-    if (const auto unit = millimetres_of(options_.unit)) {
-      scale.setConstant(*unit);
+    if (const auto wanted = millimetres_of(options_.unit)) {
+      unit = *wanted;
       drawing_.unit_is_known = true;
-      bottom = box.empty() ? height.value_or(0) : box[1] + box[3];
-      corner.x() = box.empty() ? 0 : box[0];
+      if (!box.empty()) {
+        page_size_ = {box[2], box[3]};
+        view.translation() << -box[0], -box[1];
+      }
     } else if (!box.empty()) {
       const double across = width ? *width / box[2] : height ? *height / box[3] : 1;
-      scale = mm_per_pixel * Eigen::Vector2d(across, height ? *height / box[3] : across);
-      bottom = box[1] + box[3];
-      corner.x() = box[0];
-      if (!std::string_view(root.attribute("preserveAspectRatio").value()).starts_with("none")) {
-        // The view box is in the middle of the page.
-        const Eigen::Vector2d room = scale - Eigen::Vector2d::Constant(scale.minCoeff());
-        scale.setConstant(scale.minCoeff());
-        corner.x() -= room.x() / scale.x() * box[2] / 2;
-        bottom += room.y() / scale.y() * box[3] / 2;
-      }
-    } else {
-      bottom = height.value_or(0);
+      page_size_ = {across * box[2], height.value_or(across * box[3])};
+      view = view_of(root, box, page_size_);
     }
     drawing_.has_page = !box.empty() || height;
-    drawing_.unit = scale.x();
+    drawing_.unit = unit * view.linear()(0, 0);
+    Map upwards = Map::Identity();
+    upwards.linear() << unit, 0, 0, -unit;
+    upwards.translation() << 0, unit * page_size_.y();
+    page_size_ = box.empty() ? page_size_ : Eigen::Vector2d(box[2], box[3]);
+    return upwards * view;
+  }
+
+  static std::vector<double> box_of(const pugi::xml_node& node) {
+    auto box = read_numbers(node.attribute("viewBox").value());
+    if (!box.empty() && (box.size() != 4 || !(box[2] > 0) || !(box[3] > 0)))
+      throw std::invalid_argument("viewBox must be four numbers, of which width and height are positive");
+    return box;
+  }
+
+  /// The map of a view box into a space of a size, in whose middle it is unless both may be stretched.
+  static Map view_of(const pugi::xml_node& node, const std::vector<double>& box, const Eigen::Vector2d& size) {
+    const Eigen::Vector2d extent(box[2], box[3]);
+    Eigen::Vector2d scale = size.cwiseQuotient(extent);
+    if (!std::string_view(node.attribute("preserveAspectRatio").value()).starts_with("none"))
+      scale.setConstant(scale.minCoeff());
     Map map = Map::Identity();
-    map.linear() << scale.x(), 0, 0, -scale.y();
-    map.translation() << -scale.x() * corner.x(), scale.y() * bottom;
+    map.linear() << scale.x(), 0, 0, scale.y();
+    map.translation() = (size - scale.cwiseProduct(extent)) / 2 - scale.cwiseProduct(Eigen::Vector2d(box[0], box[1]));
     return map;
   }
 
   void read_children(const pugi::xml_node& parent, const Map& map, const std::vector<std::string>& names,
                      const std::string& group, int depth) {
-    if (depth > most_groups) {
-      const std::string limit = std::to_string(most_groups);
-      throw Error("outline.too_large", "The drawing has more than " + limit + " groups within each other.",
-                  {{"text", "has more than " + limit + " groups within each other, at " + words_for(parent)}});
-    }
+    check_nesting(depth, "groups", words_for(parent));
     for (const pugi::xml_node& node : parent.children()) {
       if (++read_ % elements_between_checks == 0) execution_.cancellation.throw_if_requested();
+      if (copying_) count_copy(parent);
       if (node.type() == pugi::node_element) read_element(node, map, names, group, depth);
     }
   }
@@ -166,8 +178,9 @@ class SvgReader {
     const std::string_view name = local_name(node.name());
     const bool is_group = is_one_of(name, {"g", "a", "switch"});
     const bool is_shape = is_one_of(name, {"path", "polygon", "polyline", "line", "rect", "circle", "ellipse"});
-    const bool is_other = is_one_of(name, {"use", "text", "image", "svg", "foreignObject"});
-    if (!is_group && !is_shape && !is_other) return;
+    const bool is_use = name == "use";
+    const bool is_other = is_one_of(name, {"text", "image", "svg", "foreignObject"});
+    if (!is_group && !is_shape && !is_use && !is_other) return;
     if (is_hidden(node)) {
       ++drawing_.hidden;
       return;
@@ -179,6 +192,7 @@ class SvgReader {
     const Map map = at(node, [&] { return Map(outer * read_transform(node.attribute("transform").value())); });
     const auto names = names_of(node, outer_names);
     if (is_group) return read_children(node, map, names, group + "/" + std::to_string(node.offset_debug()), depth + 1);
+    if (is_use) return read_use(node, map, names, group + "/" + std::to_string(node.offset_debug()), depth + 1);
     auto curves = at(node, [&] { return shape_of(node, name); });
     if (curves.empty()) return;
     const std::string what = words_for(node);
@@ -189,6 +203,77 @@ class SvgReader {
       curve.what = what;
       add_curve(drawing_, std::move(curve), execution_);
     }
+  }
+
+  void count_copy(const pugi::xml_node& node) {
+    if (++copies_ <= most_copies) return;
+    const std::string limit = std::to_string(most_copies);
+    throw Error("outline.too_large", "The drawing draws more than " + limit + " elements again.",
+                {{"text", "draws more than " + limit + " elements again by <use>, at " + words_for(node)}});
+  }
+
+  /// What a <use> refers to is drawn again. Nothing outside the file is opened.
+  void read_use(const pugi::xml_node& node, const Map& outer, const std::vector<std::string>& names,
+                const std::string& group, int depth) {
+    check_nesting(depth, "groups", words_for(node));
+    count_copy(node);
+    const pugi::xml_node target = target_of(node);
+    const std::string_view name = local_name(target.name());
+    const Map map = at(node, [&] {
+      Map moved = outer * Eigen::Translation2d(length_or_zero(node, "x"), length_or_zero(node, "y"));
+      if (name != "symbol") return moved;
+      return Map(moved * at(target, [&] { return symbol_of(target, node); }));
+    });
+    const bool was_copying = std::exchange(copying_, true);
+    if (name == "symbol") {
+      read_children(target, map, names_of(target, names), group, depth + 1);
+    } else if (target && !is_one_of(name, {"svg", "text", "image", "foreignObject"})) {
+      read_element(target, map, names, group, depth + 1);
+    } else {
+      leave_out(drawing_, target ? "<use> of <" + std::string(name) + ">" : "<use> of nothing in the file");
+    }
+    copying_ = was_copying;
+  }
+
+  /// The first element whose id is that of the reference.
+  pugi::xml_node target_of(const pugi::xml_node& use) {
+    std::string_view reference;
+    for (const auto& attribute : use.attributes()) {
+      if (local_name(attribute.name()) == "href" && reference.empty()) reference = attribute.value();
+    }
+    if (!reference.starts_with('#')) return {};
+    if (ids_.empty()) {
+      struct Walker : pugi::xml_tree_walker {
+        std::unordered_map<std::string_view, pugi::xml_node>& ids;
+        explicit Walker(std::unordered_map<std::string_view, pugi::xml_node>& found) : ids(found) {}
+        bool for_each(pugi::xml_node& node) override {
+          if (const auto id = node.attribute("id")) ids.emplace(id.value(), node);
+          return true;
+        }
+      } walker(ids_);
+      use.root().traverse(walker);
+    }
+    const auto found = ids_.find(reference.substr(1));
+    return found == ids_.end() ? pugi::xml_node() : found->second;
+  }
+
+  /// A symbol with a view box fills the space that its use gives it, or the page.
+  Map symbol_of(const pugi::xml_node& symbol, const pugi::xml_node& use) const {
+    const auto box = box_of(symbol);
+    if (box.empty()) return Map::Identity();
+    const auto side = [&](const char* name, double page) {
+      for (const pugi::xml_node& node : {use, symbol}) {
+        const auto attribute = node.attribute(name);
+        if (!attribute || std::string_view(attribute.value()) == "auto") continue;
+        const auto value = read_length(attribute.value());
+        if (value && !(*value > 0)) throw std::invalid_argument(std::string(name) + " must be positive");
+        if (value) return *value;
+      }
+      return page;
+    };
+    const Eigen::Vector2d size(side("width", page_size_.x()), side("height", page_size_.y()));
+    if (!(size.minCoeff() > 0)) throw std::invalid_argument("its view box has no space, because the page has no size");
+    return view_of(symbol, box, size);
   }
 
   std::vector<Curve> shape_of(const pugi::xml_node& node, std::string_view name) const {
@@ -254,7 +339,11 @@ class SvgReader {
   const DrawingOptions& options_;
   const Execution& execution_;
   RawDrawing drawing_;
+  std::unordered_map<std::string_view, pugi::xml_node> ids_;  ///< all of the file, once a <use> has asked for one
+  Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();       ///< in user units within the page
   std::size_t read_ = 0;
+  std::size_t copies_ = 0;
+  bool copying_ = false;
 };
 
 }  // namespace

@@ -63,6 +63,47 @@ TEST(HardDrawings, DepthCurvesAndCornersAreBounded) {
             "accuracy/tolerance");
 }
 
+TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
+  const auto refused = [](const std::string& text) {
+    const Error error = expect_error("outline.too_large", [&] { read_drawing(text); });
+    return places(error).at(0) + ": " + error.what();
+  };
+  const std::string solid = "<rect width='1' height='1'/>";
+  // Uses that refer to themselves, at once and by another.
+  EXPECT_NE(refused(page(solid + "<use id='a' href='#a'/>")).find("100 groups"), std::string::npos);
+  EXPECT_NE(refused(page(solid + "<g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g>")).find("100 groups"),
+            std::string::npos);
+  // A billion laughs: ten levels of ten uses of the level below, of an empty group and of a curve.
+  const auto laughs = [&](const std::string& joke) {
+    std::string levels = "<defs><g id='l0'>" + joke + "</g>";
+    for (int k = 1; k <= 10; ++k) {
+      levels += "<g id='l" + std::to_string(k) + "'>";
+      levels += repeated("<use href='#l" + std::to_string(k - 1) + "'/>", 10) + "</g>";
+    }
+    return page(solid + levels + "</defs><use href='#l10'/>");
+  };
+  EXPECT_NE(refused(laughs("")).find("200000 elements"), std::string::npos);
+  EXPECT_NE(refused(laughs(solid)).find("20000 curves"), std::string::npos);
+
+  const auto section = [](const std::string& name, const std::string& content) {
+    return "0\nSECTION\n2\n" + name + "\n" + content + "0\nENDSEC\n";
+  };
+  const std::string circle = "0\nCIRCLE\n10\n0\n20\n0\n40\n5\n";
+  const auto inserted = [&](const std::string& block, const std::string& more = {}) {
+    return section("BLOCKS", "0\nBLOCK\n2\nb\n" + block + "0\nENDBLK\n") +
+           section("ENTITIES", circle + "0\nINSERT\n2\nb\n" + more) + "0\nEOF\n";
+  };
+  EXPECT_EQ(read_drawing(inserted(circle, "10\n100\n")).outlines.size(), 2U);
+  EXPECT_NE(refused(inserted("0\nINSERT\n2\nb\n")).find("100 blocks"), std::string::npos);
+  EXPECT_NE(refused(inserted(circle, "70\n900000000\n71\n900000000\n")).find("20000 curves"), std::string::npos);
+  EXPECT_NE(refused(inserted("", "70\n900000000\n71\n900000000\n")).find("2000000 groups"), std::string::npos);
+  // A block without an end is as long as its section.
+  EXPECT_EQ(read_drawing(section("BLOCKS", "0\nBLOCK\n2\nb\n" + circle) + section("ENTITIES", "0\nINSERT\n2\nb\n") +
+                         "0\nEOF\n")
+                .outlines.size(),
+            1U);
+}
+
 TEST(HardDrawings, AStopIsFollowedWithinTheText) {
   Execution execution;
   execution.cancellation.request(StopReason::cancelled);

@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(
                               "\xEF\xBB\xBF"
                               "0,0\n0.5,-1.5\n1,20\n",
                               ',', '.'}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& format) { return format.param.name; });
 
 TEST(MeasuredTable, NamesColumnsAndUnitsByItsHeader) {
   const MeasuredTable table = read_table("Strain [%];Stress (kPa);force/N;Zeit in s;load\n0;1;2;3;4\n5;6;7;8;9\n");

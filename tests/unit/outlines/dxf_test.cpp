@@ -210,9 +210,105 @@ TEST(Dxf, HiddenLayersSheetsAndAnnotationsAreLeftOut) {
   const Drawing drawing = read_drawing(drawing_of(entities, "4", tables));
   EXPECT_EQ(drawing.outlines.size(), 1U);
   EXPECT_TRUE(warns_of(drawing, "3 hidden elements"));
-  EXPECT_TRUE(warns_of(drawing, "1 INSERT left out"));
+  EXPECT_TRUE(warns_of(drawing, "1 INSERT of no block of the file left out"));
   EXPECT_TRUE(warns_of(drawing, "1 SPLINE without control points"));
   EXPECT_FALSE(warns_of(drawing, "TEXT"));
+}
+
+/// A section of blocks: "dot", a circle of radius 1 at (3, 2) with the base (1, 2), and "pair", of which another lies
+/// 10 to the right.
+std::string blocks() {
+  return pairs({{0, "SECTION"}, {2, "BLOCKS"}, {0, "BLOCK"},  {2, "pair"},   {0, "INSERT"}, {2, "dot"},
+                {0, "INSERT"},  {2, "dot"},    {10, "10"},    {0, "ENDBLK"}, {0, "BLOCK"},  {2, "dot"},
+                {10, "1"},      {20, "2"},     {0, "CIRCLE"}, {8, "0"},      {10, "3"},     {20, "2"},
+                {40, "1"},      {0, "ENDBLK"}, {0, "ENDSEC"}});
+}
+
+Drawing read_inserts(const std::string& inserts, const char* unit = "4") {
+  DrawingOptions options;
+  options.tolerance = 1e-4;
+  // The square keeps the drawing where it is: the box of all begins in the origin.
+  return read_drawing(drawing_of(square + inserts, unit, blocks()), options);
+}
+
+/// The middle of a closed curve's bounding box, and half its size.
+std::pair<Eigen::Vector2d, Eigen::Vector2d> box_of(const Outline& outline) {
+  Eigen::Vector2d lower = outline.corners[0], upper = lower;
+  for (const Eigen::Vector2d& p : outline.corners) {
+    lower = lower.cwiseMin(p);
+    upper = upper.cwiseMax(p);
+  }
+  return {(lower + upper) / 2, (upper - lower) / 2};
+}
+
+TEST(Dxf, BlocksAreDrawnWhereTheyAreInserted) {
+  const Drawing drawing = read_inserts(
+      pairs({{0, "INSERT"}, {8, "cut"}, {2, "dot"}, {10, "10"}, {20, "20"}, {41, "2"}, {42, "3"}, {50, "90"}}));
+  ASSERT_EQ(drawing.outlines.size(), 2U);
+  // The centre lies 2 to the right of the base: 4 after scaling, and upwards after a quarter of a turn.
+  const auto [middle, half] = box_of(drawing.outlines[1]);
+  EXPECT_LT((middle - Eigen::Vector2d(10, 24)).norm(), 1e-3);
+  EXPECT_LT((half - Eigen::Vector2d(3, 2)).norm(), 1e-3);
+  EXPECT_NEAR(area(drawing.outlines[1]), 6 * pi, 1e-2);
+  EXPECT_EQ(drawing.outlines[1].names, (std::vector<std::string>{"cut", "dot"}));
+  EXPECT_NEAR(read_inserts(pairs({{0, "INSERT"}, {2, "dot"}}), "5").upper.x(), 100, 1e-9) << "in centimetres";
+}
+
+TEST(Dxf, BlocksWithinBlocksInRowsAndColumns) {
+  const Drawing drawing = read_inserts(pairs({{0, "INSERT"},
+                                              {8, "cut"},
+                                              {2, "pair"},
+                                              {10, "50"},
+                                              {20, "20"},
+                                              {41, "-1"},
+                                              {70, "3"},
+                                              {71, "2"},
+                                              {44, "100"},
+                                              {45, "40"}}));
+  ASSERT_EQ(drawing.outlines.size(), 13U);
+  std::size_t next = 1;
+  for (const double y : {20, 60}) {
+    for (const double x : {50, 150, 250}) {
+      for (const double along : {2, 12}) {  // mirrored: to the left
+        const auto [middle, half] = box_of(drawing.outlines[next]);
+        EXPECT_LT((middle - Eigen::Vector2d(x - along, y)).norm(), 1e-3) << next;
+        EXPECT_LT((half - Eigen::Vector2d(1, 1)).norm(), 1e-3);
+        EXPECT_LT(area(drawing.outlines[next]), 0) << "a mirrored circle runs the other way";
+        EXPECT_EQ(drawing.outlines[next].names, (std::vector<std::string>{"cut", "dot", "pair"}));
+        ++next;
+      }
+    }
+  }
+}
+
+TEST(Dxf, InsertsSeenFromBehindAndWhatIsNoBlock) {
+  const Drawing drawing = read_inserts(pairs({{0, "INSERT"},
+                                              {2, "dot"},
+                                              {10, "-40"},
+                                              {20, "20"},
+                                              {230, "-1"},
+                                              {0, "INSERT"},
+                                              {2, "dot"},
+                                              {210, "0.6"},
+                                              {230, "0.8"},
+                                              {0, "INSERT"},
+                                              {2, "*D1"}}));
+  ASSERT_EQ(drawing.outlines.size(), 2U);
+  EXPECT_LT((box_of(drawing.outlines[1]).first - Eigen::Vector2d(38, 20)).norm(), 1e-3);
+  EXPECT_TRUE(warns_of(drawing, "1 tilted INSERT"));
+  EXPECT_TRUE(warns_of(drawing, "1 INSERT of no block of the file"));
+}
+
+TEST(Dxf, WhatIsOnTheLayerOfAnInsertIsHiddenWithIt) {
+  const std::string tables =
+      pairs({{0, "SECTION"}, {2, "TABLES"}, {0, "LAYER"}, {2, "off"}, {62, "-7"}, {0, "ENDSEC"}}) + blocks();
+  const auto outlines = [&](const char* layer) {
+    const Drawing drawing =
+        read_drawing(drawing_of(square + pairs({{0, "INSERT"}, {8, layer}, {2, "dot"}}), "4", tables));
+    return drawing.outlines.size();
+  };
+  EXPECT_EQ(outlines("off"), 1U);
+  EXPECT_EQ(outlines("on"), 2U);
 }
 
 TEST(Dxf, CurvesSeenFromBehindAreMirroredAndTiltedOnesTold) {

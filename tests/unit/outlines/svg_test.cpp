@@ -217,15 +217,60 @@ TEST(Svg, OpenCurvesOfOneGroupAreJoinedAndOthersTold) {
   EXPECT_TRUE(warns_of(drawing, "<path> \"open\" of line 3 ends"));
 }
 
+TEST(Svg, WhatIsUsedIsDrawnAgain) {
+  const std::string defined = R"svg(<defs><g id="pair"><rect id="r" width="10" height="5"/>
+    <use href="#dot" x="5"/></g><circle id="dot" cy="8" r="2"/></defs>)svg";
+  expect_corners(page(defined + R"svg(<use xlink:href="#r" x="20" y="1cm"/>)svg"), {{20, 80 - 37.795275590551178},
+                                                                                    {30, 80 - 37.795275590551178},
+                                                                                    {30, 75 - 37.795275590551178},
+                                                                                    {20, 75 - 37.795275590551178}});
+  // As if it were written there, in a group that is moved.
+  const Drawing used = read(page(defined + R"svg(<use id="left" href="#pair" transform="rotate(30)" x="40" y="-10"/>
+    <g id="right"><use id="small" href="#pair" transform="translate(70 40) scale(.5)"/></g>)svg"));
+  const Drawing written = read(page(R"svg(<g transform="rotate(30) translate(40 -10)"><rect width="10" height="5"/>
+    <circle cx="5" cy="8" r="2"/></g><g transform="translate(70 40) scale(.5)"><rect width="10" height="5"/>
+    <circle cx="5" cy="8" r="2"/></g>)svg"));
+  ASSERT_EQ(used.outlines.size(), 4U);
+  ASSERT_EQ(written.outlines.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) {
+    ASSERT_EQ(used.outlines[k].corners.size(), written.outlines[k].corners.size());
+    for (std::size_t i = 0; i < used.outlines[k].corners.size(); ++i)
+      EXPECT_LT((used.outlines[k].corners[i] - written.outlines[k].corners[i]).norm(), 1e-9);
+  }
+  EXPECT_EQ(used.outlines[0].names, (std::vector<std::string>{"r", "pair", "left"}));
+  EXPECT_EQ(used.outlines[3].names, (std::vector<std::string>{"dot", "pair", "small", "right"}));
+}
+
+TEST(Svg, SymbolsFillTheSpaceOfTheirUse) {
+  const std::string symbol = R"svg(<symbol id="s" viewBox="1 0 2 1"><rect x="1" width="2" height="1"/></symbol>)svg";
+  // Of the page's own size where the use has none; in the middle of a space of other proportions.
+  expect_corners(page(symbol + R"svg(<use href="#s"/>)svg"), {{0, 65}, {100, 65}, {100, 15}, {0, 15}});
+  expect_corners(page(symbol + R"svg(<use href="#s" x="10" y="20" width="40" height="30"/>)svg"),
+                 {{10, 55}, {50, 55}, {50, 35}, {10, 35}});
+  expect_corners(page(R"svg(<symbol id="s" viewBox="1 0 2 1" preserveAspectRatio="none" width="8">
+    <rect x="1" width="2" height="1"/></symbol><use href="#s" height="30"/>)svg"),
+                 {{0, 80}, {8, 80}, {8, 50}, {0, 50}});
+  expect_corners(page(R"svg(<symbol id="s"><rect width="2" height="1"/></symbol><use href="#s" width="40"/>)svg"),
+                 {{0, 80}, {2, 80}, {2, 79}, {0, 79}});
+}
+
+TEST(Svg, LinesOfOneUseAreJoinedAndThoseOfAnotherAreNot) {
+  const Drawing drawing = read(page(R"svg(<defs><g id="angle"><path d="M0 0H10"/><path d="M0 0V10"/></g></defs>
+    <g><use href="#angle"/><use href="#angle" transform="translate(10 10) rotate(180)"/></g><rect x="50" width="5" height="5"/>)svg"));
+  EXPECT_EQ(drawing.outlines.size(), 1U);
+  EXPECT_EQ(drawing.open_curves, 4U);
+}
+
 TEST(Svg, WhatIsNoOutlineIsLeftOutAndTold) {
   const Drawing drawing = read(page(R"svg(<defs><rect width="1" height="1"/></defs><clipPath><circle r="3"/></clipPath>
     <rect width="10" height="10"/><rect width="10" height="10"/><rect width="9" height="9" style="fill:red; display : none"/>
-    <g display="none"><rect width="8" height="8"/></g><text>words</text><use href="#x"/><use href="#y"/>
+    <g display="none"><rect width="8" height="8"/></g><text id="t">words</text><use href="#x"/><use href="other.svg#r"/><use href="#t"/>
     <path d="M0 0 L5 0 Z"/><script>alert(1)</script><sodipodi:namedview/>)svg"));
   EXPECT_EQ(drawing.outlines.size(), 1U);
   EXPECT_TRUE(warns_of(drawing, "1 polygon lies exactly over"));
   EXPECT_TRUE(warns_of(drawing, "2 hidden elements left out"));
-  EXPECT_TRUE(warns_of(drawing, "2 <use> left out"));
+  EXPECT_TRUE(warns_of(drawing, "2 <use> of nothing in the file left out"));
+  EXPECT_TRUE(warns_of(drawing, "1 <use> of <text> left out"));
   EXPECT_TRUE(warns_of(drawing, "1 <text> left out"));
   EXPECT_TRUE(warns_of(drawing, "1 closed curve without area"));
 }
@@ -256,7 +301,11 @@ TEST(Svg, NamesTheElementThatCannotBeRead) {
   expect_words(message("<html/>"), "is no <svg>");
   expect_words(message("<svg><rect</svg>"), "line 1");
   expect_words(message(page("<line x2='5'/>"), "outline.nothing_closed"), "ends 5 mm from where it begins");
-  expect_words(message(page("<use/>"), "outline.nothing_closed"), "<use> left out");
+  expect_words(message(page("<use/>"), "outline.nothing_closed"), "<use> of nothing in the file left out");
+  const std::string symbol = "<symbol id='s' viewBox='0 0 2 1'><rect width='2' height='1'/></symbol>";
+  expect_words(message(page(symbol + "<use href='#s' width='0'/>")), "width must be positive");
+  expect_words(message("<svg>" + symbol + "<use href='#s'/></svg>"),
+               "<symbol> \"s\" of line 1: its view box has no space");
 }
 
 }  // namespace
