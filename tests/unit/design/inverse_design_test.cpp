@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <numbers>
@@ -185,6 +186,24 @@ TEST(InverseDesign, ReportsEachBetterDesign) {
   EXPECT_GE(errors.size(), 3U);
   EXPECT_TRUE(std::is_sorted(errors.rbegin(), errors.rend()));
   EXPECT_NEAR(errors.back(), design.error.relative_rms, 1e-6);
+}
+
+TEST(InverseDesign, ReportsAProgressThatGrowsAndStaysBelowTheEnd) {
+  struct Sink : ProgressSink {
+    std::vector<double> fractions;
+    void report(double fraction, std::string_view stage) override {
+      if (stage == "optimization") fractions.push_back(fraction);
+    }
+  } sink;
+  const TestSpace test(2, 12);
+  DesignProblem problem{
+      {target_of(test, test.at({0.2, 0.8}), Task::stress_strain)}, vector_of(test.at({0.8, 0.2})), {}};
+  find_design(test.space(), problem, {}, {.progress = &sink});
+  ASSERT_GE(sink.fractions.size(), 2U);
+  EXPECT_TRUE(std::is_sorted(sink.fractions.begin(), sink.fractions.end()));
+  EXPECT_GE(sink.fractions.front(), 0);
+  EXPECT_GT(sink.fractions.back(), sink.fractions.front());
+  EXPECT_LT(sink.fractions.back(), 1);
 }
 
 TEST(InverseDesign, RanksFamilies) {

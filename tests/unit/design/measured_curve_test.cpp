@@ -134,6 +134,19 @@ TEST(Reduction, DoesNotFollowNoise) {
   EXPECT_NEAR(reduced.noise * std::sqrt(scale / 2000), 0.2, 0.03) << "relative to points that scatter, too";
 }
 
+TEST(Reduction, HasAPointAtTheOriginBetweenTheEndsOfACurveThatGoesBothWays) {
+  const auto points = [](double lower, double upper) {
+    return reduce(sampled(lower, upper, 200, [](double x) { return 3 * x; }), ReductionOptions{}).control_points;
+  };
+  // What counts is the share of the span that lies on either side, whatever the unit.
+  for (const double unit : {0.01, 100.0}) {
+    EXPECT_EQ(points(-0.1 * unit, unit).size(), 3U) << unit;
+    EXPECT_EQ(points(-unit, 0.1 * unit).size(), 3U) << unit;
+    EXPECT_EQ(points(-0.03 * unit, unit).size(), 2U) << unit;
+    EXPECT_EQ(points(-unit, 0.03 * unit).size(), 2U) << unit;
+  }
+}
+
 TEST(Reduction, PassesThroughTheOriginAndSaysWhatWasThere) {
   auto measured = sampled(0.002, 0.3, 200, j_curve);
   for (auto& p : measured.points) p.y() += 0.05;
