@@ -124,7 +124,7 @@ part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print
 # test that it ends in fails.
 part_hostile_asan() {
   build_preset asan-ubsan --target supple-server supple-helper make_test_model || return 1
-  SUPPLE_BUILD="$PWD/build/asan-ubsan" SUPPLE_TEST_SLOWNESS=10 ASAN_OPTIONS=allocator_may_return_null=1 \
+  SUPPLE_BUILD="$PWD/build/asan-ubsan" SUPPLE_TEST_SLOWNESS=40 SUPPLE_TEST_SANITIZED=1 ASAN_OPTIONS=allocator_may_return_null=1 \
     UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
     "$python" -m pytest -q -p no:cacheprovider tests/hostile --ignore=tests/hostile/test_memory.py
 }

@@ -24,7 +24,9 @@ CLI = BUILD / "clients" / "cli" / "supple"
 MODEL_MAKER = BUILD / "tests" / "support" / "make_test_model"
 MESHES = ROOT / "api" / "examples" / "meshes"
 SLOWNESS = float(os.environ.get("SUPPLE_TEST_SLOWNESS", "1"))
-"""How many times as long as an optimized one the server of SUPPLE_BUILD takes: 10 under the sanitizers."""
+"""How many times as long as an optimized one the server of SUPPLE_BUILD takes: 40 under the sanitizers."""
+SANITIZED = os.environ.get("SUPPLE_TEST_SANITIZED") == "1"
+"""Whether the server of SUPPLE_BUILD is under the address sanitizer, which has its own use of memory and its own end."""
 START_SECONDS = 20.0 * SLOWNESS
 STOP_SECONDS = 20.0 * SLOWNESS
 FINDINGS = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:")

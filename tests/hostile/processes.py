@@ -10,8 +10,13 @@ import time
 from pathlib import Path
 from typing import List
 
+import pytest
+
 from costly import Costly
-from harness import ServerProcess
+from harness import SANITIZED, ServerProcess
+
+memory_is_its_own = pytest.mark.skipif(SANITIZED, reason="the address sanitizer keeps freed memory and reserves any amount of addresses")
+"""For tests of how much memory the server takes."""
 
 TICKS = float(os.sysconf("SC_CLK_TCK"))
 
@@ -25,6 +30,21 @@ def processes(pid: int) -> List[int]:
                                check=False, text=True)
         children = [int(text) for text in shown.stdout.split()]
     return found
+
+
+def runs(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
+def left_after(seconds: float, those: List[int]) -> List[int]:
+    """Those that still run when the time is up."""
+    end = time.monotonic() + seconds
+    while any(map(runs, those)) and time.monotonic() < end:
+        time.sleep(0.02)
+    return list(filter(runs, those))
 
 
 def cpu_seconds(pid: int) -> "dict[int, float]":
@@ -43,6 +63,15 @@ def cpu_within(pid: int, seconds: float) -> float:
     before = cpu_seconds(pid)
     time.sleep(seconds)
     return sum(max(0.0, used - before.get(process, 0)) for process, used in cpu_seconds(pid).items())
+
+
+def quiet_within(pid: int, seconds: float, quiet: float) -> float:
+    """CPU seconds of the first half second in which they are below `quiet`, or of the last that began in time."""
+    end = time.monotonic() + seconds
+    while True:
+        used = cpu_within(pid, 0.5)
+        if used < quiet or time.monotonic() >= end:
+            return used
 
 
 def reset_peak(pid: int) -> None:

@@ -33,7 +33,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Set, Tuple
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "api"), str(Path(__file__).resolve().parents[1] / "bench")]
 
-from harness import ROOT, ServerProcess  # noqa: E402
+from harness import ROOT, SANITIZED, ServerProcess  # noqa: E402
 from server_load import MIX, Workload, percentile  # noqa: E402
 from shapes import flat_grid  # noqa: E402
 
@@ -383,7 +383,7 @@ class Soak:
         if running != ["running", "running"]:
             self.counts.fault(f"the long jobs did not run all the while: {running}")
         measured = {"memory_first": memory[0], "memory_last": memory[1], "median": percentile(latencies, 0.5), "p99": percentile(latencies, 0.99)}
-        if memory[1] > FLAT * memory[0]:
+        if not SANITIZED and memory[1] > FLAT * memory[0]:
             self.counts.fault(f"memory grew from {memory[0]} to {memory[1]} bytes")
         return measured
 

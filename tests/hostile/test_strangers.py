@@ -13,6 +13,7 @@ import requests
 
 from contract import Contract
 from harness import Api, ServerProcess, problem_code
+from processes import memory_is_its_own
 from shapes import flat_grid
 
 JSON = {"Content-Type": "application/json"}
@@ -127,6 +128,7 @@ def test_slow_bodies_take_no_thread(new_server: Callable[..., ServerProcess]) ->
         assert answer.startswith(b"HTTP/1.1 408") and b"http.request_timeout" in answer
 
 
+@memory_is_its_own
 def test_large_json_is_refused_before_it_takes_the_memory(new_server: Callable[..., ServerProcess]) -> None:
     """60 MB of small arrays took 840 MB, six at once 5.1 GB, of which 4.2 GB stayed."""
     server = new_server("--memory", "400MiB", "--max-request-memory", "300MiB", "--max-json-values", "100000000")
