@@ -69,6 +69,19 @@ def test_lines_and_arcs_of_a_dxf_file_are_joined_in_inches(api: Api) -> None:
     assert api.ok(OUTLINES, {"text": dxf(["0", "CIRCLE", "10", "0", "20", "0", "40", "1"], unit=0), "unit": "cm"})["size"] == pytest.approx([20, 20], rel=1e-2)
 
 
+def test_what_a_drawing_repeats_has_the_names_of_both(api: Api) -> None:
+    text = ('<svg width="60mm" height="60mm" viewBox="0 0 60 60"><defs><circle id="bore" r="8"/></defs>'
+            '<use id="first" href="#bore" x="20" y="10"/><g transform="scale(0.5)"><use href="#bore" x="80" y="80"/></g></svg>')
+    answer = api.ok(OUTLINES, {"text": text})
+    assert [polygon["names"] for polygon in answer["polygons"]] == [["bore", "first"], ["bore"]] and answer["warnings"] == []
+    for polygon, centre, radius in zip(answer["polygons"], ((20, 50), (40, 20)), (8, 4)):
+        assert np.hypot(*(np.asarray(polygon["points"]) - centre).T) == pytest.approx(radius)
+    block = ["0", "SECTION", "2", "BLOCKS", "0", "BLOCK", "2", "bolt", "0", "CIRCLE", "10", "0", "20", "0", "40", "2", "0", "ENDBLK", "0", "ENDSEC"]
+    row = ["0", "INSERT", "8", "cut", "2", "bolt", "10", "5", "20", "5", "70", "3", "44", "10"]
+    bolts = api.ok(OUTLINES, {"text": "\n".join(block) + "\n" + dxf(row)})
+    assert [polygon["names"] for polygon in bolts["polygons"]] == [["cut", "bolt"]] * 3 and bolts["size"] == pytest.approx([24, 4], rel=1e-2)
+
+
 @pytest.mark.parametrize("kind", ["image/svg+xml", "image/vnd.dxf"])
 def test_what_the_server_draws_it_reads(api: Api, kind: str) -> None:
     request = {"outline": {"rectangle": [20, 15]}, "structure": {"family": "IH50"}, "frame": 0.5}
@@ -86,6 +99,7 @@ def test_what_the_server_draws_it_reads(api: Api, kind: str) -> None:
     ("words", "outline.unreadable", "/text", "line 1"),
     ('<svg><line x2="5"/></svg>', "outline.nothing_closed", "/text", "<line> of line 1 ends"),
     ("<svg>" + 20_001 * '<rect width="9" height="9"/>' + "</svg>", "outline.too_large", "/text", "20000 curves"),
+    ('<svg><g id="a"><use href="#a"/></g><rect width="9" height="9"/></svg>', "outline.too_large", "/text", "100 groups"),
     ('<svg width="1e6mm" viewBox="0 0 1e6 1e6"><circle r="9e5"/></svg>', "outline.too_large", "/accuracy/tolerance", "corners"),
 ])
 def test_what_no_drawing_has_is_named(api: Api, text: str, code: str, place: str, words: str) -> None:

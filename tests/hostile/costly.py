@@ -192,6 +192,14 @@ def drawing_of_many_elements(meshes: Meshes, more: Dict[str, Any]) -> Costly:
 
 
 @costly
+def drawing_that_repeats_itself(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    # Ten levels of ten uses of the level below: what stops it is the number of curves, each of which is as long as may be.
+    path = '<path id="l0" d="M0 0' + "h1" * 70 + 'V9Z"/>'
+    levels = "".join(f'<g id="l{k}">' + f'<use href="#l{k - 1}" x="{k}"/>' * 10 + "</g>" for k in range(1, 11))
+    return post("/v1/outlines", {"text": f'<svg><defs>{path}{levels}</defs><use href="#l10"/></svg>', **more})
+
+
+@costly
 def measured_curve_of_many_rows(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     rows = "\n".join(f"{i * 3e-7:.7g},{i % 977}" for i in range(1_000_000))
     return post("/v1/measured-curves", {"text": rows, "interpolation": "monotone",

@@ -33,6 +33,8 @@ class GroupReader {
  public:
   explicit GroupReader(std::string_view text) : rest_(text) {}
 
+  std::size_t bytes_left() const { return rest_.size(); }
+
   /// None at the end of the text.
   std::optional<Group> next() {
     while (true) {
@@ -180,12 +182,14 @@ class DxfReader {
  private:
   void advance() {
     if (++read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
-    if (block_.depth > 0) count_copied();
+    const std::size_t before = groups_.bytes_left();
     group_ = groups_.next();
+    if (block_.depth > 0) count_copied(before - groups_.bytes_left());
   }
   /// A group of a block, or an insert of one, which may be empty.
-  void count_copied() {
-    if (++copied_ <= most_copied_groups) return;
+  void count_copied(std::size_t bytes) {
+    copied_ += 1 + bytes / bytes_of_a_group;
+    if (copied_ <= most_copied_groups) return;
     const std::string limit = std::to_string(most_copied_groups);
     throw Error("outline.too_large", "The drawing inserts blocks of more than " + limit + " groups in all.",
                 {{"text", "inserts blocks of more than " + limit + " groups in all"}});
@@ -324,7 +328,7 @@ class DxfReader {
 
   void read_block(const Block& block, const Inserted& inner) {
     if (++read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
-    count_copied();
+    count_copied(0);
     const auto outer = std::tuple(groups_, group_, block_);
     groups_ = block.groups;
     group_ = block.first;
@@ -445,8 +449,9 @@ class DxfReader {
   }
 
   static constexpr std::size_t groups_between_checks = 16'384;
-  /// Blocks within each other may stand for any number of entities.
+  /// Blocks within each other may stand for any number of entities. So many bytes count as a group more.
   static constexpr std::size_t most_copied_groups = 2'000'000;
+  static constexpr std::size_t bytes_of_a_group = 64;
 
   GroupReader groups_;
   const DrawingOptions& options_;

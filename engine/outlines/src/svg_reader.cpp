@@ -13,8 +13,10 @@
 namespace supple::outlines {
 namespace {
 
-/// Elements that are drawn again: a few of them within each other may stand for any number.
+/// Elements that are drawn again, since a few of them within each other may stand for any number. So many bytes of
+/// attributes count as one more.
 constexpr std::size_t most_copies = 200'000;
+constexpr std::size_t bytes_of_a_copy = 16;
 constexpr std::size_t elements_between_checks = 4'096;
 
 /// Without the prefix of a namespace.
@@ -168,7 +170,7 @@ class SvgReader {
     check_nesting(depth, "groups", words_for(parent));
     for (const pugi::xml_node& node : parent.children()) {
       if (++read_ % elements_between_checks == 0) execution_.cancellation.throw_if_requested();
-      if (copying_) count_copy(parent);
+      if (copying_) count_copy(node);
       if (node.type() == pugi::node_element) read_element(node, map, names, group, depth);
     }
   }
@@ -206,18 +208,22 @@ class SvgReader {
   }
 
   void count_copy(const pugi::xml_node& node) {
-    if (++copies_ <= most_copies) return;
+    std::size_t bytes = 0;
+    for (const auto& attribute : node.attributes()) bytes += std::string_view(attribute.value()).size();
+    copies_ += 1 + bytes / bytes_of_a_copy;
+    if (copies_ <= most_copies) return;
     const std::string limit = std::to_string(most_copies);
-    throw Error("outline.too_large", "The drawing draws more than " + limit + " elements again.",
-                {{"text", "draws more than " + limit + " elements again by <use>, at " + words_for(node)}});
+    throw Error(
+        "outline.too_large", "The drawing draws more than " + limit + " elements, or as much text, again.",
+        {{"text", "draws more than " + limit + " elements, or as much text, again by <use>, at " + words_for(node)}});
   }
 
   /// What a <use> refers to is drawn again. Nothing outside the file is opened.
   void read_use(const pugi::xml_node& node, const Map& outer, const std::vector<std::string>& names,
                 const std::string& group, int depth) {
     check_nesting(depth, "groups", words_for(node));
-    count_copy(node);
     const pugi::xml_node target = target_of(node);
+    count_copy(target ? target : node);
     const std::string_view name = local_name(target.name());
     const Map map = at(node, [&] {
       Map moved = outer * Eigen::Translation2d(length_or_zero(node, "x"), length_or_zero(node, "y"));

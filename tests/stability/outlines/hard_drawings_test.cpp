@@ -84,6 +84,11 @@ TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
   };
   EXPECT_NE(refused(laughs("")).find("200000 elements"), std::string::npos);
   EXPECT_NE(refused(laughs(solid)).find("20000 curves"), std::string::npos);
+  // Long text that says nothing, or a curve of many pieces, counts as what it costs.
+  for (const std::string& path : {repeated("M0 0", 250'000), "M0 0" + repeated("h0", 90'000)}) {
+    const std::string used = "<defs><path id='p' d='" + path + "'/></defs>" + repeated("<use href='#p'/>", 20'000);
+    EXPECT_NE(refused(page(solid + used)).find("as much text"), std::string::npos);
+  }
 
   const auto section = [](const std::string& name, const std::string& content) {
     return "0\nSECTION\n2\n" + name + "\n" + content + "0\nENDSEC\n";
@@ -97,6 +102,8 @@ TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
   EXPECT_NE(refused(inserted("0\nINSERT\n2\nb\n")).find("100 blocks"), std::string::npos);
   EXPECT_NE(refused(inserted(circle, "70\n900000000\n71\n900000000\n")).find("20000 curves"), std::string::npos);
   EXPECT_NE(refused(inserted("", "70\n900000000\n71\n900000000\n")).find("2000000 groups"), std::string::npos);
+  const std::string comments = "999\n" + repeated("x", 1'000'000) + "\n";
+  EXPECT_NE(refused(inserted(circle + comments, "70\n10000\n")).find("2000000 groups"), std::string::npos);
   // A block without an end is as long as its section.
   EXPECT_EQ(read_drawing(section("BLOCKS", "0\nBLOCK\n2\nb\n" + circle) + section("ENTITIES", "0\nINSERT\n2\nb\n") +
                          "0\nEOF\n")
