@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "supple/base/lanes.h"
+#include "supple/base/threads.h"
 
 namespace supple::numerics {
 namespace {
@@ -24,6 +25,10 @@ constexpr int panel_columns = 48;
 constexpr int tile_rows = 2 * lanes;
 /// Tiles that are used for all columns in turn: with panel_columns columns about 100 kB.
 constexpr int tiles_of_a_chunk = 32;
+/// Columns that one thread takes at a time, a multiple of `block`: of a chunk some tenths of a millisecond.
+constexpr int columns_of_a_part = 64;
+/// Fewer parts are sooner done than handed out.
+constexpr int parts_worth_sharing = 4;
 
 /// C(rows, column..column+width) -= L(rows, 0..depth) L(column..column+width, 0..depth)^T for `vectors` * 4 rows. The
 /// column of `front` with that number is `first` columns nearer.
@@ -128,35 +133,75 @@ SUPPLE_INLINE void copy_tiles(const double* panel, int ld, int begin, int rows, 
     }
 }
 
-/// Takes the products of a panel's rows, whose copy begins with row `begin`, from the lower triangle of the columns
-/// from there on. Entries above the diagonal are overwritten.
-SUPPLE_INLINE bool subtract_panel(double* front, int ld, int begin, int rows, int width, const double* copy,
-                                  const CancellationToken& cancellation) {
-  const int tiles = (rows - begin + tile_rows - 1) / tile_rows;
-  const auto tile_at = [&](int tile) { return copy + static_cast<std::ptrdiff_t>(tile) * tile_rows * width; };
-  for (int chunk = 0; chunk < tiles; chunk += tiles_of_a_chunk) {
-    const int end = std::min(tiles, chunk + tiles_of_a_chunk);
-    for (int column = 0; column < std::min(rows - begin, end * tile_rows); column += block) {
-      if (cancellation.requested()) return false;
-      const double* right = tile_at(column / tile_rows) + column % tile_rows;
-      for (int tile = std::max(chunk, column / tile_rows); tile < end; ++tile) {
-        Lanes sum[block][2];
-        multiply_tiles(tile_at(tile), right, width, sum);
-        const int row = begin + tile * tile_rows;
-        double* to = front + static_cast<std::ptrdiff_t>(begin + column) * ld + row;
-        if (row + tile_rows <= rows && begin + column + block <= rows) {
-          for (int c = 0; c < block; ++c, to += ld) {
-            store_lanes(to, load_lanes(to) - sum[c][0]);
-            store_lanes(to + lanes, load_lanes(to + lanes) - sum[c][1]);
-          }
-          continue;
+/// What a panel takes from the columns behind it, from row and column `begin` on.
+struct PanelUpdate {
+  double* front;
+  int ld, begin, rows;
+  int depth;           ///< columns of the panel
+  const double* copy;  ///< of the panel's rows from `begin` on
+
+  int tiles() const { return (rows - begin + tile_rows - 1) / tile_rows; }
+  const double* tile(int number) const { return copy + static_cast<std::ptrdiff_t>(number) * tile_rows * depth; }
+};
+
+/// A part of the lower triangle, counted from `begin`: the rows of some tiles, and some columns.
+struct TrianglePart {
+  int first_tile, end_tile;
+  int first_column, end_column;
+};
+
+/// Takes the products of a panel's rows from a part of the lower triangle. Entries above the diagonal are overwritten.
+SUPPLE_INLINE void subtract_part(const PanelUpdate& update, const TrianglePart& part,
+                                 const CancellationToken& cancellation) {
+  const auto [front, ld, begin, rows, depth, copy] = update;
+  for (int column = part.first_column; column < part.end_column; column += block) {
+    if (cancellation.requested()) return;
+    const double* right = update.tile(column / tile_rows) + column % tile_rows;
+    for (int tile = std::max(part.first_tile, column / tile_rows); tile < part.end_tile; ++tile) {
+      Lanes sum[block][2];
+      multiply_tiles(update.tile(tile), right, depth, sum);
+      const int row = begin + tile * tile_rows;
+      double* to = front + static_cast<std::ptrdiff_t>(begin + column) * ld + row;
+      if (row + tile_rows <= rows && begin + column + block <= rows) {
+        for (int c = 0; c < block; ++c, to += ld) {
+          store_lanes(to, load_lanes(to) - sum[c][0]);
+          store_lanes(to + lanes, load_lanes(to + lanes) - sum[c][1]);
         }
-        for (int c = 0; c < std::min(block, rows - begin - column); ++c, to += ld)
-          for (int r = 0; r < std::min(tile_rows, rows - row); ++r) to[r] -= sum[c][r / lanes][r % lanes];
+        continue;
       }
+      for (int c = 0; c < std::min(block, rows - begin - column); ++c, to += ld)
+        for (int r = 0; r < std::min(tile_rows, rows - row); ++r) to[r] -= sum[c][r / lanes][r % lanes];
     }
   }
-  return true;
+}
+SUPPLE_AVX2 void subtract_part_avx2(const PanelUpdate& update, const TrianglePart& part,
+                                    const CancellationToken& cancellation) {
+  subtract_part(update, part, cancellation);
+}
+
+/// The whole triangle, by all threads where it is large. Every entry changes once and in the same way, whichever thread
+/// it falls to.
+bool subtract_panel(const PanelUpdate& update, const CancellationToken& cancellation) {
+  std::vector<TrianglePart> parts;
+  const int tiles = update.tiles();
+  // The largest first, so that no thread is left alone with one.
+  for (int chunk = (tiles - 1) / tiles_of_a_chunk * tiles_of_a_chunk; chunk >= 0; chunk -= tiles_of_a_chunk) {
+    const int end = std::min(tiles, chunk + tiles_of_a_chunk);
+    const int columns = std::min(update.rows - update.begin, end * tile_rows);
+    for (int column = 0; column < columns; column += columns_of_a_part)
+      parts.push_back({chunk, end, column, std::min(columns, column + columns_of_a_part)});
+  }
+  const auto take = [&](int number) {
+    const TrianglePart& part = parts[static_cast<std::size_t>(number)];
+    has_avx2 ? subtract_part_avx2(update, part, cancellation) : subtract_part(update, part, cancellation);
+  };
+  const int count = static_cast<int>(parts.size());
+  if (count < parts_worth_sharing) {
+    for (int i = 0; i < count; ++i) take(i);
+  } else {
+    parallel_for(count, take);
+  }
+  return !cancellation.requested();
 }
 
 SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pivots,
@@ -176,7 +221,7 @@ SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pi
     if (end == rows) break;
     copy.resize(static_cast<std::size_t>(rows - end + tile_rows) * panel_columns);
     copy_tiles(panel, ld, end, rows, end - first, copy.data());
-    if (!subtract_panel(front, ld, end, rows, end - first, copy.data(), cancellation)) return false;
+    if (!subtract_panel({front, ld, end, rows, end - first, copy.data()}, cancellation)) return false;
   }
   return true;
 }

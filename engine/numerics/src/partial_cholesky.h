@@ -11,6 +11,7 @@ namespace supple::numerics {
 /// A = L L^T, B <- B L^-T, C <- C - B B^T. rows pivots (rows - pivots) + ... multiply-adds, near the machine's rate
 /// from some dozen pivots on. False, with the front spoilt, where A is not numerically positive definite. Entries above
 /// the diagonal, within eight columns of it, are overwritten. `ld` >= rows.
+/// Large fronts are shared among the counted threads, with the same bits for any number of them.
 /// Once a stop is requested it ends at the next few columns, with the front spoilt, and returns false.
 bool partial_cholesky(double* front, int ld, int rows, int pivots, const CancellationToken& cancellation = {});
 

@@ -6,6 +6,7 @@
 
 #include "partial_cholesky.h"
 #include "supple/base/random.h"
+#include "supple/base/threads.h"
 #include "supple/numerics/cholesky.h"
 
 namespace supple::numerics {
@@ -77,6 +78,54 @@ TEST(PartialCholesky, LeavesTheSameOfLargeFronts) {
       EXPECT_EQ(front.tail(16), Eigen::VectorXd::Constant(16, 0.25)) << rows << " rows, " << pivots << " pivots";
     }
   }
+}
+
+// Threads share what a panel takes from the columns behind it. Fronts that are factorized side by side do so, too, and
+// each keeps its own copy of a panel meanwhile.
+TEST(PartialCholesky, LeavesTheSameBitsOfLargeFrontsForAnyNumberOfThreads) {
+  constexpr int fronts = 6;
+  constexpr int rows = 700;
+  constexpr int pivots = 200;
+  RandomStream random("fronts", 2);
+  std::vector<Eigen::MatrixXd> given;
+  for (int i = 0; i < fronts; ++i) {
+    const Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(rows, 60, [&random] { return random.uniform(-1, 1); });
+    given.emplace_back(a * a.transpose() + rows * Eigen::MatrixXd::Identity(rows, rows));
+  }
+  const auto factors = [&](int threads, bool side_by_side) {
+    set_thread_count(threads);
+    std::vector<Eigen::MatrixXd> result = given;
+    const auto factorize = [&](int i) {
+      ASSERT_TRUE(partial_cholesky(result[static_cast<std::size_t>(i)].data(), rows, rows, pivots));
+    };
+    if (side_by_side) {
+      parallel_for(fronts, factorize);
+    } else {
+      for (int i = 0; i < fronts; ++i) factorize(i);
+    }
+    set_thread_count(0);
+    return result;
+  };
+  const auto expected = factors(1, false);
+  for (const int threads : {2, 4}) {
+    for (const bool side_by_side : {false, true}) {
+      const auto found = factors(threads, side_by_side);
+      for (std::size_t i = 0; i < fronts; ++i)
+        EXPECT_TRUE(Eigen::MatrixXd(found[i].triangularView<Eigen::Lower>()) ==
+                    Eigen::MatrixXd(expected[i].triangularView<Eigen::Lower>()))
+            << threads << " threads, front " << i;
+    }
+  }
+}
+
+TEST(PartialCholesky, EndsWhenItIsStopped) {
+  constexpr int rows = 600;
+  CancellationToken token;
+  token.request(StopReason::cancelled);
+  const Eigen::MatrixXd given = Eigen::MatrixXd::Identity(rows, rows) + Eigen::MatrixXd::Constant(rows, rows, 1);
+  Eigen::MatrixXd front = given;
+  EXPECT_FALSE(partial_cholesky(front.data(), rows, rows, rows, token));
+  EXPECT_EQ(front, given);
 }
 
 TEST(PartialCholesky, RefusesAFrontThatIsNotPositiveDefiniteInItsPivots) {
