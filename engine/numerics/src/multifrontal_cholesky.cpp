@@ -1,9 +1,12 @@
 #include "multifrontal_cholesky.h"
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
 #include <utility>
 
 #include "partial_cholesky.h"
+#include "supple/base/threads.h"
 #include "symbolic_analysis.h"
 
 namespace supple::numerics {
@@ -15,6 +18,12 @@ constexpr double worth_reordering = 1.3;
 constexpr double worth_regrouping = 1.1;
 /// Patterns of fewer unknowns are analysed anew: that takes CHOLMOD less than a millisecond.
 constexpr int unknowns_worth_keeping = 1000;
+
+/// Multiply-adds that are worth more than one thread: some milliseconds.
+constexpr double work_worth_sharing = 1e7;
+/// Of the whole work: no subtree has more, and what has less is done together with what is above it.
+constexpr double largest_share = 0.1;
+constexpr double smallest_share = 0.002;
 
 /// A multiple of four rows: every column of a panel then starts at the same alignment.
 int padded(int rows) { return (rows + 3) / 4 * 4; }
@@ -76,6 +85,8 @@ void MultifrontalCholesky::set_fronts(const Fronts& fronts) {
   cancellation_.throw_if_requested();
   factor_.resize(static_cast<std::size_t>(panel));
   find_relative_rows();
+  choose_subtrees();
+  size_rooms();
   cancellation_.throw_if_requested();
   place_entries();
 }
@@ -218,15 +229,9 @@ bool MultifrontalCholesky::sort_into_postorder(Fronts& fronts) {
 void MultifrontalCholesky::find_relative_rows() {
   const std::size_t count = supernodes_.size() - 1;
   relative_.clear();
-  std::size_t largest_front = 0;
-  std::size_t stacked = 0;
-  std::size_t most_stacked = 0;
-  std::vector<std::size_t> waiting(count, 0);  // update entries on the stack that belong to the children of each
   for (std::size_t s = 0; s < count; ++s) {
     Supernode& node = supernodes_[s];
     const int below = node.rows - node.pivots;
-    largest_front = std::max(largest_front, static_cast<std::size_t>(node.ld) * static_cast<std::size_t>(node.rows));
-    stacked -= waiting[s];
     if (below == 0) continue;
     const int* list = rows_.data() + node.row_list + node.pivots;
     node.parent = supernode_of_[static_cast<std::size_t>(list[0])];
@@ -237,13 +242,90 @@ void MultifrontalCholesky::find_relative_rows() {
       while (at[place] != list[r]) ++place;
       relative_.push_back(place);
     }
-    const std::size_t size = static_cast<std::size_t>(below) * static_cast<std::size_t>(below);
-    waiting[static_cast<std::size_t>(node.parent)] += size;
-    stacked += size;
-    most_stacked = std::max(most_stacked, stacked);
   }
-  front_.resize(largest_front);
-  updates_.resize(most_stacked);
+}
+
+/// Multiply-adds of a supernode's factorization, roughly.
+double MultifrontalCholesky::work_of(const Supernode& node) {
+  return 0.5 * static_cast<double>(node.pivots) * node.rows * node.rows;
+}
+
+/// Divides the largest subtree into its children until there are enough of about the same work for all threads. The
+/// number of threads changes nothing.
+void MultifrontalCholesky::choose_subtrees() {
+  const auto count = static_cast<int>(supernodes_.size()) - 1;
+  std::vector<double> work(static_cast<std::size_t>(count), 0);  // of the subtree of each
+  std::vector<int> begin(static_cast<std::size_t>(count));       // its first supernode
+  for (int s = 0; s < count; ++s) begin[static_cast<std::size_t>(s)] = s;
+  double whole = 0;
+  std::vector<int> child(static_cast<std::size_t>(count), -1);  // a child of each, and the next one of the same parent
+  std::vector<int> sibling(static_cast<std::size_t>(count), -1);
+  std::vector<std::pair<double, int>> heap;  // of work and root
+  for (int s = 0; s < count; ++s) {
+    const auto own = static_cast<std::size_t>(s);
+    const Supernode& node = supernodes_[own];
+    work[own] += work_of(node);
+    whole += work_of(node);
+    if (node.parent < 0) {
+      heap.emplace_back(work[own], s);
+      continue;
+    }
+    const auto parent = static_cast<std::size_t>(node.parent);
+    work[parent] += work[own];
+    begin[parent] = std::min(begin[parent], begin[own]);
+    sibling[own] = child[parent];
+    child[parent] = s;
+  }
+  subtrees_.clear();
+  if (whole < work_worth_sharing) return;
+  std::make_heap(heap.begin(), heap.end());
+  while (!heap.empty() && heap.front().first > whole * largest_share) {
+    std::pop_heap(heap.begin(), heap.end());
+    const int root = heap.back().second;
+    heap.pop_back();
+    for (int c = child[static_cast<std::size_t>(root)]; c >= 0; c = sibling[static_cast<std::size_t>(c)]) {
+      heap.emplace_back(work[static_cast<std::size_t>(c)], c);
+      std::push_heap(heap.begin(), heap.end());
+    }
+  }
+  std::sort(heap.begin(), heap.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (const auto& [amount, root] : heap)
+    if (amount > whole * smallest_share) subtrees_.push_back({begin[static_cast<std::size_t>(root)], root, {}});
+}
+
+/// The room for the supernodes from `begin` up to `end`, whole subtrees, without those that are subtrees of their own.
+MultifrontalCholesky::RoomSize MultifrontalCholesky::room_for(int begin, int end,
+                                                              const std::vector<Subtree>& without) const {
+  RoomSize size;
+  std::size_t stacked = 0;
+  std::vector<std::size_t> waiting(static_cast<std::size_t>(end - begin), 0);  // for each, of its children
+  auto subtree = without.begin();
+  for (int s = begin; s < end; ++s) {
+    if (subtree != without.end() && s == subtree->begin) {
+      s = subtree->root;
+      ++subtree;
+      continue;
+    }
+    const Supernode& node = supernodes_[static_cast<std::size_t>(s)];
+    size.front = std::max(size.front, static_cast<std::size_t>(node.ld) * static_cast<std::size_t>(node.rows));
+    stacked -= waiting[static_cast<std::size_t>(s - begin)];
+    const auto below = static_cast<std::size_t>(node.rows - node.pivots);
+    if (node.parent >= 0 && node.parent < end) waiting[static_cast<std::size_t>(node.parent - begin)] += below * below;
+    stacked += below * below;
+    size.stacked = std::max(size.stacked, stacked);
+  }
+  return size;
+}
+
+void MultifrontalCholesky::size_rooms() {
+  const RoomSize upper = room_for(0, static_cast<int>(supernodes_.size()) - 1, subtrees_);
+  room_.front.resize(upper.front);
+  room_.updates.resize(upper.stacked);
+  of_subtrees_ = {};
+  for (const Subtree& subtree : subtrees_) {
+    const RoomSize size = room_for(subtree.begin, subtree.root + 1, {});
+    of_subtrees_ = {std::max(of_subtrees_.front, size.front), std::max(of_subtrees_.stacked, size.stacked)};
+  }
 }
 
 void MultifrontalCholesky::place_entries() {
@@ -278,42 +360,89 @@ void MultifrontalCholesky::extend_add(const Supernode& child, const double* upda
   }
 }
 
-bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
+/// Puts the front together, factorizes its pivots, and leaves what it hands on where `top` is, which moves behind it.
+bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& matrix, double shift, Room& room,
+                                               double*& top, std::vector<Waiting>& waiting) {
+  cancellation_.throw_if_requested();
+  const Supernode& node = supernodes_[static_cast<std::size_t>(number)];
   const double* values = matrix.valuePtr();
-  const std::size_t count = supernodes_.size() - 1;
-  double* top = updates_.data();
-  std::vector<int> stack;
-  for (std::size_t s = 0; s < count; ++s) {
+  double* front = room.front.data();
+  // What is above the diagonal is never read.
+  for (int c = 0; c < node.rows; ++c) std::fill_n(front + static_cast<std::int64_t>(c) * node.ld + c, node.ld - c, 0.0);
+  for (std::int64_t e = node.entries; e < supernodes_[static_cast<std::size_t>(number) + 1].entries; ++e)
+    front[entry_place_[static_cast<std::size_t>(e)]] += values[entry_slot_[static_cast<std::size_t>(e)]];
+  for (int k = 0; k < node.pivots; ++k) front[static_cast<std::int64_t>(k) * node.ld + k] += shift;
+  while (!waiting.empty() && supernodes_[static_cast<std::size_t>(waiting.back().supernode)].parent == number) {
+    const Supernode& child = supernodes_[static_cast<std::size_t>(waiting.back().supernode)];
+    const int below = child.rows - child.pivots;
+    if (waiting.back().on_stack) top -= static_cast<std::int64_t>(below) * below;
+    extend_add(child, waiting.back().update, node, front);
+    waiting.pop_back();
+  }
+  if (!partial_cholesky(front, node.ld, node.rows, node.pivots, cancellation_)) {
     cancellation_.throw_if_requested();
-    const Supernode& node = supernodes_[s];
-    double* front = front_.data();
-    // What is above the diagonal is never read.
-    for (int c = 0; c < node.rows; ++c)
-      std::fill_n(front + static_cast<std::int64_t>(c) * node.ld + c, node.ld - c, 0.0);
-    for (std::int64_t e = node.entries; e < supernodes_[s + 1].entries; ++e)
-      front[entry_place_[static_cast<std::size_t>(e)]] += values[entry_slot_[static_cast<std::size_t>(e)]];
-    for (int k = 0; k < node.pivots; ++k) front[static_cast<std::int64_t>(k) * node.ld + k] += shift;
-    while (!stack.empty() && supernodes_[static_cast<std::size_t>(stack.back())].parent == static_cast<int>(s)) {
-      const Supernode& child = supernodes_[static_cast<std::size_t>(stack.back())];
-      const int below = child.rows - child.pivots;
-      top -= static_cast<std::int64_t>(below) * below;
-      extend_add(child, top, node, front);
-      stack.pop_back();
-    }
-    if (!partial_cholesky(front, node.ld, node.rows, node.pivots, cancellation_)) {
-      cancellation_.throw_if_requested();
-      return false;
-    }
-    std::copy_n(front, static_cast<std::int64_t>(node.ld) * node.pivots, factor_.begin() + node.panel);
-    const int below = node.rows - node.pivots;
-    if (below == 0) continue;
-    for (int c = 0; c < below; ++c, top += below) {
-      const double* column = front + static_cast<std::int64_t>(node.pivots + c) * node.ld + node.pivots;
-      std::copy(column + c, column + below, top + c);
-    }
-    stack.push_back(static_cast<int>(s));
+    return false;
+  }
+  std::copy_n(front, static_cast<std::int64_t>(node.ld) * node.pivots, factor_.begin() + node.panel);
+  const int below = node.rows - node.pivots;
+  if (below == 0) return true;
+  waiting.push_back({number, top, true});
+  for (int c = 0; c < below; ++c, top += below) {
+    const double* column = front + static_cast<std::int64_t>(node.pivots + c) * node.ld + node.pivots;
+    std::copy(column + c, column + below, top + c);
   }
   return true;
+}
+
+bool MultifrontalCholesky::factorize_subtree(const SparseMatrix& matrix, double shift, Subtree& subtree, Room& room) {
+  double* top = room.updates.data();
+  std::vector<Waiting> waiting;
+  for (int s = subtree.begin; s <= subtree.root; ++s)
+    if (!factorize_supernode(s, matrix, shift, room, top, waiting)) return false;
+  subtree.update.assign(room.updates.data(), top);
+  return true;
+}
+
+/// The supernodes that are in no subtree, one after the other.
+bool MultifrontalCholesky::factorize_upper(const SparseMatrix& matrix, double shift) {
+  const int count = static_cast<int>(supernodes_.size()) - 1;
+  double* top = room_.updates.data();
+  std::vector<Waiting> waiting;
+  auto subtree = subtrees_.begin();
+  for (int s = 0; s < count; ++s) {
+    if (subtree != subtrees_.end() && s == subtree->begin) {
+      s = subtree->root;
+      if (supernodes_[static_cast<std::size_t>(s)].parent >= 0) waiting.push_back({s, subtree->update.data(), false});
+      ++subtree;
+    } else if (!factorize_supernode(s, matrix, shift, room_, top, waiting)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
+  std::atomic<bool> definite = true;
+  if (!subtrees_.empty()) {
+    std::mutex rooms_mutex;
+    parallel_for(static_cast<int>(subtrees_.size()), [&](int number) {
+      if (!definite) return;
+      Room room;
+      {
+        const std::lock_guard lock(rooms_mutex);
+        if (!rooms_.empty()) {
+          room = std::move(rooms_.back());
+          rooms_.pop_back();
+        }
+      }
+      room.front.resize(of_subtrees_.front);
+      room.updates.resize(of_subtrees_.stacked);
+      if (!factorize_subtree(matrix, shift, subtrees_[static_cast<std::size_t>(number)], room)) definite = false;
+      const std::lock_guard lock(rooms_mutex);
+      rooms_.push_back(std::move(room));
+    });
+  }
+  return definite && factorize_upper(matrix, shift);
 }
 
 void MultifrontalCholesky::solve_one(double* b) const {

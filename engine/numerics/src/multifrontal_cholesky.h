@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -14,7 +15,8 @@ namespace supple::numerics {
 ///
 /// CHOLMOD finds the ordering (the better of approximate minimum degree and METIS' nested dissection) and the
 /// supernodes. The numerical part is ours: it maps every entry of A to its place in a front once, and works on fronts
-/// of some dozen rows, as thin structures have them, at several times CHOLMOD's rate.
+/// of some dozen rows, as thin structures have them, at several times CHOLMOD's rate. Threads take subtrees of
+/// supernodes, and share the large fronts above them; the results have the same bits for any number of threads.
 class MultifrontalCholesky {
  public:
   /// From now on `analyze` and `factorize` throw what the token throws.
@@ -54,6 +56,28 @@ class MultifrontalCholesky {
     std::vector<int> rows;
   };
 
+  /// A subtree of the supernodes that one thread factorizes, which are those from `begin` to `root`.
+  struct Subtree {
+    int begin = 0;
+    int root = 0;
+    std::vector<double> update;  ///< what the root hands on to its parent
+  };
+  /// Room for the factorization of some supernodes.
+  struct Room {
+    std::vector<double> front;    ///< for the largest of their fronts
+    std::vector<double> updates;  ///< stack of the update matrices that wait for their parents
+  };
+  struct RoomSize {
+    std::size_t front = 0;
+    std::size_t stacked = 0;
+  };
+  /// A supernode whose update matrix waits for its parent.
+  struct Waiting {
+    int supernode;
+    const double* update;
+    bool on_stack;
+  };
+
   void solve_one(double* b) const;
   int longest_below() const;
   void set_order(std::vector<int> old_index);
@@ -63,6 +87,14 @@ class MultifrontalCholesky {
   bool sort_into_postorder(Fronts& fronts);
   void place_entries();
   void find_relative_rows();
+  static double work_of(const Supernode& node);
+  void choose_subtrees();
+  RoomSize room_for(int begin, int end, const std::vector<Subtree>& without) const;
+  void size_rooms();
+  bool factorize_subtree(const SparseMatrix& matrix, double shift, Subtree& subtree, Room& room);
+  bool factorize_upper(const SparseMatrix& matrix, double shift);
+  bool factorize_supernode(int number, const SparseMatrix& matrix, double shift, Room& room, double*& top,
+                           std::vector<Waiting>& waiting);
   void extend_add(const Supernode& child, const double* update, const Supernode& parent, double* front) const;
 
   CancellationToken cancellation_;
@@ -80,8 +112,10 @@ class MultifrontalCholesky {
   std::vector<std::int64_t> entry_slot_;   ///< index into the matrix' values
   std::vector<std::int32_t> entry_place_;  ///< where it goes in its front
   std::vector<double> factor_;
-  std::vector<double> front_;    ///< room for the largest front
-  std::vector<double> updates_;  ///< stack of the update matrices that wait for their parents
+  std::vector<Subtree> subtrees_;  ///< in the order of their supernodes; none where the whole is little work
+  Room room_;                      ///< for all other supernodes
+  std::vector<Room> rooms_;        ///< for subtrees, which threads take and give back
+  RoomSize of_subtrees_;           ///< the largest of theirs
 };
 
 }  // namespace supple::numerics

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <vector>
 
 #include "partial_cholesky.h"
 #include "supple/base/random.h"
 #include "supple/base/threads.h"
 #include "supple/numerics/cholesky.h"
+#include "support/expect_error.h"
 
 namespace supple::numerics {
 namespace {
@@ -157,6 +160,66 @@ TEST_P(MultifrontalCholeskyOf, SolvesWithEveryNumberOfRightHandSides) {
 
 INSTANTIATE_TEST_SUITE_P(SizesAndDensities, MultifrontalCholeskyOf,
                          ::testing::Combine(::testing::Values(1, 7, 64, 500), ::testing::Values(0, 2, 6)));
+
+/// Of a cube of n x n x n places, each joined with its 26 neighbours: enough work for several subtrees and large
+/// fronts.
+SparseMatrix cube_matrix(int n) {
+  RandomStream random("cube", 0);
+  const auto number = [n](int i, int j, int k) { return (i * n + j) * n + k; };
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n * n * n; ++i) entries.emplace_back(i, i, 27);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k)
+        for (int x = i; x < std::min(n, i + 2); ++x)
+          for (int y = std::max(0, j - 1); y < std::min(n, j + 2); ++y)
+            for (int z = std::max(0, k - 1); z < std::min(n, k + 2); ++z)
+              if (number(x, y, z) > number(i, j, k))
+                entries.emplace_back(number(x, y, z), number(i, j, k), random.uniform(-1, 0));
+  SparseMatrix matrix(n * n * n, n * n * n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+TEST(MultifrontalCholesky, SolvesWithTheSameBitsForAnyNumberOfThreads) {
+  const SparseMatrix matrix = cube_matrix(15);
+  const Eigen::MatrixXd b = random_columns(static_cast<int>(matrix.rows()), 1);
+  const auto solution = [&](int threads) {
+    set_thread_count(threads);
+    MultifrontalCholesky cholesky;
+    cholesky.analyze(matrix);
+    Eigen::MatrixXd x = b;
+    // The second time rooms and updates are those of the first.
+    for (const double shift : {2.0, 0.5}) {
+      x = b;
+      EXPECT_TRUE(cholesky.factorize(matrix, shift));
+      cholesky.solve(x);
+    }
+    set_thread_count(0);
+    return x;
+  };
+  const Eigen::MatrixXd expected = solution(1);
+  const Eigen::MatrixXd product = matrix.selfadjointView<Eigen::Lower>() * expected + 0.5 * expected;
+  EXPECT_LT((product - b).norm(), 1e-12 * b.norm());
+  for (const int threads : {2, 4}) EXPECT_EQ(solution(threads), expected) << threads;
+}
+
+TEST(MultifrontalCholesky, SaysWhereAPartOfALargeMatrixIsNotPositiveDefiniteOrHasToStop) {
+  const SparseMatrix matrix = cube_matrix(15);
+  MultifrontalCholesky cholesky;
+  cholesky.analyze(matrix);
+  EXPECT_TRUE(cholesky.factorize(matrix, 0));
+  for (const int k : {0, 1700, 3374}) {
+    SparseMatrix spoilt = matrix;
+    spoilt.coeffRef(k, k) = -1;
+    EXPECT_FALSE(cholesky.factorize(spoilt, 0)) << k;
+    EXPECT_TRUE(cholesky.factorize(matrix, 0)) << "after " << k;
+  }
+  CancellationToken token;
+  cholesky.stop_with(token);
+  token.request(StopReason::cancelled);
+  supple::testing::expect_error("job.cancelled", [&] { cholesky.factorize(matrix, 0); });
+}
 
 TEST(MultifrontalCholesky, ReadsTheLowerTriangleOnly) {
   const SparseMatrix matrix = random_matrix(80, 5, 2);
