@@ -6,6 +6,8 @@ Usage: plot_hosts.py [FOLDER]      default: docs/bench
 hosts-scenes.svg     gradient norm over the iterations of the scenes
 hosts-steps.svg      what the time of a Newton step goes into
 hosts-size.svg       time of a step of a solid against the number of unknowns
+hosts-accuracy.svg   errors of positions and energy against time and tolerance
+hosts-refinement.svg errors of positions and energy against the number of faces and time
 hosts-figure.svg     a shell and a solid before and after their networks tighten
 
 A CSV file that is not there is left out.
@@ -72,6 +74,38 @@ def draw_size(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
+def draw_errors(panels: np.ndarray, rows: list[Row], keys: tuple[str, str], colour: str, label: str) -> None:
+    """Errors of positions (dots) and of the energy (crosses) against two quantities; what has no error is left out."""
+    for error, marker, style in (("position_error", "o", "-"), ("energy_error", "x", "--")):
+        own = [row for row in rows if row[error] not in ("-", "0")]
+        for panel, key in zip(panels, keys):
+            panel.loglog([number(row[key]) for row in own], [number(row[error]) for row in own], marker=marker, markersize=4,
+                         linewidth=0.9, linestyle=style, color=colour, label=label if marker == "o" else None)
+
+
+def draw_accuracy(rows: list[Row], target: Path) -> None:
+    figure, panels = plt.subplots(1, 2, figsize=(8.8, 3.8), sharey=True)
+    for colour, (scene, points) in zip(COLOURS, grouped(rows, "scene").items()):
+        draw_errors(panels, points, ("cpu_ms", "tolerance"), colour, scene)
+    panels[0].set_xlabel("CPU milliseconds, one thread")
+    panels[1].set_xlabel("tolerance")
+    panels[1].invert_xaxis()
+    panels[0].set_ylabel("error of positions / D (dots)\nand of E, relative (crosses)")
+    panels[1].legend(fontsize=8, frameon=False)
+    save(figure, target)
+
+
+def draw_refinement(rows: list[Row], target: Path) -> None:
+    figure, panels = plt.subplots(1, 2, figsize=(8.8, 3.8), sharey=True)
+    for colour, (shell, points) in zip(COLOURS, grouped(rows, "shell").items()):
+        draw_errors(panels, points, ("faces", "cpu_ms"), colour, f"{shell} shell")
+    panels[0].set_xlabel("faces of the host")
+    panels[1].set_xlabel("CPU milliseconds, one thread")
+    panels[0].set_ylabel("error of positions / D (dots)\nand of E, relative (crosses)")
+    panels[1].legend(fontsize=8, frameon=False)
+    save(figure, target)
+
+
 def seen(x: float, y: float, z: float) -> tuple[float, float, float]:
     """Across, up and towards the eye, which looks from the front right and a little from above."""
     turn, tilt = math.radians(-60), math.radians(20)
@@ -115,7 +149,8 @@ def draw_figure(folder: Path, target: Path) -> None:
 def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/bench")
     for source, target, draw in (("history", "scenes", draw_history), ("steps", "steps", draw_steps),
-                                 ("size", "size", draw_size)):
+                                 ("size", "size", draw_size), ("accuracy", "accuracy", draw_accuracy),
+                                 ("refinement", "refinement", draw_refinement)):
         if (folder / f"hosts-{source}.csv").exists():
             draw(read(folder / f"hosts-{source}.csv"), folder / f"hosts-{target}.svg")
     if (folder / "hosts-figure-vertices.csv").exists():
