@@ -204,6 +204,20 @@ TEST(MultifrontalCholesky, SolvesWithTheSameBitsForAnyNumberOfThreads) {
   for (const int threads : {2, 4}) EXPECT_EQ(solution(threads), expected) << threads;
 }
 
+TEST(MultifrontalCholesky, TakesMatricesOfOtherSizesOneAfterTheOther) {
+  MultifrontalCholesky cholesky;
+  for (const int n : {15, 12, 4, 16}) {
+    const SparseMatrix matrix = cube_matrix(n);
+    const Eigen::MatrixXd b = random_columns(static_cast<int>(matrix.rows()), 1);
+    Eigen::MatrixXd x = b;
+    cholesky.analyze(matrix);
+    ASSERT_TRUE(cholesky.factorize(matrix, 0)) << n;
+    cholesky.solve(x);
+    const Eigen::MatrixXd product = matrix.selfadjointView<Eigen::Lower>() * x;
+    EXPECT_LT((product - b).norm(), 1e-12 * b.norm()) << n;
+  }
+}
+
 TEST(MultifrontalCholesky, SaysWhereAPartOfALargeMatrixIsNotPositiveDefiniteOrHasToStop) {
   const SparseMatrix matrix = cube_matrix(15);
   MultifrontalCholesky cholesky;
