@@ -74,36 +74,29 @@ def draw_size(rows: list[Row], target: Path) -> None:
     save(figure, target)
 
 
-def draw_errors(panels: np.ndarray, rows: list[Row], keys: tuple[str, str], colour: str, label: str) -> None:
+def draw_errors(rows: list[Row], target: Path, group: str, axes: dict[str, str]) -> None:
     """Errors of positions (dots) and of the energy (crosses) against two quantities; what has no error is left out."""
-    for error, marker, style in (("position_error", "o", "-"), ("energy_error", "x", "--")):
-        own = [row for row in rows if row[error] not in ("-", "0")]
-        for panel, key in zip(panels, keys):
-            panel.loglog([number(row[key]) for row in own], [number(row[error]) for row in own], marker=marker, markersize=4,
-                         linewidth=0.9, linestyle=style, color=colour, label=label if marker == "o" else None)
+    figure, panels = plt.subplots(1, 2, figsize=(8.8, 3.8), sharey=True)
+    for panel, (key, label) in zip(panels, axes.items()):
+        for colour, (name, points) in zip(COLOURS, grouped(rows, group).items()):
+            for error, style in (("position_error", "o-"), ("energy_error", "x--")):
+                own = [row for row in points if row[error] not in ("-", "0")]
+                panel.loglog([number(row[key]) for row in own], [number(row[error]) for row in own], style, markersize=4,
+                             linewidth=0.9, color=colour, label=name if style == "o-" else None)
+        panel.set_xlabel(label)
+        if key == "tolerance":
+            panel.invert_xaxis()
+    panels[0].set_ylabel("error of positions / D (dots)\nand of E, relative (crosses)")
+    panels[1].legend(fontsize=8, frameon=False)
+    save(figure, target)
 
 
 def draw_accuracy(rows: list[Row], target: Path) -> None:
-    figure, panels = plt.subplots(1, 2, figsize=(8.8, 3.8), sharey=True)
-    for colour, (scene, points) in zip(COLOURS, grouped(rows, "scene").items()):
-        draw_errors(panels, points, ("cpu_ms", "tolerance"), colour, scene)
-    panels[0].set_xlabel("CPU milliseconds, one thread")
-    panels[1].set_xlabel("tolerance")
-    panels[1].invert_xaxis()
-    panels[0].set_ylabel("error of positions / D (dots)\nand of E, relative (crosses)")
-    panels[1].legend(fontsize=8, frameon=False)
-    save(figure, target)
+    draw_errors(rows, target, "scene", {"cpu_ms": "CPU milliseconds, one thread", "tolerance": "tolerance"})
 
 
 def draw_refinement(rows: list[Row], target: Path) -> None:
-    figure, panels = plt.subplots(1, 2, figsize=(8.8, 3.8), sharey=True)
-    for colour, (shell, points) in zip(COLOURS, grouped(rows, "shell").items()):
-        draw_errors(panels, points, ("faces", "cpu_ms"), colour, f"{shell} shell")
-    panels[0].set_xlabel("faces of the host")
-    panels[1].set_xlabel("CPU milliseconds, one thread")
-    panels[0].set_ylabel("error of positions / D (dots)\nand of E, relative (crosses)")
-    panels[1].legend(fontsize=8, frameon=False)
-    save(figure, target)
+    draw_errors(rows, target, "shell", {"faces": "faces of the host", "cpu_ms": "CPU milliseconds, one thread"})
 
 
 def seen(x: float, y: float, z: float) -> tuple[float, float, float]:

@@ -32,21 +32,6 @@ def processes(pid: int) -> List[int]:
     return found
 
 
-def runs(process: int) -> bool:
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
-    except OSError:
-        return False
-
-
-def left_after(seconds: float, those: List[int]) -> List[int]:
-    """Those that still run when the time is up."""
-    end = time.monotonic() + seconds
-    while any(map(runs, those)) and time.monotonic() < end:
-        time.sleep(0.02)
-    return list(filter(runs, those))
-
-
 def cpu_seconds(pid: int) -> "dict[int, float]":
     used = {}
     for process in processes(pid):

@@ -122,27 +122,27 @@ class SvgReader {
     const auto box = box_of(root);
     // In user units of the page: where its box is drawn, and how large it is.
     Map view = Map::Identity();
-    page_size_ = {width.value_or(0), height.value_or(0)};
+    Eigen::Vector2d size(width.value_or(0), height.value_or(0));
     double unit = mm_per_pixel;
     drawing_.unit_is_known = width || height;
     if (const auto wanted = millimetres_of(options_.unit)) {
       unit = *wanted;
       drawing_.unit_is_known = true;
       if (!box.empty()) {
-        page_size_ = {box[2], box[3]};
+        size = {box[2], box[3]};
         view.translation() << -box[0], -box[1];
       }
     } else if (!box.empty()) {
       const double across = width ? *width / box[2] : height ? *height / box[3] : 1;
-      page_size_ = {across * box[2], height.value_or(across * box[3])};
-      view = view_of(root, box, page_size_);
+      size = {across * box[2], height.value_or(across * box[3])};
+      view = view_of(root, box, size);
     }
     drawing_.has_page = !box.empty() || height;
     drawing_.unit = unit * view.linear()(0, 0);
     Map upwards = Map::Identity();
     upwards.linear() << unit, 0, 0, -unit;
-    upwards.translation() << 0, unit * page_size_.y();
-    page_size_ = box.empty() ? page_size_ : Eigen::Vector2d(box[2], box[3]);
+    upwards.translation() << 0, unit * size.y();
+    page_size_ = box.empty() ? size : Eigen::Vector2d(box[2], box[3]);
     return upwards * view;
   }
 
@@ -248,7 +248,8 @@ class SvgReader {
       if (local_name(attribute.name()) == "href" && reference.empty()) reference = attribute.value();
     }
     if (!reference.starts_with('#')) return {};
-    if (ids_.empty()) {
+    if (!ids_) {
+      ids_.emplace();
       struct Walker : pugi::xml_tree_walker {
         std::unordered_map<std::string_view, pugi::xml_node>& ids;
         explicit Walker(std::unordered_map<std::string_view, pugi::xml_node>& found) : ids(found) {}
@@ -256,11 +257,11 @@ class SvgReader {
           if (const auto id = node.attribute("id")) ids.emplace(id.value(), node);
           return true;
         }
-      } walker(ids_);
+      } walker(*ids_);
       use.root().traverse(walker);
     }
-    const auto found = ids_.find(reference.substr(1));
-    return found == ids_.end() ? pugi::xml_node() : found->second;
+    const auto found = ids_->find(reference.substr(1));
+    return found == ids_->end() ? pugi::xml_node() : found->second;
   }
 
   /// A symbol with a view box fills the space that its use gives it, or the page.
@@ -345,8 +346,8 @@ class SvgReader {
   const DrawingOptions& options_;
   const Execution& execution_;
   RawDrawing drawing_;
-  std::unordered_map<std::string_view, pugi::xml_node> ids_;  ///< all of the file, once a <use> has asked for one
-  Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();       ///< in user units within the page
+  std::optional<std::unordered_map<std::string_view, pugi::xml_node>> ids_;  ///< once a <use> has asked for one
+  Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();                      ///< in user units within the page
   std::size_t read_ = 0;
   std::size_t copies_ = 0;
   bool copying_ = false;

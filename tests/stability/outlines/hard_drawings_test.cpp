@@ -84,6 +84,8 @@ TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
   };
   EXPECT_NE(refused(laughs("")).find("200000 elements"), std::string::npos);
   EXPECT_NE(refused(laughs(solid)).find("20000 curves"), std::string::npos);
+  // The file is searched for its names once, though none is found.
+  EXPECT_EQ(read_drawing(page(repeated("<use href='#nothing'/>", 190'000) + solid)).outlines.size(), 1U);
   // Long text that says nothing, or a curve of many pieces, counts as what it costs.
   for (const std::string& path : {repeated("M0 0", 250'000), "M0 0" + repeated("h0", 90'000)}) {
     const std::string used = "<defs><path id='p' d='" + path + "'/></defs>" + repeated("<use href='#p'/>", 20'000);
