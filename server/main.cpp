@@ -26,6 +26,8 @@
 #include "supple/routes/guard.h"
 #include "supple/routes/resume.h"
 #include "supple/routes/routes.h"
+#include "supple/store/local_store.h"
+#include "supple/store/shared_store.h"
 #include "version.h"
 
 namespace supple {
@@ -122,6 +124,7 @@ class Process {
                    models_->size(), options_.jobs.workers, thread_count(), options_.http.max_connections);
       int signal = 0;
       sigwait(&signals_, &signal);
+      drain();
       spdlog::info("signal {}: finishing within {} s", signal, options_.grace);
       constexpr double seconds_to_stop = 4;
       end_at_the_latest_after(options_.grace + seconds_to_stop);
@@ -142,10 +145,21 @@ class Process {
   }
 
  private:
+  /// Answers all requests for a while, but says that it is not ready, so that a load balancer sends it no more of them.
+  /// A further signal ends that.
+  void drain() {
+    if (options_.drain <= 0) return;
+    spdlog::info("not ready any more; answering for another {} s", options_.drain);
+    services_.draining = true;
+    timespec time{};
+    time.tv_sec = static_cast<std::time_t>(options_.drain);
+    time.tv_nsec = static_cast<long>(1e9 * (options_.drain - static_cast<double>(time.tv_sec)));
+    sigtimedwait(&signals_, nullptr, &time);
+  }
+
   void open() {
     models_ = std::make_unique<store::ModelStore>(model_options(options_));  // reads while the store opens
-    store_ = std::make_unique<store::Store>(
-        options_.data, recovery_of_store([](const std::string& text) { spdlog::warn(text); }), quota());
+    store_ = open_store();
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
     models_->wait_until_read();
     services_.store = store_.get();
@@ -168,6 +182,14 @@ class Process {
     services_.jobs = jobs_.get();
     services_.ready = true;
     services_.ready.notify_all();
+  }
+
+  std::unique_ptr<store::Store> open_store() {
+    const auto warn = [](const std::string& text) { spdlog::warn(text); };
+    if (options_.database.empty())
+      return std::make_unique<store::LocalStore>(options_.data, recovery_of_store(warn), quota());
+    return std::make_unique<store::SharedStore>(
+        store::SharedStore::Options{options_.database, options_.data, options_.lease, quota(), warn});
   }
 
   store::Quota quota() {

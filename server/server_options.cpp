@@ -190,6 +190,12 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   app.add_option("--port", options.http.port, "Port to listen on; 0 takes any free one, which is printed")
       ->check(CLI::Range(0, 65535));
   app.add_option("--data", options.data, "Folder of meshes, jobs and results; made if it does not exist");
+  app.add_option("--database", options.database,
+                 "PostgreSQL database that several servers share, with the folder --data: postgresql://user@host/name; "
+                 "without it the server has a database of its own in that folder");
+  app.add_option("--lease", options.lease,
+                 "Seconds after which other servers of the same database take the jobs of one that is not heard of")
+      ->check(CLI::Range(2.0, 3600.0));
   app.add_option("--models", options.models, "Folder of neural models (*.h5); it is looked at every two seconds")
       ->check(CLI::ExistingDirectory);
   app.add_option("--web", options.web, "Folder of the built web editor, which is read once and served at /")
@@ -216,6 +222,11 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   app.add_flag("--open", options.open,
                "Answer everybody who reaches the server, without a key: they read, compute and delete what they like");
   app.add_flag("--access-log", options.access_log, "Log a line for each answered request");
+  app.add_option(
+         "--drain", options.drain,
+         "Seconds after SIGTERM in which the server answers all requests but /readyz, which tells load balancers "
+         "to ask others")
+      ->check(CLI::Range(0.0, 3600.0));
   app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--helper", options.helper.program,

@@ -19,7 +19,9 @@ struct ServerOptions {
   jobs::QueueOptions jobs;
   routes::RouteLimits limits;
   std::string data = "data";
-  std::string models;                     ///< folder; none where empty
+  std::string database;  ///< that servers share: a connection string of libpq; one of its own where empty
+  double lease = 10;     ///< seconds that a server of a shared database keeps its jobs without a word
+  std::string models;    ///< folder; none where empty
   std::int64_t max_model = 256LL << 20;   ///< bytes of a model file
   std::string web;                        ///< folder of the built web editor; none where empty
   int threads = 0;                        ///< compute threads; 0: one for each core
@@ -27,6 +29,7 @@ struct ServerOptions {
   std::int64_t max_mesh_bytes = 0;        ///< of stored meshes; 0: no limit but that of the data folder
   double mesh_retention = 0;              ///< seconds that a mesh is kept which nobody uses; 0: for good
   std::int64_t mesh_memory = 0;           ///< bytes; like the following ones a share of the machine's at first
+  double drain = 0;                       ///< seconds that it answers at the end although it is not ready any more
   double grace = 5;                       ///< seconds that running computations get at the end
   std::int64_t memory = 0;                ///< bytes that requests and computations may take together
   std::int64_t process_memory = 0;        ///< bytes of the whole process, at which computations are stopped

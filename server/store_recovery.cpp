@@ -8,8 +8,8 @@
 
 namespace supple {
 
-store::Store::Recovery recovery_of_store(std::function<void(const std::string&)> warn) {
-  store::Store::Recovery recovery;
+store::LocalStore::Recovery recovery_of_store(std::function<void(const std::string&)> warn) {
+  store::LocalStore::Recovery recovery;
   recovery.describe = [](const std::string& ply, const std::string& id, std::int64_t created) {
     return json::write_mesh(id, created, surface::report(store::load_stored_mesh(ply)));
   };

@@ -51,6 +51,7 @@ LIBRARIES = {
     "httplib.h": ("server/http", "clients/cli", "tests"),
     "nlohmann/": ("server/json", "clients/cli", "tests"),
     "sqlite3.h": ("server/store",),
+    "pqxx/pqxx": ("server/store",),
     "prometheus/": ("server/metrics",),
     "spdlog/": ("server",),
     "CLI/": ("server", "clients/cli", "engine/lab"),

@@ -75,12 +75,14 @@ struct JobQueue::Job final : ProgressSink {
   std::string partial;
   std::uint64_t in_session = 0;
   std::uint64_t version = 1;
-  bool visible = false;          // in the store, and clients may ask for it
-  bool kept = false;             // so is its request: a later process can make it again
-  bool dismissed = false;        // by a client: however its computation ends, that is its state
-  bool finishing = false;        // one thread writes how it ended
-  bool finished = false;         // also once it was dismissed
-  std::optional<Result> result;  // of one that is not visible
+  std::uint64_t shared_version = 0;  // that other servers of a shared store were told of
+  bool visible = false;              // in the store, and clients may ask for it
+  bool kept = false;                 // so is its request: a later process can make it again
+  bool dismissed = false;            // by a client: however its computation ends, that is its state
+  bool lost = false;                 // to another server of a shared store: how it ends here is of no account
+  bool finishing = false;            // one thread writes how it ended
+  bool finished = false;             // also once it was dismissed
+  std::optional<Result> result;      // of one that is not visible
   std::exception_ptr failure;
 };
 

@@ -11,11 +11,11 @@ namespace supple::jobs {
 void JobQueue::fail_at_start(store::JobRecord record, const problem::Problem& problem) {
   record.state = JobState::failed;
   record.finished = store::now_milliseconds();
-  record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
+  record.expires = record.finished + retention_milliseconds();
   record.error = render_(problem);
   record.error_status = problem::status_of(problem);
   const log::Context context("job", record.id);
-  if (!write_end(record, nullptr)) unwritten_.emplace(record.id, record);
+  if (write_end(record, nullptr) == End::refused) unwritten_.emplace(record.id, record);
 }
 
 void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Result> result, std::exception_ptr failure) {
@@ -35,24 +35,33 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
     put_back(job);
     return;
   }
+  if (job->lost) {
+    forget(*job);
+    return;
+  }
   auto record = job->record;
   record.state = state;
   record.finished = store::now_milliseconds();
-  record.expires = record.finished + static_cast<std::int64_t>(1000 * options_.retention);
+  record.expires = record.finished + retention_milliseconds();
   if (failure) {
     auto problem = problem::problem_of(failure);
     if (problem.code == stopped_by_shutdown) problem = interrupted();
     record.error = render_(problem);
     record.error_status = problem::status_of(problem);
   }
-  bool written = true;
+  auto written = End::stored;
   if (job->visible) {
     // Disk work without the mutex; until it is done the job counts as unfinished.
     lock.unlock();
     written = write_end(record, result ? &*result : nullptr);
     lock.lock();
   }
-  if (!written) unwritten_.insert_or_assign(record.id, record);
+  if (written == End::of_another_server) {
+    job->lost = true;
+    forget(*job);
+    return;
+  }
+  if (written == End::refused) unwritten_.insert_or_assign(record.id, record);
   job->record = record;
   job->finished = true;
   job->result = std::move(result);
@@ -72,23 +81,37 @@ void JobQueue::put_back(const JobPointer& job) {
     record.state = JobState::accepted;
     record.started = 0;
     --record.attempts;
-    note_progress(record);
   }
-  job->finished = true;
-  jobs_.erase(record.id);
-  leave_session(job->computation.session, job->in_session);
-  changed_.notify_all();
-  job->watch.reset();
+  note_progress(record);  // also of one that waits: in a shared store another server may have it now
+  forget(*job);
 }
 
-bool JobQueue::write_end(store::JobRecord& record, const Result* result) {
+void JobQueue::forget(Job& job) {
+  job.finished = true;
+  jobs_.erase(job.record.id);
+  leave_session(job.computation.session, job.in_session);
+  changed_.notify_all();
+  job.watch.reset();
+}
+
+void JobQueue::lose(const JobPointer& job) {
+  {
+    const std::lock_guard lock(mutex_);
+    job->lost = true;
+  }
+  job->token.request(StopReason::cancelled);
+  finish(job, JobState::failed, std::nullopt, nullptr);
+}
+
+JobQueue::End JobQueue::write_end(store::JobRecord& record, const Result* result) {
   try {
-    store_.finish_job(record, result);
-    return true;
+    return store_.finish_job(record, result) || !store_.is_shared() ? End::stored : End::of_another_server;
   } catch (...) {
     const auto problem = problem::problem_of(std::current_exception());
+    // Other servers have the job once its hold has ended, or this one has it again: it is run once more.
+    if (store_.is_shared() && problem.code == "store.unavailable") return End::of_another_server;
     if (log_) log_("the end of job " + record.id + " cannot be stored: " + problem.detail);
-    if (!result) return false;
+    if (!result) return End::refused;
     record.state = JobState::failed;
     record.error = render_(problem);
     record.error_status = problem::status_of(problem);

@@ -29,6 +29,12 @@ problem::ProblemError queue_full(const std::string& detail, double limit, double
                                 retry_after});
 }
 
+/// There is a job with this key of idempotency.
+class KeyWasUsed : public Error {
+ public:
+  KeyWasUsed() : Error("job.key_reused", "The Idempotency-Key of this request is used by another one.") {}
+};
+
 [[noreturn]] void throw_shutting_down() { throw Error(stopped_by_shutdown, "The server is shutting down."); }
 
 /// Writes the seconds of its lifetime.
@@ -88,25 +94,28 @@ JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render rend
   resume();
   for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
   cleaner_ = std::thread([this] { clean_up(); });
+  if (store_.is_shared()) keeper_ = std::thread([this] { share(); });
 }
 
 void JobQueue::resume() {
   const std::lock_guard lock(mutex_);
-  for (auto record : store_.unfinished_jobs()) {
-    if (!remake_ || !store_.has_request(record.id)) {
-      fail_at_start(std::move(record), interrupted());
-    } else if (record.state == JobState::running && record.attempts >= options_.max_attempts) {
-      const auto problem = given_up(record.attempts, options_.max_attempts);
-      fail_at_start(std::move(record), problem);
-    } else {
-      record.state = JobState::accepted;
-      record.started = 0;
-      const auto job = make_job(computation_again(record));
-      job->record = std::move(record);
-      job->visible = true;
-      job->kept = true;
-      add(job);
-    }
+  for (auto record : store_.unfinished_jobs()) take_over(std::move(record));
+}
+
+void JobQueue::take_over(store::JobRecord record) {
+  if (!remake_ || !store_.has_request(record.id)) {
+    fail_at_start(std::move(record), interrupted());
+  } else if (record.state == JobState::running && record.attempts >= options_.max_attempts) {
+    const auto problem = given_up(record.attempts, options_.max_attempts);
+    fail_at_start(std::move(record), problem);
+  } else {
+    record.state = JobState::accepted;
+    record.started = 0;
+    const auto job = make_job(computation_again(record));
+    job->record = std::move(record);
+    job->visible = true;
+    job->kept = true;
+    add(job);
   }
 }
 
@@ -207,6 +216,8 @@ JobQueue::JobPointer JobQueue::make_job(Computation computation) {
   record.client = job->computation.client;
   record.session = job->computation.session;
   record.owner = job->computation.owner;
+  record.idempotency_key = job->computation.idempotency_key;
+  record.request_hash = job->computation.request_hash;
   job->watch = std::make_unique<Watchdog::Guard>(
       watchdog_, Watchdog::Watch{job->token, Clock::now() + duration(job->computation.deadline), {}});
   return job;
@@ -315,21 +326,42 @@ JobQueue::JobPointer JobQueue::take_next() {
 
 /// Under the mutex, so that the job cannot finish between its check and its row.
 void JobQueue::publish(Job& job, bool kept, const std::string& request) {
-  store_.add_job(job.record, request);
+  if (!store_.add_job(job.record, request)) throw KeyWasUsed();
   job.visible = true;
   job.kept = kept;
 }
 
+std::optional<JobStatus> JobQueue::asked_before(const std::string& key, const std::string& request_hash) const {
+  if (key.empty()) return std::nullopt;
+  const auto known = store_.job_of_key(key);
+  if (!known) return std::nullopt;
+  if (known->request_hash != request_hash)
+    throw Error("job.key_reused", "The Idempotency-Key of this request was used for another request before.");
+  return status(known->id);
+}
+
 JobStatus JobQueue::submit(Computation computation, const std::optional<RequestOfJob>& request) {
-  const auto job = enqueue(std::move(computation), request, true);
-  const std::lock_guard lock(mutex_);
-  return status_of(*job);
+  const auto key = computation.idempotency_key;
+  const auto hash = computation.request_hash;
+  if (auto known = asked_before(key, hash)) return *std::move(known);
+  try {
+    const auto job = enqueue(std::move(computation), request, true);
+    const std::lock_guard lock(mutex_);
+    return status_of(*job);
+  } catch (const KeyWasUsed&) {
+    // By the same request, which has come at the same time.
+    if (auto known = asked_before(key, hash)) return *std::move(known);
+    throw;
+  }
 }
 
 JobQueue::ResultOrJob JobQueue::run_within(Computation computation, double seconds,
                                            const std::function<bool()>& hung_up,
                                            const std::optional<RequestOfJob>& request) {
   const auto end = Clock::now() + duration(seconds);
+  const auto key = computation.idempotency_key;
+  const auto hash = computation.request_hash;
+  if (auto known = asked_before(key, hash)) return {std::nullopt, *std::move(known)};
   const auto job = enqueue(std::move(computation), request, false);
   std::unique_lock lock(mutex_);
   while (!job->finished && Clock::now() < end) {
@@ -342,7 +374,12 @@ JobQueue::ResultOrJob JobQueue::run_within(Computation computation, double secon
   if (!job->finished) {
     const auto record = job->record;
     lock.unlock();
-    make_visible(job, record, request);
+    try {
+      make_visible(job, record, request);
+    } catch (const KeyWasUsed&) {
+      if (auto known = asked_before(key, hash)) return {std::nullopt, *std::move(known)};
+      throw;
+    }
     lock.lock();
     if (job->visible) return {std::nullopt, status_of(*job)};
   }
@@ -373,15 +410,18 @@ std::optional<JobStatus> JobQueue::remove(const std::string& id) {
     job = find(id);
     if (job) job->dismissed = true;
   }
-  if (!job) {
-    if (!store_.remove_job(id)) throw_not_found(id);
-    const std::lock_guard lock(mutex_);
-    unwritten_.erase(id);
-    return std::nullopt;
+  if (job) {
+    job->token.request(StopReason::cancelled);
+    finish(job, JobState::dismissed, std::nullopt, nullptr);
+    if (!job->lost) return status(id);
   }
-  job->token.request(StopReason::cancelled);
-  finish(job, JobState::dismissed, std::nullopt, nullptr);
-  return status(id);
+  // Another server may have it.
+  const auto now = store::now_milliseconds();
+  if (const auto record = store_.dismiss_job(id, now, now + retention_milliseconds())) return JobStatus{*record, 0, {}};
+  if (!store_.remove_job(id)) throw_not_found(id);
+  const std::lock_guard lock(mutex_);
+  unwritten_.erase(id);
+  return std::nullopt;
 }
 
 void JobQueue::work() {
@@ -403,8 +443,11 @@ void JobQueue::work() {
     changed_.notify_all();
     const auto record = job->visible ? std::optional(job->record) : std::nullopt;
     lock.unlock();
-    if (record) note_progress(*record);
-    run_job(job);
+    if (!record || note_progress(*record)) {
+      run_job(job);
+    } else {
+      lose(job);
+    }
     lock.lock();
     --running_;
     if (last_attempt) {
@@ -418,11 +461,12 @@ void JobQueue::work() {
   }
 }
 
-void JobQueue::note_progress(const store::JobRecord& record) {
+bool JobQueue::note_progress(const store::JobRecord& record) {
   try {
-    store_.note_progress(record);
+    return store_.note_progress(record);
   } catch (const Error&) {
     // The store is full or unavailable: should the process end now, this attempt is one that nobody knows of.
+    return true;
   }
 }
 
@@ -497,6 +541,7 @@ void JobQueue::shut_down(double grace_seconds) {
   for (auto& worker : workers_) worker.join();
   workers_.clear();
   if (cleaner_.joinable()) cleaner_.join();
+  if (keeper_.joinable()) keeper_.join();
   for (const auto& job : left) run_job(job);
   write_what_was_refused();
 }

@@ -7,6 +7,11 @@
 #include "job.h"
 
 namespace supple::jobs {
+namespace {
+
+constexpr std::chrono::milliseconds look_at_other_servers{200};
+
+}  // namespace
 
 JobQueue::JobPointer JobQueue::find(const std::string& id) const {
   const auto found = jobs_.find(id);
@@ -28,7 +33,19 @@ JobStatus JobQueue::status(const std::string& id) const {
   }
   const auto record = store_.job(id);
   if (!record) throw_not_found(id);
-  return {*record, record->state == JobState::successful ? 1.0 : 0.0, {}};
+  return status_in_store(*record);
+}
+
+JobStatus JobQueue::status_in_store(const store::JobRecord& record) const {
+  JobStatus status{record, record.state == JobState::successful ? 1.0 : 0.0, {}};
+  if (record.state != JobState::running) return status;
+  if (auto progress = store_.job_progress(record.id)) {
+    status.progress = progress->fraction;
+    status.stage = std::move(progress->stage);
+    status.partial = std::move(progress->partial);
+    status.revision = progress->revision;
+  }
+  return status;
 }
 
 std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t limit, const std::string& after,
@@ -46,7 +63,7 @@ std::vector<JobStatus> JobQueue::list(std::optional<JobState> state, std::size_t
   while (list.size() < limit) {
     const auto page = store_.jobs(in_store, limit, last, owner);
     for (const auto& record : page) {
-      JobStatus status{record, record.state == JobState::successful ? 1.0 : 0.0, {}};
+      auto status = status_in_store(record);
       {
         const std::lock_guard lock(mutex_);
         if (auto newer = status_in_memory(record.id)) status = *std::move(newer);
@@ -80,13 +97,27 @@ JobStatus JobQueue::wait_for_change(const std::string& id, std::uint64_t& versio
       }
     }
   }
-  version = std::numeric_limits<std::uint64_t>::max();
-  return status(id);
+  // Not in this process: it has ended, or another server has it.
+  const auto end = Clock::now() + duration(seconds);
+  while (true) {
+    auto now = status(id);
+    const auto seen = is_finished(now.record.state) ? std::numeric_limits<std::uint64_t>::max()
+                                                    : static_cast<std::uint64_t>(now.revision) + 1;
+    if (seen != version || is_finished(now.record.state) || Clock::now() >= end || !store_.is_shared()) {
+      version = seen;
+      return now;
+    }
+    std::this_thread::sleep_for(look_at_other_servers);
+  }
 }
 
 bool JobQueue::mesh_in_use(const std::string& mesh) const {
-  const std::lock_guard lock(mutex_);
-  return std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& entry) { return entry.second->record.mesh == mesh; });
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& entry) { return entry.second->record.mesh == mesh; }))
+      return true;
+  }
+  return store_.has_unfinished_job_on(mesh);
 }
 
 std::size_t JobQueue::running() const {

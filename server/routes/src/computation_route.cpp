@@ -54,6 +54,22 @@ jobs::RequestOfJob request_of_job(const http::Request& request) {
           request.body};
 }
 
+/// What makes two requests of the same client one job: its header Idempotency-Key and what it asks for.
+void identify(jobs::Computation& computation, const http::Request& request) {
+  const auto key = request.header("Idempotency-Key");
+  if (key.empty()) return;
+  constexpr std::size_t longest = 255;
+  const auto is_plain = [](char c) { return c > ' ' && c <= '~'; };
+  if (key.size() > longest || !std::all_of(key.begin(), key.end(), is_plain)) {
+    throw Error("request.invalid_parameter",
+                "The header Idempotency-Key takes 1 to 255 printable ASCII characters without spaces.");
+  }
+  computation.idempotency_key = store::sha256(request.key + "\n" + key);
+  std::string asked = request.method + " " + request.path + "\n";
+  for (const auto& [name, value] : request.query) asked += name + "=" + value + "\n";
+  computation.request_hash = store::sha256(asked + request.body);
+}
+
 /// Seconds since the handler on this thread began to read the body; 0 where it has none.
 double seconds_of_reading(const http::Request& request) {
   if (reading.request != &request) return 0;
@@ -97,6 +113,7 @@ http::Response answer_computation(Services& services, const http::Request& reque
     computation.deadline = rest_of_deadline(request, computation.deadline);
     return answer_immediately(services, request, computation);
   }
+  identify(computation, request);
   const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
   http::Response response;
   if (preference.wait && *preference.wait > 0) {

@@ -40,6 +40,7 @@ store::DiskSpace usable_store(const Services& services) {
 
 http::Response readiness(const Services& services) {
   require_ready(services);
+  if (services.draining) throw Error("server.shutting_down", "The server is about to shut down; ask another one.");
   const auto disk = usable_store(services);
   json::JsonWriter out;
   out.begin_object()

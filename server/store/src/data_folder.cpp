@@ -19,14 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One process at a time: two would run the same jobs.
-int take_lock(const Places& places) {
+/// One process at a time, for two would run the same jobs; or those that share a database which tells them apart.
+int take_lock(const Places& places, DataFolder::Use use) {
   const int descriptor = ::open(places.lock().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (descriptor < 0) {
     throw Error("store.unavailable", "The data folder " + places.folder.string() +
                                          " is not writable: " + std::generic_category().message(errno) + ".");
   }
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+  if (::flock(descriptor, (use == DataFolder::Use::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0) {
     ::close(descriptor);
     throw Error("store.unavailable", "The data folder " + places.folder.string() + " is in use by another server.");
   }
@@ -35,9 +35,9 @@ int take_lock(const Places& places) {
 
 }  // namespace
 
-DataFolder::DataFolder(const fs::path& folder, Warn warn) : places_{folder}, warn_(std::move(warn)) {
+DataFolder::DataFolder(const fs::path& folder, Warn warn, Use use) : places_{folder}, warn_(std::move(warn)) {
   prepare();
-  lock_ = take_lock(places_);
+  lock_ = take_lock(places_, use);
 }
 
 DataFolder::~DataFolder() { ::close(lock_); }

@@ -24,15 +24,17 @@ struct Places {
   std::filesystem::path request(const std::string& id) const { return requests() / (id + ".request"); }
 };
 
-/// A data folder that this process has to itself for the lifetime of the object: for the server's user alone (mode
-/// 0700), with its subfolders, and with a place for what is not understood.
+/// A data folder that this process uses for the lifetime of the object, alone or with others that share it: for the
+/// server's user alone (mode 0700), with its subfolders, and with a place for what is not understood.
 class DataFolder {
  public:
   using Warn = std::function<void(const std::string&)>;
 
-  /// Makes what does not exist. Throws "store.unavailable" where another process has it, and
+  enum class Use { alone, shared };
+
+  /// Makes what does not exist. Throws "store.unavailable" where another process has it, unless both share it, and
   /// std::filesystem::filesystem_error.
-  DataFolder(const std::filesystem::path& folder, Warn warn);
+  DataFolder(const std::filesystem::path& folder, Warn warn, Use use = Use::alone);
   ~DataFolder();
   DataFolder(const DataFolder&) = delete;
   DataFolder& operator=(const DataFolder&) = delete;

@@ -107,7 +107,7 @@ Check check_folder(const fs::path& folder) {
   return check;
 }
 
-Check repair_folder(const fs::path& data, const Store::Recovery& recovery,
+Check repair_folder(const fs::path& data, const LocalStore::Recovery& recovery,
                     const std::function<std::string(const std::string&)>& problem) {
   auto check = check_before_repair(data);
   const DataFolder folder(data, recovery.warn);

@@ -32,12 +32,14 @@ std::shared_ptr<const LoadedMesh> MeshCache::use(const std::string& id, Entry& e
 }
 
 std::shared_ptr<const LoadedMesh> MeshCache::find(const std::string& id) {
+  if (!store_.still_has_mesh(id)) forget(id);
   const std::lock_guard lock(mutex_);
   const auto slot = entries_.find(id);
   return slot == entries_.end() ? nullptr : use(id, *slot->second);
 }
 
 std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Execution& execution) {
+  if (!store_.still_has_mesh(id)) forget(id);
   std::shared_ptr<Entry> entry;
   {
     const std::lock_guard lock(mutex_);

@@ -75,6 +75,8 @@ void add_job(RecordFile& file, const JobRecord& job) {
       .add("attempts", std::int64_t{job.attempts})
       .add("error", job.error)
       .add("error-status", std::int64_t{job.error_status});
+  if (job.idempotency_key.empty()) return;
+  file.add("idempotency-key", job.idempotency_key).add("request-hash", job.request_hash);
 }
 
 }  // namespace
@@ -165,6 +167,8 @@ JobRecord job_of(const RecordFile& file) {
   job.attempts = static_cast<int>(file.integer("attempts"));
   job.error = file.value("error");
   job.error_status = static_cast<int>(file.integer("error-status"));
+  job.idempotency_key = file.value("idempotency-key");
+  job.request_hash = file.value("request-hash");
   return job;
 }
 

@@ -12,6 +12,12 @@
 
 namespace supple::store {
 
+/// Of the file of a result.
+struct ResultFile {
+  std::string hash;        ///< of the body; empty where there is no result
+  std::int64_t bytes = 0;  ///< of all of it
+};
+
 /// A file that tells what it is: lines "name: value" with a hash of their own, an empty line, and a body whose hash is
 /// among them. Everything that a row of the database says of the file is in it, so that the row can be made again.
 class RecordFile {

@@ -43,8 +43,8 @@ std::vector<fs::path> unknown_files(const fs::path& folder, const std::string& s
 }
 
 /// The row of a mesh from its file; nothing where the file is not what its name says.
-std::optional<MeshRecord> describe_file(const DataFolder& folder, const Store::Recovery& recovery, const fs::path& file,
-                                        std::int64_t created) {
+std::optional<MeshRecord> describe_file(const DataFolder& folder, const LocalStore::Recovery& recovery,
+                                        const fs::path& file, std::int64_t created) {
   if (file.extension() != ".ply" || !recovery.describe) return std::nullopt;
   MeshRecord record{file.stem().string(), created, {}};
   try {
@@ -58,7 +58,7 @@ std::optional<MeshRecord> describe_file(const DataFolder& folder, const Store::R
   return record;
 }
 
-void recover_meshes(const DataFolder& folder, Database& database, const Store::Recovery& recovery) {
+void recover_meshes(const DataFolder& folder, Database& database, const LocalStore::Recovery& recovery) {
   std::vector<std::pair<std::int64_t, fs::path>> files;
   for (auto& file : unknown_files(folder.places().meshes(), ".ply", ids(database, "SELECT id FROM meshes"))) {
     const auto created = modified(file);
@@ -199,7 +199,7 @@ std::unique_ptr<Database> open_database(const DataFolder& folder, bool& is_new) 
   return try_database(path);
 }
 
-void recover_files(const DataFolder& folder, Database& database, const Store::Recovery& recovery, bool is_new) {
+void recover_files(const DataFolder& folder, Database& database, const LocalStore::Recovery& recovery, bool is_new) {
   recover_meshes(folder, database, recovery);
   std::vector<FoundJob> jobs;
   find_results(folder, database, jobs);

@@ -2,7 +2,7 @@
 
 #include "data_folder.h"
 #include "database.h"
-#include "supple/store/store.h"
+#include "supple/store/local_store.h"
 
 namespace supple::store {
 
@@ -12,6 +12,6 @@ std::unique_ptr<Database> open_database(const DataFolder& folder, bool& is_new);
 
 /// Brings a data folder and its database together at the start: see Store. `is_new` says that the database was made
 /// now, so that it knows nothing of the files.
-void recover_files(const DataFolder& folder, Database& database, const Store::Recovery& recovery, bool is_new);
+void recover_files(const DataFolder& folder, Database& database, const LocalStore::Recovery& recovery, bool is_new);
 
 }  // namespace supple::store

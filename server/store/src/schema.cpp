@@ -60,15 +60,19 @@ struct Column {
   const char* declaration;
 };
 constexpr Column later_columns[] = {
-    {"meshes", "used", "INTEGER NOT NULL DEFAULT 0"},   {"jobs", "client", "TEXT NOT NULL DEFAULT ''"},
-    {"jobs", "session", "TEXT NOT NULL DEFAULT ''"},    {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
-    {"meshes", "bytes", "INTEGER NOT NULL DEFAULT -1"}, {"jobs", "bytes", "INTEGER NOT NULL DEFAULT -1"},
+    {"meshes", "used", "INTEGER NOT NULL DEFAULT 0"},        {"jobs", "client", "TEXT NOT NULL DEFAULT ''"},
+    {"jobs", "session", "TEXT NOT NULL DEFAULT ''"},         {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
+    {"meshes", "bytes", "INTEGER NOT NULL DEFAULT -1"},      {"jobs", "bytes", "INTEGER NOT NULL DEFAULT -1"},
+    {"jobs", "idempotency_key", "TEXT NOT NULL DEFAULT ''"}, {"jobs", "request_hash", "TEXT NOT NULL DEFAULT ''"},
 };
+
+constexpr const char* indices_of_later_columns =
+    "CREATE UNIQUE INDEX IF NOT EXISTS jobs_by_key ON jobs (idempotency_key) WHERE idempotency_key <> ''";
 
 /// Of the table itself.
 constexpr const char* job_columns =
     "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, session, "
-    "attempts";
+    "attempts, idempotency_key, request_hash";
 
 bool has_column(const Database& database, const Column& column) {
   Statement rows(database, "SELECT 1 FROM pragma_table_info(?) WHERE name = ?");
@@ -95,6 +99,7 @@ void prepare_tables(Database& database) {
     database.execute(
         ("ALTER TABLE " + std::string(column.table) + " ADD COLUMN " + column.name + " " + column.declaration).c_str());
   }
+  database.execute(indices_of_later_columns);
   database.execute(("PRAGMA user_version = " + std::to_string(table_version)).c_str());
   // A column that is missing is found now, not by the first request that needs it.
   const Statement clock(database, "SELECT machine_start_id, machine_start FROM clock");
@@ -119,13 +124,15 @@ JobRecord read_job(const Statement& row) {
   job.client = row.text(11);
   job.session = row.text(12);
   job.attempts = static_cast<int>(row.integer(13));
-  job.owner = row.text(14);
+  job.idempotency_key = row.text(14);
+  job.request_hash = row.text(15);
+  job.owner = row.text(16);
   return job;
 }
 
 void insert_job(const Database& database, const JobRecord& job, std::int64_t request_bytes, OwnerTable& owners) {
   Statement(database, "INSERT INTO jobs (" + std::string(job_columns) +
-                          ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+                          ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.kind)
       .bind(job.mesh)
@@ -140,6 +147,8 @@ void insert_job(const Database& database, const JobRecord& job, std::int64_t req
       .bind(job.client)
       .bind(job.session)
       .bind(static_cast<std::int64_t>(job.attempts))
+      .bind(job.idempotency_key)
+      .bind(job.request_hash)
       .bind(request_bytes)
       .run();
   if (!job.owner.empty()) owners.add(OwnerTable::Kind::job, job.id, job.owner);

@@ -6,6 +6,7 @@
 #include "data_folder.h"
 #include "database.h"
 #include "owner_table.h"
+#include "record_file.h"
 #include "supple/store/records.h"
 
 namespace supple::store {
@@ -21,11 +22,6 @@ JobRecord read_job(const Statement& row);
 /// Adds the row of a job that has not ended, with the bytes of its request, and whose it is: within a transaction, for
 /// it is several statements. Throws as Statement does.
 void insert_job(const Database& database, const JobRecord& job, std::int64_t request_bytes, OwnerTable& owners);
-/// Of the file of a result.
-struct ResultFile {
-  std::string hash;        ///< of the body; empty where there is no result
-  std::int64_t bytes = 0;  ///< of all of it
-};
 /// Writes how a job ended into its row, with the answer's type and headers where there is one. Returns whether there
 /// was such a row.
 bool update_ended_job(const Database& database, const JobRecord& job, const Result* result, const ResultFile& file);

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <system_error>
@@ -92,34 +93,36 @@ Usage Space::usage() const {
 
 std::int64_t Space::try_add(Part part, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (part == Part::meshes && quota_.mesh_bytes > 0 && counted_.meshes + bytes > quota_.mesh_bytes) {
-    const auto value = counted_.meshes + bytes;
-    throw_quota("store.quota",
-                "With this mesh of " + std::to_string(bytes) + " bytes all meshes would take " + std::to_string(value) +
-                    " bytes, their limit is " + std::to_string(quota_.mesh_bytes),
-                quota_.mesh_bytes, value, "--max-mesh-bytes");
-  }
-  if (quota_.bytes > 0) {
-    const auto usage = measured();
-    const auto too_many = usage.total() + bytes + bytes_of_rows - quota_.bytes;
-    // Results are not thrown away for what would not fit without them either.
-    if (too_many > usage.results) refuse_with(usage, part, bytes);
-    if (too_many > 0) return too_many;
-  }
-  counter(part) += bytes;
-  return 0;
+  const auto too_many = bytes_too_many(measured(), part, bytes);
+  if (too_many == 0) counter(part) += bytes;
+  return too_many;
 }
 
-void Space::refuse_with(const Usage& usage, Part part, std::int64_t bytes) const {
+std::int64_t bytes_too_many(const Usage& usage, Part part, std::int64_t bytes) {
+  if (part == Part::meshes && usage.mesh_limit > 0 && usage.meshes + bytes > usage.mesh_limit) {
+    const auto value = usage.meshes + bytes;
+    throw_quota("store.quota",
+                "With this mesh of " + std::to_string(bytes) + " bytes all meshes would take " + std::to_string(value) +
+                    " bytes, their limit is " + std::to_string(usage.mesh_limit),
+                usage.mesh_limit, value, "--max-mesh-bytes");
+  }
+  if (usage.limit <= 0) return 0;
+  const auto too_many = usage.total() + bytes + bytes_of_rows - usage.limit;
+  // Results are not thrown away for what would not fit without them either.
+  if (too_many > usage.results) refuse_store(usage, part, bytes);
+  return std::max<std::int64_t>(too_many, 0);
+}
+
+void refuse_store(const Usage& usage, Part part, std::int64_t bytes) {
   const auto value = usage.total() + bytes + bytes_of_rows;
   throw_quota("store.quota",
               "With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
                   " bytes and its rows the data folder would hold " + std::to_string(value) + " bytes, its limit is " +
-                  std::to_string(quota_.bytes) + "; meshes take " + std::to_string(usage.meshes) + ", results " +
+                  std::to_string(usage.limit) + "; meshes take " + std::to_string(usage.meshes) + ", results " +
                   std::to_string(usage.results) + ", requests of jobs " + std::to_string(usage.requests) +
                   ", the database " + std::to_string(usage.database) + " and what is in quarantine " +
                   std::to_string(usage.quarantine),
-              quota_.bytes, value, "--max-store");
+              usage.limit, value, "--max-store");
 }
 
 void refuse_owner(const std::string& owner, const Holding& holding, Part part, std::int64_t bytes, std::int64_t limit) {

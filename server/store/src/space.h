@@ -13,6 +13,13 @@ namespace supple::store {
 /// What the files of a store are.
 enum class Part { meshes, results, requests };
 
+/// By how many bytes new ones are too many for the limit of all data, which is what has to go first. Throws
+/// ProblemError "store.quota" where nothing that could go makes room for them, and for meshes beyond their own limit.
+std::int64_t bytes_too_many(const Usage& usage, Part part, std::int64_t bytes);
+
+/// Throws ProblemError "store.quota" for bytes that are too many.
+[[noreturn]] void refuse_store(const Usage& usage, Part part, std::int64_t bytes);
+
 /// Counts the bytes of a data folder: at the start by looking at every file, from then on by what is written and
 /// removed. Any thread may call.
 class Space {
@@ -29,7 +36,7 @@ class Space {
   /// what has to go first. Throws ProblemError "store.quota" where nothing that could go makes room for them.
   std::int64_t try_add(Part part, std::int64_t bytes);
   /// Throws ProblemError "store.quota" for bytes that are too many.
-  [[noreturn]] void refuse(Part part, std::int64_t bytes) const { refuse_with(usage(), part, bytes); }
+  [[noreturn]] void refuse(Part part, std::int64_t bytes) const { refuse_store(usage(), part, bytes); }
 
   Usage usage() const;
 
@@ -37,7 +44,6 @@ class Space {
   std::int64_t& counter(Part part);
   /// Under the mutex.
   Usage measured() const;
-  [[noreturn]] void refuse_with(const Usage& usage, Part part, std::int64_t bytes) const;
 
   const Places places_;
   const Quota quota_;

@@ -15,6 +15,7 @@
 #include "supple/budget/counting_malloc.h"
 #include "supple/budget/memory.h"
 #include "supple/json/answers.h"
+#include "supple/store/local_store.h"
 
 namespace supple::jobs {
 namespace {
@@ -27,7 +28,7 @@ class JobQueueTest : public testing::Test {
   JobQueueTest() {
     std::string pattern = (fs::temp_directory_path() / "supple_jobs_XXXXXX").string();
     folder_ = mkdtemp(pattern.data());
-    store_ = std::make_unique<store::Store>(folder_);
+    store_ = std::make_unique<store::LocalStore>(folder_);
     options_.workers = 1;
   }
   ~JobQueueTest() override {
@@ -88,7 +89,7 @@ class JobQueueTest : public testing::Test {
   JobQueue& restart() {
     queue_.reset();
     store_.reset();
-    store_ = std::make_unique<store::Store>(folder_);
+    store_ = std::make_unique<store::LocalStore>(folder_);
     started_ = 0;
     return queue();
   }
@@ -144,7 +145,7 @@ class FullDiskTest : public JobQueueTest {
     store_.reset();
     mounted_ = ::mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=1m") == 0;
     if (!mounted_) GTEST_SKIP() << "mounting takes root";
-    store_ = std::make_unique<store::Store>(folder_);
+    store_ = std::make_unique<store::LocalStore>(folder_);
     start();
   }
   void TearDown() override {

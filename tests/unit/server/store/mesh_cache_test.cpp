@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "supple/base/error.h"
+#include "supple/store/local_store.h"
 #include "supple/surface/mesh_io.h"
 
 namespace supple::store {
@@ -44,7 +45,7 @@ class MeshCacheTest : public testing::Test {
   }
 
   fs::path folder_;
-  Store store_;
+  LocalStore store_;
 };
 
 TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {

@@ -10,7 +10,7 @@ namespace supple::store {
 namespace {
 
 TEST_F(StoreTest, AMeshThatSeveralOwnGoesWithItsLastOwner) {
-  Store store(folder_);
+  LocalStore store(folder_);
   const auto [mesh, is_new] = store.add_mesh("ply", describe, "a");
   EXPECT_TRUE(is_new);
   EXPECT_FALSE(store.add_mesh("ply", describe, "a").second);
@@ -29,11 +29,11 @@ TEST_F(StoreTest, AMeshThatSeveralOwnGoesWithItsLastOwner) {
 TEST_F(StoreTest, OwnersOutliveARestartAndGoWithWhatTheyOwn) {
   std::string id;
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     id = store.add_mesh("ply", describe, "a").first.id;
     store.add_job(new_job("j", "a"));
   }
-  Store store(folder_);
+  LocalStore store(folder_);
   EXPECT_TRUE(store.owns_mesh(id, "a"));
   EXPECT_TRUE(store.owns_job("j", "a"));
   EXPECT_FALSE(store.owns_job("j", "b"));
@@ -46,7 +46,7 @@ TEST_F(StoreTest, OwnersOutliveARestartAndGoWithWhatTheyOwn) {
 }
 
 TEST_F(StoreTest, NothingIsStoredWhoseOwnerIsNot) {
-  Store store(folder_);
+  LocalStore store(folder_);
   // What a kill between two transactions would leave shows where the second one fails.
   Database(folder_ / "supple.sqlite")
       .execute("CREATE TRIGGER fault BEFORE INSERT ON owners BEGIN SELECT RAISE(ABORT, 'no owners today'); END");
@@ -63,7 +63,7 @@ TEST_F(StoreTest, NothingIsStoredWhoseOwnerIsNot) {
 TEST_F(StoreTest, AJobHasItsOwnerFromTheMomentItCanBeSeen) {
   const pid_t child = fork();
   if (child == 0) {
-    Store store(folder_);
+    LocalStore store(folder_);
     for (int i = 0;; ++i) store.add_job(new_job("j" + std::to_string(i), "a"));
   }
   constexpr std::size_t enough = 50;
@@ -84,7 +84,7 @@ TEST_F(StoreTest, AJobHasItsOwnerFromTheMomentItCanBeSeen) {
   while (seen() < enough) usleep(100);
   ::kill(child, SIGKILL);
   ASSERT_EQ(waitpid(child, nullptr, 0), child);
-  const Store store(folder_);
+  const LocalStore store(folder_);
   const auto all = store.jobs({}, 100'000, "");
   EXPECT_EQ(store.jobs({}, 100'000, "", "a").size(), all.size());
   EXPECT_GE(all.size(), enough);
@@ -93,7 +93,7 @@ TEST_F(StoreTest, AJobHasItsOwnerFromTheMomentItCanBeSeen) {
 
 TEST_F(StoreTest, AJobHasItsOwnerAgainWhenTheDatabaseIsLost) {
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     auto waits = new_job("waits", "a");
     store.add_job(waits, store.keep_request(waits, {"POST", "/x", {}, {}, {}}, std::string(300'000, 'x')));
     auto ended = new_job("ended", "b");
@@ -104,7 +104,7 @@ TEST_F(StoreTest, AJobHasItsOwnerAgainWhenTheDatabaseIsLost) {
     store.finish_job(ended, &result);
   }
   fs::remove(folder_ / "supple.sqlite");
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   EXPECT_TRUE(store.owns_job("waits", "a"));
   EXPECT_TRUE(store.owns_job("ended", "b"));
   EXPECT_FALSE(store.owns_job("ended", "a"));
@@ -138,7 +138,7 @@ class OwnerQuotaTest : public StoreTest {
 };
 
 TEST_F(OwnerQuotaTest, AMeshThatIsTooMuchIsRefusedWithNumberLimitAndSetting) {
-  Store store(folder_, {}, quota());
+  LocalStore store(folder_, {}, quota());
   store.add_mesh(std::string(6000, 'a'), describe, "small");
   const auto refused = problem_of([&] { store.add_mesh(std::string(4001, 'b'), describe, "small"); });
   EXPECT_EQ(refused.code, "store.key_quota");
@@ -158,7 +158,7 @@ TEST_F(OwnerQuotaTest, AMeshThatIsTooMuchIsRefusedWithNumberLimitAndSetting) {
 }
 
 TEST_F(OwnerQuotaTest, ItsOldestResultsMakeRoomAndNobodyElses) {
-  Store store(folder_, {}, quota());
+  LocalStore store(folder_, {}, quota());
   add_ended(store, "of another", "large", 4000);
   for (int i = 0; i < 4; ++i) add_ended(store, "j" + std::to_string(i), "small", 4000);
   EXPECT_TRUE(store.job("of another"));
@@ -175,7 +175,7 @@ TEST_F(OwnerQuotaTest, ItsOldestResultsMakeRoomAndNobodyElses) {
 }
 
 TEST_F(OwnerQuotaTest, CountsRequestsUntilTheirJobsEnd) {
-  Store store(folder_, {}, quota());
+  LocalStore store(folder_, {}, quota());
   const auto add = [&](const std::string& id, std::size_t bytes) {
     const auto job = new_job(id, "small");
     store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, std::string(bytes, 'r')));
@@ -198,7 +198,7 @@ TEST_F(OwnerQuotaTest, CountsRequestsUntilTheirJobsEnd) {
 
 TEST_F(OwnerQuotaTest, CountsTheSameAfterARestartAndOfAnEarlierVersionAndALostDatabase) {
   {
-    Store store(folder_, {}, quota());
+    LocalStore store(folder_, {}, quota());
     store.add_mesh(std::string(3000, 'a'), describe, "small");
     add_ended(store, "j", "small", 3000);
     const auto job = new_job("waits", "small");
@@ -216,10 +216,10 @@ TEST_F(OwnerQuotaTest, CountsTheSameAfterARestartAndOfAnEarlierVersionAndALostDa
   EXPECT_LT(before.second, 4500);
   Database(folder_ / "supple.sqlite")
       .execute("UPDATE meshes SET bytes = -1; UPDATE jobs SET bytes = -1 WHERE id = 'j'");
-  { Store store(folder_, recovery(), quota()); }
+  { LocalStore store(folder_, recovery(), quota()); }
   EXPECT_EQ(held(), before);
   fs::remove(folder_ / "supple.sqlite");
-  Store store(folder_, recovery(), quota());
+  LocalStore store(folder_, recovery(), quota());
   EXPECT_EQ(held().first, before.first);
   store.add_mesh(std::string(3000, 'a'), describe, "small");
   const auto refused = problem_of([&] { store.add_mesh(std::string(8000, 'b'), describe, "small"); });
@@ -228,7 +228,7 @@ TEST_F(OwnerQuotaTest, CountsTheSameAfterARestartAndOfAnEarlierVersionAndALostDa
 }
 
 TEST_F(StoreTest, ListsWhatOneOwnerHasPageByPage) {
-  Store store(folder_);
+  LocalStore store(folder_);
   std::vector<std::string> of_a;
   for (int i = 0; i < 5; ++i) {
     of_a.insert(of_a.begin(), store.add_mesh("a" + std::to_string(i), describe, "a").first.id);

@@ -12,7 +12,7 @@ namespace {
 TEST_F(StoreTest, LosesNothingThatWasFinishedWhenTheProcessIsKilled) {
   const pid_t child = fork();
   if (child == 0) {
-    Store store(folder_);
+    LocalStore store(folder_);
     store.add_mesh("abc", describe);
     auto job = new_job("done");
     store.add_job(job);
@@ -25,7 +25,7 @@ TEST_F(StoreTest, LosesNothingThatWasFinishedWhenTheProcessIsKilled) {
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status));
-  Store store(folder_);
+  LocalStore store(folder_);
   EXPECT_EQ(store.meshes(10, "").size(), 1U);
   EXPECT_EQ(store.job_result("done").body.text(), "result");
   ASSERT_EQ(store.unfinished_jobs().size(), 1U);
@@ -34,28 +34,28 @@ TEST_F(StoreTest, LosesNothingThatWasFinishedWhenTheProcessIsKilled) {
 
 TEST_F(StoreTest, RemovesOnlyWhatWasNeverAcknowledged) {
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     store.add_job(new_job("open"));
   }
   for (const char* name : {"meshes/ab.ply.0.part", "results/x.result.1.part", "results/open.result"})
     std::ofstream(folder_ / name) << "x";
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   EXPECT_TRUE(fs::is_empty(folder_ / "meshes"));
   EXPECT_TRUE(fs::is_empty(folder_ / "results"));
   EXPECT_FALSE(fs::exists(folder_ / "quarantine"));
 }
 
 TEST_F(StoreTest, MovesUnknownFilesIntoQuarantine) {
-  { Store store(folder_); }
+  { LocalStore store(folder_); }
   const auto wrong_hash = std::string(64, '0') + ".ply";
   const auto no_mesh = sha256("no mesh") + ".ply";
   std::ofstream(folder_ / "meshes" / wrong_hash) << "abc";
   std::ofstream(folder_ / "meshes" / no_mesh) << "no mesh";
   std::ofstream(folder_ / "meshes" / "notes.txt") << "mine";
   std::ofstream(folder_ / "results" / "x.result") << "first";
-  { const Store store(folder_, recovery()); }
+  { const LocalStore store(folder_, recovery()); }
   std::ofstream(folder_ / "results" / "x.result") << "second";
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   EXPECT_TRUE(store.meshes(10, "").empty());
   EXPECT_TRUE(fs::is_empty(folder_ / "meshes"));
   EXPECT_TRUE(fs::is_empty(folder_ / "results"));
@@ -68,11 +68,11 @@ TEST_F(StoreTest, MovesUnknownFilesIntoQuarantine) {
 TEST_F(StoreTest, IndexesMeshesAgainWhoseDatabaseIsLost) {
   MeshRecord before;
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     before = store.add_mesh("abc", describe).first;
   }
   fs::remove(folder_ / "supple.sqlite");
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   const auto after = store.mesh(before.id);
   ASSERT_TRUE(after);
   EXPECT_EQ(after->description, before.description);
@@ -96,7 +96,7 @@ TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {
     warnings_.clear();
     std::string mesh;
     {
-      Store store(folder_);
+      LocalStore store(folder_);
       mesh = store.add_mesh("abc", describe).first.id;
       auto job = new_job("j");
       store.add_job(job);
@@ -105,7 +105,7 @@ TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {
       store.finish_job(job, &result);
     }
     damage();
-    Store store(folder_, recovery());
+    LocalStore store(folder_, recovery());
     EXPECT_EQ(store.mesh_content(mesh), "abc") << name;
     EXPECT_EQ(store.meshes(10, "").size(), 1U) << name;
     EXPECT_EQ(store.job_result("j").body.text(), "42") << name;
@@ -119,7 +119,7 @@ TEST_F(StoreTest, AnswersResultsOfALostDatabaseAgainInTheirOrder) {
   std::vector<JobRecord> before;
   const Result result{"application/octet-stream", {{"A", "1"}, {"B", "x: y"}}, std::string("\0\n\xFF", 3)};
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     for (int i = 0; i < 5; ++i) {
       auto job = new_job("j" + std::to_string(9 - i));
       job.created = 1000 + i;
@@ -136,7 +136,7 @@ TEST_F(StoreTest, AnswersResultsOfALostDatabaseAgainInTheirOrder) {
     }
   }
   fs::remove(folder_ / "supple.sqlite");
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   const auto after = store.jobs({}, 10, "");
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < after.size(); ++i) {
@@ -154,7 +154,7 @@ TEST_F(StoreTest, AnswersResultsOfALostDatabaseAgainInTheirOrder) {
 
 TEST_F(StoreTest, PutsChangedResultsOfALostDatabaseIntoQuarantine) {
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     for (const char* id : {"head", "body", "name"}) {
       auto job = new_job(id);
       store.add_job(job);
@@ -175,7 +175,7 @@ TEST_F(StoreTest, PutsChangedResultsOfALostDatabaseIntoQuarantine) {
   change("body", "forty-two", "forty-six");
   fs::rename(folder_ / "results" / "name.result", folder_ / "results" / "other.result");
   fs::remove(folder_ / "supple.sqlite");
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   EXPECT_TRUE(store.jobs({}, 10, "").empty());
   EXPECT_TRUE(fs::is_empty(folder_ / "results"));
   EXPECT_EQ(quarantined().size(), 3U);
@@ -183,7 +183,7 @@ TEST_F(StoreTest, PutsChangedResultsOfALostDatabaseIntoQuarantine) {
 
 TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     auto job = new_job("old");
     store.add_job(job);
     job.state = JobState::successful;
@@ -197,14 +197,14 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
     change(statement);
   std::ofstream(folder_ / "results" / "old.result") << "42";  // the body alone
   {
-    Store store(folder_, recovery());
+    LocalStore store(folder_, recovery());
     EXPECT_EQ(store.job_result("old").body.text(), "42");
     store.add_job(new_job("new"));
     EXPECT_EQ(store.unfinished_jobs().size(), 1U);
     EXPECT_TRUE(warnings_.empty());
   }
   change("PRAGMA user_version = 3");
-  EXPECT_EQ(code_of([&] { Store store(folder_, recovery()); }), "store.unavailable") << "of a later version";
+  EXPECT_EQ(code_of([&] { LocalStore store(folder_, recovery()); }), "store.unavailable") << "of a later version";
 }
 
 TEST_F(StoreTest, LetsNothingExpireBecauseTheClockWasSetBetweenTwoProcesses) {
@@ -215,7 +215,7 @@ TEST_F(StoreTest, LetsNothingExpireBecauseTheClockWasSetBetweenTwoProcesses) {
   };
   std::int64_t expires = 0;
   {
-    Store store(folder_, recovery());
+    LocalStore store(folder_, recovery());
     store.add_mesh("abc", describe);
     auto job = new_job("j");
     store.add_job(job);
@@ -227,7 +227,7 @@ TEST_F(StoreTest, LetsNothingExpireBecauseTheClockWasSetBetweenTwoProcesses) {
   }
   set_clock_back_then(-eight_days);
   {
-    Store store(folder_, recovery());
+    LocalStore store(folder_, recovery());
     EXPECT_EQ(store.job("j")->expires, expires + eight_days) << "it has got no older";
     EXPECT_EQ(store.job("unfinished")->expires, 0);
     EXPECT_TRUE(store.remove_unused_meshes(now_milliseconds() + eight_days - 1'000'000).empty());
@@ -235,7 +235,7 @@ TEST_F(StoreTest, LetsNothingExpireBecauseTheClockWasSetBetweenTwoProcesses) {
     EXPECT_NE(warnings_[0].find("691200 s"), std::string::npos) << warnings_[0];
   }
   set_clock_back_then(30'000);
-  EXPECT_EQ(Store(folder_, recovery()).job("j")->expires, expires + eight_days) << "seconds are no setting";
+  EXPECT_EQ(LocalStore(folder_, recovery()).job("j")->expires, expires + eight_days) << "seconds are no setting";
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, RequestTest, testing::Values(1000, 300'000));
 TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
   const JobRequest request{"POST", "/v1/geodesics", {{"a", "1"}, {"b:\n", "x"}}, "application/json", "text/csv"};
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     for (const char* id : {"first", "second", "ended", "removed"}) {
       const auto job = new_job(id);
       store.add_job(job, store.keep_request(job, request, body_));
@@ -39,7 +39,7 @@ TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
     EXPECT_FALSE(store.has_request("ended"));
     EXPECT_FALSE(store.has_request("removed"));
   }
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   EXPECT_FALSE(store.has_request("never added"));
   const auto unfinished = store.unfinished_jobs();
   ASSERT_EQ(unfinished.size(), 2U);
@@ -65,7 +65,7 @@ TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
 TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
   const pid_t child = fork();
   if (child == 0) {
-    Store store(folder_);
+    LocalStore store(folder_);
     for (const char* id : {"b", "a"}) {
       auto job = new_job(id);
       job.created = id[0] == 'b' ? 1000 : 2000;
@@ -78,7 +78,7 @@ TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
   std::ofstream(folder_ / "supple.sqlite") << std::string(10'000, '?');
   for (const char* when : {"damaged", "lost"}) {
     {
-      const Store store(folder_, recovery());
+      const LocalStore store(folder_, recovery());
       const auto unfinished = store.unfinished_jobs();
       ASSERT_EQ(unfinished.size(), 2U) << when;
       EXPECT_EQ(unfinished[0].id, "b") << "the oldest first";
@@ -91,7 +91,7 @@ TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
 }
 
 TEST_P(RequestTest, HasNoFileOnceItsJobHasEndedOrWasNotAdded) {
-  Store store(folder_);
+  LocalStore store(folder_);
   auto job = new_job("ended");
   store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, body_));
   store.keep_request(new_job("not added"), {"POST", "/x", {}, {}, {}}, body_);
@@ -107,7 +107,7 @@ TEST_F(StoreTest, WritesSpareFilesOfRequestsAgainThatAreMissingOrCutOff) {
   const std::string body = "{}";
   const auto file = [&](const std::string& id) { return folder_ / "requests" / (id + ".request"); };
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     for (const char* id : {"missing", "cut off"}) {
       const auto job = new_job(id);
       store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, body));
@@ -115,10 +115,10 @@ TEST_F(StoreTest, WritesSpareFilesOfRequestsAgainThatAreMissingOrCutOff) {
   }
   fs::remove(file("missing"));
   fs::resize_file(file("cut off"), 20);
-  { const Store store(folder_, recovery()); }
+  { const LocalStore store(folder_, recovery()); }
   EXPECT_TRUE(warnings_.empty());
   fs::remove(folder_ / "supple.sqlite");
-  const Store store(folder_, recovery());
+  const LocalStore store(folder_, recovery());
   for (const char* id : {"missing", "cut off"}) EXPECT_EQ(store.job_request(id).body, body) << id;
 }
 

@@ -11,7 +11,7 @@ namespace {
 TEST_F(StoreTest, SaysThatTheDiskIsFullAndTakesWritesAgainOnceThereIsSpace) {
   if (::mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=1m") != 0) GTEST_SKIP() << "mounting takes root";
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     auto job = new_job("j");
     store.add_job(job);
     job.state = JobState::successful;
@@ -52,7 +52,7 @@ TEST_F(StoreTest, RemovesOnAFullDiskInThePlaceOfItsReserve) {
     }
   };
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     const auto mesh = store.add_mesh("abc", describe).first.id;
     add_expired(store, "j");
     ASSERT_EQ(fs::file_size(folder_ / "reserve"), 256U << 10);
@@ -119,7 +119,7 @@ TEST_F(QuotaTest, CountsTheBytesOfTheFolderExactly) {
     EXPECT_EQ(usage.limit, 0);
   };
   {
-    Store store(folder_, recovery());
+    LocalStore store(folder_, recovery());
     expect_exact(store, "new");
     const auto mesh = store.add_mesh(std::string(1000, 'm'), describe).first.id;
     store.add_mesh(std::string(1000, 'm'), describe);
@@ -146,7 +146,7 @@ TEST_F(QuotaTest, CountsTheBytesOfTheFolderExactly) {
     expect_exact(store, "used");
   }
   std::ofstream(folder_ / "meshes" / "unknown") << "into quarantine";
-  Store store(folder_, recovery());
+  LocalStore store(folder_, recovery());
   EXPECT_EQ(store.usage().quarantine, 15);
   expect_exact(store, "opened again");
   fs::remove_all(folder_ / "quarantine");
@@ -157,7 +157,7 @@ TEST_F(QuotaTest, CountsTheBytesOfTheFolderExactly) {
 TEST_F(QuotaTest, ExpiresTheOldestResultsForWhatIsNew) {
   constexpr std::int64_t result = 1 << 20;
   constexpr std::int64_t limit = 5 * result;  // three results, and the database with its log
-  Store store(folder_, recovery(), {limit, 0});
+  LocalStore store(folder_, recovery(), {limit, 0});
   for (int i = 0; i < 6; ++i) {
     add_ended(store, "j" + std::to_string(i), result);
     EXPECT_LE(store.usage().total(), limit);
@@ -175,7 +175,7 @@ TEST_F(QuotaTest, ExpiresTheOldestResultsForWhatIsNew) {
 
 TEST_F(QuotaTest, RefusesWhatHasNoRoomAndNamesNumberLimitAndSetting) {
   constexpr std::int64_t limit = 4 << 20;
-  Store store(folder_, recovery(), {limit, 0});
+  LocalStore store(folder_, recovery(), {limit, 0});
   add_ended(store, "j", 1 << 20);
   const auto refused = problem_of([&] { store.add_mesh(std::string(limit, 'm'), describe); });
   EXPECT_EQ(refused.code, "store.quota");
@@ -198,7 +198,7 @@ TEST_F(QuotaTest, RefusesWhatHasNoRoomAndNamesNumberLimitAndSetting) {
 }
 
 TEST_F(QuotaTest, LimitsTheBytesOfMeshes) {
-  Store store(folder_, recovery(), {0, 1500});
+  LocalStore store(folder_, recovery(), {0, 1500});
   store.add_mesh(std::string(1000, 'a'), describe);
   const auto refused = problem_of([&] { store.add_mesh(std::string(501, 'b'), describe); });
   EXPECT_EQ(refused.code, "store.quota");
@@ -212,7 +212,7 @@ TEST_F(QuotaTest, LimitsTheBytesOfMeshes) {
 
 TEST_F(QuotaTest, RemovesMeshesThatNobodyUses) {
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     for (const char* ply : {"unused", "used", "worked on"}) store.add_mesh(ply, describe);
     auto job = new_job("j");
     job.mesh = sha256("worked on");
@@ -221,10 +221,10 @@ TEST_F(QuotaTest, RemovesMeshesThatNobodyUses) {
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
   const auto later = now_milliseconds();
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     store.use_mesh(sha256("used"));
   }
-  Store store(folder_);
+  LocalStore store(folder_);
   EXPECT_TRUE(store.remove_unused_meshes(0).empty());
   EXPECT_EQ(store.remove_unused_meshes(later), std::vector{sha256("unused")});
   EXPECT_EQ(store.meshes(10, "").size(), 2U);

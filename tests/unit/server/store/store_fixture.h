@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "supple/base/error.h"
-#include "supple/store/store.h"
+#include "supple/store/local_store.h"
 
 namespace supple::store {
 
@@ -50,7 +50,7 @@ class StoreTest : public testing::Test {
   }
 
   /// Knows only "no mesh" as no mesh.
-  Store::Recovery recovery() {
+  LocalStore::Recovery recovery() {
     return {[](const std::string& ply, const std::string& id, std::int64_t created) {
               if (ply == "no mesh") throw Error("mesh.malformed", "This is no mesh.");
               return describe(id, created);

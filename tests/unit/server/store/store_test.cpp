@@ -6,7 +6,7 @@ namespace supple::store {
 namespace {
 
 TEST_F(StoreTest, NamesAMeshByTheHashOfItsContent) {
-  Store store(folder_);
+  LocalStore store(folder_);
   const auto [record, is_new] = store.add_mesh("abc", describe);
   EXPECT_TRUE(is_new);
   EXPECT_EQ(record.id, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
@@ -14,7 +14,7 @@ TEST_F(StoreTest, NamesAMeshByTheHashOfItsContent) {
 }
 
 TEST_F(StoreTest, KeepsAMeshThatIsAddedTwiceOnce) {
-  Store store(folder_);
+  LocalStore store(folder_);
   const auto first = store.add_mesh("abc", describe).first;
   const auto [second, is_new] = store.add_mesh("abc", describe);
   EXPECT_FALSE(is_new);
@@ -23,7 +23,7 @@ TEST_F(StoreTest, KeepsAMeshThatIsAddedTwiceOnce) {
 }
 
 TEST_F(StoreTest, ListsInPagesTheNewestFirst) {
-  Store store(folder_);
+  LocalStore store(folder_);
   std::vector<std::string> ids;
   for (const char* content : {"a", "b", "c"}) ids.push_back(store.add_mesh(content, describe).first.id);
   const auto page = store.meshes(2, "");
@@ -36,7 +36,7 @@ TEST_F(StoreTest, ListsInPagesTheNewestFirst) {
 }
 
 TEST_F(StoreTest, OpensWhatCanBeReadInPiecesWhateverBecomesOfItsName) {
-  Store store(folder_);
+  LocalStore store(folder_);
   std::string content;
   for (int i = 0; content.size() < 3'000'000; ++i)
     content += std::to_string(i) + "\n";  // several pieces, the last one short
@@ -63,7 +63,7 @@ TEST_F(StoreTest, OpensWhatCanBeReadInPiecesWhateverBecomesOfItsName) {
 }
 
 TEST_F(StoreTest, FindsAnOpenedFileThatHasChangedInAnyPiece) {
-  Store store(folder_);
+  LocalStore store(folder_);
   const std::string content(3'000'000, 'x');
   const auto id = store.add_mesh(content, describe).first.id;
   for (const std::size_t at : {0, 1'500'000, 2'999'999}) {
@@ -81,7 +81,7 @@ TEST_F(StoreTest, FindsAnOpenedFileThatHasChangedInAnyPiece) {
 }
 
 TEST_F(StoreTest, FindsAChangedFileByItsHash) {
-  Store store(folder_);
+  LocalStore store(folder_);
   const auto id = store.add_mesh("abc", describe).first.id;
   std::ofstream(folder_ / "meshes" / (id + ".ply")) << "abd";
   EXPECT_EQ(code_of([&] { store.mesh_content(id); }), "store.corrupted");
@@ -94,7 +94,7 @@ TEST_F(StoreTest, FindsAChangedFileByItsHash) {
 TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
   std::string mesh;
   {
-    Store store(folder_);
+    LocalStore store(folder_);
     mesh = store.add_mesh("abc", describe).first.id;
     auto job = new_job("j1");
     store.add_job(job);
@@ -103,7 +103,7 @@ TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
     const Result result{"application/octet-stream", {{"A", "1"}, {"B", "x: y"}}, std::string("\0\n\xFF", 3)};
     store.finish_job(job, &result);
   }
-  Store store(folder_);
+  LocalStore store(folder_);
   EXPECT_EQ(store.mesh_content(mesh), "abc");
   const auto job = store.job("j1");
   ASSERT_TRUE(job);
@@ -115,17 +115,17 @@ TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
 }
 
 TEST_F(StoreTest, RefusesAFolderThatIsInUse) {
-  Store store(folder_);
-  EXPECT_EQ(code_of([&] { Store second(folder_); }), "store.unavailable");
+  LocalStore store(folder_);
+  EXPECT_EQ(code_of([&] { LocalStore second(folder_); }), "store.unavailable");
 }
 
 TEST_F(StoreTest, SaysThatAFolderCannotBeMade) {
   std::ofstream(folder_ / "file") << "x";
-  EXPECT_EQ(code_of([&] { Store store(folder_ / "file" / "data"); }), "store.unavailable");
+  EXPECT_EQ(code_of([&] { LocalStore store(folder_ / "file" / "data"); }), "store.unavailable");
 }
 
 TEST_F(StoreTest, LetsOnlyItsUserReadItsFiles) {
-  Store store(folder_);
+  LocalStore store(folder_);
   const auto mesh = store.add_mesh("abc", describe).first.id;
   for (const auto& path : {folder_ / "supple.sqlite", folder_ / "lock", folder_ / "meshes" / (mesh + ".ply")})
     EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write) << path;
@@ -134,23 +134,23 @@ TEST_F(StoreTest, LetsOnlyItsUserReadItsFiles) {
 TEST_F(StoreTest, LetsOnlyItsUserEnterItsFolder) {
   const auto data = folder_ / "new" / "data";
   {
-    const Store store(data, recovery());
+    const LocalStore store(data, recovery());
     EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
     EXPECT_TRUE(warnings_.empty()) << "nothing is said of a folder that the store made";
   }
   fs::permissions(data, fs::perms::owner_all | fs::perms::group_all | fs::perms::others_read);
   {
-    const Store store(data, recovery());
+    const LocalStore store(data, recovery());
     EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
     ASSERT_EQ(warnings_.size(), 1U);
     EXPECT_NE(warnings_[0].find("0700"), std::string::npos);
   }
-  const Store store(data, recovery());
+  const LocalStore store(data, recovery());
   EXPECT_EQ(warnings_.size(), 1U) << "said once";
 }
 
 TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {
-  Store store(folder_);
+  LocalStore store(folder_);
   for (int i = 0; i < 5; ++i) {
     auto job = new_job("j" + std::to_string(i));
     store.add_job(job);
@@ -168,7 +168,7 @@ TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {
 }
 
 TEST_F(StoreTest, KeepsNoResultOfAJobThatWasRemovedMeanwhile) {
-  Store store(folder_);
+  LocalStore store(folder_);
   auto job = new_job("j");
   store.add_job(job);
   EXPECT_TRUE(store.remove_job("j"));

@@ -38,6 +38,9 @@ struct Computation {
   std::int64_t bytes = 0;  ///< of memory that it holds while it waits, about: those of its request
   bool takes_slot = true;  ///< false for what reads and computes nothing: it waits for no compute slot
   int max_waiting = 0;     ///< jobs of its client that may wait for a worker; 0: no limit but that of the queue
+  /// Two with the same key are one job; empty: each is one. Hashes of who asks with which key, and of what is asked.
+  std::string idempotency_key{};
+  std::string request_hash{};
 };
 
 /// Where an immediate computation's time and memory went.
@@ -52,7 +55,8 @@ struct JobStatus {
   store::JobRecord record;
   double progress = 0;  ///< in [0, 1]
   std::string stage;
-  std::string partial{};  ///< JSON of an intermediate result while it runs; empty where there is none
+  std::string partial{};      ///< JSON of an intermediate result while it runs; empty where there is none
+  std::int64_t revision = 0;  ///< of what another server tells of it
 };
 
 struct QueueOptions {
@@ -110,8 +114,9 @@ class JobQueue {
   /// `profile`, if there is one, is filled however it ends.
   store::Result run_now(const Computation& computation, std::function<bool()> hung_up, Profile* profile = nullptr);
 
-  /// Makes it a job that waits for a worker; it outlives the process if it comes with its request. Throws
-  /// "job.queue_full", "job.client_queue_full", "server.shutting_down", "store.full", "store.quota",
+  /// Makes it a job that waits for a worker; it outlives the process if it comes with its request. Where there is a job
+  /// with its key of idempotency already, it is that one. Throws "job.key_reused" where that was asked for something
+  /// else, "job.queue_full", "job.client_queue_full", "server.shutting_down", "store.full", "store.quota",
   /// "store.unavailable".
   JobStatus submit(Computation computation, const std::optional<RequestOfJob>& request = {});
 
@@ -159,6 +164,15 @@ class JobQueue {
   void leave_session(const std::string& session, std::uint64_t number);
   /// Puts the jobs of an earlier process back into the queue.
   void resume();
+  /// Under the mutex: a job that no process runs any more becomes one of this one.
+  void take_over(store::JobRecord record);
+  /// In a shared store: says what this server does, and takes jobs that others cannot run.
+  void share();
+  bool share_once();  // returns whether it took some
+  /// For a job that the store says this server holds.
+  void take_over_if_unknown(const std::string& id, std::int64_t hold);
+  /// The status of a job that was asked for with the same key before. Throws "job.key_reused".
+  std::optional<JobStatus> asked_before(const std::string& key, const std::string& request_hash) const;
   /// What runs a job again that an earlier process has accepted.
   Computation computation_again(const store::JobRecord& record);
   void fail_at_start(store::JobRecord record, const problem::Problem& problem);
@@ -188,19 +202,27 @@ class JobQueue {
   /// stopped: "request.too_much_memory", "server.out_of_memory".
   store::Result compute(const Computation& computation, const Execution& execution, Profile* profile = nullptr) const;
   void run_job(const JobPointer& job);
-  /// Tells the store how often a job was begun; where that is refused the attempt does not count.
-  void note_progress(const store::JobRecord& record);
+  /// Tells the store how often a job was begun; where that is refused the attempt does not count. False where another
+  /// server has the job.
+  bool note_progress(const store::JobRecord& record);
   /// Under the mutex: leaves a job to the next process.
   void put_back(const JobPointer& job);
   void finish(const JobPointer& job, store::JobState state, std::optional<store::Result> result,
               std::exception_ptr failure);
-  /// Stores how a job ended; what the store refuses becomes part of the record. Returns whether the store has it.
-  bool write_end(store::JobRecord& record, const store::Result* result);
+  /// Under the mutex: it is no job of this process any more.
+  void forget(Job& job);
+  /// Stops a job that another server has, or has dismissed.
+  void lose(const JobPointer& job);
+  std::int64_t retention_milliseconds() const { return static_cast<std::int64_t>(1000 * options_.retention); }
+  enum class End { stored, refused, of_another_server };
+  /// Stores how a job ended; what the store refuses becomes part of the record.
+  End write_end(store::JobRecord& record, const store::Result* result);
   void write_what_was_refused();
   JobPointer find(const std::string& id) const;
   /// Under the mutex: the status of what memory knows better than the store.
   std::optional<JobStatus> status_in_memory(const std::string& id) const;
   static JobStatus status_of(const Job& job);
+  JobStatus status_in_store(const store::JobRecord& record) const;
   void clean_up();
 
   store::Store& store_;
@@ -233,6 +255,7 @@ class JobQueue {
   bool ending_ = false;
   std::vector<std::thread> workers_;
   std::thread cleaner_;
+  std::thread keeper_;  // of the holds on jobs in a shared store
 };
 
 /// 128 random bits from the system, hexadecimal.

@@ -42,6 +42,7 @@ struct Services {
   jobs::JobQueue* jobs = nullptr;
   std::atomic<bool> ready{false};  ///< set after the pointers, read before them
   std::atomic<bool> stopping{false};
+  std::atomic<bool> draining{false};  ///< answers, but is not to be asked any more
   std::atomic<int> event_streams{0};
   std::function<http::Load()> load;
   budget::MemoryBudget* memory = nullptr;

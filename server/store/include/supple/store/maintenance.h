@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "supple/store/store.h"
+#include "supple/store/local_store.h"
 
 namespace supple::store {
 
@@ -27,8 +27,8 @@ Check check_folder(const std::filesystem::path& folder);
 /// Makes a data folder sound that no server uses, and returns what was wrong with it. Does what every start does (see
 /// Store); then what does not have its hash is moved into quarantine. Its mesh is no longer known, so that it can be
 /// sent again, its job has failed with what `problem` makes of a sentence, and a job that waits without its request is
-/// interrupted at the next start. Nothing is deleted. O(bytes stored). Throws as Store does.
-Check repair_folder(const std::filesystem::path& folder, const Store::Recovery& recovery,
+/// interrupted at the next start. Nothing is deleted. O(bytes stored). Throws as LocalStore does.
+Check repair_folder(const std::filesystem::path& folder, const LocalStore::Recovery& recovery,
                     const std::function<std::string(const std::string& sentence)>& problem);
 
 /// What was copied.

@@ -1,4 +1,4 @@
-#include "supple/store/store.h"
+#include "supple/store/local_store.h"
 
 #include <algorithm>
 #include <array>
@@ -22,8 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> state_names{"accepted", "running", "successful", "failed", "dismissed"};
-
 /// Bytes of a body. One commit is several times as fast as a file of its own whose content, name and row are
 /// synchronized each; what is larger would be written twice, to the log and from it. Small ones are in a file too, for
 /// which nothing waits: it is what is left of them when the database is lost.
@@ -31,15 +29,7 @@ constexpr std::size_t largest_request_in_database = 256 << 10;
 
 }  // namespace
 
-std::string_view state_name(JobState state) { return state_names[static_cast<std::size_t>(state)]; }
-
-std::optional<JobState> state_of(std::string_view name) {
-  const auto found = std::find(state_names.begin(), state_names.end(), name);
-  if (found == state_names.end()) return std::nullopt;
-  return static_cast<JobState>(found - state_names.begin());
-}
-
-struct Store::Implementation {
+struct LocalStore::Implementation {
   Implementation(const fs::path& data, const Recovery& recovery, const Quota& quota)
       : folder(data, recovery.warn),
         places(folder.places()),
@@ -94,6 +84,13 @@ struct Store::Implementation {
     Statement row(database, "SELECT created, description FROM meshes WHERE id = ?");
     if (!row.bind(id).step()) return std::nullopt;
     return MeshRecord{id, row.integer(0), row.text(1)};
+  }
+
+  /// Under the mutex.
+  std::optional<JobRecord> find_job_of_key(const std::string& key) const {
+    Statement row(database, "SELECT " + job_columns_to_read() + " FROM jobs WHERE idempotency_key = ?");
+    if (!row.bind(key).step()) return std::nullopt;
+    return read_job(row);
   }
 
   /// Under the mutex: makes the owner one of those of a mesh that is stored. False where none is named, and where it
@@ -234,7 +231,7 @@ struct Store::Implementation {
   std::map<std::string, std::int64_t> uses;  ///< of meshes, since the database was told last
 };
 
-Store::Store(const fs::path& folder, const Recovery& recovery, const Quota& quota) {
+LocalStore::LocalStore(const fs::path& folder, const Recovery& recovery, const Quota& quota) {
   try {
     implementation_ = std::make_unique<Implementation>(folder, recovery, quota);
   } catch (const fs::filesystem_error& error) {
@@ -242,7 +239,7 @@ Store::Store(const fs::path& folder, const Recovery& recovery, const Quota& quot
                 "The data folder " + folder.string() + " cannot be used: " + error.code().message() + ".");
   }
 }
-Store::~Store() {
+LocalStore::~LocalStore() {
   if (!implementation_) return;
   try {
     implementation_->write_uses();
@@ -251,8 +248,8 @@ Store::~Store() {
   }
 }
 
-std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const DescribeMesh& describe,
-                                            const std::string& owner) {
+std::pair<MeshRecord, bool> LocalStore::add_mesh(const std::string& ply, const DescribeMesh& describe,
+                                                 const std::string& owner) {
   auto& self = *implementation_;
   const auto bytes = static_cast<std::int64_t>(ply.size());
   const auto limit = self.limit_of(owner);
@@ -299,12 +296,13 @@ std::pair<MeshRecord, bool> Store::add_mesh(const std::string& ply, const Descri
   return {std::move(record), true};
 }
 
-std::optional<MeshRecord> Store::mesh(const std::string& id) const {
+std::optional<MeshRecord> LocalStore::mesh(const std::string& id) const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->find_mesh(id);
 }
 
-std::vector<MeshRecord> Store::meshes(std::size_t limit, const std::string& after, const std::string& owner) const {
+std::vector<MeshRecord> LocalStore::meshes(std::size_t limit, const std::string& after,
+                                           const std::string& owner) const {
   const std::lock_guard lock(implementation_->mutex);
   std::vector<MeshRecord> records;
   Statement rows(implementation_->database,
@@ -316,7 +314,7 @@ std::vector<MeshRecord> Store::meshes(std::size_t limit, const std::string& afte
   return records;
 }
 
-std::string Store::mesh_content(const std::string& id, const CancellationToken& cancellation) const {
+std::string LocalStore::mesh_content(const std::string& id, const CancellationToken& cancellation) const {
   if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
   auto bytes = read_file(implementation_->places.mesh(id), cancellation);
   if (sha256(bytes, cancellation) != id)
@@ -324,23 +322,23 @@ std::string Store::mesh_content(const std::string& id, const CancellationToken& 
   return bytes;
 }
 
-OpenContent Store::open_mesh_content(const std::string& id, const CancellationToken& cancellation) const {
+OpenContent LocalStore::open_mesh_content(const std::string& id, const CancellationToken& cancellation) const {
   if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
   return open_checked(implementation_->places.mesh(id), {}, id, cancellation);
 }
 
-bool Store::owns_mesh(const std::string& id, const std::string& owner) const {
+bool LocalStore::owns_mesh(const std::string& id, const std::string& owner) const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->owners.has(OwnerTable::Kind::mesh, id, owner);
 }
 
-bool Store::is_last_owner_of_mesh(const std::string& id, const std::string& owner) const {
+bool LocalStore::is_last_owner_of_mesh(const std::string& id, const std::string& owner) const {
   const std::lock_guard lock(implementation_->mutex);
   const auto& owners = implementation_->owners;
   return owners.has(OwnerTable::Kind::mesh, id, owner) && owners.count(OwnerTable::Kind::mesh, id) == 1;
 }
 
-bool Store::remove_mesh(const std::string& id, const std::string& owner) {
+bool LocalStore::remove_mesh(const std::string& id, const std::string& owner) {
   auto& self = *implementation_;
   const std::lock_guard lock(self.mutex);
   if (!owner.empty()) {
@@ -355,12 +353,12 @@ bool Store::remove_mesh(const std::string& id, const std::string& owner) {
   return true;
 }
 
-void Store::use_mesh(const std::string& id) const {
+void LocalStore::use_mesh(const std::string& id) const {
   const std::lock_guard lock(implementation_->uses_mutex);
   implementation_->uses[id] = now_milliseconds();
 }
 
-std::vector<std::string> Store::remove_unused_meshes(std::int64_t before) {
+std::vector<std::string> LocalStore::remove_unused_meshes(std::int64_t before) {
   auto& self = *implementation_;
   std::vector<std::string> ids;
   const std::scoped_lock lock(self.mutex, self.uses_mutex);
@@ -379,7 +377,7 @@ std::vector<std::string> Store::remove_unused_meshes(std::int64_t before) {
   return ids;
 }
 
-std::string Store::keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) {
+std::string LocalStore::keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) {
   auto& self = *implementation_;
   auto content = request_file(job, request).header(sha256(body));
   if (const auto limit = self.limit_of(job.owner); limit > 0) {
@@ -399,11 +397,11 @@ std::string Store::keep_request(const JobRecord& job, const JobRequest& request,
   return content;
 }
 
-void Store::drop_request(const std::string& id) {
+void LocalStore::drop_request(const std::string& id) {
   implementation_->delete_file(Part::requests, implementation_->places.request(id));
 }
 
-bool Store::has_request(const std::string& id) const {
+bool LocalStore::has_request(const std::string& id) const {
   {
     const std::lock_guard lock(implementation_->mutex);
     if (implementation_->request_in_database(id)) return true;
@@ -412,7 +410,7 @@ bool Store::has_request(const std::string& id) const {
   return fs::exists(implementation_->places.request(id), ignored);
 }
 
-StoredRequest Store::job_request(const std::string& id) const {
+StoredRequest LocalStore::job_request(const std::string& id) const {
   std::unique_lock lock(implementation_->mutex);
   auto in_database = implementation_->request_in_database(id);
   lock.unlock();
@@ -423,22 +421,24 @@ StoredRequest Store::job_request(const std::string& id) const {
   return {request_of(file), std::move(bytes)};
 }
 
-void Store::add_job(const JobRecord& job, const std::string& request) {
+bool LocalStore::add_job(const JobRecord& job, const std::string& request) {
   auto& self = *implementation_;
   auto& database = self.database;
   const auto limit = self.limit_of(job.owner);
   const auto bytes =
       request.empty() ? bytes_of(self.places.request(job.id)) : static_cast<std::int64_t>(request.size());
   const std::lock_guard lock(self.mutex);
+  if (!job.idempotency_key.empty() && self.find_job_of_key(job.idempotency_key)) return false;
   self.make_room_of_owner(job.owner, limit, Part::requests, bytes, job.id);
   Transaction transaction(database);
   insert_job(database, job, bytes, self.owners);
   if (!request.empty())
     Statement(database, "INSERT INTO requests (job, content) VALUES (?, ?)").bind(job.id).bind_bytes(request).run();
   transaction.commit();
+  return true;
 }
 
-void Store::note_progress(const JobRecord& job) {
+bool LocalStore::note_progress(const JobRecord& job) {
   const std::lock_guard lock(implementation_->mutex);
   auto& database = implementation_->database;
   const QuickCommits quick(database);
@@ -448,9 +448,10 @@ void Store::note_progress(const JobRecord& job) {
       .bind(static_cast<std::int64_t>(job.attempts))
       .bind(job.id)
       .run();
+  return true;
 }
 
-void Store::finish_job(const JobRecord& job, const Result* result) {
+bool LocalStore::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
   const auto path = self.places.result(job.id);
   const auto limit = result ? self.limit_of(job.owner) : 0;
@@ -478,17 +479,23 @@ void Store::finish_job(const JobRecord& job, const Result* result) {
   }
   if (!known) self.delete_file(Part::results, path);
   drop_request(job.id);
+  return known;
 }
 
-std::optional<JobRecord> Store::job(const std::string& id) const {
+std::optional<JobRecord> LocalStore::job_of_key(const std::string& key) const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->find_job_of_key(key);
+}
+
+std::optional<JobRecord> LocalStore::job(const std::string& id) const {
   const std::lock_guard lock(implementation_->mutex);
   Statement row(implementation_->database, "SELECT " + job_columns_to_read() + " FROM jobs WHERE id = ?");
   if (!row.bind(id).step()) return std::nullopt;
   return read_job(row);
 }
 
-std::vector<JobRecord> Store::jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
-                                   const std::string& owner) const {
+std::vector<JobRecord> LocalStore::jobs(const std::vector<JobState>& states, std::size_t limit,
+                                        const std::string& after, const std::string& owner) const {
   std::string names;  // of ours, so that they can be part of the statement
   for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
   const std::lock_guard lock(implementation_->mutex);
@@ -503,12 +510,12 @@ std::vector<JobRecord> Store::jobs(const std::vector<JobState>& states, std::siz
   return records;
 }
 
-bool Store::owns_job(const std::string& id, const std::string& owner) const {
+bool LocalStore::owns_job(const std::string& id, const std::string& owner) const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->owners.has(OwnerTable::Kind::job, id, owner);
 }
 
-StoredResult Store::job_result(const std::string& id) const {
+StoredResult LocalStore::job_result(const std::string& id) const {
   Result row_of_result;
   std::string hash;
   {
@@ -523,7 +530,7 @@ StoredResult Store::job_result(const std::string& id) const {
           open_checked(implementation_->places.result(id), result_kind, hash, {})};
 }
 
-bool Store::remove_job(const std::string& id) {
+bool LocalStore::remove_job(const std::string& id) {
   auto& self = *implementation_;
   const std::lock_guard lock(self.mutex);
   if (!self.with_reserve([&] { return self.delete_row(id); })) return false;
@@ -532,7 +539,7 @@ bool Store::remove_job(const std::string& id) {
   return true;
 }
 
-std::vector<JobRecord> Store::unfinished_jobs() const {
+std::vector<JobRecord> LocalStore::unfinished_jobs() const {
   const std::lock_guard lock(implementation_->mutex);
   Statement rows(implementation_->database, "SELECT " + job_columns_to_read() +
                                                 " FROM jobs WHERE state IN ('accepted', 'running') ORDER BY sequence");
@@ -541,7 +548,7 @@ std::vector<JobRecord> Store::unfinished_jobs() const {
   return records;
 }
 
-std::size_t Store::remove_expired_jobs(std::int64_t now, std::size_t most) {
+std::size_t LocalStore::remove_expired_jobs(std::int64_t now, std::size_t most) {
   auto& self = *implementation_;
   self.space.count_quarantine();
   const std::lock_guard lock(self.mutex);
@@ -558,11 +565,11 @@ std::size_t Store::remove_expired_jobs(std::int64_t now, std::size_t most) {
   return ids.size();
 }
 
-void Store::take_reserve() {
+void LocalStore::take_reserve() {
   const std::lock_guard lock(implementation_->mutex);
   implementation_->reserve.take();
 }
 
-Usage Store::usage() const { return implementation_->space.usage(); }
+Usage LocalStore::usage() const { return implementation_->space.usage(); }
 
 }  // namespace supple::store

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "supple/store/store.h"
+
+namespace supple::store {
+
+/// A store that several servers use together: a PostgreSQL database for what is searched and for small requests, and a
+/// folder that all of them see for meshes, results and large requests.
+///
+/// Each job is held by one server, under a number that grows each time that a server takes it. A server that has not
+/// been heard of for `lease` loses its jobs to others. What it still says of them is refused, because their number has
+/// grown, and the file of a result has that number in its name, so that a late one replaces nothing.
+///
+/// Ages of what expires are by the servers' clocks; leases are by the clock of the database. A lost connection is made
+/// again by the next call. What nobody knows in the folder for an hour is moved into its folder "quarantine".
+class SharedStore final : public Store {
+ public:
+  struct Options {
+    std::string database;  ///< connection string of libpq: "postgresql://user@host/name", or "host=... dbname=..."
+    std::filesystem::path folder;  ///< the same for all servers
+    double lease = 10;             ///< seconds
+    Quota quota;                   ///< of all servers together; what they hold is counted anew every few seconds
+    std::function<void(const std::string&)> warn;
+  };
+
+  /// Makes tables and folder where they do not exist. Throws "store.unavailable" where the database does not answer,
+  /// has tables of a later version, or has another folder, and where a LocalStore has the folder.
+  explicit SharedStore(const Options& options);
+  ~SharedStore() override;
+
+  std::pair<MeshRecord, bool> add_mesh(const std::string& ply, const DescribeMesh& describe,
+                                       const std::string& owner = {}) override;
+  std::optional<MeshRecord> mesh(const std::string& id) const override;
+  std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after,
+                                 const std::string& owner = {}) const override;
+  std::string mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const override;
+  OpenContent open_mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const override;
+  bool remove_mesh(const std::string& id, const std::string& owner = {}) override;
+  bool owns_mesh(const std::string& id, const std::string& owner) const override;
+  bool is_last_owner_of_mesh(const std::string& id, const std::string& owner) const override;
+  void use_mesh(const std::string& id) const override;
+  std::vector<std::string> remove_unused_meshes(std::int64_t before) override;
+  std::string keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) override;
+  void drop_request(const std::string& id) override;
+  bool has_request(const std::string& id) const override;
+  StoredRequest job_request(const std::string& id) const override;
+  bool add_job(const JobRecord& job, const std::string& request = {}) override;
+  bool note_progress(const JobRecord& job) override;
+  bool finish_job(const JobRecord& job, const Result* result) override;
+  std::optional<JobRecord> job(const std::string& id) const override;
+  std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
+                              const std::string& owner = {}) const override;
+  std::optional<JobRecord> job_of_key(const std::string& key) const override;
+  bool owns_job(const std::string& id, const std::string& owner) const override;
+  StoredResult job_result(const std::string& id) const override;
+  bool remove_job(const std::string& id) override;
+  std::vector<JobRecord> unfinished_jobs() const override;
+  std::size_t remove_expired_jobs(std::int64_t now, std::size_t most) override;
+  void take_reserve() override;
+  Usage usage() const override;
+  bool is_shared() const override { return true; }
+  std::vector<HeldJob> keep_holds(const std::vector<JobProgress>& running) override;
+  std::vector<JobRecord> take_jobs(std::size_t most) override;
+  std::optional<JobProgress> job_progress(const std::string& id) const override;
+  std::optional<JobRecord> dismiss_job(const std::string& id, std::int64_t finished, std::int64_t expires) override;
+  bool has_unfinished_job_on(const std::string& mesh) const override;
+  bool still_has_mesh(const std::string& id) const override;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace supple::store

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <pqxx/pqxx>
+#include <string>
+
+namespace supple::store {
+
+/// A connection to a PostgreSQL database, which is made again once it is lost. Any thread may call; calls take turns.
+///
+/// Errors throw "store.full" where the database's disk is, "store.unavailable" otherwise.
+class Postgres {
+ public:
+  /// Nothing is connected yet. `address` is a connection string of libpq.
+  explicit Postgres(std::string address) : address_(std::move(address)) {}
+
+  /// Runs `work` within a transaction and commits it. It is run again, once, where the connection is lost before the
+  /// commit: until then nothing of it counts, so that it has to change nothing else.
+  template <class Work>
+  auto transaction(const Work& work) {
+    const std::lock_guard lock(mutex_);
+    return translated([&] {
+      for (bool again = connection_ != nullptr;; again = false) {
+        bool committing = false;
+        try {
+          pqxx::work transaction(connected());
+          auto result = work(transaction);
+          committing = true;
+          transaction.commit();
+          return result;
+        } catch (const pqxx::broken_connection&) {
+          connection_.reset();
+          if (committing || !again) throw;
+        }
+      }
+    });
+  }
+
+ private:
+  pqxx::connection& connected();
+  template <class Call>
+  auto translated(const Call& call) -> decltype(call()) {
+    try {
+      return call();
+    } catch (const pqxx::pqxx_exception& error) {
+      fail(error);
+    }
+  }
+  /// Throws it as an error of the store.
+  [[noreturn]] void fail(const pqxx::pqxx_exception& error);
+
+  const std::string address_;
+  std::mutex mutex_;
+  std::unique_ptr<pqxx::connection> connection_;
+};
+
+}  // namespace supple::store

@@ -1,0 +1,166 @@
+#include "shared_schema.h"
+
+#include <openssl/rand.h>
+
+#include <array>
+#include <filesystem>
+#include <stdexcept>
+
+#include "file_access.h"
+#include "supple/base/error.h"
+#include "supple/store/store.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int table_version = 1;
+
+/// Servers that start together make the tables one after the other.
+constexpr const char* one_at_a_time = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
+
+/// Of "jobs" `holder` is the server that has it, empty where none has; `hold` the number of that hold.
+constexpr const char* tables = R"(
+CREATE TABLE IF NOT EXISTS store (
+  version integer NOT NULL,
+  id text NOT NULL
+);
+CREATE TABLE IF NOT EXISTS servers (
+  id text PRIMARY KEY,
+  until timestamptz NOT NULL
+);
+CREATE TABLE IF NOT EXISTS meshes (
+  sequence bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+  id text NOT NULL UNIQUE,
+  created bigint NOT NULL,
+  used bigint NOT NULL,
+  bytes bigint NOT NULL,
+  description text NOT NULL
+);
+CREATE TABLE IF NOT EXISTS mesh_owners (
+  mesh text NOT NULL REFERENCES meshes (id) ON DELETE CASCADE,
+  owner text NOT NULL,
+  PRIMARY KEY (mesh, owner)
+);
+CREATE INDEX IF NOT EXISTS owned_meshes ON mesh_owners (owner);
+CREATE TABLE IF NOT EXISTS jobs (
+  sequence bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+  id text NOT NULL UNIQUE,
+  kind text NOT NULL,
+  mesh text NOT NULL,
+  state text NOT NULL,
+  created bigint NOT NULL,
+  started bigint NOT NULL,
+  finished bigint NOT NULL,
+  expires bigint NOT NULL,
+  deadline double precision NOT NULL,
+  error text NOT NULL,
+  error_status integer NOT NULL,
+  client text NOT NULL,
+  session text NOT NULL,
+  owner text NOT NULL,
+  attempts integer NOT NULL,
+  idempotency_key text NOT NULL,
+  request_hash text NOT NULL,
+  request bytea,
+  bytes bigint NOT NULL,
+  result_type text NOT NULL DEFAULT '',
+  result_headers text NOT NULL DEFAULT '',
+  result_hash text NOT NULL DEFAULT '',
+  holder text NOT NULL,
+  hold bigint NOT NULL,
+  progress double precision NOT NULL DEFAULT 0,
+  stage text NOT NULL DEFAULT '',
+  partial text NOT NULL DEFAULT '',
+  revision bigint NOT NULL DEFAULT 1
+);
+CREATE INDEX IF NOT EXISTS unfinished_jobs ON jobs (sequence) WHERE finished = 0;
+CREATE INDEX IF NOT EXISTS held_jobs ON jobs (holder) WHERE finished = 0;
+CREATE INDEX IF NOT EXISTS owned_jobs ON jobs (owner) WHERE owner <> '';
+CREATE INDEX IF NOT EXISTS jobs_of_meshes ON jobs (mesh) WHERE finished = 0;
+CREATE UNIQUE INDEX IF NOT EXISTS jobs_by_key ON jobs (idempotency_key) WHERE idempotency_key <> '';
+)";
+
+fs::path mark_of(const Places& places) { return places.folder / "shared-store"; }
+
+std::string random_name() {
+  std::array<unsigned char, 16> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
+  return sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).substr(0, 32);
+}
+
+/// The name that a folder was given by the database that it belongs to; empty where it was given none.
+std::string name_of_folder(const Places& places) {
+  if (!fs::exists(mark_of(places))) return {};
+  auto name = read_file(mark_of(places));
+  if (!name.empty() && name.back() == '\n') name.pop_back();
+  return name;
+}
+
+}  // namespace
+
+void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
+  const auto& places = folder.places();
+  if (fs::exists(places.database())) {
+    throw Error("store.unavailable", "The data folder " + places.folder.string() +
+                                         " belongs to a server with a database of its own (supple.sqlite).");
+  }
+  const auto is_not_its_folder = [&] {
+    return Error("store.unavailable",
+                 "The data folder " + places.folder.string() + " is not the one that this database belongs to.");
+  };
+  database.transaction([&](pqxx::work& transaction) {
+    transaction.exec(one_at_a_time);
+    transaction.exec0(tables);
+    const auto rows = transaction.exec("SELECT version, id FROM store");
+    const auto name = name_of_folder(places);
+    if (rows.empty()) {
+      if (!name.empty()) throw is_not_its_folder();
+      const auto id = random_name();
+      transaction.exec_params("INSERT INTO store (version, id) VALUES ($1, $2)", table_version, id);
+      write_stored_file(mark_of(places), {id, "\n"});
+      return true;
+    }
+    if (const auto version = rows[0][0].as<int>(); version > table_version) {
+      throw Error("store.unavailable", "The database was written by a later version of the server (tables of version " +
+                                           std::to_string(version) + "; this one knows " +
+                                           std::to_string(table_version) + ").");
+    }
+    if (name != rows[0][1].c_str()) throw is_not_its_folder();
+    return true;
+  });
+}
+
+std::string shared_job_columns() {
+  return "jobs.id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, "
+         "session, owner, attempts, idempotency_key, request_hash, hold";
+}
+
+JobRecord read_shared_job(const pqxx::row& row) {
+  JobRecord job;
+  int column = 0;
+  const auto text = [&] { return std::string(row[column++].c_str()); };
+  const auto integer = [&] { return row[column++].as<std::int64_t>(); };
+  job.id = text();
+  job.kind = text();
+  job.mesh = text();
+  job.state = state_of(text()).value_or(JobState::failed);
+  job.created = integer();
+  job.started = integer();
+  job.finished = integer();
+  job.expires = integer();
+  job.deadline = row[column++].as<double>();
+  job.error = text();
+  job.error_status = static_cast<int>(integer());
+  job.client = text();
+  job.session = text();
+  job.owner = text();
+  job.attempts = static_cast<int>(integer());
+  job.idempotency_key = text();
+  job.request_hash = text();
+  job.hold = integer();
+  return job;
+}
+
+}  // namespace supple::store

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <pqxx/pqxx>
+#include <string>
+
+#include "data_folder.h"
+#include "postgres.h"
+#include "supple/store/records.h"
+
+namespace supple::store {
+
+/// Makes the tables of a shared store where they are missing, and ties database and folder together: neither is used
+/// with another one. Throws "store.unavailable" for tables of a later version and for a folder of another database.
+void prepare_shared_tables(Postgres& database, const DataFolder& folder);
+
+/// What `read_shared_job` reads of a row of "jobs".
+std::string shared_job_columns();
+JobRecord read_shared_job(const pqxx::row& row);
+
+}  // namespace supple::store

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "support/temporary_folder.h"
+
+namespace supple::testing {
+
+/// A PostgreSQL server that this process alone uses, gone with it. It takes a second to start, so that the tests of a
+/// process share one, with a database each.
+class PrivatePostgres {
+ public:
+  PrivatePostgres() : address_(run("start")) {}
+  ~PrivatePostgres() { static_cast<void>(std::system(command("stop").c_str())); }
+  PrivatePostgres(const PrivatePostgres&) = delete;
+  PrivatePostgres& operator=(const PrivatePostgres&) = delete;
+
+  /// A connection string of a database that is made for it.
+  std::string new_database() {
+    const auto name = "test" + std::to_string(++databases_);
+    psql("CREATE DATABASE " + name);
+    return "host=" + (folder_ / "postgres").string() + " user=supple dbname=" + name;
+  }
+  void kill() { run("kill"); }
+  void again() { run("again"); }
+
+  static PrivatePostgres& of_this_process() {
+    static PrivatePostgres server;
+    return server;
+  }
+
+ private:
+  std::string command(const std::string& action) const {
+    return std::string(SUPPLE_SOURCE_DIR) + "/tests/support/private_postgres.sh " + action + " " +
+           (folder_ / "postgres").string();
+  }
+  std::string run(const std::string& action) const { return output_of(command(action)); }
+  void psql(const std::string& statement) const {
+    output_of("psql --quiet --dbname='" + address_ + "' --command='" + statement + "'");
+  }
+  static std::string output_of(const std::string& command) {
+    std::FILE* const pipe = ::popen(command.c_str(), "r");
+    if (!pipe) throw std::runtime_error("cannot run " + command);
+    std::string output;
+    for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe))
+      if (c != '\n') output += static_cast<char>(c);
+    if (::pclose(pipe) != 0) throw std::runtime_error(command + " failed: " + output);
+    return output;
+  }
+
+  const TemporaryFolder folder_;
+  int databases_ = 0;
+  const std::string address_;
+};
+
+}  // namespace supple::testing

@@ -1,0 +1,48 @@
+#!/bin/bash
+# A PostgreSQL server for tests alone: it listens on a socket in its own folder and nowhere else, and waits for no disk.
+#
+#   tests/support/private_postgres.sh start FOLDER     makes FOLDER, prints the connection string
+#   tests/support/private_postgres.sh kill FOLDER      ends it as a power cut would
+#   tests/support/private_postgres.sh again FOLDER     starts it over the same data
+#   tests/support/private_postgres.sh stop FOLDER      ends it
+set -euo pipefail
+action=$1
+folder=$2
+programs=/usr/lib/postgresql/15/bin
+
+# PostgreSQL refuses to run as root.
+as_its_user() {
+  if [ "$(id -u)" = 0 ]; then setpriv --reuid=postgres --regid=postgres --clear-groups "$@"; else "$@"; fi
+}
+
+start_it() {
+  cd /  # which its user may enter
+  as_its_user "$programs/pg_ctl" --pgdata="$folder/data" --log="$folder/log" --wait --silent start \
+    --options="-c listen_addresses= -c unix_socket_directories=$folder -c fsync=off -c max_connections=60 -c shared_buffers=16MB"
+}
+
+case $action in
+  start)
+    mkdir -p "$folder"
+    folder=$(realpath "$folder")
+    [ "$(id -u)" != 0 ] || chown postgres "$folder"
+    cd /
+    as_its_user "$programs/initdb" --pgdata="$folder/data" --username=supple --auth=trust --no-sync --no-locale \
+      --encoding=UTF8 >/dev/null
+    start_it
+    echo "host=$folder user=supple dbname=postgres"
+    ;;
+  again) folder=$(realpath "$folder"); start_it ;;
+  kill)
+    main=$(head -1 "$folder/data/postmaster.pid")
+    mapfile -t all < <(pgrep --parent "$main")
+    kill -9 "$main" "${all[@]}" 2>/dev/null || true
+    while kill -0 "$main" "${all[@]}" 2>/dev/null; do sleep 0.02; done
+    ;;
+  stop)
+    folder=$(realpath "$folder")
+    cd /
+    as_its_user "$programs/pg_ctl" --pgdata="$folder/data" --mode=immediate --silent stop
+    ;;
+  *) echo "unknown action $action" >&2; exit 2 ;;
+esac
