@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
+import uuid
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar, Union
 
@@ -145,7 +146,8 @@ def submit(transport: Transport, computation: Computation[Result]) -> Job[Result
         "POST",
         computation.path,
         document=computation.document,
-        headers={"Accept": computation.accept, "Prefer": "respond-async"},
+        headers={"Accept": computation.accept, "Prefer": "respond-async", "Idempotency-Key": uuid.uuid4().hex},
+        repeatable=True,
     )
     return Job(transport, _job_id(answer), computation.decode, computation.accept)
 
@@ -161,7 +163,7 @@ def run(
         "POST",
         computation.path,
         document=computation.document,
-        headers={"Accept": computation.accept, "Prefer": "wait=1"},
+        headers={"Accept": computation.accept, "Prefer": "wait=1", "Idempotency-Key": uuid.uuid4().hex},
         repeatable=True,
     )
     if answer.status != 202:

@@ -40,7 +40,7 @@ class Transport:
 
     A broken connection is tried again (up to three times, pausing 0.1, 0.2, 0.4 s) where repeating the request cannot
     change its meaning: GET and DELETE always; POST where the caller says so, as for a mesh, which is named by its
-    content, and for a computation that is answered immediately.
+    content, for a computation that is answered immediately, and for a job, which has a key of idempotency.
     """
 
     def __init__(
