@@ -201,3 +201,21 @@ def test_a_job_that_is_dismissed_while_it_waits_again_does_not_run(new_server: N
     assert api.get(f"/v1/jobs/{jobs[1]}").json()["state"] == "dismissed"
     assert api.wait_for_job(jobs[0])["state"] == "successful"
     assert api.delete(f"/v1/meshes/{mesh}").status_code == 204
+
+
+def test_a_job_is_not_made_twice_though_its_server_was_killed(new_server: NewServer, contract: Contract) -> None:
+    server = new_server("--workers", "1")
+    mesh = Api(server, contract).upload(*bumpy_sphere(2))
+    key = {"Idempotency-Key": "a-name-of-my-own"}
+    job = submit(Api(server, contract), field(mesh, 1), **key)
+    server.kill()
+    server.start()
+    assert submit(Api(server, contract), field(mesh, 1), **key) == job
+    server.terminate()
+    spoil_database(server.data, "lost")
+    server.start()
+    api = Api(server, contract)
+    assert submit(api, field(mesh, 1), **key) == job
+    refused = api.post(FIELDS, field(mesh, 2), headers={**ASYNC, **key})
+    assert problem_code(refused) == "job.key_reused" and refused.status_code == 422
+    assert submit(api, field(mesh, 1), **{"Idempotency-Key": "another-name"}) != job

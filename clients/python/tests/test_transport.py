@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 import time
@@ -10,6 +11,7 @@ from typing import Callable, Iterator, List
 import pytest
 
 from supple.errors import ConnectionFailed, RequestTimeout
+from supple.jobs import Computation, submit
 from supple.transport import RETRIES, Transport
 
 OK = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: 2\r\n\r\n{}"
@@ -68,6 +70,19 @@ def test_a_post_is_sent_once_unless_the_caller_says_that_it_may_be_repeated(list
     listener = listen([b"", OK])
     Transport(listener.url, 5, sleep=lambda _: None).request("POST", "/v1/geodesics", document={}, repeatable=True)
     assert len(listener.requests) == 2
+
+
+def test_a_job_is_handed_in_again_under_the_same_key(listen: Callable[..., Listener]) -> None:
+    accepted = b"HTTP/1.1 202 Accepted\r\nLocation: /v1/jobs/7\r\nContent-Length: 2\r\n\r\n{}"
+    listener = listen([b"", accepted, accepted])
+    transport = Transport(listener.url, 5, sleep=lambda _: None)
+    computation = Computation("/v1/x", {}, lambda answer: answer, "application/json")
+    assert submit(transport, computation).id == "7"
+    submit(transport, computation)
+    keys = [re.findall(rb"(?i)idempotency-key: (\S+)", request)[0] for request in listener.requests]
+    assert len(keys) == 3
+    assert keys[0] == keys[1], "the same request has the same key"
+    assert keys[2] != keys[0], "another one has another"
 
 
 def test_it_gives_up_after_the_last_retry() -> None:

@@ -15,13 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int table_version = 1;
+constexpr int version_of_shared_tables = 1;
 
 /// Servers that start together make the tables one after the other.
 constexpr const char* one_at_a_time = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
 
 /// Of "jobs" `holder` is the server that has it, empty where none has; `hold` the number of that hold.
-constexpr const char* tables = R"(
+constexpr const char* shared_tables = R"(
 CREATE TABLE IF NOT EXISTS store (
   version integer NOT NULL,
   id text NOT NULL
@@ -112,20 +112,20 @@ void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
   };
   database.transaction([&](pqxx::work& transaction) {
     transaction.exec(one_at_a_time);
-    transaction.exec0(tables);
+    transaction.exec0(shared_tables);
     const auto rows = transaction.exec("SELECT version, id FROM store");
     const auto name = name_of_folder(places);
     if (rows.empty()) {
       if (!name.empty()) throw is_not_its_folder();
       const auto id = random_name();
-      transaction.exec_params("INSERT INTO store (version, id) VALUES ($1, $2)", table_version, id);
+      transaction.exec_params("INSERT INTO store (version, id) VALUES ($1, $2)", version_of_shared_tables, id);
       write_stored_file(mark_of(places), {id, "\n"});
       return true;
     }
-    if (const auto version = rows[0][0].as<int>(); version > table_version) {
+    if (const auto version = rows[0][0].as<int>(); version > version_of_shared_tables) {
       throw Error("store.unavailable", "The database was written by a later version of the server (tables of version " +
                                            std::to_string(version) + "; this one knows " +
-                                           std::to_string(table_version) + ").");
+                                           std::to_string(version_of_shared_tables) + ").");
     }
     if (name != rows[0][1].c_str()) throw is_not_its_folder();
     return true;

@@ -166,11 +166,17 @@ struct SharedStore::Implementation {
       return jobs;
     });
     for (const auto& job : removed) {
-      remove_file(places.result(result_name(job.id, job.hold)));
+      remove_results_before(job.id, job.hold + 1);
       remove_file(places.request(job.id));
       add(Part::results, -job.bytes);
     }
     return removed.size();
+  }
+
+  /// Removes the files of earlier holds: a server that was lost in the moment between its file and its row has left
+  /// one.
+  void remove_results_before(const std::string& id, std::int64_t hold) const {
+    for (std::int64_t earlier = 0; earlier < hold; ++earlier) remove_file(places.result(result_name(id, earlier)));
   }
 
   static void remove_file(const fs::path& file) {
@@ -521,6 +527,7 @@ bool SharedStore::finish_job(const JobRecord& job, const Result* result) {
     throw;
   }
   if (known) {
+    self.remove_results_before(job.id, job.hold);
     drop_request(job.id);
     self.add(Part::results, file.bytes);
   } else {
@@ -641,17 +648,20 @@ std::vector<JobRecord> SharedStore::take_jobs(std::size_t most) {
     std::vector<JobRecord> taken;
     const auto take = [&](const std::string& condition, std::size_t limit) {
       const auto rows = transaction.exec_params(
-          "WITH free AS (SELECT jobs.id, sequence FROM jobs LEFT JOIN servers ON servers.id = holder "
+          "WITH free AS (SELECT id, sequence FROM jobs "
           "WHERE finished = 0 AND holder <> $1 AND " +
               condition +
-              " ORDER BY sequence LIMIT $2 FOR UPDATE OF jobs SKIP LOCKED), "
+              " ORDER BY sequence LIMIT $2 FOR UPDATE SKIP LOCKED), "
               "taken AS (UPDATE jobs SET holder = $1, hold = hold + 1, revision = revision + 1 FROM free "
               "WHERE jobs.id = free.id RETURNING jobs.*) SELECT " +
               shared_job_columns() + " FROM taken AS jobs ORDER BY sequence",
           self.server, static_cast<std::int64_t>(limit));
       for (const auto& row : rows) taken.push_back(read_shared_job(row));
     };
-    take("(servers.until IS NULL OR servers.until < now())", std::max(most, orphans_at_a_time));
+    // No join: of a row that another server has just taken PostgreSQL looks at the condition again, but not at the row
+    // that it was joined with before.
+    take("coalesce((SELECT until FROM servers WHERE servers.id = holder), '-infinity') < now()",
+         std::max(most, orphans_at_a_time));
     if (most > taken.size()) take("state = 'accepted'", most - taken.size());
     return taken;
   });

@@ -122,5 +122,32 @@ TEST_F(StoreTest, WritesSpareFilesOfRequestsAgainThatAreMissingOrCutOff) {
   for (const char* id : {"missing", "cut off"}) EXPECT_EQ(store.job_request(id).body, body) << id;
 }
 
+TEST_F(StoreTest, KnowsAJobByItsKeyOfIdempotencyAlsoWithoutTheDatabase) {
+  auto job = new_job("first");
+  job.idempotency_key = "key";
+  job.request_hash = "hash";
+  {
+    LocalStore store(folder_);
+    EXPECT_TRUE(store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, "body")));
+    auto again = job;
+    again.id = "second";
+    EXPECT_FALSE(store.add_job(again));
+    EXPECT_FALSE(store.job("second").has_value());
+    EXPECT_FALSE(store.job_of_key("").has_value()) << "jobs without a key are not one job";
+    EXPECT_FALSE(store.job_of_key("another").has_value());
+  }
+  {
+    const LocalStore store(folder_);
+    EXPECT_EQ(store.job_of_key("key")->id, "first");
+    EXPECT_EQ(store.job_of_key("key")->request_hash, "hash");
+  }
+  fs::remove(folder_ / "supple.sqlite");
+  LocalStore store(folder_, recovery());
+  EXPECT_EQ(store.job_of_key("key")->id, "first");
+  EXPECT_EQ(store.job_of_key("key")->request_hash, "hash");
+  EXPECT_TRUE(store.remove_job("first"));
+  EXPECT_TRUE(store.add_job(job)) << "it is forgotten with the job";
+}
+
 }  // namespace
 }  // namespace supple::store

@@ -51,8 +51,9 @@ class SharedStoreTest : public StoreTest {
 TEST_F(SharedStoreTest, ShowsMeshesToAllServers) {
   SharedStore one(options());
   SharedStore two(options());
-  const auto [record, is_new] = one.add_mesh("ply", describe, "alice");
-  EXPECT_TRUE(is_new);
+  const auto added = one.add_mesh("ply", describe, "alice");
+  const auto& record = added.first;
+  EXPECT_TRUE(added.second);
   EXPECT_EQ(two.mesh_content(record.id), "ply");
   EXPECT_FALSE(two.add_mesh("ply", describe, "alice").second) << "uploading twice is one mesh";
   EXPECT_TRUE(two.add_mesh("ply", describe, "bob").second);
@@ -158,6 +159,20 @@ TEST_F(SharedStoreTest, TakesTheJobsOfAServerThatIsNotHeardOf) {
   EXPECT_FALSE(lost.finish_job(ended(job), &late));
   EXPECT_EQ(lost.job_result("job").body.text(), "right");
   EXPECT_EQ(files_in(folder_ / "data" / "results"), 1U) << "the late one has left no file";
+}
+
+TEST_F(SharedStoreTest, RemovesTheFileOfAServerThatWasLostBeforeItsRow) {
+  SharedStore lost(options(0.05));
+  SharedStore other(options());
+  running(lost, "job");
+  std::ofstream(folder_ / "data" / "results" / "job.0.result") << "its row is missing";
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto taken = other.take_jobs(0);
+  ASSERT_EQ(taken.size(), 1U);
+  const Result result{"text/plain", {}, "right"};
+  EXPECT_TRUE(other.finish_job(ended(taken[0]), &result));
+  EXPECT_EQ(files_in(folder_ / "data" / "results"), 1U);
+  EXPECT_EQ(other.job_result("job").body.text(), "right");
 }
 
 TEST_F(SharedStoreTest, LeavesJobsToAServerThatIsHeardOf) {
