@@ -17,7 +17,36 @@ FOLDER = ROOT / "deploy" / "kubernetes"
 
 
 def manifests() -> List[Dict[str, Any]]:
-    return [document for path in sorted(FOLDER.glob("*.yaml")) for document in yaml.safe_load_all(path.read_text())]
+    """As the kustomization lists them."""
+    return [document for name in kustomization(FOLDER)["resources"] for document in yaml.safe_load_all((FOLDER / name).read_text())]
+
+
+def kustomization(folder: Path) -> Dict[str, Any]:
+    return yaml.safe_load((folder / "kustomization.yaml").read_text())  # type: ignore[no-any-return]
+
+
+def merged(value: Any, patch: Any) -> Any:
+    """A strategic merge patch, as far as these files need it: lists of named things are merged by their names, others are replaced."""
+    if isinstance(value, dict) and isinstance(patch, dict):
+        return {key: merged(value[key], patch[key]) if key in value and key in patch else patch.get(key, value.get(key))
+                for key in {**value, **patch}}
+    named = [isinstance(item, dict) and "name" in item for item in patch] if isinstance(patch, list) else []
+    if isinstance(value, list) and named and all(named):
+        changes = {item["name"]: item for item in patch}
+        kept = [merged(item, changes.pop(item["name"])) if item["name"] in changes else item for item in value]
+        return kept + list(changes.values())
+    return patch
+
+
+def shared_manifests() -> List[Dict[str, Any]]:
+    """Those of several servers."""
+    patches = [yaml.safe_load((FOLDER / "shared" / patch["path"]).read_text()) for patch in kustomization(FOLDER / "shared")["patches"]]
+    documents = manifests()
+    for patch in patches:
+        [place] = [i for i, document in enumerate(documents)
+                   if (document["kind"], document["metadata"]["name"]) == (patch["kind"], patch["metadata"]["name"])]
+        documents[place] = merged(documents[place], patch)
+    return documents
 
 
 def of_kind(kind: str) -> Dict[str, Any]:
@@ -37,6 +66,35 @@ def test_the_manifests_are_as_the_schemas_say() -> None:
     kinds = [document["kind"] for document in manifests()]
     assert sorted(kinds) == ["ConfigMap", "Deployment", "NetworkPolicy", "PersistentVolumeClaim", "PodDisruptionBudget", "Service"]
     assert faults_of(manifests()) == ""
+
+
+def test_every_file_is_in_a_kustomization() -> None:
+    for folder in (FOLDER, FOLDER / "shared"):
+        listed = kustomization(folder)
+        names = {name for name in listed["resources"] if name != ".."} | {patch["path"] for patch in listed.get("patches", [])}
+        assert names == {path.name for path in folder.glob("*.yaml")} - {"kustomization.yaml"}
+
+
+def test_several_servers_share_a_database_and_a_volume_and_are_replaced_one_after_the_other() -> None:
+    documents = shared_manifests()
+    assert faults_of(documents) == ""
+    by_kind = {document["kind"]: document for document in documents}
+    spec = by_kind["Deployment"]["spec"]
+    assert spec["replicas"] == 3 and spec["strategy"]["type"] == "RollingUpdate"
+    assert spec["strategy"]["rollingUpdate"]["maxUnavailable"] == 0
+    pod = spec["template"]["spec"]
+    [container] = pod["containers"]
+    variables = {entry["name"]: entry for entry in container["env"]}
+    assert set(variables) >= {"SUPPLE_CONFIG", "SUPPLE_DATA", "SUPPLE_KEYS", "SUPPLE_DATABASE", "SUPPLE_DRAIN"}
+    probe = container["readinessProbe"]
+    drain = float(variables["SUPPLE_DRAIN"]["value"])
+    assert drain > probe["periodSeconds"] * probe["failureThreshold"], "the service has noticed before the server refuses"
+    grace = 30
+    assert pod["terminationGracePeriodSeconds"] > drain + grace
+    assert by_kind["PersistentVolumeClaim"]["spec"]["accessModes"] == ["ReadWriteMany"]
+    assert by_kind["Service"]["spec"]["sessionAffinity"] == "ClientIP"
+    [database, names] = by_kind["NetworkPolicy"]["spec"]["egress"]
+    assert database["ports"] == [{"protocol": "TCP", "port": 5432}] and names["ports"][0]["port"] == 53
 
 
 def test_what_the_schemas_do_not_know_is_found() -> None:
