@@ -1,7 +1,6 @@
 #include "supple/store/local_store.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <map>
 #include <system_error>
@@ -18,16 +17,8 @@
 #include "supple/base/error.h"
 
 namespace supple::store {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// Bytes of a body. One commit is several times as fast as a file of its own whose content, name and row are
-/// synchronized each; what is larger would be written twice, to the log and from it. Small ones are in a file too, for
-/// which nothing waits: it is what is left of them when the database is lost.
-constexpr std::size_t largest_request_in_database = 256 << 10;
-
-}  // namespace
 
 struct LocalStore::Implementation {
   Implementation(const fs::path& data, const Recovery& recovery, const Quota& quota)

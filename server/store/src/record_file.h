@@ -18,6 +18,11 @@ struct ResultFile {
   std::int64_t bytes = 0;  ///< of all of it
 };
 
+/// Bytes of a body. One commit is several times as fast as a file of its own whose content, name and row are
+/// synchronized each; what is larger would be written twice, to the log and from it. Small ones are in a file too, for
+/// which nothing waits: it is what is left of them when the database is lost.
+constexpr std::size_t largest_request_in_database = 256 << 10;
+
 /// A file that tells what it is: lines "name: value" with a hash of their own, an empty line, and a body whose hash is
 /// among them. Everything that a row of the database says of the file is in it, so that the row can be made again.
 class RecordFile {

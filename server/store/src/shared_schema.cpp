@@ -84,12 +84,6 @@ CREATE UNIQUE INDEX IF NOT EXISTS jobs_by_key ON jobs (idempotency_key) WHERE id
 
 fs::path mark_of(const Places& places) { return places.folder / "shared-store"; }
 
-std::string random_name() {
-  std::array<unsigned char, 16> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
-  return sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).substr(0, 32);
-}
-
 /// The name that a folder was given by the database that it belongs to; empty where it was given none.
 std::string name_of_folder(const Places& places) {
   if (!fs::exists(mark_of(places))) return {};
@@ -99,6 +93,12 @@ std::string name_of_folder(const Places& places) {
 }
 
 }  // namespace
+
+std::string random_name() {
+  std::array<unsigned char, 16> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
+  return sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).substr(0, 32);
+}
 
 void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
   const auto& places = folder.places();

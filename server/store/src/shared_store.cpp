@@ -1,6 +1,5 @@
 #include "supple/store/shared_store.h"
 
-#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -22,9 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using SteadyClock = std::chrono::steady_clock;
-
-/// Bytes of a request; larger ones are files of the folder.
-constexpr std::size_t largest_request_in_database = 256 << 10;
 
 /// Jobs of lost servers that one call takes at most, so that all that are left have their share of them.
 constexpr std::size_t orphans_at_a_time = 8;
@@ -51,9 +47,7 @@ struct SharedStore::Implementation {
         folder(options.folder, options.warn, DataFolder::Use::shared),
         places(folder.places()),
         database(options.database),
-        server(sha256(std::to_string(now_milliseconds()) + std::to_string(::getpid()) +
-                      std::to_string(reinterpret_cast<std::uintptr_t>(this)) + compact_time())
-                   .substr(0, 24)) {
+        server(random_name()) {
     prepare_shared_tables(database, folder);
     say_alive();
     count();
