@@ -25,6 +25,19 @@ constexpr double work_worth_sharing = 1e7;
 constexpr double largest_share = 0.1;
 constexpr double smallest_share = 0.002;
 
+/// Columns of a front whose numbers one thread moves at a time, and the rows of a front that is worth that.
+constexpr int columns_at_a_time = 64;
+constexpr int rows_worth_sharing = 512;
+
+/// Calls body(first, end) for all columns in order, or for some at a time by all threads where the matrix of so many
+/// columns is large.
+template <class Body>
+void for_columns(int columns, const Body& body) {
+  if (columns < rows_worth_sharing) return body(0, columns);
+  parallel_for((columns + columns_at_a_time - 1) / columns_at_a_time,
+               [&](int part) { body(part * columns_at_a_time, std::min(columns, (part + 1) * columns_at_a_time)); });
+}
+
 /// A multiple of four rows: every column of a panel then starts at the same alignment.
 int padded(int rows) { return (rows + 3) / 4 * 4; }
 
@@ -354,10 +367,13 @@ void MultifrontalCholesky::extend_add(const Supernode& child, const double* upda
                                       double* front) const {
   const int below = child.rows - child.pivots;
   const int* relative = relative_.data() + child.relative;
-  for (int c = 0; c < below; ++c, update += below) {
-    double* column = front + static_cast<std::int64_t>(relative[c]) * parent.ld;
-    for (int r = c; r < below; ++r) column[relative[r]] += update[r];
-  }
+  for_columns(below, [&](int first, int end) {
+    for (int c = first; c < end; ++c) {
+      const double* from = update + static_cast<std::int64_t>(c) * below;
+      double* column = front + static_cast<std::int64_t>(relative[c]) * parent.ld;
+      for (int r = c; r < below; ++r) column[relative[r]] += from[r];
+    }
+  });
 }
 
 /// Puts the front together, factorizes its pivots, and leaves what it hands on where `top` is, which moves behind it.
@@ -368,7 +384,9 @@ bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& m
   const double* values = matrix.valuePtr();
   double* front = room.front.data();
   // What is above the diagonal is never read.
-  for (int c = 0; c < node.rows; ++c) std::fill_n(front + static_cast<std::int64_t>(c) * node.ld + c, node.ld - c, 0.0);
+  for_columns(node.rows, [&](int first, int end) {
+    for (int c = first; c < end; ++c) std::fill_n(front + static_cast<std::int64_t>(c) * node.ld + c, node.ld - c, 0.0);
+  });
   for (std::int64_t e = node.entries; e < supernodes_[static_cast<std::size_t>(number) + 1].entries; ++e)
     front[entry_place_[static_cast<std::size_t>(e)]] += values[entry_slot_[static_cast<std::size_t>(e)]];
   for (int k = 0; k < node.pivots; ++k) front[static_cast<std::int64_t>(k) * node.ld + k] += shift;
@@ -383,14 +401,21 @@ bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& m
     cancellation_.throw_if_requested();
     return false;
   }
-  std::copy_n(front, static_cast<std::int64_t>(node.ld) * node.pivots, factor_.begin() + node.panel);
+  for_columns(node.pivots, [&](int first, int end) {
+    const auto begin = static_cast<std::int64_t>(node.ld) * first;
+    std::copy_n(front + begin, static_cast<std::int64_t>(node.ld) * (end - first),
+                factor_.begin() + node.panel + begin);
+  });
   const int below = node.rows - node.pivots;
   if (below == 0) return true;
   waiting.push_back({number, top, true});
-  for (int c = 0; c < below; ++c, top += below) {
-    const double* column = front + static_cast<std::int64_t>(node.pivots + c) * node.ld + node.pivots;
-    std::copy(column + c, column + below, top + c);
-  }
+  for_columns(below, [&](int first, int end) {
+    for (int c = first; c < end; ++c) {
+      const double* column = front + static_cast<std::int64_t>(node.pivots + c) * node.ld + node.pivots;
+      std::copy(column + c, column + below, top + static_cast<std::int64_t>(c) * below + c);
+    }
+  });
+  top += static_cast<std::int64_t>(below) * below;
   return true;
 }
 

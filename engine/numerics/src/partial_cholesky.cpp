@@ -27,8 +27,20 @@ constexpr int tile_rows = 2 * lanes;
 constexpr int tiles_of_a_chunk = 32;
 /// Columns that one thread takes at a time, a multiple of `block`: of a chunk some tenths of a millisecond.
 constexpr int columns_of_a_part = 64;
+/// Rows of a panel that one thread takes at a time, a multiple of a tile's: of 48 columns about 100 kB.
+constexpr int rows_of_a_part = 256;
 /// Fewer parts are sooner done than handed out.
 constexpr int parts_worth_sharing = 4;
+
+/// Calls body(i) for i in [0, count), by all threads where that is worth it.
+template <class Body>
+void share(int count, const Body& body) {
+  if (count < parts_worth_sharing) {
+    for (int i = 0; i < count; ++i) body(i);
+  } else {
+    parallel_for(count, body);
+  }
+}
 
 /// C(rows, column..column+width) -= L(rows, 0..depth) L(column..column+width, 0..depth)^T for `vectors` * 4 rows. The
 /// column of `front` with that number is `first` columns nearer.
@@ -53,13 +65,14 @@ SUPPLE_INLINE void update_tile(double* front, int ld, int row, int column, int d
   }
 }
 
+/// The same for the rows from `begin` up to `end`.
 template <int width>
-SUPPLE_INLINE void update_columns(double* front, int ld, int rows, int column, int depth, int first) {
+SUPPLE_INLINE void update_columns(double* front, int ld, int begin, int end, int column, int depth, int first) {
   if (depth == 0) return;
-  int row = column;
-  for (; row + 2 * lanes <= rows; row += 2 * lanes) update_tile<2, width>(front, ld, row, column, depth, first);
-  for (; row + lanes <= rows; row += lanes) update_tile<1, width>(front, ld, row, column, depth, first);
-  for (; row < rows; ++row) {
+  int row = begin;
+  for (; row + 2 * lanes <= end; row += 2 * lanes) update_tile<2, width>(front, ld, row, column, depth, first);
+  for (; row + lanes <= end; row += lanes) update_tile<1, width>(front, ld, row, column, depth, first);
+  for (; row < end; ++row) {
     double sum[width] = {};
     for (int k = 0; k < depth; ++k) {
       const double* at = front + static_cast<std::ptrdiff_t>(k) * ld;
@@ -69,16 +82,17 @@ SUPPLE_INLINE void update_columns(double* front, int ld, int rows, int column, i
   }
 }
 
-SUPPLE_INLINE void update_block(double* front, int ld, int rows, int column, int width, int depth, int first = 0) {
+SUPPLE_INLINE void update_block(double* front, int ld, int begin, int end, int column, int width, int depth,
+                                int first = 0) {
   switch (width) {
     case 1:
-      return update_columns<1>(front, ld, rows, column, depth, first);
+      return update_columns<1>(front, ld, begin, end, column, depth, first);
     case 2:
-      return update_columns<2>(front, ld, rows, column, depth, first);
+      return update_columns<2>(front, ld, begin, end, column, depth, first);
     case 3:
-      return update_columns<3>(front, ld, rows, column, depth, first);
+      return update_columns<3>(front, ld, begin, end, column, depth, first);
     default:
-      return update_columns<4>(front, ld, rows, column, depth, first);
+      return update_columns<4>(front, ld, begin, end, column, depth, first);
   }
 }
 
@@ -106,6 +120,27 @@ SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, 
     for (; row < rows; ++row) at[row] *= inverse;
   }
   return true;
+}
+
+/// What factorize_block does to the rows from `begin` up to `end`, which lie below those that it has been called with.
+SUPPLE_INLINE void solve_block(double* front, int ld, int begin, int end, int column, int width) {
+  for (int c = column; c < column + width; ++c) {
+    double* at = front + static_cast<std::ptrdiff_t>(c) * ld;
+    for (int k = column; k < c; ++k) {
+      const double* earlier = front + static_cast<std::ptrdiff_t>(k) * ld;
+      const double factor = earlier[c];
+      int row = begin;
+      const Lanes factors = constant_lanes(factor);
+      for (; row + lanes <= end; row += lanes)
+        store_lanes(at + row, load_lanes(at + row) - factors * load_lanes(earlier + row));
+      for (; row < end; ++row) at[row] -= factor * earlier[row];
+    }
+    const double inverse = 1 / at[c];
+    int row = begin;
+    const Lanes inverses = constant_lanes(inverse);
+    for (; row + lanes <= end; row += lanes) store_lanes(at + row, load_lanes(at + row) * inverses);
+    for (; row < end; ++row) at[row] *= inverse;
+  }
 }
 
 /// C(0..8, 0..4) -= left right^T, with `depth` columns of a tile each.
@@ -191,17 +226,33 @@ bool subtract_panel(const PanelUpdate& update, const CancellationToken& cancella
     for (int column = 0; column < columns; column += columns_of_a_part)
       parts.push_back({chunk, end, column, std::min(columns, column + columns_of_a_part)});
   }
-  const auto take = [&](int number) {
+  share(static_cast<int>(parts.size()), [&](int number) {
     const TrianglePart& part = parts[static_cast<std::size_t>(number)];
     has_avx2 ? subtract_part_avx2(update, part, cancellation) : subtract_part(update, part, cancellation);
-  };
-  const int count = static_cast<int>(parts.size());
-  if (count < parts_worth_sharing) {
-    for (int i = 0; i < count; ++i) take(i);
-  } else {
-    parallel_for(count, take);
-  }
+  });
   return !cancellation.requested();
+}
+
+/// The columns of a front from `first` up to `end`, whose rows above `end` are factorized.
+struct Panel {
+  double* front;
+  int ld, first, end;
+  double* begin() const { return front + static_cast<std::ptrdiff_t>(first) * ld; }
+};
+
+/// Finishes some rows of a panel, and copies them to where `copy` says for the tile of row `end`.
+SUPPLE_INLINE void finish_rows(const Panel& panel, int begin, int end, double* copy) {
+  for (int column = panel.first; column < panel.end; column += block) {
+    const int width = std::min(block, panel.end - column);
+    // From the panel's own columns on: column numbers stay those of rows.
+    update_block(panel.begin(), panel.ld, begin, end, column, width, column - panel.first, panel.first);
+    solve_block(panel.front, panel.ld, begin, end, column, width);
+  }
+  const int width = panel.end - panel.first;
+  copy_tiles(panel.begin(), panel.ld, begin, end, width, copy + static_cast<std::ptrdiff_t>(begin - panel.end) * width);
+}
+SUPPLE_AVX2 void finish_rows_avx2(const Panel& panel, int begin, int end, double* copy) {
+  finish_rows(panel, begin, end, copy);
 }
 
 SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pivots,
@@ -209,18 +260,22 @@ SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pi
   // Kept from front to front: new memory costs as much as some of the smaller ones.
   thread_local std::vector<double> copy;
   for (int first = 0; first < pivots; first += panel_columns) {
+    if (cancellation.requested()) return false;
     const int end = std::min(pivots, first + panel_columns);
-    double* panel = front + static_cast<std::ptrdiff_t>(first) * ld;
+    const Panel panel{front, ld, first, end};
     for (int column = first; column < end; column += block) {
-      if (cancellation.requested()) return false;
       const int width = std::min(block, end - column);
-      // From the panel's own columns on: column numbers stay those of rows.
-      update_block(panel, ld, rows, column, width, column - first, first);
-      if (!factorize_block(front, ld, rows, column, width)) return false;
+      update_block(panel.begin(), ld, column, end, column, width, column - first, first);
+      if (!factorize_block(front, ld, end, column, width)) return false;
     }
     if (end == rows) break;
     copy.resize(static_cast<std::size_t>(rows - end + tile_rows) * panel_columns);
-    copy_tiles(panel, ld, end, rows, end - first, copy.data());
+    share((rows - end + rows_of_a_part - 1) / rows_of_a_part, [&, to = copy.data()](int part) {
+      if (cancellation.requested()) return;
+      const int from = end + part * rows_of_a_part;
+      const int until = std::min(rows, from + rows_of_a_part);
+      has_avx2 ? finish_rows_avx2(panel, from, until, to) : finish_rows(panel, from, until, to);
+    });
     if (!subtract_panel({front, ld, end, rows, end - first, copy.data()}, cancellation)) return false;
   }
   return true;
@@ -231,12 +286,12 @@ SUPPLE_INLINE bool factorize_front(double* front, int ld, int rows, int pivots, 
   for (int column = 0; column < pivots; column += block) {
     if (cancellation.requested()) return false;
     const int width = pivots - column < block ? pivots - column : block;
-    update_block(front, ld, rows, column, width, column);
+    update_block(front, ld, column, rows, column, width, column);
     if (!factorize_block(front, ld, rows, column, width)) return false;
   }
   for (int column = pivots; column < rows; column += block) {
     if (cancellation.requested()) return false;
-    update_block(front, ld, rows, column, rows - column < block ? rows - column : block, pivots);
+    update_block(front, ld, column, rows, column, rows - column < block ? rows - column : block, pivots);
   }
   return true;
 }
