@@ -88,7 +88,12 @@ import_base() {
 }
 
 base_folder=""
-cleanup() { [ -z "$base_folder" ] || rm -rf --one-file-system "$base_folder"; }
+container=""
+cleanup() {
+  [ -z "$base_folder" ] || rm -rf --one-file-system "$base_folder"
+  [ -z "$container" ] || buildah rm "$container" >/dev/null
+  base_folder="" container=""
+}
 trap cleanup EXIT
 
 # The names that the Containerfile builds on, made of packages. Security updates are part of them.
@@ -115,7 +120,32 @@ make_bases() {
   make_slim "$base_folder"
   import_base "$base_folder" "$slim"
   cleanup
-  base_folder=""
+}
+
+# The bytes of the files in an image, in all and of its largest parts. dpkg's own sizes count what the recipe leaves out.
+sizes() {
+  {
+    (cd "$1/var/lib/dpkg/info" && grep '' -- *.list) | sed -E 's/(:[a-z0-9]+)?\.list:/ /'
+    echo
+    (cd "$1" && find . -xdev -type f -printf '%s %i %P\n')
+  } | awk '
+    !listed && NF == 0 { listed = 1; next }
+    !listed { path = substr($0, length($1) + 3); sub(/^usr\//, "", path); owner[path] = $1 " (package)"; next }
+    $2 in seen { next }
+    {
+      seen[$2]
+      path = substr($0, length($1) + length($2) + 3)
+      part = path ~ /^usr\/local\/bin\// ? "/" path : path ~ /^usr\/local\/share\// ? "/usr/local/share/supple" : "others"
+      if (path ~ /^usr\/local\/share\/supple\//) { split(path, folders, "/"); part = part "/" folders[5] }
+      sub(/^usr\//, "", path)
+      if (path in owner) part = owner[path]
+      bytes[part] += $1
+      all += $1
+    }
+    END {
+      printf "%.1f MB  in all\n", all / 1e6
+      for (part in bytes) printf "%.1f MB  %s\n", bytes[part] / 1e6, part
+    }' | sort -rn | awk 'NR <= 16'
 }
 
 start=$SECONDS
@@ -143,14 +173,8 @@ build_seconds=$((SECONDS - start - base_seconds))
 container=$(buildah from --pull-never "$tag")
 root=$(buildah mount "$container")
 say "Sizes"
-printf 'image %s: %s in all\n' "$tag" "$(du -sh --one-file-system "$root" | cut -f1)"
-printf 'The largest parts:\n'
-{
-  # shellcheck disable=SC2016  # fields of dpkg-query, not variables
-  chroot "$root" dpkg-query -W -f '${Installed-Size} ${Package} (package)\n'
-  (cd "$root/usr/local" && du -sk share/supple/* bin/* | sed 's|\t\(.*\)| /usr/local/\1|')
-} | sort -rn | head -15 | awk '{printf "%8.1f MB  %s %s\n", $1 / 1024, $2, $3}'
-buildah rm "$container" >/dev/null
+sizes "$root"
+cleanup
 printf 'base: %d s; build: %d s on %s cores\n' "$base_seconds" "$build_seconds" "$(nproc)"
 
 if [ -n "$archive" ]; then
