@@ -34,6 +34,8 @@ def git(*arguments: str) -> Optional[bytes]:
 def last_release() -> Optional[str]:
     if named := os.environ.get("SUPPLE_COMPATIBLE_WITH"):
         return named
+    # Git refuses the checkout of another user, which is not the same as a history without releases.
+    assert not (ROOT / ".git").exists() or git("rev-parse", "HEAD") is not None, "git does not show the history of this checkout"
     tag = git("describe", "--tags", "--abbrev=0", "--match", "v[0-9]*.[0-9]*.[0-9]*")
     return tag.decode().strip() if tag else None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import resource
+import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -24,7 +25,12 @@ NewServer = Callable[..., ServerProcess]
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 64 MiB, where the servers of the test have their folder "disk"."""
+    """A disk of 64 MiB, which is the data folder of the test's servers. SUPPLE_TEST_SMALL_DISK names one where the tests' user may mount none."""
+    if mounted := os.environ.get("SUPPLE_TEST_SMALL_DISK"):
+        yield Path(mounted)
+        for path in Path(mounted).iterdir():
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+        return
     folder = tmp_path / "disk"
     folder.mkdir()
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64m", "tmpfs", str(folder)], capture_output=True).returncode:
@@ -44,7 +50,7 @@ def fill(folder: Path) -> Path:
 
 def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, new_server: NewServer,
                                                               contract: Contract) -> None:
-    server = new_server("--min-free", "1mb", data=small_disk.name)
+    server = new_server("--min-free", "1mb", data=str(small_disk))
     api = Api(server, contract)
     mesh = api.upload(*bumpy_sphere(7))
     job = api.post(FIELDS, {"mesh": mesh, "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
@@ -67,7 +73,7 @@ def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, 
 
 
 def test_a_full_disk_lets_jobs_and_meshes_be_deleted(small_disk: Path, new_server: NewServer, contract: Contract) -> None:
-    api = Api(new_server("--min-free", "1mb", data=small_disk.name), contract)
+    api = Api(new_server("--min-free", "1mb", data=str(small_disk)), contract)
     meshes = [api.upload(*flat_grid(8)), api.upload(*sphere(2))]
     job = api.post(FIELDS, {"mesh": meshes[0], "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
     api.wait_for_job(job)

@@ -56,8 +56,8 @@ health=$(buildah "${store[@]}" inspect --format '{{if .Docker.Config.Healthcheck
 echo "image $tag: runs $entry as $user, health check $health"
 
 # What is written to lies in one folder, which has the same name outside and inside, so that the tests find the files of their servers.
-mkdir "$work/root" "$work/data" "$work/tests" "$work/home"
-chown 10001:10001 "$work/data" "$work/tests" "$work/home"
+mkdir -p "$work/root" "$work/data" "$work/tests" "$work/home" "$work/small/disk"
+chown 10001:10001 "$work/data" "$work/tests" "$work/home" "$work/small"
 chmod 755 "$work"
 mkdir -p "$root$work"
 
@@ -70,8 +70,8 @@ chmod 755 "$work/supple-server" "$work/in-the-image"
 
 cat >"$work/run" <<'RUN'
 set -euo pipefail
-root=$1 work=$2 entry=$3
-shift 3
+root=$1 work=$2 entry=$3 build=$4
+shift 4
 fail() { printf 'test_image: %s\n' "$*" >&2; exit 1; }
 # The loopback of a network of its own.
 /usr/bin/python3 -c 'import fcntl, socket, struct
@@ -83,6 +83,9 @@ mount --rbind /dev "$work/root/dev"
 mount -t tmpfs -o mode=1777 tmpfs "$work/root/tmp"
 mount --bind "$work/data" "$work/root/var/lib/supple"
 mount --bind "$work" "$work/root$work"
+# The tests' user may not mount the disk that some tests fill.
+mount -t tmpfs -o size=64m,mode=700,uid=10001,gid=10001 tmpfs "$work/small/disk"
+mount --bind "$work/small/disk" "$work/root$work/small/disk"
 mount -o remount,bind,ro "$work/root"
 as_user=(setpriv --reuid 10001 --regid 10001 --clear-groups --bounding-set -all,+sys_chroot --inh-caps -all,+sys_chroot
   --ambient-caps -all,+sys_chroot)
@@ -110,10 +113,16 @@ echo "starts in $took ms with $models models and the editor; its health check pa
 
 # Then its program by the tests, which bring models of their own and expect none beside the program.
 mount -t tmpfs -o mode=755,ro tmpfs "$work/root/usr/local/share/supple"
-export HOME="$work/home" PYTHONDONTWRITEBYTECODE=1 SUPPLE_TEST_SERVER="$work/supple-server"
+export HOME="$work/home" PYTHONDONTWRITEBYTECODE=1 SUPPLE_TEST_SERVER="$work/supple-server" SUPPLE_TEST_SMALL_DISK="$work/small/disk"
+# The checkout and the build belong to another user than the one who runs the tests. Git shows the history of such a checkout only if
+# it is told to, and "cmake --install" writes a list of what it installed into the build's folder.
+export GIT_CONFIG_COUNT=1 GIT_CONFIG_KEY_0=safe.directory GIT_CONFIG_VALUE_0="$PWD"
+install -o 10001 -g 10001 -m 644 /dev/null "$work/installed"
+[ -e "$build/install_manifest_client.txt" ] || : >"$build/install_manifest_client.txt"
+mount --bind "$work/installed" "$build/install_manifest_client.txt"
 [ $# -gt 0 ] || set -- tests/api
 exec "${as_user[@]}" /usr/bin/python3 -m pytest -q -p no:cacheprovider --basetemp "$work/tests/run" "$@"
 RUN
 status=0
-unshare --mount --net --propagation private /bin/bash "$work/run" "$root" "$work" "$entry" "$@" || status=$?
+unshare --mount --net --propagation private /bin/bash "$work/run" "$root" "$work" "$entry" "$build" "$@" || status=$?
 exit $status
