@@ -130,6 +130,11 @@ export GIT_CONFIG_COUNT=1 GIT_CONFIG_KEY_0=safe.directory GIT_CONFIG_VALUE_0="$P
 install -o 10001 -g 10001 -m 644 /dev/null "$work/installed"
 [ -e "$build/install_manifest_client.txt" ] || : >"$build/install_manifest_client.txt"
 mount --bind "$work/installed" "$build/install_manifest_client.txt"
+# PostgreSQL's programs ask for the name of their user.
+if ! getent passwd 10001 >/dev/null; then
+  { cat /etc/passwd; echo "supple:x:10001:10001::$work/home:/usr/sbin/nologin"; } >"$work/passwd"
+  mount --bind "$work/passwd" /etc/passwd
+fi
 [ $# -gt 0 ] || set -- tests/api
 exec "${as_user[@]}" /usr/bin/python3 -m pytest -q -p no:cacheprovider --basetemp "$work/tests/run" "$@"
 RUN
