@@ -75,6 +75,7 @@ bool JobQueue::share_once() {
   auto taken = store_.take_jobs(idle);
   for (auto& record : taken) {
     const std::lock_guard lock(mutex_);
+    if (refusing_) break;  // the store frees them at its end
     take_over(std::move(record));
   }
   return !taken.empty();
