@@ -226,7 +226,7 @@ struct SharedStore::Implementation {
   void look_at_unknown_files() {
     if (SteadyClock::now() < next_look_at_files) return;
     next_look_at_files = SteadyClock::now() + look_at_files;
-    const auto known = [&](const char* query) {
+    const auto names_of = [&](const char* query) {
       return database.transaction([&](pqxx::work& transaction) {
         std::map<std::string, bool> names;
         for (const auto& row : transaction.exec(query)) names.emplace(row[0].c_str(), true);
@@ -243,7 +243,7 @@ struct SharedStore::Implementation {
       for (const auto& entry : fs::directory_iterator(place))
         if (entry.is_regular_file() && modified(entry.path()) < before) old.push_back(entry.path());
       if (old.empty()) continue;
-      const auto names = known(query);
+      const auto names = names_of(query);
       for (const auto& path : old) {
         if (is_unfinished(path)) {
           remove_file(path);
