@@ -54,8 +54,8 @@ bool Peer::hung_up() const {
 
 std::string Request::header(std::string_view name) const {
   std::string value;
-  for (const auto& [key, text] : headers) {
-    if (key.size() != name.size() || strncasecmp(key.data(), name.data(), name.size()) != 0) continue;
+  for (const auto& [field, text] : headers) {
+    if (field.size() != name.size() || strncasecmp(field.data(), name.data(), name.size()) != 0) continue;
     if (!value.empty()) value += ", ";
     value += text;
   }

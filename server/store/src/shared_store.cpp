@@ -80,18 +80,19 @@ struct SharedStore::Implementation {
     counted.limit = options.quota.bytes;
     counted.mesh_limit = options.quota.mesh_bytes;
     const std::lock_guard lock(mutex);
-    usage = counted;
+    of_all_servers = counted;
     counted_at = SteadyClock::now();
   }
 
   void add(Part part, std::int64_t bytes) {
     const std::lock_guard lock(mutex);
-    (part == Part::meshes ? usage.meshes : part == Part::results ? usage.results : usage.requests) += bytes;
+    auto& all = of_all_servers;
+    (part == Part::meshes ? all.meshes : part == Part::results ? all.results : all.requests) += bytes;
   }
 
   Usage usage_now() const {
     const std::lock_guard lock(mutex);
-    return usage;
+    return of_all_servers;
   }
 
   /// Makes room for what is about to be written: all servers' oldest results go where there is too little, then the
@@ -260,7 +261,7 @@ struct SharedStore::Implementation {
   Postgres database;
   const std::string server;  ///< the name of this one, of this process
   mutable std::mutex mutex;
-  Usage usage;
+  Usage of_all_servers;
   SteadyClock::time_point counted_at{};
   SteadyClock::time_point next_look_at_files = SteadyClock::now() + look_at_files;
   std::map<std::string, std::int64_t> uses;              ///< of meshes, since the database was told last
