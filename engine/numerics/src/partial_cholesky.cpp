@@ -96,28 +96,37 @@ SUPPLE_INLINE void update_block(double* front, int ld, int begin, int end, int c
   }
 }
 
+/// Takes what the columns from `column` up to `c` contribute to the rows of column c from `begin` up to `end`.
+SUPPLE_INLINE void subtract_earlier(double* front, int ld, int begin, int end, int column, int c) {
+  double* at = front + static_cast<std::ptrdiff_t>(c) * ld;
+  for (int k = column; k < c; ++k) {
+    const double* earlier = front + static_cast<std::ptrdiff_t>(k) * ld;
+    const double factor = earlier[c];
+    int row = begin;
+    const Lanes factors = constant_lanes(factor);
+    for (; row + lanes <= end; row += lanes)
+      store_lanes(at + row, load_lanes(at + row) - factors * load_lanes(earlier + row));
+    for (; row < end; ++row) at[row] -= factor * earlier[row];
+  }
+}
+
+SUPPLE_INLINE void scale_rows(double* at, int begin, int end, double factor) {
+  int row = begin;
+  const Lanes factors = constant_lanes(factor);
+  for (; row + lanes <= end; row += lanes) store_lanes(at + row, load_lanes(at + row) * factors);
+  for (; row < end; ++row) at[row] *= factor;
+}
+
 /// Cholesky factorization of `width` columns from `column` on whose updates have been made.
 SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, int width) {
   for (int c = column; c < column + width; ++c) {
     double* at = front + static_cast<std::ptrdiff_t>(c) * ld;
-    for (int k = column; k < c; ++k) {
-      const double* earlier = front + static_cast<std::ptrdiff_t>(k) * ld;
-      const double factor = earlier[c];
-      int row = c;
-      const Lanes factors = constant_lanes(factor);
-      for (; row + lanes <= rows; row += lanes)
-        store_lanes(at + row, load_lanes(at + row) - factors * load_lanes(earlier + row));
-      for (; row < rows; ++row) at[row] -= factor * earlier[row];
-    }
+    subtract_earlier(front, ld, c, rows, column, c);
     const double pivot = at[c];
     if (!(pivot > 0) || !std::isfinite(pivot)) return false;
     const double root = std::sqrt(pivot);
-    const double inverse = 1 / root;
     at[c] = root;
-    int row = c + 1;
-    const Lanes inverses = constant_lanes(inverse);
-    for (; row + lanes <= rows; row += lanes) store_lanes(at + row, load_lanes(at + row) * inverses);
-    for (; row < rows; ++row) at[row] *= inverse;
+    scale_rows(at, c + 1, rows, 1 / root);
   }
   return true;
 }
@@ -126,20 +135,8 @@ SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, 
 SUPPLE_INLINE void solve_block(double* front, int ld, int begin, int end, int column, int width) {
   for (int c = column; c < column + width; ++c) {
     double* at = front + static_cast<std::ptrdiff_t>(c) * ld;
-    for (int k = column; k < c; ++k) {
-      const double* earlier = front + static_cast<std::ptrdiff_t>(k) * ld;
-      const double factor = earlier[c];
-      int row = begin;
-      const Lanes factors = constant_lanes(factor);
-      for (; row + lanes <= end; row += lanes)
-        store_lanes(at + row, load_lanes(at + row) - factors * load_lanes(earlier + row));
-      for (; row < end; ++row) at[row] -= factor * earlier[row];
-    }
-    const double inverse = 1 / at[c];
-    int row = begin;
-    const Lanes inverses = constant_lanes(inverse);
-    for (; row + lanes <= end; row += lanes) store_lanes(at + row, load_lanes(at + row) * inverses);
-    for (; row < end; ++row) at[row] *= inverse;
+    subtract_earlier(front, ld, begin, end, column, c);
+    scale_rows(at, begin, end, 1 / at[c]);
   }
 }
 
