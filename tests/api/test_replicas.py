@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 from contract import Contract  # noqa: E402
 from harness import SLOWNESS, Api, ServerProcess, make_model  # noqa: E402
-from replicas import Replicas  # noqa: E402
+from shared_servers import Replicas  # noqa: E402
 from shapes import flat_grid, sphere  # noqa: E402
 
 LONG = 30.0 * SLOWNESS

@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / part) for part in ("api", "support", "hostile")]
 
 from harness import free_port  # noqa: E402
-from replicas import LEASE, Replicas  # noqa: E402
+from shared_servers import LEASE, Replicas  # noqa: E402
 from shapes import sphere  # noqa: E402
 from soak import without_bill  # noqa: E402
 
