@@ -67,7 +67,7 @@ void identify(jobs::Computation& computation, const http::Request& request) {
   computation.idempotency_key = store::sha256(request.key + "\n" + key);
   std::string asked = request.method + " " + request.path + "\n";
   for (const auto& [name, value] : request.query) asked.append(name).append("=").append(value).append("\n");
-  computation.request_hash = store::sha256(asked + request.body);
+  computation.request_hash = store::sha256(asked + store::sha256(request.body));
 }
 
 /// Seconds since the handler on this thread began to read the body; 0 where it has none.

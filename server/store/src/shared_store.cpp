@@ -333,7 +333,7 @@ std::pair<MeshRecord, bool> SharedStore::add_mesh(const std::string& ply, const 
     auto stored = Implementation::find_mesh(transaction, record.id);
     return {stored ? *std::move(stored) : record, is_new || is_new_owner};
   });
-  self.add(Part::meshes, bytes);
+  if (added.second) self.add(Part::meshes, bytes);
   return added;
 }
 
