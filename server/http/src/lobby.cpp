@@ -33,6 +33,14 @@ Lobby::Lobby(Connection::Admit admit, Deliver deliver)
   thread_ = std::thread([this] { run(); });
 }
 
+// The descriptors stay open until here, because threads that answer give connections back while the lobby stops. A
+// number that is closed earlier may be that of another file by the time such a thread writes to it.
+Lobby::~Lobby() {
+  stop();
+  ::close(wake_);
+  ::close(poll_);
+}
+
 void Lobby::take(std::shared_ptr<Connection> connection) {
   {
     const std::lock_guard lock(mutex_);
@@ -59,10 +67,7 @@ void Lobby::stop() {
   }
   room_made_.notify_all();
   ::eventfd_write(wake_, 1);
-  if (!thread_.joinable()) return;
-  thread_.join();
-  ::close(wake_);
-  ::close(poll_);
+  if (thread_.joinable()) thread_.join();
 }
 
 void Lobby::run() {

@@ -22,7 +22,7 @@ class Lobby {
   using Deliver = std::function<void(std::shared_ptr<Connection>, Connection::Arrival)>;
 
   Lobby(Connection::Admit admit, Deliver deliver);
-  ~Lobby() { stop(); }
+  ~Lobby();
   Lobby(const Lobby&) = delete;
   Lobby& operator=(const Lobby&) = delete;
 

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -393,6 +394,20 @@ TEST_F(HttpServerTest, AnswersProbesWhileManyRequestsAreSentHalf) {
   }
   EXPECT_TRUE(answer(get("/probe")).ends_with("alive!"));
   EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
+}
+
+TEST_F(HttpServerTest, WritesToNoFileThatIsOpenedAfterItHasStopped) {
+  start();
+  EXPECT_TRUE(answer(get("/probe")).ends_with("alive!"));
+  end();
+  std::vector<int> files;
+  for (int i = 0; i < 64; ++i) files.push_back(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  server_.reset();
+  for (const int file : files) {
+    eventfd_t written = 0;
+    EXPECT_NE(::eventfd_read(file, &written), 0) << written;
+    ::close(file);
+  }
 }
 
 TEST_F(HttpServerTest, RefusesRequestsBeyondThoseItAnswersAndBeyondAClientsShare) {
