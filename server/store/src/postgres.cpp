@@ -1,8 +1,46 @@
 #include "postgres.h"
 
+#include <libpq-fe.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+
 #include "supple/base/error.h"
 
 namespace supple::store {
+namespace {
+
+/// How long is waited for a database whose machine does not answer at all: seconds for a connection and for a sign of
+/// life, milliseconds for the receipt of what was sent. The system's own limits are a quarter of an hour.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> time_limits{
+    {{"connect_timeout", "3"}, {"tcp_user_timeout", "5000"}, {"keepalives_idle", "5"}, {"keepalives_interval", "2"}}};
+
+/// The connection string, with these limits where it has none of its own. One that libpq does not understand stays, so
+/// that the connection says what is wrong with it.
+std::string with_time_limits(const std::string& address) {
+  const std::unique_ptr<PQconninfoOption, decltype(&::PQconninfoFree)> settings(
+      ::PQconninfoParse(address.c_str(), nullptr), &::PQconninfoFree);
+  if (!settings) return address;
+  std::string text;
+  const auto append = [&text](std::string_view key, std::string_view value) {
+    text.append(key).append("='");
+    for (const char c : value) {
+      if (c == '\'' || c == '\\') text += '\\';
+      text += c;
+    }
+    text.append("' ");
+  };
+  for (const auto& [key, value] : time_limits) append(key, value);
+  // Of two values of a setting the later one counts.
+  for (const auto* setting = settings.get(); setting->keyword; ++setting)
+    if (setting->val) append(setting->keyword, setting->val);
+  return text;
+}
+
+}  // namespace
+
+Postgres::Postgres(const std::string& address) : address_(with_time_limits(address)) {}
 
 pqxx::connection& Postgres::connected() {
   if (connection_) return *connection_;

@@ -12,8 +12,9 @@ namespace supple::store {
 /// Errors throw "store.full" where the database's disk is, "store.unavailable" otherwise.
 class Postgres {
  public:
-  /// Nothing is connected yet. `address` is a connection string of libpq.
-  explicit Postgres(std::string address) : address_(std::move(address)) {}
+  /// Nothing is connected yet. `address` is a connection string of libpq. Where it does not say how long a machine that
+  /// does not answer is waited for, a connection is given up after 3 seconds and a statement after about 9.
+  explicit Postgres(const std::string& address);
 
   /// Runs `work` within a transaction and commits it. It is run again, once, where the connection is lost before the
   /// commit: until then nothing of it counts, so that it has to change nothing else.

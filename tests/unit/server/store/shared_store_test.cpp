@@ -1,5 +1,10 @@
 #include "supple/store/shared_store.h"
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <pqxx/pqxx>
 #include <thread>
 
 #include "store_fixture.h"
@@ -10,6 +15,30 @@ namespace supple::store {
 namespace {
 
 using testing::PrivatePostgres;
+
+/// A port whose connections the system takes and nobody answers.
+class SilentPort {
+ public:
+  SilentPort() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::listen(socket_, 8), 0);
+    EXPECT_EQ(::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    number_ = ntohs(address.sin_port);
+  }
+  ~SilentPort() { ::close(socket_); }
+  SilentPort(const SilentPort&) = delete;
+  SilentPort& operator=(const SilentPort&) = delete;
+
+  int number() const { return number_; }
+
+ private:
+  const int socket_;
+  int number_ = 0;
+};
 
 /// Two servers of one database and one folder.
 class SharedStoreTest : public StoreTest {
@@ -369,6 +398,33 @@ TEST_F(SharedStoreTest, SaysThatNoDatabaseAnswers) {
   auto none = options();
   none.database = "host=" + (folder_ / "nothing").string() + " dbname=none";
   EXPECT_EQ(code_of([&] { const SharedStore store(none); }), "store.unavailable");
+}
+
+TEST_F(SharedStoreTest, GivesUpADatabaseWhoseMachineTakesConnectionsAndSaysNothing) {
+  const SilentPort port;
+  auto silent = options();
+  silent.database = "postgresql://supple@127.0.0.1:" + std::to_string(port.number()) + "/supple";
+  EXPECT_EQ(code_of([&] { const SharedStore store(silent); }), "store.unavailable") << "and does not wait for ever";
+}
+
+TEST_F(SharedStoreTest, KeepsWhatItsConnectionStringSays) {
+  auto quoted = options();
+  quoted.database += " application_name='Bob\\'s \\\\ store' connect_timeout=7";
+  SharedStore store(quoted);
+  EXPECT_TRUE(store.add_mesh("ply", describe).second);
+  pqxx::connection connection(database_);
+  pqxx::work look(connection);
+  const auto names = look.exec("SELECT application_name FROM pg_stat_activity WHERE application_name LIKE 'Bob%'");
+  ASSERT_EQ(names.size(), 1U);
+  EXPECT_EQ(std::string(names[0][0].c_str()), "Bob's \\ store");
+  auto mistaken = options();
+  mistaken.database = "host=/tmp nonsense=1";
+  try {
+    const SharedStore unknown(mistaken);
+    FAIL() << "a setting that does not exist";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("nonsense"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

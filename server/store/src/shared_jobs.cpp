@@ -1,0 +1,328 @@
+#include <algorithm>
+#include <utility>
+
+#include "checked_content.h"
+#include "file_access.h"
+#include "record_file.h"
+#include "shared_implementation.h"
+#include "shared_schema.h"
+#include "supple/base/error.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Jobs of lost servers that one call takes at most, so that all that are left have their share of them.
+constexpr std::size_t orphans_at_a_time = 8;
+
+/// The name of a result's file: of a hold, so that a server which has lost the job writes beside it.
+std::string result_name(const std::string& id, std::int64_t hold) { return id + "." + std::to_string(hold); }
+
+std::int64_t integer_of(const pqxx::field& field) { return field.as<std::int64_t>(); }
+
+}  // namespace
+
+template <class... Values>
+std::size_t SharedStore::Implementation::remove_jobs(const std::string& sequences, const Values&... values) {
+  struct Removed {
+    std::string id;
+    std::int64_t hold;
+    std::int64_t bytes;
+  };
+  const auto removed = database.transaction([&](pqxx::work& transaction) {
+    std::vector<Removed> jobs;
+    for (const auto& row : transaction.exec_params(
+             "DELETE FROM jobs WHERE sequence IN (" + sequences + ") RETURNING id, hold, bytes", values...))
+      jobs.push_back({row[0].c_str(), integer_of(row[1]), integer_of(row[2])});
+    return jobs;
+  });
+  for (const auto& job : removed) {
+    remove_results_before(job.id, job.hold + 1);
+    remove_file(places.request(job.id));
+    add(Part::results, -job.bytes);
+  }
+  return removed.size();
+}
+
+std::size_t SharedStore::Implementation::expire_oldest_results(std::int64_t bytes, const std::string& owner) {
+  const auto expired = remove_jobs(
+      "SELECT sequence FROM (SELECT sequence, sum(bytes) OVER (ORDER BY finished, sequence) - bytes AS before "
+      "FROM jobs WHERE finished > 0 AND result_hash <> '' AND ($2 = '' OR owner = $2)) AS oldest WHERE before < $1",
+      bytes, owner);
+  if (expired > 0) {
+    folder.warn(std::to_string(expired) + " finished jobs " + (owner.empty() ? "" : "of the key " + owner + " ") +
+                "have expired to make room for others (" + (owner.empty() ? "--max-store" : "--max-stored") + ")");
+  }
+  return expired;
+}
+
+void SharedStore::Implementation::remove_results_before(const std::string& id, std::int64_t hold) const {
+  for (std::int64_t earlier = 0; earlier < hold; ++earlier) remove_file(places.result(result_name(id, earlier)));
+}
+
+bool SharedStore::Implementation::holds(const JobRecord& job) {
+  return database.transaction([&](pqxx::work& transaction) {
+    return !transaction
+                .exec_params("SELECT 1 FROM jobs WHERE id = $1 AND finished = 0 AND holder = $2 AND hold = $3", job.id,
+                             server, job.hold)
+                .empty();
+  });
+}
+
+bool SharedStore::Implementation::is_result_of(const JobRecord& job, const std::string& hash) {
+  try {
+    return database.transaction([&](pqxx::work& transaction) {
+      return !transaction
+                  .exec_params("SELECT 1 FROM jobs WHERE id = $1 AND hold = $2 AND result_hash = $3", job.id, job.hold,
+                               hash)
+                  .empty();
+    });
+  } catch (const Error&) {
+    return true;
+  }
+}
+
+std::optional<JobRecord> SharedStore::Implementation::find_job(const char* condition, const std::string& value) {
+  return database.transaction([&](pqxx::work& transaction) -> std::optional<JobRecord> {
+    const auto rows =
+        transaction.exec_params("SELECT " + shared_job_columns() + " FROM jobs WHERE " + condition, value);
+    if (rows.empty()) return std::nullopt;
+    return read_shared_job(rows[0]);
+  });
+}
+
+std::string SharedStore::keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) {
+  auto& self = *implementation_;
+  auto content = request_file(job, request).header(sha256(body));
+  const auto bytes = static_cast<std::int64_t>(content.size() + body.size());
+  self.make_room(Part::requests, bytes, job.owner, job.id);
+  if (body.size() > largest_request_in_database) {
+    write_stored_file(self.places.request(job.id), {content, body});
+    return {};
+  }
+  return content.append(body);
+}
+
+void SharedStore::drop_request(const std::string& id) {
+  Implementation::remove_file(implementation_->places.request(id));
+}
+
+bool SharedStore::has_request(const std::string& id) const {
+  std::error_code ignored;
+  return fs::exists(implementation_->places.request(id), ignored) ||
+         implementation_->database.transaction([&](pqxx::work& transaction) {
+           return !transaction.exec_params("SELECT 1 FROM jobs WHERE id = $1 AND request IS NOT NULL", id).empty();
+         });
+}
+
+StoredRequest SharedStore::job_request(const std::string& id) const {
+  auto in_database = implementation_->database.transaction([&](pqxx::work& transaction) -> std::optional<std::string> {
+    const auto rows = transaction.exec_params("SELECT request FROM jobs WHERE id = $1 AND request IS NOT NULL", id);
+    if (rows.empty()) return std::nullopt;
+    return pqxx::binarystring(rows[0][0]).str();
+  });
+  auto bytes = in_database ? *std::move(in_database) : read_file(implementation_->places.request(id));
+  const auto file = RecordFile::parse(request_kind, bytes, id + ".request");
+  bytes.erase(0, file.header_size());
+  if (sha256(bytes) != file.body_hash()) throw_changed(id + ".request");
+  return {request_of(file), std::move(bytes)};
+}
+
+bool SharedStore::add_job(const JobRecord& job, const std::string& request) {
+  auto& self = *implementation_;
+  const auto bytes =
+      request.empty() ? bytes_of(self.places.request(job.id)) : static_cast<std::int64_t>(request.size());
+  const bool added = self.database.transaction([&](pqxx::work& transaction) {
+    // A second run of this transaction adds nothing to what a first one has added.
+    const auto rows = transaction.exec_params(
+        "INSERT INTO jobs (id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, "
+        "client, session, owner, attempts, idempotency_key, request_hash, bytes, holder, hold) VALUES ($1, $2, $3, $4, "
+        "$5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20) ON CONFLICT DO NOTHING",
+        job.id, job.kind, job.mesh, std::string(state_name(job.state)), job.created, job.started, job.finished,
+        job.expires, job.deadline, job.error, job.error_status, job.client, job.session, job.owner, job.attempts,
+        job.idempotency_key, job.request_hash, bytes, self.server, job.hold);
+    if (rows.affected_rows() == 0) return false;
+    if (!request.empty()) {
+      transaction.exec_params("UPDATE jobs SET request = $2 WHERE id = $1", job.id,
+                              pqxx::binarystring(request.data(), request.size()));
+    }
+    return true;
+  });
+  if (added) self.add(Part::requests, bytes);
+  return added;
+}
+
+bool SharedStore::note_progress(const JobRecord& job) {
+  return implementation_->database.transaction([&](pqxx::work& transaction) {
+    transaction.exec0("SET LOCAL synchronous_commit TO OFF");
+    return transaction
+               .exec_params(
+                   "UPDATE jobs SET state = $2, started = $3, attempts = $4, revision = revision + 1, "
+                   "holder = CASE WHEN $2 = 'accepted' THEN '' ELSE holder END "
+                   "WHERE id = $1 AND finished = 0 AND holder = $5 AND hold = $6",
+                   job.id, std::string(state_name(job.state)), job.started, job.attempts, implementation_->server,
+                   job.hold)
+               .affected_rows() > 0;
+  });
+}
+
+bool SharedStore::finish_job(const JobRecord& job, const Result* result) {
+  auto& self = *implementation_;
+  const auto path = self.places.result(result_name(job.id, job.hold));
+  if (!self.holds(job)) return false;  // its file may be there, and stays
+  ResultFile file;
+  bool known = false;
+  try {
+    if (result) {
+      file.hash = sha256(result->body);
+      const auto header = result_file(job, *result).header(file.hash);
+      file.bytes = static_cast<std::int64_t>(header.size() + result->body.size());
+      self.make_room(Part::results, file.bytes, job.owner, job.id);
+      write_stored_file(path, {header, result->body});
+    }
+    known = self.database.transaction([&](pqxx::work& transaction) {
+      const auto rows = transaction.exec_params(
+          "UPDATE jobs SET state = $2, started = $3, finished = $4, expires = $5, error = $6, error_status = $7, "
+          "attempts = $8, bytes = $9, result_type = $10, result_headers = $11, result_hash = $12, request = NULL, "
+          "partial = '', revision = revision + 1 WHERE id = $1 AND finished = 0 AND holder = $13 AND hold = $14",
+          job.id, std::string(state_name(job.state)), job.started, job.finished, job.expires, job.error,
+          job.error_status, job.attempts, file.bytes, result ? result->content_type : std::string(),
+          result ? join_headers(*result) : std::string(), file.hash, self.server, job.hold);
+      return rows.affected_rows() > 0;
+    });
+  } catch (...) {
+    // Whether the database has committed is not known where it was lost in that moment: then the file stays.
+    if (result && !self.is_result_of(job, file.hash)) Implementation::remove_file(path);
+    throw;
+  }
+  if (known) {
+    self.remove_results_before(job.id, job.hold);
+    drop_request(job.id);
+    self.add(Part::results, file.bytes);
+  } else {
+    Implementation::remove_file(path);
+  }
+  return known;
+}
+
+std::optional<JobRecord> SharedStore::job(const std::string& id) const {
+  return implementation_->find_job("id = $1", id);
+}
+
+std::optional<JobRecord> SharedStore::job_of_key(const std::string& key) const {
+  return implementation_->find_job("idempotency_key = $1", key);
+}
+
+std::vector<JobRecord> SharedStore::jobs(const std::vector<JobState>& states, std::size_t limit,
+                                         const std::string& after, const std::string& owner) const {
+  std::string names;  // of ours, so that they can be part of the statement
+  for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
+  return implementation_->database.transaction([&](pqxx::work& transaction) {
+    std::vector<JobRecord> records;
+    const auto rows = transaction.exec_params(
+        "SELECT " + shared_job_columns() +
+            " FROM jobs WHERE ($1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = $1))" +
+            (states.empty() ? "" : " AND state IN (" + names + ")") +
+            " AND ($3 = '' OR owner = $3) ORDER BY sequence DESC LIMIT $2",
+        after, static_cast<std::int64_t>(limit), owner);
+    for (const auto& row : rows) records.push_back(read_shared_job(row));
+    return records;
+  });
+}
+
+bool SharedStore::owns_job(const std::string& id, const std::string& owner) const {
+  return implementation_->database.transaction([&](pqxx::work& transaction) {
+    return !transaction.exec_params("SELECT 1 FROM jobs WHERE id = $1 AND owner = $2", id, owner).empty();
+  });
+}
+
+StoredResult SharedStore::job_result(const std::string& id) const {
+  Result kept;
+  std::string hash;
+  std::int64_t hold = 0;
+  const bool known = implementation_->database.transaction([&](pqxx::work& transaction) {
+    const auto rows =
+        transaction.exec_params("SELECT result_type, result_headers, result_hash, hold FROM jobs WHERE id = $1", id);
+    if (rows.empty()) return false;
+    kept = {};
+    kept.content_type = rows[0][0].c_str();
+    split_headers(rows[0][1].c_str(), kept);
+    hash = rows[0][2].c_str();
+    hold = rows[0][3].as<std::int64_t>();
+    return true;
+  });
+  if (!known) throw Error("job.not_found", "There is no job " + id + ".");
+  return {std::move(kept.content_type), std::move(kept.headers),
+          open_checked(implementation_->places.result(result_name(id, hold)), result_kind, hash, {})};
+}
+
+bool SharedStore::remove_job(const std::string& id) {
+  return implementation_->remove_jobs("SELECT sequence FROM jobs WHERE id = $1 AND finished > 0", id) > 0;
+}
+
+std::vector<JobRecord> SharedStore::unfinished_jobs() const { return {}; }
+
+std::size_t SharedStore::remove_expired_jobs(std::int64_t now, std::size_t most) {
+  implementation_->look_at_unknown_files();
+  return implementation_->remove_jobs(
+      "SELECT sequence FROM jobs WHERE finished > 0 AND (expires <= $1 OR sequence NOT IN "
+      "(SELECT sequence FROM jobs WHERE finished > 0 ORDER BY sequence DESC LIMIT $2)) FOR UPDATE SKIP LOCKED",
+      now, static_cast<std::int64_t>(most));
+}
+
+std::vector<JobRecord> SharedStore::take_jobs(std::size_t most) {
+  auto& self = *implementation_;
+  return self.database.transaction([&](pqxx::work& transaction) {
+    std::vector<JobRecord> taken;
+    const auto take = [&](const std::string& condition, std::size_t limit) {
+      const auto rows = transaction.exec_params(
+          "WITH free AS (SELECT id, sequence FROM jobs "
+          "WHERE finished = 0 AND holder <> $1 AND " +
+              condition +
+              " ORDER BY sequence LIMIT $2 FOR UPDATE SKIP LOCKED), "
+              "taken AS (UPDATE jobs SET holder = $1, hold = hold + 1, revision = revision + 1 FROM free "
+              "WHERE jobs.id = free.id RETURNING jobs.*) SELECT " +
+              shared_job_columns() + " FROM taken AS jobs ORDER BY sequence",
+          self.server, static_cast<std::int64_t>(limit));
+      for (const auto& row : rows) taken.push_back(read_shared_job(row));
+    };
+    // No join: of a row that another server has just taken PostgreSQL looks at the condition again, but not at the row
+    // that it was joined with before.
+    take("coalesce((SELECT until FROM servers WHERE servers.id = holder), '-infinity') < now()",
+         std::max(most, orphans_at_a_time));
+    if (most > taken.size()) take("state = 'accepted'", most - taken.size());
+    return taken;
+  });
+}
+
+std::optional<JobProgress> SharedStore::job_progress(const std::string& id) const {
+  return implementation_->database.transaction([&](pqxx::work& transaction) -> std::optional<JobProgress> {
+    const auto rows = transaction.exec_params("SELECT progress, stage, partial, revision FROM jobs WHERE id = $1", id);
+    if (rows.empty()) return std::nullopt;
+    return JobProgress{id, rows[0][0].as<double>(), rows[0][1].c_str(), rows[0][2].c_str(),
+                       rows[0][3].as<std::int64_t>()};
+  });
+}
+
+std::optional<JobRecord> SharedStore::dismiss_job(const std::string& id, std::int64_t finished, std::int64_t expires) {
+  const bool dismissed = implementation_->database.transaction([&](pqxx::work& transaction) {
+    return transaction
+               .exec_params(
+                   "UPDATE jobs SET state = 'dismissed', finished = $2, expires = $3, request = NULL, bytes = 0, "
+                   "hold = hold + 1, holder = '', partial = '', revision = revision + 1 WHERE id = $1 AND finished = 0",
+                   id, finished, expires)
+               .affected_rows() > 0;
+  });
+  if (!dismissed) return std::nullopt;
+  drop_request(id);
+  return job(id);
+}
+
+bool SharedStore::has_unfinished_job_on(const std::string& mesh) const {
+  return implementation_->database.transaction([&](pqxx::work& transaction) {
+    return !transaction.exec_params("SELECT 1 FROM jobs WHERE mesh = $1 AND finished = 0 LIMIT 1", mesh).empty();
+  });
+}
+
+}  // namespace supple::store
