@@ -2,7 +2,7 @@
 
 #include "checked_content.h"
 #include "file_access.h"
-#include "owner_table.h"
+#include "record_file.h"
 #include "shared_implementation.h"
 #include "supple/base/error.h"
 
