@@ -19,6 +19,7 @@ python=/usr/bin/python3
 declare -A about=(
   [arrows]="includes run only along the house plan's arrows (by reading every file)"
   [format]="clang-format has nothing to change"
+  [single_files]="each source file compiles by itself and without a warning (missing includes, names that hide others)"
   [build]="the optimized build"
   [unit]="unit tests, optimized"
   [stability]="the named hard cases"
@@ -39,19 +40,22 @@ declare -A about=(
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
-order=(arrows format build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible)
+order=(arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible)
 usual=(arrows format build unit stability python api docs deploy web)
 # Up to half an hour each: before a release, and after a change to what takes requests apart, to deploy/ or to what is installed.
-by_name_only=(hostile_asan image packages reproducible)
+by_name_only=(single_files hostile_asan image packages reproducible)
 
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
-# The machines of CI start from nothing: there a dozen of a room's files are compiled at a time, so that their headers are read once.
-# They stop at warnings, which is for those who write the code and not for those who build it.
-options_of_ci=(-DSUPPLE_UNITY_TESTS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12 -DSUPPLE_WARNINGS_AS_ERRORS=ON)
+# From nothing, a dozen of a room's files are compiled at a time, so that their headers are read once; a build that is there stays
+# as it was configured. CI stops at warnings, which is for those who write the code and not for those who build it.
+grouped=(-DSUPPLE_UNITY_TESTS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12)
 configure_preset() {
   [ -z "${done_already[$1]:-}" ] || return 0
-  cmake --preset "$1" ${CI:+"${options_of_ci[@]}"} >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }
+  local options=()
+  [ -f "build/$1/CMakeCache.txt" ] || options=("${grouped[@]}")
+  [ -z "${CI:-}" ] || options+=(-DSUPPLE_WARNINGS_AS_ERRORS=ON)
+  cmake --preset "$1" "${options[@]}" >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }
   done_already[$1]=1
 }
 build_preset() { configure_preset "$1" && cmake --build "build/$1" -j "$jobs" "${@:2}"; }
@@ -61,6 +65,11 @@ cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*
 
 part_arrows() { "$python" tests/arrows/check_includes.py; }
 part_format() { cpp_files | xargs -r clang-format --dry-run --Werror; }
+part_single_files() {
+  cmake --preset release -B build/single-files -DSUPPLE_BUILD_BENCH=ON -DSUPPLE_WARNINGS_AS_ERRORS=ON >build/configure-single-files.log 2>&1 ||
+    { tail -30 build/configure-single-files.log; return 1; }
+  "$python" tests/single_files.py build/single-files/compile_commands.json "$jobs"
+}
 part_build() { build_preset release; }
 # Reaching none of the tests of a label is a failure: a suite must not vanish unnoticed.
 part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" -L unit --output-on-failure --no-tests=error; }
@@ -94,12 +103,18 @@ part_browser() {
   echo "$reached browser tests were reached"
   [ "$reached" -gt 0 ] && return $status
 }
-# It builds nothing: it begins with the parts that mostly wait for servers and browsers, and takes what they leave of the cores.
+# What only computes begins with the parts that mostly wait for servers and browsers, and takes what they leave of the cores:
+# clang-tidy, and then the builds of the sanitizers that are asked for.
 begin_tidy() {
   configure_preset release && configure_preset asan-ubsan || return 1
+  local builds=()
+  if [[ " ${wanted[*]} " == *" asan "* ]]; then builds+=("asan-ubsan --target unit_tests"); fi
+  if [[ " ${wanted[*]} " == *" tsan "* ]]; then configure_preset tsan && builds+=("tsan --target threaded_tests") || return 1; fi
   # In a process group of its own, which ends with this script.
   set -m
-  nice -n 19 tests/tidy.sh "$jobs" >build/tidy.log 2>&1 &
+  nice -n 19 bash -c 'tests/tidy.sh "$0" >build/tidy.log 2>&1 || status=1
+    for build in "${@:1}"; do cmake --build build/$build -j "$0" || break; done >build/sanitizers.log 2>&1
+    exit ${status:-0}' "$jobs" "${builds[@]}" &
   set +m
   tidy_process=$!
   trap 'kill -- "-$tidy_process" 2>/dev/null' EXIT

@@ -1,5 +1,6 @@
 #!/bin/bash
-# A PostgreSQL server for tests alone: it listens on a socket in its own folder and nowhere else, and waits for no disk.
+# A PostgreSQL server for tests alone: it listens on a socket in its own folder and nowhere else, and waits for no disk unless
+# PRIVATE_POSTGRES_OPTIONS says so.
 #
 #   tests/support/private_postgres.sh start FOLDER     makes FOLDER, prints the connection string
 #   tests/support/private_postgres.sh kill FOLDER      ends it as a power cut would
@@ -18,7 +19,7 @@ as_its_user() {
 start_it() {
   cd /  # which its user may enter
   as_its_user "$programs/pg_ctl" --pgdata="$folder/data" --log="$folder/log" --wait --silent start \
-    --options="-c listen_addresses= -c unix_socket_directories=$folder -c fsync=off -c max_connections=60 -c shared_buffers=16MB"
+    --options="-c listen_addresses= -c unix_socket_directories=$folder -c fsync=off -c max_connections=60 -c shared_buffers=16MB ${PRIVATE_POSTGRES_OPTIONS:-}"
 }
 
 case $action in
