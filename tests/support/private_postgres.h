@@ -25,6 +25,10 @@ class PrivatePostgres {
     psql("CREATE DATABASE " + name);
     return "host=" + (folder_ / "postgres").string() + " user=supple dbname=" + name;
   }
+  /// What psql prints of the rows of a statement. The statement has no single quotes.
+  static std::string rows(const std::string& database, const std::string& statement) {
+    return output_of("psql --no-align --tuples-only --dbname='" + database + "' --command='" + statement + "'");
+  }
   void kill() { run("kill"); }
   void again() { run("again"); }
 
