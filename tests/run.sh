@@ -75,7 +75,8 @@ part_build() { build_preset release; }
 part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" -L unit --output-on-failure --no-tests=error; }
 part_stability() { build_preset release && ctest --test-dir build/release -j "$jobs" -L stability --output-on-failure --no-tests=error; }
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
-part_api() { build_preset release --target supple supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/api; }
+part_api() { build_preset release --target supple supple-server make_test_model &&
+  "$python" -m pytest -q -p no:cacheprovider -n "$jobs" --dist loadfile tests/api; }
 part_docs() { build_preset release --target supple supple-server engine_examples && "$python" -m pytest -q -p no:cacheprovider tests/docs; }
 part_deploy() { build_preset release --target supple-server && install_modules tests/deploy &&
   "$python" -m pytest -q -p no:cacheprovider tests/deploy; }

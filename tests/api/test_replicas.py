@@ -26,8 +26,6 @@ ASYNC = {"Prefer": "respond-async"}
 @pytest.fixture(scope="module")
 def replicas(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
     folder = tmp_path_factory.mktemp("replicas")
-    folder.parent.chmod(0o755)
-    folder.parent.parent.chmod(0o755)
     make_model(folder / "models" / "ih21.h5")
     made = Replicas(folder, 2, "--models", str(folder / "models"), "--workers", "1")
     try:

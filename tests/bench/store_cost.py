@@ -160,7 +160,6 @@ def main() -> int:
         folders = [folder / "one", folder / "three"]
         for place in folders:
             place.mkdir()
-        folder.chmod(0o755)
         groups = [Replicas(place, count, *OPTIONS) for place, count in zip(folders, (1, 3))]
         try:
             for group in groups:

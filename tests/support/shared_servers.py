@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -21,7 +22,10 @@ class Replicas:
     """A database, a folder and the servers over them. None of the servers has started yet."""
 
     def __init__(self, folder: Path, count: int, *arguments: str) -> None:
-        folder.chmod(0o755)  # the database's user has to enter it
+        for place in (folder, *folder.parents):  # the database's user has to enter it
+            mode = place.stat().st_mode
+            if not mode & stat.S_IXOTH:
+                place.chmod(mode | stat.S_IXOTH)
         self._postgres = folder / "postgres"
         self.database = self._run("start")
         self.servers: List[ServerProcess] = []
