@@ -3,8 +3,8 @@ which hides a missing include and a name that hides another.
 
     tests/single_files.py build/single-files/compile_commands.json [jobs] [words of a path ...]
 
-Nothing is written: the compiler stops after the types. Exit status 1 where a file has an error or a warning. About half an
-hour on two cores for all files; with words, only the files whose paths have one of them.
+Nothing is written: the compiler stops after the types. Exit status 1 where a file has an error or a warning. With words,
+only the files whose paths have one of them are looked at.
 """
 
 from __future__ import annotations

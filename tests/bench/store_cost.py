@@ -124,7 +124,7 @@ default. Milliseconds at a client with one connection, the median and in 99 of 1
 
 {times}
 
-{clients} clients that hand in small jobs as fast as they can, until all have ended:
+{clients} clients that hand in small jobs as fast as they can, until all have ended, with two workers for each server:
 
 {rates}
 

@@ -12,7 +12,8 @@ namespace supple::store {
 namespace {
 
 /// How long is waited for a database whose machine does not answer at all: seconds for a connection and for a sign of
-/// life, milliseconds for the receipt of what was sent. The system's own limits are a quarter of an hour.
+/// life, milliseconds for the receipt of what was sent. Without them a connection
+/// is waited for without an end.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> time_limits{
     {{"connect_timeout", "3"}, {"tcp_user_timeout", "5000"}, {"keepalives_idle", "5"}, {"keepalives_interval", "2"}}};
 

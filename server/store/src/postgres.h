@@ -13,7 +13,8 @@ namespace supple::store {
 class Postgres {
  public:
   /// Nothing is connected yet. `address` is a connection string of libpq. Where it does not say how long a machine that
-  /// does not answer is waited for, a connection is given up after 3 seconds and a statement after about 9.
+  /// does not answer is waited for, a connection is given up after 3 seconds, and closed by the system once nothing
+  /// that was sent has been acknowledged for 5.
   explicit Postgres(const std::string& address);
 
   /// Runs `work` within a transaction and commits it. It is run again, once, where the connection is lost before the
