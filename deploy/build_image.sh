@@ -12,7 +12,7 @@
 #   --certificates FILE                further certificates that npm trusts while the editor is built; without it the
 #                                      file that NODE_EXTRA_CA_CERTS names, if there is one
 #   --compiler-cache FOLDER            a folder of ccache that the compilation in the image uses
-#   --cmake OPTIONS                    further options of CMake, -DCMAKE_UNITY_BUILD=OFF for example
+#   --cmake OPTIONS                    further options of CMake, -DSUPPLE_GROUPED=OFF for example
 #   --save FILE                        writes the image as an archive that docker load and podman load read
 #   --test                             runs tests/deploy/test_image.sh with the built image
 #

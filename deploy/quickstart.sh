@@ -64,7 +64,7 @@ build_server() {
   # A first build has no tests, and compiles a dozen of a room's files at a time, so that their headers are read once. One that
   # is there stays as it was configured.
   [ -f "$build/CMakeCache.txt" ] || first=(-G Ninja -DCMAKE_BUILD_TYPE=Release -DSUPPLE_BUILD_TESTS=OFF -DSUPPLE_TRAINING=OFF
-    -DSUPPLE_UNITY_TESTS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12)
+    -DSUPPLE_GROUPED=ON)
   cmake -S . -B "$build" "${first[@]}" >"$data/configure.log" 2>&1 ||
     { tail -20 "$data/configure.log" >&2; fail "cmake could not configure the build; the log is $data/configure.log"; }
   cmake --build "$build" --target supple supple-server supple-helper

@@ -49,11 +49,10 @@ by_name_only=(single_files hostile_asan image packages reproducible)
 declare -A done_already
 # From nothing, a dozen of a room's files are compiled at a time, so that their headers are read once; a build that is there stays
 # as it was configured. CI stops at warnings, which is for those who write the code and not for those who build it.
-grouped=(-DSUPPLE_UNITY_TESTS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12)
 configure_preset() {
   [ -z "${done_already[$1]:-}" ] || return 0
   local options=()
-  [ -f "build/$1/CMakeCache.txt" ] || options=("${grouped[@]}")
+  [ -f "build/$1/CMakeCache.txt" ] || options=(-DSUPPLE_GROUPED=ON)
   [ -z "${CI:-}" ] || options+=(-DSUPPLE_WARNINGS_AS_ERRORS=ON)
   cmake --preset "$1" "${options[@]}" >"build/configure-$1.log" 2>&1 || { tail -30 "build/configure-$1.log"; return 1; }
   done_already[$1]=1
@@ -86,7 +85,7 @@ part_reproducible() { tests/release/reproducible.sh; }
 part_hostile() { build_preset release --target supple-server make_test_model && "$python" -m pytest -q -p no:cacheprovider tests/hostile; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
 part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
-  cmake --build build/release -j "$jobs" && ctest --test-dir build/release -L bench --output-on-failure --no-tests=error; }
+  cmake --build build/release -j "$jobs" && ctest --test-dir build/release -j "$jobs" -L bench --output-on-failure --no-tests=error; }
 install_modules() { (cd "$1" && npm ci >"$OLDPWD/build/npm-$(basename "$1").log" 2>&1) || { tail -20 "build/npm-$(basename "$1").log"; return 1; }; }
 build_web() {
   [ -z "${done_already[web]:-}" ] || return 0

@@ -12,7 +12,7 @@ namespace supple::bench {
 namespace {
 
 /// Of the targets; every number of samples but the last is some of them.
-constexpr int directions = 100;
+constexpr int all_directions = 100;
 
 struct Setting {
   std::string knob;
@@ -22,7 +22,7 @@ struct Setting {
 
 std::vector<Setting> all_settings() {
   std::vector<Setting> all;
-  for (const int n : {4, 10, 25, 50, directions})
+  for (const int n : {4, 10, 25, 50, all_directions})
     all.push_back({"samples", std::to_string(n), [n](auto& target, auto&) { target.samples = n; }});
   for (const double t : {1e-2, 1e-4, 1e-6, 1e-8})
     all.push_back({"tolerance", number(t), [t](auto&, auto& options) { options.tolerance = t; }});
@@ -55,9 +55,9 @@ void study_design_accuracy(const DesignSettings& settings) {
       RandomStream random("accuracy " + space->model.family, 1);
       for (int i = 0; i < designs; ++i) {
         const auto parameters = random_parameters(space->model, random);
-        auto target = target_of(*space, parameters, design::Task::stiffness, 0, 0.05, directions);
+        auto target = target_of(*space, parameters, design::Task::stiffness, 0, 0.05, all_directions);
         if (!target) continue;
-        target->samples = directions;
+        target->samples = all_directions;
         const auto truth = design::sample_target(*target);
         target->samples = 50;
         design::DesignOptions options;

@@ -36,6 +36,8 @@ struct LoadedSpace {
 std::string design_introduction(const DesignSettings& settings, const std::string& study, const std::string& text);
 std::vector<std::unique_ptr<LoadedSpace>> spaces_of(const DesignSettings& settings);
 std::vector<double> random_parameters(const neural::Model& model, RandomStream& random);
+/// Of random parameters, for each design wanted: some corners of the bounds hold no structure.
+inline constexpr int most_draws_per_design = 4;
 
 /// The target that a design has exactly: 10 strains from -0.1 to 0.2, or so many directions. None where the design has
 /// no equilibrium at one of them.

@@ -16,16 +16,15 @@ namespace {
 /// Sizes of meshes over that of the verification's: others for comparison, and the reference.
 constexpr double factors[] = {2, 1.4, 1, 0.7};
 constexpr double reference_factor = 0.4;
-constexpr int most_draws = 4;  ///< of random parameters, for each design wanted
 
 /// Away from rest, and few: the mesh errs much alike along a path.
-design::ProfileSamples samples_of(design::Task task, double direction) {
+design::ProfileSamples samples_along(design::Task task, double direction) {
   if (task == design::Task::stress_strain)
     return {task, direction, 0, design::StrainMeasure::green, {-0.05, 0.05, 0.1}};
   return {task, 0, 0.05, design::StrainMeasure::green, {direction, direction + std::numbers::pi / 3}};
 }
 
-struct Outcome {
+struct DiscretizationOutcome {
   std::vector<double> errors, estimates, seconds;
 };
 
@@ -38,17 +37,17 @@ Eigen::VectorXd simulated(const std::string& family, const std::vector<double>& 
 }
 
 /// Of each factor. Designs that one mesh does not get through are left out.
-std::map<double, Outcome> compare(const LoadedSpace& space, design::Task task, int designs) {
+std::map<double, DiscretizationOutcome> compare(const LoadedSpace& space, design::Task task, int designs) {
   const std::string& family = space.model.family;
-  std::map<double, Outcome> outcomes;
+  std::map<double, DiscretizationOutcome> outcomes;
   const auto meshes = design::verification_meshes(family);
   // 2, or 10 / 7, for which 1.4 stands.
   const double coarser = meshes.coarser.mesh_size / meshes.mesh.mesh_size > 1.7 ? 2 : 1.4;
   RandomStream random("discretization " + family, static_cast<std::uint64_t>(task) + 1);
   int done = 0;
-  for (int i = 0; done < designs && i < most_draws * designs; ++i) {
+  for (int i = 0; done < designs && i < most_draws_per_design * designs; ++i) {
     const auto parameters = random_parameters(space.model, random);
-    const auto samples = samples_of(task, random.uniform(0, std::numbers::pi));
+    const auto samples = samples_along(task, random.uniform(0, std::numbers::pi));
     try {
       const Eigen::VectorXd reference = simulated(family, parameters, samples, reference_factor);
       std::map<double, Eigen::VectorXd> answers;
@@ -62,7 +61,7 @@ std::map<double, Outcome> compare(const LoadedSpace& space, design::Task task, i
       }
       if (!complete) continue;
       for (const double factor : factors) {
-        Outcome& outcome = outcomes[factor];
+        DiscretizationOutcome& outcome = outcomes[factor];
         outcome.errors.push_back(design::relative_difference(reference, answers[factor]).value_or(0));
         outcome.seconds.push_back(seconds[factor]);
         if (factor == 1)

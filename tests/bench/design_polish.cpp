@@ -15,7 +15,7 @@
 namespace supple::bench {
 namespace {
 
-constexpr int most_draws = 5;  ///< of random parameters, for each target wanted
+constexpr int most_draws_per_target = 5;  ///< of random parameters, for each target wanted
 /// Counted for a design of the search whose simulation does not reach every sample.
 constexpr double unsimulated_deviation = 1;
 
@@ -30,7 +30,7 @@ constexpr auto introduction =
     "the model's file; a run goes on from there.";
 
 /// What became of one random design; nothing where it makes no target.
-struct Outcome {
+struct PolishOutcome {
   bool usable = false;
   double network = 0, unpolished = 0, polished = 0;
   int rounds = 0;
@@ -50,22 +50,22 @@ class KeptOutcomes {
       if (!line.starts_with(key_)) continue;
       std::ranges::replace(line, ',', ' ');
       std::istringstream text(line.substr(key_.size()));
-      Outcome o;
+      PolishOutcome o;
       if (text >> o.usable >> o.network >> o.unpolished >> o.polished >> o.rounds >> o.search_seconds >>
           o.first_seconds >> o.seconds)
         outcomes_.push_back(o);
     }
   }
   std::size_t size() const { return outcomes_.size(); }
-  const Outcome& operator[](std::size_t i) const { return outcomes_[i]; }
-  void keep(const Outcome& o) {
+  const PolishOutcome& operator[](std::size_t i) const { return outcomes_[i]; }
+  void keep(const PolishOutcome& o) {
     const bool begins = !std::filesystem::exists(file_);
     std::ofstream out(file_, std::ios::app);
     if (begins) out << "family,task,model,usable,network,unpolished,polished,rounds,search_s,simulation_s,polish_s\n";
     out << row_of(o);
     outcomes_.push_back(o);
   }
-  void replace(std::size_t i, const Outcome& o) {
+  void replace(std::size_t i, const PolishOutcome& o) {
     std::ifstream in(file_);
     std::ostringstream rows;
     std::size_t place = 0;
@@ -77,7 +77,7 @@ class KeptOutcomes {
   }
 
  private:
-  std::string row_of(const Outcome& o) const {
+  std::string row_of(const PolishOutcome& o) const {
     std::ostringstream row;
     row.precision(6);
     row << key_ << o.usable << ',' << o.network << ',' << o.unpolished << ',' << o.polished << ',' << o.rounds << ','
@@ -87,11 +87,11 @@ class KeptOutcomes {
 
   std::filesystem::path file_;
   std::string key_;
-  std::vector<Outcome> outcomes_;
+  std::vector<PolishOutcome> outcomes_;
 };
 
-Outcome polish_one(const LoadedSpace& space, const design::Target& target, const design::SimulateProfile& simulate,
-                   const design::PolishOptions& options) {
+PolishOutcome polish_one(const LoadedSpace& space, const design::Target& target,
+                         const design::SimulateProfile& simulate, const design::PolishOptions& options) {
   auto buildable = space.space();
   buildable.buildable = [&family = tiling::family(space.model.family)](const Eigen::VectorXd& parameters) {
     return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
@@ -120,22 +120,23 @@ Outcome polish_one(const LoadedSpace& space, const design::Target& target, const
 }
 
 /// The first `targets` of random designs that make one.
-std::vector<Outcome> outcomes_of(const LoadedSpace& space, design::Task task, int targets,
-                                 const DesignSettings& settings) {
+std::vector<PolishOutcome> outcomes_of(const LoadedSpace& space, design::Task task, int targets,
+                                       const DesignSettings& settings) {
   KeptOutcomes kept(settings.folder / "designs-polish-targets.csv", space, task);
   RandomStream random("polish " + space.model.family, static_cast<std::uint64_t>(task) + 1);
   const auto simulate = simulation_of(space.model.family, settings);
   design::PolishOptions options;
   options.max_seconds = 3600;  // what rounds come to is the question here, on whatever machine
   if (settings.brief) options.max_rounds = 1;
-  std::vector<Outcome> outcomes;
+  std::vector<PolishOutcome> outcomes;
   for (std::size_t i = 0;
-       static_cast<int>(outcomes.size()) < targets && i < static_cast<std::size_t>(most_draws * targets); ++i) {
+       static_cast<int>(outcomes.size()) < targets && i < static_cast<std::size_t>(most_draws_per_target * targets);
+       ++i) {
     const bool known = i < kept.size();
     if (known && !(settings.again && kept[i].polished > options.tolerance)) {
       skip_target(space, random);
     } else {
-      Outcome outcome;
+      PolishOutcome outcome;
       try {
         if (const auto target = simulated_target(space, task, random, simulate))
           outcome = polish_one(space, *target, simulate, options);
@@ -153,10 +154,10 @@ std::vector<Outcome> outcomes_of(const LoadedSpace& space, design::Task task, in
 }
 
 template <class Member>
-std::vector<double> all(const std::vector<Outcome>& outcomes, Member member) {
+std::vector<double> all(const std::vector<PolishOutcome>& outcomes, Member member) {
   std::vector<double> values;
   values.reserve(outcomes.size());
-  for (const Outcome& outcome : outcomes) values.push_back(static_cast<double>(outcome.*member));
+  for (const PolishOutcome& outcome : outcomes) values.push_back(static_cast<double>(outcome.*member));
   return values;
 }
 
@@ -189,15 +190,16 @@ void study_polish(const DesignSettings& settings) {
     for (const auto task : all_tasks) {
       const auto outcomes = outcomes_of(*space, task, targets, settings);
       if (outcomes.empty()) continue;
-      const auto unpolished = all(outcomes, &Outcome::unpolished);
-      const auto polished = all(outcomes, &Outcome::polished);
+      const auto unpolished = all(outcomes, &PolishOutcome::unpolished);
+      const auto polished = all(outcomes, &PolishOutcome::polished);
       table.row({space->model.family, std::string(to_string(task)), count(static_cast<double>(outcomes.size())),
-                 number(mean(all(outcomes, &Outcome::network))), number(median(unpolished)), number(mean(unpolished)),
-                 number(quantile(unpolished, 1)), number(median(polished)), number(mean(polished)),
-                 number(quantile(polished, 1)), count(median(all(outcomes, &Outcome::rounds))),
-                 number(median(all(outcomes, &Outcome::search_seconds))),
-                 number(median(all(outcomes, &Outcome::first_seconds))),
-                 number(median(all(outcomes, &Outcome::seconds)))});
+                 number(mean(all(outcomes, &PolishOutcome::network))), number(median(unpolished)),
+                 number(mean(unpolished)), number(quantile(unpolished, 1)), number(median(polished)),
+                 number(mean(polished)), number(quantile(polished, 1)),
+                 count(median(all(outcomes, &PolishOutcome::rounds))),
+                 number(median(all(outcomes, &PolishOutcome::search_seconds))),
+                 number(median(all(outcomes, &PolishOutcome::first_seconds))),
+                 number(median(all(outcomes, &PolishOutcome::seconds)))});
     }
     write_page();
   }

@@ -9,7 +9,7 @@
 namespace supple::bench {
 namespace {
 
-struct Outcome {
+struct RecoveryOutcome {
   std::vector<double> errors;
   std::vector<double> seconds;
   std::vector<double> starts;
@@ -23,8 +23,8 @@ double quantity(const CostLedger& bill, std::string_view name) {
   return 0;
 }
 
-Outcome recover(const LoadedSpace& space, design::Task task, int designs) {
-  Outcome outcome;
+RecoveryOutcome recover(const LoadedSpace& space, design::Task task, int designs) {
+  RecoveryOutcome outcome;
   RandomStream random("recovery " + space.model.family, static_cast<std::uint64_t>(task) + 1);
   for (int i = 0; i < designs; ++i) {
     const auto parameters = random_parameters(space.model, random);

@@ -136,9 +136,9 @@ constexpr const char* solvers_reading =
     "- L-BFGS-B sees of the Jacobian the gradient alone, which takes twice as many residuals, and asks for a Jacobian "
     "with each.";
 
-class Study {
+class SolverStudy {
  public:
-  explicit Study(const DesignSettings& settings)
+  explicit SolverStudy(const DesignSettings& settings)
       : settings_(settings),
         problems_(settings.designs > 0 ? settings.designs
                   : settings.brief     ? 1
@@ -268,6 +268,6 @@ class Study {
 
 }  // namespace
 
-void study_solvers(const DesignSettings& settings) { Study(settings).run(); }
+void study_solvers(const DesignSettings& settings) { SolverStudy(settings).run(); }
 
 }  // namespace supple::bench

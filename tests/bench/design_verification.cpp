@@ -14,9 +14,6 @@
 namespace supple::bench {
 namespace {
 
-/// Of random parameters, for each design wanted.
-constexpr int most_draws = 4;
-
 /// A random design within the bounds and what simulation says of it.
 struct Simulated {
   std::vector<double> parameters;
@@ -35,7 +32,7 @@ Truth simulate(const LoadedSpace& space, design::Task task, int designs, const D
   Truth truth;
   RandomStream random("verification " + space.model.family, static_cast<std::uint64_t>(task) + 1);
   // Some corners of the bounds hold no structure.
-  for (int i = 0; static_cast<int>(truth.designs.size()) < designs && i < most_draws * designs; ++i) {
+  for (int i = 0; static_cast<int>(truth.designs.size()) < designs && i < most_draws_per_design * designs; ++i) {
     const auto parameters = random_parameters(space.model, random);
     const auto target = target_of(space, parameters, task, random.uniform(0, std::numbers::pi), 0.05);
     if (!target) continue;

@@ -35,7 +35,7 @@ std::vector<Variant> variants() {
   return result;
 }
 
-std::vector<BenchMesh> meshes(const Settings& settings) {
+std::vector<BenchMesh> accuracy_meshes(const Settings& settings) {
   using namespace supple::testing;
   if (settings.brief) return {{"icosphere", [] { return icosphere(4); }}};
   return {{"icosphere", [] { return icosphere(6); }},
@@ -43,7 +43,7 @@ std::vector<BenchMesh> meshes(const Settings& settings) {
           {"bumpy cube, shallow", [] { return bumpy_cube(); }}};
 }
 
-struct Errors {
+struct FieldErrors {
   double most = 0;
   double sum = 0;
   std::int64_t count = 0;
@@ -73,14 +73,14 @@ void measure_accuracy(Report& report, const Settings& settings) {
   bool kept_bounds = true;
   double most_of_bound = 0;
   const int repetitions = settings.brief ? 2 : 5;
-  for (const BenchMesh& bench_mesh : meshes(settings)) {
+  for (const BenchMesh& bench_mesh : accuracy_meshes(settings)) {
     const auto mesh = make_shared_mesh(bench_mesh);
     const GeodesicSolver solver(mesh);
     const testing::SurfaceSampler sampler(*mesh);
     RandomStream stream("accuracy", 47);
     const std::vector<Variant> all = variants();
     std::vector<std::vector<double>> times(all.size());
-    std::vector<Errors> errors(all.size());
+    std::vector<FieldErrors> errors(all.size());
     std::vector<double> windows(all.size(), 0);
     for (int r = 0; r < repetitions; ++r) {
       const SurfacePoint source = sampler.point(stream);

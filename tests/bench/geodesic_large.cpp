@@ -8,9 +8,9 @@ namespace supple::bench {
 namespace {
 
 /// Measures one stage after the other: CPU time, memory that stays, and memory that was needed on the way.
-class Stages {
+class LargeMeshStages {
  public:
-  explicit Stages(Table& table) : table_(table) {}
+  explicit LargeMeshStages(Table& table) : table_(table) {}
 
   template <typename Action>
   double stage(const std::string& name, std::int32_t faces, Action&& action) {
@@ -36,7 +36,7 @@ void measure_large_mesh(Report& report, const Settings& settings) {
                                        {"s", "Seconds"},
                                        {"bytes_per_face", "Bytes per face that stay"},
                                        {"peak_bytes_per_face", "Bytes per face at the peak"}});
-  Stages stages(table);
+  LargeMeshStages stages(table);
   std::shared_ptr<const surface::TriangleMesh> mesh;
   std::unique_ptr<surface::GeodesicSolver> solver;
   {

@@ -41,9 +41,9 @@ constexpr Costs torus_before{{{0.296, 137, 152},
 /// A pair is far if its ends are this share of the mesh's diagonal apart in space.
 constexpr double far_share = 0.4;
 
-class Stages {
+class MemoryStages {
  public:
-  Stages() {
+  MemoryStages() {
     reset_peak_memory();
     start_ = resident_bytes();
   }
@@ -66,7 +66,7 @@ class Stages {
 };
 
 Costs measure_mesh(const BenchMesh& bench_mesh, std::int32_t& faces) {
-  const Stages stages;
+  const MemoryStages stages;
   Costs costs;
   std::shared_ptr<const surface::TriangleMesh> mesh;
   costs[0] = stages.measure([&] { mesh = make_shared_mesh(bench_mesh); });

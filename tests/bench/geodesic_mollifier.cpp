@@ -15,7 +15,7 @@ using surface::Geodesic;
 using surface::GeodesicSolver;
 using surface::SurfacePoint;
 
-struct Errors {
+struct MollifierErrors {
   int touched = 0;  ///< pairs whose length the mollifier changed
   double length = 0, gradient = 0, hessian = 0;
   double microseconds = 0;
@@ -23,10 +23,11 @@ struct Errors {
 
 /// Against the exact derivatives: lengths in mean edges, gradients (of unit vectors) absolute, Hessians relative; the
 /// largest.
-Errors errors_of(const GeodesicSolver& solver, const std::vector<PointPair>& pairs, double epsilon, bool ends) {
+MollifierErrors errors_of(const GeodesicSolver& solver, const std::vector<PointPair>& pairs, double epsilon,
+                          bool ends) {
   std::vector<Geodesic> exact, mollified;
   for (const auto& [from, to] : pairs) exact.push_back(solver.geodesic(from, to, {.derivatives = 2}));
-  Errors errors;
+  MollifierErrors errors;
   const double seconds = cpu_time([&] {
     for (const auto& [from, to] : pairs) {
       mollified.push_back(solver.geodesic(from, to, {.derivatives = 2, .mollifier = epsilon, .mollified_ends = ends}));
@@ -117,7 +118,7 @@ void measure_mollifier(Report& report, const Settings& settings) {
       for (const bool ends : {false, true}) {
         for (const double epsilon : {0., 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1}) {
           if (ends && epsilon == 0) continue;
-          const Errors e = errors_of(solver, pairs, epsilon, ends);
+          const MollifierErrors e = errors_of(solver, pairs, epsilon, ends);
           if (!ends) worst_crossing_length = std::max(worst_crossing_length, epsilon > 0 ? e.length / epsilon : 0);
           table.row({kind.name, beside_edges ? "beside edges" : "anywhere", ends ? "crossings and ends" : "crossings",
                      number(epsilon), std::to_string(n), std::to_string(e.touched), number(e.length, 2),

@@ -15,7 +15,7 @@ using surface::GeodesicField;
 using surface::GeodesicSolver;
 using surface::SurfacePoint;
 
-std::vector<BenchMesh> meshes(const Settings& settings) {
+std::vector<BenchMesh> one_to_all_meshes(const Settings& settings) {
   using namespace supple::testing;
   if (settings.brief) {
     return {{"icosphere", [] { return icosphere(3); }},
@@ -145,7 +145,7 @@ std::string measured(const std::vector<Row>& rows) {
 void measure_one_to_all(Report& report, const Settings& settings) {
   Tables tables;
   std::vector<Row> rows;
-  for (const BenchMesh& mesh : meshes(settings)) rows.push_back(measure(mesh, tables, settings));
+  for (const BenchMesh& mesh : one_to_all_meshes(settings)) rows.push_back(measure(mesh, tables, settings));
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.ratio < b.ratio; });
   std::vector<Row> many, slow;
   for (const Row& row : rows) {

@@ -152,7 +152,7 @@ class Order {
   Times times_;
 };
 
-std::vector<BenchMesh> meshes(const Settings& settings) {
+std::vector<BenchMesh> order_meshes(const Settings& settings) {
   using namespace supple::testing;
   if (settings.brief) return {{"icosphere", [] { return icosphere(3); }}};
   return {{"icosphere", [] { return icosphere(4); }},
@@ -174,7 +174,7 @@ void measure_order(Report& report, const Settings& settings) {
                                   {"near_us", "Near pair, us"},
                                   {"field_ms", "Field, ms"},
                                   {"kept_ms", "Kept field, ms"}});
-  for (const BenchMesh& bench_mesh : meshes(settings)) {
+  for (const BenchMesh& bench_mesh : order_meshes(settings)) {
     const TriangleMesh mesh = bench_mesh.make();
     const auto far = far_pairs(mesh, settings.brief ? 2 : 12, 17);
     const auto near = near_pairs(mesh, settings.brief ? 50 : 4000, 3, 5);

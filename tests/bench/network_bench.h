@@ -40,6 +40,11 @@ Scene random_scene(std::string name, surface::TriangleMesh mesh, double radius, 
 extern const Eigen::Vector3d near_vertex;
 extern const Eigen::Vector3d on_edge;
 
+/// The thesis ends at |g| below this.
+inline constexpr double thesis_gradient = 1e-6;
+
+/// Of the cones whose apex is the vertex that a study looks at.
+inline constexpr int cone_sectors = 8;
 /// The point of testing::cone(sectors, total_angle) at distance `r` from the apex, at most the cosine of half a sector,
 /// in the direction `angle` of the development, whose first sector begins at 0.
 surface::SurfacePoint cone_point(const surface::TriangleMesh& mesh, int sectors, double r, double angle);

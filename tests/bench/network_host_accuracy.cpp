@@ -16,8 +16,7 @@ using embedded::RelaxationOptions;
 using embedded::ShellHost;
 using surface::GeodesicSolver;
 
-constexpr double thesis_gradient = 1e-6;
-constexpr int most_iterations = 500;
+constexpr int most_host_iterations = 500;
 
 /// Points of the network, then the host's vertices; on a rigid host these are the mesh's.
 std::vector<Eigen::Vector3d> places_of(const HostScene& scene, const Relaxation& relaxed) {
@@ -113,7 +112,7 @@ void measure_refinement(Report& report, const NetworkSettings& settings) {
       }
       const GeodesicSolver solver(scene.scene.mesh);
       RelaxationOptions options = scene.options(thesis_gradient);
-      options.max_iterations = most_iterations;
+      options.max_iterations = most_host_iterations;
       const int repetitions = settings.brief || subdivisions > 4 ? 1 : 2;
       TimedRun run = fastest_run(repetitions, true, solver, scene.scene.network, options);
       solved.push_back({std::move(scene), std::move(run)});
@@ -182,7 +181,7 @@ void measure_host_effects(Report& report, const NetworkSettings& settings) {
   for (const auto& [off, scene] : cases) {
     const GeodesicSolver solver(scene.scene.mesh);
     RelaxationOptions options = scene.options(thesis_gradient);
-    options.max_iterations = most_iterations;
+    options.max_iterations = most_host_iterations;
     const TimedRun run = fastest_run(settings.brief ? 1 : 3, true, solver, scene.scene.network, options);
     const auto points = points_of(scene, run.result);
     if (off == "nothing") with_all = points;

@@ -50,8 +50,7 @@ embedded::ShellHost thesis_shell(double volume_scale) {
 
 namespace {
 
-constexpr double thesis_gradient = 1e-6;
-constexpr double tight_gradient = 1e-10;
+constexpr double tight_host_gradient = 1e-10;
 constexpr double shell_limit_ms = 12;
 constexpr double solid_limit_ms = 300;
 
@@ -328,7 +327,7 @@ void measure_host_scenes(Report& report, const NetworkSettings& settings) {
   for (const HostScene& scene : scenes) {
     const GeodesicSolver solver(scene.scene.mesh);
     const bool shell = std::holds_alternative<embedded::ShellHost>(scene.host);
-    RelaxationOptions options = scene.options(tight_gradient);
+    RelaxationOptions options = scene.options(tight_host_gradient);
     options.paths = true;
     const TimedRun run = fastest_run(settings.brief || !shell ? 1 : 3, true, solver, scene.scene.network, options);
     const auto at = reached(run, thesis_gradient);
@@ -337,8 +336,8 @@ void measure_host_scenes(Report& report, const NetworkSettings& settings) {
                std::to_string(scene.scene.network.points.size()), std::to_string(scene.scene.network.springs.size()),
                count(unknowns_of(scene, run.result)), at ? std::to_string(*at) : "-",
                at ? number(1e3 * run.steps[*at].cpu_seconds) : "-",
-               reached(run, tight_gradient) ? std::to_string(*reached(run, tight_gradient)) : "-", run.result.stopped,
-               number(run.result.host.largest_displacement / scene.scene.mesh->diagonal()),
+               reached(run, tight_host_gradient) ? std::to_string(*reached(run, tight_host_gradient)) : "-",
+               run.result.stopped, number(run.result.host.largest_displacement / scene.scene.mesh->diagonal()),
                number(run.result.host.volume_ratio, 5), number(total_length(run.result), 4), tail_of(run)});
     for (std::size_t i = 0; i < run.steps.size(); ++i)
       history.row({scene.scene.name, std::to_string(i), number(run.steps[i].step.energy, 14),

@@ -21,7 +21,6 @@ using surface::TriangleMesh;
 
 namespace {
 
-constexpr double thesis_gradient = 1e-6;
 /// An iteration after which this share of |g| is left was short of its aim.
 constexpr double slow_contraction = 0.5;
 constexpr double longest_extension = 16;

@@ -13,13 +13,12 @@ namespace {
 
 using embedded::Network;
 
-constexpr int sectors = 8;
 constexpr double excess = 1;  ///< of the hyperbolic vertex's angle over 2 pi, in radians
 constexpr double half_width = 0.5;
 constexpr double half_height = 0.4;
 /// The inner points' way from the equilibrium at the start.
 constexpr double away = 0.2;
-constexpr int most_iterations = 60;
+constexpr int most_effect_iterations = 60;
 
 struct Variant {
   const char* name;
@@ -35,7 +34,9 @@ Network rectangle_with_bar(const surface::TriangleMesh& mesh, double left, doubl
   const double total = mesh.vertex_angle(0);
   const double corner = std::hypot(half_width, half_height);
   const double turn = std::atan2(half_height, half_width);
-  const auto at = [&](double r, double angle) { return cone_point(mesh, sectors, r, std::fmod(begin + angle, total)); };
+  const auto at = [&](double r, double angle) {
+    return cone_point(mesh, cone_sectors, r, std::fmod(begin + angle, total));
+  };
   Network network;
   network.points = {at(corner, turn), at(corner, left - turn), at(corner, left + turn), at(corner, total - turn)};
   // The bar's ends start beside their places, away from the side of the angle `left`.
@@ -80,11 +81,11 @@ void compare_convergence(Report& report, const NetworkSettings& settings) {
                                                {"iteration", "Iteration"},
                                                {"energy", "E"},
                                                {"gradient", "|g|"}});
-  const auto mesh = testing::share(testing::cone(sectors, 2 * std::numbers::pi + excess));
+  const auto mesh = testing::share(testing::cone(cone_sectors, 2 * std::numbers::pi + excess));
   const surface::GeodesicSolver solver(mesh);
   const double total = mesh->vertex_angle(0);
   // Where the bar's right half lies in its sector.
-  const double beside = 0.3 * total / sectors;
+  const double beside = 0.3 * total / cone_sectors;
   struct Place {
     const char* name;
     double left;
@@ -138,7 +139,7 @@ void bill_effects(Report& report, const NetworkSettings& settings) {
     const auto row = [&](bool strips, double mollifier) {
       embedded::RelaxationOptions options;
       options.tolerance = scene.tolerance_for(1e-6);
-      options.max_iterations = most_iterations;
+      options.max_iterations = most_effect_iterations;
       options.kept_strips = strips ? Switch::on : Switch::off;
       options.mollifier = mollifier > 0 ? Switch::on : Switch::off;
       if (mollifier > 0) options.mollifier_length = mollifier;

@@ -5,8 +5,7 @@
 namespace supple::bench {
 namespace {
 
-constexpr double thesis_gradient = 1e-6;
-constexpr double tight_gradient = 1e-12;
+constexpr double tight_scene_gradient = 1e-12;
 
 /// The iteration after which |g| stays below the limit, and what it took; -1 where it does not come to that.
 int reached(const std::vector<TimedStep>& steps, double limit) {
@@ -44,7 +43,7 @@ void measure_scenes(Report& report, const NetworkSettings& settings) {
   for (const Scene& scene : scenes) {
     const surface::GeodesicSolver solver(scene.mesh);
     embedded::RelaxationOptions options;
-    options.tolerance = scene.tolerance_for(tight_gradient);
+    options.tolerance = scene.tolerance_for(tight_scene_gradient);
     options.max_iterations = 500;
     const TimedRun run = fastest_run(settings.brief ? 1 : 5, true, solver, scene.network, options);
     const auto at = [&](double limit) {
@@ -54,7 +53,7 @@ void measure_scenes(Report& report, const NetworkSettings& settings) {
           i < 0 ? "-" : number(1e3 * run.steps[static_cast<std::size_t>(i)].cpu_seconds));
     };
     const auto [iterations_6, ms_6] = at(thesis_gradient);
-    const auto [iterations_12, ms_12] = at(tight_gradient);
+    const auto [iterations_12, ms_12] = at(tight_scene_gradient);
     converged += iterations_6 != "-" ? 1 : 0;
     std::string tail;
     const std::size_t count_of_steps = run.steps.size();

@@ -9,10 +9,9 @@
 namespace supple::bench {
 namespace {
 
-constexpr int sectors = 8;
-constexpr double curvature = 0.8;  ///< of the vertices that are not flat, in radians
-constexpr double radius = 0.5;     ///< of the fixed point, and of the line opposite
-constexpr double half_way = 0.3;   ///< of the line
+constexpr double curvature = 0.8;        ///< of the vertices that are not flat, in radians
+constexpr double vertex_distance = 0.5;  ///< of the fixed point, and of the line opposite
+constexpr double half_way = 0.3;         ///< of the line
 constexpr int samples = 600;
 
 }  // namespace
@@ -45,20 +44,20 @@ void draw_kinds_of_vertices(Report& report, const NetworkSettings& settings) {
   constexpr double turn = 2 * std::numbers::pi;
   for (const Kind& kind :
        {Kind{"spherical", turn - curvature}, Kind{"flat", turn}, Kind{"hyperbolic", turn + curvature}}) {
-    const auto mesh = testing::share(testing::cone(sectors, kind.angle));
+    const auto mesh = testing::share(testing::cone(cone_sectors, kind.angle));
     const surface::GeodesicSolver solver(mesh);
     // Off the sectors' sides, which then are crossed like any others.
-    const double towards = 0.3 * kind.angle / sectors;
+    const double towards = 0.3 * kind.angle / cone_sectors;
     const double opposite = towards + kind.angle / 2;
-    const surface::SurfacePoint fixed = cone_point(*mesh, sectors, radius, towards);
+    const surface::SurfacePoint fixed = cone_point(*mesh, cone_sectors, vertex_distance, towards);
     for (const double mollifier : {0.0, 0.1, 0.02}) {
       double change = 0, before = 0, least = 0, largest = 0;
       const int n = settings.brief ? 40 : samples;
       for (int i = 0; i < n; ++i) {
         const double s = half_way * (2 * (i + 0.5) / n - 1);
-        const double angle = opposite + std::atan2(s, radius);
-        const surface::SurfacePoint point = cone_point(*mesh, sectors, std::hypot(radius, s), angle);
-        const Eigen::Vector2d along = cone_tangent(*mesh, sectors, angle, opposite + std::numbers::pi / 2);
+        const double angle = opposite + std::atan2(s, vertex_distance);
+        const surface::SurfacePoint point = cone_point(*mesh, cone_sectors, std::hypot(vertex_distance, s), angle);
+        const Eigen::Vector2d along = cone_tangent(*mesh, cone_sectors, angle, opposite + std::numbers::pi / 2);
         const surface::Geodesic geodesic = solver.geodesic(fixed, point, {.derivatives = 2, .mollifier = mollifier});
         const double g = geodesic.mollified_distance.value_or(geodesic.distance);
         const double slope = geodesic.derivatives->tangent_gradient.tail<2>().dot(along);

@@ -19,7 +19,7 @@ using neural::Activation;
 using neural::EnergyForm;
 using training::LawState;
 
-constexpr double step = 1e-5;  ///< of the differences that give the law's third derivatives
+constexpr double difference_step = 1e-5;  ///< of the differences that give the law's third derivatives
 /// 11, 12, 13, 22, 23, 33.
 constexpr int rows_of_six[] = {0, 0, 0, 1, 1, 2};
 constexpr int columns_of_six[] = {0, 1, 2, 1, 2, 2};
@@ -34,8 +34,9 @@ Eigen::Matrix<double, 6, 1> six(const Eigen::Matrix3d& matrix) {
 Eigen::Matrix<double, 10, 1> third_of_law(double p, const Eigen::Vector3d& e) {
   Eigen::Matrix3d by[3];
   for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d move = step * Eigen::Vector3d::Unit(k);
-    by[k] = (training::law_of_design(p, e + move).tangent - training::law_of_design(p, e - move).tangent) / (2 * step);
+    const Eigen::Vector3d move = difference_step * Eigen::Vector3d::Unit(k);
+    by[k] = (training::law_of_design(p, e + move).tangent - training::law_of_design(p, e - move).tangent) /
+            (2 * difference_step);
   }
   Eigen::Matrix<double, 10, 1> third;
   third.head<6>() = six(by[0]);
@@ -71,7 +72,7 @@ Errors errors_of(const neural::Network& network, const training::Samples& sample
 }
 
 /// A curve of second derivatives, and how often it turns where the law's does not.
-struct Curve {
+struct StiffnessCurve {
   std::vector<double> at;
   std::vector<double> network;
   std::vector<double> exact;
@@ -99,9 +100,9 @@ struct Curve {
 };
 
 /// C_11 along E_xx, the other strains zero.
-Curve along_strain(const neural::Evaluator& evaluator, double p, int n) {
+StiffnessCurve along_strain(const neural::Evaluator& evaluator, double p, int n) {
   const auto design = evaluator.design(std::vector{p});
-  Curve curve;
+  StiffnessCurve curve;
   for (int i = 0; i < n; ++i) {
     const Eigen::Vector3d e(-0.14 + 0.43 * i / (n - 1), 0, 0);
     curve.at.push_back(e[0]);
@@ -113,9 +114,9 @@ Curve along_strain(const neural::Evaluator& evaluator, double p, int n) {
 
 /// (d d^T) : C : (d d^T) at E = 0.1 d d^T over the direction of d: one number for all directions, as the law is
 /// isotropic.
-Curve over_directions(const neural::Evaluator& evaluator, double p, int n) {
+StiffnessCurve over_directions(const neural::Evaluator& evaluator, double p, int n) {
   const auto design = evaluator.design(std::vector{p});
-  Curve curve;
+  StiffnessCurve curve;
   for (int i = 0; i < n; ++i) {
     const double angle = std::numbers::pi * i / (n - 1);
     const Eigen::Vector3d dd(std::cos(angle) * std::cos(angle), std::sin(angle) * std::sin(angle),

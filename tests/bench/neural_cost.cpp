@@ -17,7 +17,7 @@
 namespace supple::bench {
 namespace {
 
-constexpr const char* family = "IH67";
+constexpr const char* cost_family = "IH67";
 
 dataset::Dataset data_of(const NeuralSettings& settings, const std::string& of_family) {
   auto data = dataset::read_dataset(settings.models / "datasets" / (of_family + ".h5"));
@@ -113,7 +113,7 @@ void study_cost(const NeuralSettings& settings) {
                               {"energy_percent", "Energy, mean error %"},
                               {"training_seconds", "Core-seconds to train"},
                               {"microseconds", "us a strain with tangent"}});
-  const auto samples = training::read_samples({data_of(settings, family), {}});
+  const auto samples = training::read_samples({data_of(settings, cost_family), {}});
   const auto whole = training::split(samples);
   const int epochs = settings.brief ? 1 : 60;
   const std::vector<int> widths = settings.brief ? std::vector{16, 32} : std::vector{32, 64, 96, 128};
@@ -127,10 +127,10 @@ void study_cost(const NeuralSettings& settings) {
       options.shape.width = width;
       options.shape.parameters = static_cast<int>(samples.lower.size());
       options.epochs = epochs;
-      options.symmetries = training::energy_symmetries(tiling::family(family));
+      options.symmetries = training::energy_symmetries(tiling::family(cost_family));
       const std::string name = "width-" + std::to_string(width) + "-designs-" + std::to_string(designs) + "-epochs-" +
                                std::to_string(epochs) + ".h5";
-      const auto model = trained_model(folder / name, family, samples, split, options);
+      const auto model = trained_model(folder / name, cost_family, samples, split, options);
       const auto& errors = *model.design_split;
       tested = static_cast<int>(errors.designs);
       table.row({std::to_string(width), std::to_string(designs), std::to_string(split.training.size()),

@@ -13,9 +13,6 @@
 namespace supple::bench {
 namespace {
 
-/// In percent: the worst error that the thesis reports of a uniaxial stress (4.4.3).
-constexpr double worst_allowed = 3.57;
-
 /// A way to simulate the same structures under the same loads that nobody would call worse.
 struct Variant {
   std::string name;

@@ -19,7 +19,7 @@
 namespace supple::bench {
 namespace {
 
-constexpr double stretch = 1.05;  ///< of the uniaxial load along x
+constexpr double load_stretch = 1.05;  ///< of the uniaxial load along x
 constexpr double fine_step = 1e-5;
 constexpr double void_closes = 0.0424;  ///< half a beam's width: |p| where the inner void does
 
@@ -71,13 +71,13 @@ Sample simulated(double p, bool brief) {
   if (brief) options.mesh.mesh_size = 1;
   const std::vector<double> parameters{p};
   microscale::Simulator simulator(tiling::make_structure(tiling::family("square"), parameters), options);
-  const auto state = simulator.run(microscale::UniaxialLoad{0, {stretch}}).states.back();
+  const auto state = simulator.run(microscale::UniaxialLoad{0, {load_stretch}}).states.back();
   return {p, state.energy_density, state.stress[0]};
 }
 
 Sample predicted(const neural::Evaluator& evaluator, double p) {
   const auto state = neural::uniaxial_path(evaluator, evaluator.design(std::vector{p}), 0,
-                                           std::vector{neural::green_strain_of_stretch(stretch)})[0];
+                                           std::vector{neural::green_strain_of_stretch(load_stretch)})[0];
   return {p, state.energy_density, state.directional_stress};
 }
 

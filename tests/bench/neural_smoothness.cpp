@@ -16,7 +16,7 @@ namespace {
 
 constexpr double green_strain = 0.05;  ///< along x
 
-struct Curve {
+struct ParameterCurve {
   std::vector<double> energy;  ///< MPa
   std::vector<double> stress;  ///< S_xx, MPa
 };
@@ -58,8 +58,8 @@ void study_smoothness(const NeuralSettings& settings) {
     const microscale::GreenStrainLoad load{{{e[0], e[1], 0.5 * e[2]}}};
     for (const double share : {1e-3, 1e-6}) {
       const double step = share * (family.parameters[0].upper - family.parameters[0].lower);
-      Curve native;
-      Curve network;
+      ParameterCurve native;
+      ParameterCurve network;
       for (int i = 0; i <= n; ++i) {
         parameters[0] = middle + step * (i - n / 2);
         microscale::Simulator simulator(tiling::make_structure(family, parameters), options);
@@ -73,7 +73,8 @@ void study_smoothness(const NeuralSettings& settings) {
                     number(network.energy.back(), 12), number(native.stress.back(), 12),
                     number(network.stress.back(), 12)});
       }
-      for (const auto& [quantity, values] : {std::pair{"energy", &Curve::energy}, std::pair{"S_xx", &Curve::stress}}) {
+      for (const auto& [quantity, values] :
+           {std::pair{"energy", &ParameterCurve::energy}, std::pair{"S_xx", &ParameterCurve::stress}}) {
         for (const auto& [source, curve] : {std::pair{"simulation", &native}, std::pair{"network", &network}}) {
           const auto steps = shaking_of(curve->*values);
           table.row({model.family, number(step), quantity, source, number(steps.typical), number(steps.second),

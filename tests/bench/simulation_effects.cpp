@@ -69,7 +69,7 @@ Difference differences(const Outcome& outcome, const Outcome& automatic) {
   return difference;
 }
 
-std::string percent(const std::vector<double>& errors, double q) {
+std::string difference_percent(const std::vector<double>& errors, double q) {
   return errors.empty() ? "none" : number(100 * quantile(errors, q), 2);
 }
 
@@ -107,8 +107,9 @@ void study_effects(const SimulationSettings& settings) {
     costs.row({family, std::to_string(automatic.states), std::to_string(touching), number(automatic.milliseconds()),
                number(no_contact.milliseconds()), number(one_cell.milliseconds()), number(four_cells.milliseconds())});
     const Difference off = differences(one_cell, automatic), on = differences(four_cells, automatic);
-    cells.row({family, std::to_string(on.alike.size()), percent(on.alike, 1), std::to_string(off.different.size()),
-               percent(off.different, 0.5), percent(off.different, 1)});
+    cells.row({family, std::to_string(on.alike.size()), difference_percent(on.alike, 1),
+               std::to_string(off.different.size()), difference_percent(off.different, 0.5),
+               difference_percent(off.different, 1)});
   }
   report.heading("Cost");
   report.table(costs);

@@ -20,12 +20,12 @@ using microscale::Simulator;
 using microscale::State;
 using microscale::Switch;
 
-constexpr double tolerance = 1e-8;
+constexpr double peer_tolerance = 1e-8;
 
 /// Equilibria and stress alone: no contact, no search for unstable modes, no tangents.
 microscale::SimulationOptions plain_options() {
   microscale::SimulationOptions options;
-  options.tolerance = tolerance;
+  options.tolerance = peer_tolerance;
   options.contact = Switch::off;
   options.patch = Switch::off;
   options.buckling = Switch::off;
@@ -46,7 +46,7 @@ void write_case(const std::filesystem::path& path, const tiling::PeriodicMesh& m
   std::ofstream out(path);
   out.precision(17);
   out << mesh.nodes.cols() << ' ' << cut.points.size() << ' ' << cut.triangles.size() << ' ' << states.size() << '\n'
-      << mesh.cell_area() << ' ' << material.youngs_modulus << ' ' << material.poisson_ratio << ' ' << tolerance
+      << mesh.cell_area() << ' ' << material.youngs_modulus << ' ' << material.poisson_ratio << ' ' << peer_tolerance
       << '\n';
   for (std::size_t i = 0; i < cut.points.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);

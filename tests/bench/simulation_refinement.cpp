@@ -29,12 +29,12 @@ std::vector<StudiedLoad> loads(RandomStream& random) {
 }
 
 /// What is known of one mesh, for one load of one family.
-struct Sample {
+struct MeshSample {
   std::vector<double> errors;
   double cpu_seconds = 0;
   int states = 0;
   int excluded = 0;
-  void add(const Sample& other) {
+  void add(const MeshSample& other) {
     errors.insert(errors.end(), other.errors.begin(), other.errors.end());
     cpu_seconds += other.cpu_seconds;
     states += other.states;
@@ -51,8 +51,8 @@ microscale::SimulationOptions options_for(const std::string& family, const tilin
   return options;
 }
 
-Sample compare(const TimedPath& path, const std::vector<State>& reference, std::size_t states) {
-  Sample sample;
+MeshSample compare(const TimedPath& path, const std::vector<State>& reference, std::size_t states) {
+  MeshSample sample;
   sample.cpu_seconds = path.cpu_seconds;
   sample.states = static_cast<int>(path.result.states.size());
   bool buckled = false;
@@ -70,7 +70,7 @@ Sample compare(const TimedPath& path, const std::vector<State>& reference, std::
 
 /// Per family: [load][mesh], nodes and seconds of meshing by mesh.
 struct FamilyStudy {
-  std::vector<std::vector<Sample>> samples;
+  std::vector<std::vector<MeshSample>> samples;
   std::vector<std::vector<double>> nodes;
   std::vector<std::vector<double>> meshing;
 };
@@ -80,7 +80,7 @@ FamilyStudy study_family(const std::string& family, int designs, const std::vect
   FamilyStudy study;
   study.nodes.resize(meshes.size());
   study.meshing.resize(meshes.size());
-  study.samples.assign(3, std::vector<Sample>(meshes.size()));
+  study.samples.assign(3, std::vector<MeshSample>(meshes.size()));
   RandomStream random("simulation_refinement " + family, 1);
   for (const tiling::Structure& structure : random_structures(family, designs)) {
     const std::vector<StudiedLoad> studied = loads(random);
@@ -100,7 +100,7 @@ FamilyStudy study_family(const std::string& family, int designs, const std::vect
   return study;
 }
 
-std::string percent(const std::vector<double>& errors, double q) {
+std::string error_percent(const std::vector<double>& errors, double q) {
   return errors.empty() ? "none" : number(100 * quantile(errors, q));
 }
 
@@ -141,17 +141,17 @@ void study_refinement(const SimulationSettings& settings) {
     const FamilyStudy study = study_family(family, designs, meshes, reference);
     const std::string chosen = mesh_name(data_set_options(family).mesh);
     for (std::size_t m = 0; m < meshes.size(); ++m) {
-      Sample all;
+      MeshSample all;
       for (std::size_t l = 0; l < named.size(); ++l) {
-        const Sample& sample = study.samples[l][m];
+        const MeshSample& sample = study.samples[l][m];
         all.add(sample);
         by_load.row({family, named[l].name, mesh_name(meshes[m]), number(sample.milliseconds()),
-                     std::to_string(sample.errors.size()), std::to_string(sample.excluded), percent(sample.errors, 0.5),
-                     percent(sample.errors, 1)});
+                     std::to_string(sample.errors.size()), std::to_string(sample.excluded),
+                     error_percent(sample.errors, 0.5), error_percent(sample.errors, 1)});
       }
       by_family.row({family, mesh_name(meshes[m]), count(median(study.nodes[m])), number(1e3 * mean(study.meshing[m])),
                      number(all.milliseconds()), std::to_string(all.errors.size()), std::to_string(all.excluded),
-                     percent(all.errors, 0.5), percent(all.errors, 0.9), percent(all.errors, 1)});
+                     error_percent(all.errors, 0.5), error_percent(all.errors, 0.9), error_percent(all.errors, 1)});
       if (mesh_name(meshes[m]) == chosen && !all.errors.empty()) {
         const double middle = quantile(all.errors, 0.5), worst = quantile(all.errors, 1);
         report.target(family + ": stress error of its data set's mesh (" + chosen + ") before buckling",

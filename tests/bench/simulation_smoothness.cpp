@@ -9,14 +9,14 @@
 namespace supple::bench {
 namespace {
 
-struct Sample {
+struct ParameterSample {
   double parameter = 0;
   double energy_density = 0;
   double stress = 0;  ///< along the load
   int nodes = 0;
 };
 
-Sample sample(double second_parameter) {
+ParameterSample sample(double second_parameter) {
   const tiling::Family& family = tiling::family("IH21");
   const std::vector<double> parameters{family.parameters[0].preset, second_parameter};
   microscale::SimulationOptions options;
@@ -34,7 +34,7 @@ struct Steps {
   int against = 0;     ///< against the direction of most
 };
 
-Steps steps_of(const std::vector<Sample>& samples, double Sample::*value) {
+Steps steps_of(const std::vector<ParameterSample>& samples, double ParameterSample::*value) {
   std::vector<double> changes, sizes;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     changes.push_back(samples[i].*value / (samples[i - 1].*value) - 1);
@@ -56,12 +56,12 @@ void study_smoothness(const SimulationSettings& settings) {
   const int n = settings.brief ? 5 : 200;
   const double middle = tiling::family("IH21").parameters[1].preset;
   Report report(settings.folder, "simulations-smoothness", "Simulations: noise of the mesh along a parameter");
-  std::vector<Sample> samples;
+  std::vector<ParameterSample> samples;
   for (int i = 0; i < n; ++i) samples.push_back(sample(middle + step * (i - n / 2)));
 
   Table data("simulations-smoothness",
              {{"p2", "p2"}, {"energy_density", "Energy density, MPa"}, {"stress", "S_xx, MPa"}, {"nodes", "Nodes"}});
-  for (const Sample& s : samples)
+  for (const ParameterSample& s : samples)
     data.row({number(s.parameter, 10), number(s.energy_density, 13), number(s.stress, 13), std::to_string(s.nodes)});
   Table summary("simulations-smoothness-summary", {{"quantity", "Quantity"},
                                                    {"typical", "Typical change over one step, relative"},
@@ -69,7 +69,7 @@ void study_smoothness(const SimulationSettings& settings) {
                                                    {"jumps", "Steps beyond five times the typical"},
                                                    {"against", "Steps against the trend"}});
   for (const auto& [name, value] :
-       {std::pair{"energy density", &Sample::energy_density}, std::pair{"S_xx", &Sample::stress}}) {
+       {std::pair{"energy density", &ParameterSample::energy_density}, std::pair{"S_xx", &ParameterSample::stress}}) {
     const Steps steps = steps_of(samples, value);
     summary.row({name, number(steps.typical), number(steps.largest), std::to_string(steps.jumps),
                  std::to_string(steps.against)});

@@ -21,8 +21,6 @@ constexpr double studied_strain = 0.1;
 /// Fewer do not resolve how a strand bends between crossings: errors do not follow a power of their length yet.
 constexpr int asymptotic_segments = 8;
 
-std::string percent(double share) { return number(100 * share, 2); }
-
 double per_direction_ms(const TimedCell& run) { return 1e3 * run.cpu_seconds / static_cast<double>(run.result.size()); }
 
 double mean_iterations(const std::vector<DirectionalResponse>& profile) {

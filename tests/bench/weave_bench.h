@@ -22,6 +22,9 @@ struct WeaveSettings {
 /// "This page is generated ...", the machine and the commands; `conditions` follows.
 std::string weave_introduction(const WeaveSettings& settings, const std::string& study, const std::string& conditions);
 
+/// 100 times the share, with two digits.
+std::string percent(double share);
+
 struct BenchCell {
   std::string name;
   weave::Weave weave;

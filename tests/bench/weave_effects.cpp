@@ -18,7 +18,7 @@ using weave::Weave;
 
 /// Where buckling leaves next to nothing of a modulus, how many times it is off says no more than this.
 constexpr double beyond_telling = 100;
-std::string percent(double share) { return share > beyond_telling ? "over 10,000" : number(100 * share, 2); }
+std::string capped_percent(double share) { return share > beyond_telling ? "over 10,000" : percent(share); }
 std::string milliseconds(const TimedCell& run) {
   return number(1e3 * run.cpu_seconds / static_cast<double>(run.result.size()));
 }
@@ -48,7 +48,7 @@ std::vector<double> changes(const TimedCell& run, const TimedCell& automatic, Pr
 bool anywhere(std::size_t) { return true; }
 
 std::string median_and_worst(const std::vector<double>& relative) {
-  return relative.empty() ? "none" : percent(median(relative)) + ", " + percent(quantile(relative, 1));
+  return relative.empty() ? "none" : capped_percent(median(relative)) + ", " + capped_percent(quantile(relative, 1));
 }
 
 std::vector<BenchCell> studied_cells(const WeaveSettings& settings) {
@@ -181,8 +181,8 @@ void study_sliding(Report& report, const WeaveSettings& settings) {
       const bool is_first = first.result.empty();
       if (is_first) first = run;
       table.row({name, variant.name, milliseconds(run),
-                 percent(effect_seconds(run.cost, "sliding_limits") / run.cpu_seconds),
-                 percent(effect_seconds(run.cost, "crossing_contact") / run.cpu_seconds),
+                 capped_percent(effect_seconds(run.cost, "sliding_limits") / run.cpu_seconds),
+                 capped_percent(effect_seconds(run.cost, "crossing_contact") / run.cpu_seconds),
                  std::to_string(effect_count(run.cost, "at_sliding_limits")),
                  std::to_string(effect_count(run.cost, "crossings_in_contact")), number(least(moduli)),
                  number(quantile(moduli, 1)), is_first ? "" : median_and_worst(changes(run, first, anywhere)),
@@ -224,7 +224,7 @@ std::vector<SheetScene> sheet_scenes(const WeaveSettings& settings) {
   return scenes;
 }
 
-void study_sheets(Report& report, const WeaveSettings& settings) {
+void study_sheet_effects(Report& report, const WeaveSettings& settings) {
   Table table("weaves-effects-sheets", {{"sheet", "Sheet"},
                                         {"out_of_plane", "Out of the plane"},
                                         {"buckling", "Buckling"},
@@ -276,7 +276,7 @@ void study_weave_effects(const WeaveSettings& settings) {
   study_plane(report, settings);
   study_buckling(report, settings);
   study_sliding(report, settings);
-  study_sheets(report, settings);
+  study_sheet_effects(report, settings);
   report.write(
       weave_introduction(settings, "effects",
                          std::to_string(directions_of(settings)) +

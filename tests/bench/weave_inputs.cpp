@@ -39,6 +39,8 @@ std::string weave_introduction(const WeaveSettings& settings, const std::string&
   return text;
 }
 
+std::string percent(double share) { return number(100 * share, 2); }
+
 std::vector<BenchCell> all_cells() {
   return {{"regular, fused", weave::regular_weave(weave::uniform_block(Connection::fused))},
           {"regular, sliding", weave::regular_weave(weave::uniform_block(Connection::slides_y))},

@@ -15,14 +15,12 @@ using weave::Connection;
 using weave::EquilibriumOptions;
 using weave::Switch;
 
-std::string percent(double share) { return number(100 * share, 2); }
-
-struct Scene {
+struct AccuracyScene {
   std::string name;
   LoadedSheet sheet;
 };
 
-std::vector<Scene> scenes(const WeaveSettings& settings) {
+std::vector<AccuracyScene> accuracy_scenes(const WeaveSettings& settings) {
   const int n = settings.brief ? 4 : 12;
   return {{"fused, sheared by 5 %", sheared_sheet(n, Connection::fused, Shear::sinking, 0.05)},
           {"sliding, sheared by 30 %", sheared_sheet(n, Connection::slides_x, Shear::level, 0.3)},
@@ -31,13 +29,13 @@ std::vector<Scene> scenes(const WeaveSettings& settings) {
 
 /// Sheets stay in the plane: out of it the equilibrium that is found would be compared, and not how well it is
 /// computed.
-TimedSheet run_in_plane(const Scene& scene, EquilibriumOptions options) {
+TimedSheet run_in_plane(const AccuracyScene& scene, EquilibriumOptions options) {
   options.out_of_plane = Switch::off;
   return run_timed(scene.sheet.weave, scene.sheet.load, options);
 }
 
 /// The force on what is moved, N.
-double pull(const Scene& scene, const TimedSheet& run) {
+double pull(const AccuracyScene& scene, const TimedSheet& run) {
   const auto& state = run.result.states.back();
   Eigen::Vector3d sum(0, 0, 0);
   for (std::size_t i = 0; i < scene.sheet.load.supports.size(); ++i)
@@ -57,7 +55,7 @@ double farthest(const TimedSheet& run, const TimedSheet& reference) {
 using Cells = std::vector<std::string>;
 
 /// What a run differs by from the reference, for a row.
-Cells differences(const Scene& scene, const TimedSheet& run, const TimedSheet& reference) {
+Cells differences(const AccuracyScene& scene, const TimedSheet& run, const TimedSheet& reference) {
   const double energy = reference.result.states.back().energy;
   const double force = pull(scene, reference);
   return {std::to_string(iterations_of(run.result)), number(1e3 * run.cpu_seconds),
@@ -76,16 +74,16 @@ Table sheet_table(const std::string& file, const Table::Column& knob) {
            {"distance_mm", "Farthest crossing, mm"}}};
 }
 
-void add_row(Table& table, const Scene& scene, const std::string& value, Cells cells) {
+void add_row(Table& table, const AccuracyScene& scene, const std::string& value, Cells cells) {
   cells.insert(cells.begin(), {scene.name, value});
   table.row(std::move(cells));
 }
 
-void study_segments(Report& report, const WeaveSettings& settings) {
+void study_sheet_segments(Report& report, const WeaveSettings& settings) {
   const std::vector<int> segments = settings.brief ? std::vector<int>{2, 4} : std::vector<int>{2, 4, 8, 16};
   const int finest = 2 * segments.back();
   Table table = sheet_table("weaves-sheet-segments", {"segments", "Segments"});
-  for (const Scene& scene : scenes(settings)) {
+  for (const AccuracyScene& scene : accuracy_scenes(settings)) {
     const TimedSheet reference = run_in_plane(scene, {.segments = finest});
     for (const int n : segments)
       add_row(table, scene, std::to_string(n), differences(scene, run_in_plane(scene, {.segments = n}), reference));
@@ -96,13 +94,13 @@ void study_segments(Report& report, const WeaveSettings& settings) {
   report.table(table);
 }
 
-void study_tolerance(Report& report, const WeaveSettings& settings) {
+void study_sheet_tolerance(Report& report, const WeaveSettings& settings) {
   constexpr double tightest = 1e-11;
   const std::vector<double> tolerances =
       settings.brief ? std::vector<double>{1e-2, 1e-6} : std::vector<double>{1e-1, 1e-2, 1e-4, 1e-6, 1e-8};
   Table table = sheet_table("weaves-sheet-tolerance", {"tolerance", "Tolerance"});
   double worst_of_default = 0;
-  for (const Scene& scene : scenes(settings)) {
+  for (const AccuracyScene& scene : accuracy_scenes(settings)) {
     const TimedSheet reference = run_in_plane(scene, {.tolerance = tightest});
     for (const double tolerance : tolerances) {
       const TimedSheet run = run_in_plane(scene, {.tolerance = tolerance});
@@ -120,11 +118,11 @@ void study_tolerance(Report& report, const WeaveSettings& settings) {
   report.table(table);
 }
 
-void study_load_steps(Report& report, const WeaveSettings& settings) {
+void study_sheet_load_steps(Report& report, const WeaveSettings& settings) {
   const std::vector<int> counts = settings.brief ? std::vector<int>{1, 4} : std::vector<int>{1, 2, 4, 8, 16, 32};
   const int finest = 4 * counts.back();
   Table table = sheet_table("weaves-sheet-steps", {"load_steps", "Load steps"});
-  for (const Scene& scene : scenes(settings)) {
+  for (const AccuracyScene& scene : accuracy_scenes(settings)) {
     const TimedSheet reference = run_in_plane(scene, {.load_steps = finest});
     for (const int n : counts)
       add_row(table, scene, std::to_string(n), differences(scene, run_in_plane(scene, {.load_steps = n}), reference));
@@ -184,10 +182,10 @@ void study_chord_error(Report& report, const WeaveSettings& settings) {
 
 void study_weave_sheets(const WeaveSettings& settings) {
   Report report(settings.folder, "weaves-sheets", "Sheets of weaves: error against time");
-  study_segments(report, settings);
+  study_sheet_segments(report, settings);
   report.image("weaves-sheets.svg", "Error of the force against time for segments, tolerances and load steps");
-  study_tolerance(report, settings);
-  study_load_steps(report, settings);
+  study_sheet_tolerance(report, settings);
+  study_sheet_load_steps(report, settings);
   study_chord_error(report, settings);
   report.write(weave_introduction(
       settings, "sheets",

@@ -13,7 +13,7 @@ using weave::EquilibriumOptions;
 using weave::Switch;
 
 /// A way to load sheets of every size.
-struct Scene {
+struct SizeScene {
   std::string name;
   Connection connection;
   Shear shear;
@@ -22,17 +22,18 @@ struct Scene {
   std::vector<int> sizes;  ///< strands along a side
 };
 
-std::vector<Scene> scenes(const WeaveSettings& settings) {
+std::vector<SizeScene> size_scenes(const WeaveSettings& settings) {
   const std::vector<int> largest{5, 10, 20, 30, 50, 70, 100};
   // What leaves the plane, or slides for long, needs more iterations the larger it is.
   const std::vector<int> large{5, 10, 20, 30, 50};
   const std::vector<int> medium{5, 10, 20, 30};
-  std::vector<Scene> all{{"fused, in the plane", Connection::fused, Shear::sinking, 0.05, Switch::off, largest},
-                         {"fused, automatic", Connection::fused, Shear::sinking, 0.05, Switch::automatic, large},
-                         {"sliding, automatic", Connection::slides_x, Shear::sinking, 0.3, Switch::automatic, largest},
-                         {"sliding, diagonal", Connection::slides_x, Shear::diagonal, 0.1, Switch::automatic, medium}};
+  std::vector<SizeScene> all{
+      {"fused, in the plane", Connection::fused, Shear::sinking, 0.05, Switch::off, largest},
+      {"fused, automatic", Connection::fused, Shear::sinking, 0.05, Switch::automatic, large},
+      {"sliding, automatic", Connection::slides_x, Shear::sinking, 0.3, Switch::automatic, largest},
+      {"sliding, diagonal", Connection::slides_x, Shear::diagonal, 0.1, Switch::automatic, medium}};
   if (settings.brief)
-    for (Scene& scene : all) scene.sizes = {3, 5};
+    for (SizeScene& scene : all) scene.sizes = {3, 5};
   return all;
 }
 
@@ -55,7 +56,7 @@ void study_weave_size(const WeaveSettings& settings) {
                                        {"per_iteration", "Of an iteration's"},
                                        {"memory", "Of memory"},
                                        {"kb_per_crossing", "KB per crossing, largest"}});
-  for (const Scene& scene : scenes(settings)) {
+  for (const SizeScene& scene : size_scenes(settings)) {
     std::vector<double> crossings, seconds, per_iteration, memory;
     for (const int n : scene.sizes) {
       const LoadedSheet sheet = sheared_sheet(n, scene.connection, scene.shear, scene.amount);

@@ -36,7 +36,7 @@ std::vector<std::string> share_cells(std::vector<std::string> first, const CostL
   return first;
 }
 
-void study_cells(Report& report, const WeaveSettings& settings) {
+void study_cell_speed(Report& report, const WeaveSettings& settings) {
   const int directions = settings.brief ? 4 : 200;
   const int sampled = settings.brief ? 4 : 40;
   Table table("weaves-speed-cells", {{"cell", "Cell"},
@@ -107,7 +107,7 @@ struct StudiedSheet {
   Shear shear;
 };
 
-void study_sheets(Report& report, const WeaveSettings& settings) {
+void study_sheet_speed(Report& report, const WeaveSettings& settings) {
   constexpr double amount = 0.3;
   const int n = settings.brief ? 5 : 20;
   Table table("weaves-speed-sheets", share_columns({{"sheet", "Sheet"},
@@ -158,8 +158,8 @@ void study_sheets(Report& report, const WeaveSettings& settings) {
 
 void study_weave_speed(const WeaveSettings& settings) {
   Report report(settings.folder, "weaves-speed", "Weaves: what cells and sheets cost");
-  study_cells(report, settings);
-  study_sheets(report, settings);
+  study_cell_speed(report, settings);
+  study_sheet_speed(report, settings);
   report.image("weaves-speed.svg", "What a direction of each cell costs, by what it goes into");
   report.write(
       weave_introduction(settings, "speed",

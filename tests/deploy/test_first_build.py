@@ -36,5 +36,5 @@ def test_the_tests_are_built_where_the_quick_start_has_built_without_them(first_
     configure("--preset", "release", "-B", str(first_build))
     options = options_of(first_build)
     assert (options["SUPPLE_BUILD_TESTS"], options["SUPPLE_TRAINING"]) == ("ON", "ON")
-    assert options["CMAKE_UNITY_BUILD"] == "ON", "what the quick start has compiled is of use to the tests"
+    assert options["SUPPLE_GROUPED"] == "ON", "what the quick start has compiled is of use to the tests"
 

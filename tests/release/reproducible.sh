@@ -21,7 +21,7 @@ export SOURCE_DATE_EPOCH CCACHE_DISABLE=1
 for folder in "$work/first" "$work/another folder/second"; do
   git clone -q "$source" "$folder"
   # The tests, the benchmarks and the training are in no package.
-  SUPPLE_CMAKE="-DSUPPLE_BUILD_TESTS=OFF -DSUPPLE_TRAINING=OFF -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12" SUPPLE_BUILD="" \
+  SUPPLE_CMAKE="-DSUPPLE_BUILD_TESTS=OFF -DSUPPLE_TRAINING=OFF -DSUPPLE_GROUPED=ON" SUPPLE_BUILD="" \
     "$folder/deploy/build_packages.sh" "$folder/packages" >"$folder.log" 2>&1 || { tail -30 "$folder.log"; exit 1; }
 done
 status=0
