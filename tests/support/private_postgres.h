@@ -31,6 +31,8 @@ class PrivatePostgres {
   }
   void kill() { run("kill"); }
   void again() { run("again"); }
+  void freeze() { run("freeze"); }
+  void thaw() { run("thaw"); }
 
   static PrivatePostgres& of_this_process() {
     static PrivatePostgres server;

@@ -5,6 +5,8 @@
 #   tests/support/private_postgres.sh start FOLDER     makes FOLDER, prints the connection string
 #   tests/support/private_postgres.sh kill FOLDER      ends it as a power cut would
 #   tests/support/private_postgres.sh again FOLDER     starts it over the same data
+#   tests/support/private_postgres.sh freeze FOLDER    stops its processes, whose connections stay
+#   tests/support/private_postgres.sh thaw FOLDER      lets them go on
 #   tests/support/private_postgres.sh stop FOLDER      ends it
 set -euo pipefail
 action=$1
@@ -39,6 +41,12 @@ case $action in
     mapfile -t all < <(pgrep --parent "$main")
     kill -9 "$main" "${all[@]}" 2>/dev/null || true
     while kill -0 "$main" "${all[@]}" 2>/dev/null; do sleep 0.02; done
+    ;;
+  freeze | thaw)
+    main=$(head -1 "$folder/data/postmaster.pid")
+    [ "$action" = freeze ] && signal=STOP || signal=CONT
+    mapfile -t all < <(pgrep --parent "$main")
+    kill -"$signal" "$main" "${all[@]}"
     ;;
   stop)
     folder=$(realpath "$folder")

@@ -12,8 +12,7 @@ namespace supple::store {
 namespace {
 
 /// How long is waited for a database whose machine does not answer at all: seconds for a connection and for a sign of
-/// life, milliseconds for the receipt of what was sent. Without them a connection
-/// is waited for without an end.
+/// life, milliseconds for the receipt of what was sent. Without them a connection is waited for without an end.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> time_limits{
     {{"connect_timeout", "3"}, {"tcp_user_timeout", "5000"}, {"keepalives_idle", "5"}, {"keepalives_interval", "2"}}};
 
@@ -41,11 +40,13 @@ std::string with_time_limits(const std::string& address) {
 
 }  // namespace
 
-Postgres::Postgres(const std::string& address) : address_(with_time_limits(address)) {}
+Postgres::Postgres(const std::string& address, double patience)
+    : address_(with_time_limits(address)), deadline_(patience) {}
 
 pqxx::connection& Postgres::connected() {
   if (connection_) return *connection_;
   auto made = std::make_unique<pqxx::connection>(address_);
+  const auto watch = deadline_.watch(made->sock());
   // A database that hangs is one that does not answer, long before a lease ends.
   made->set_variable("statement_timeout", "'5s'");
   made->set_variable("lock_timeout", "'3s'");
@@ -63,7 +64,9 @@ void Postgres::fail(const pqxx::pqxx_exception& error) {
   connection_.reset();
   std::string text = error.base().what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
-  throw Error(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
+  failure_.emplace(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
+  if (!sql) failed_ = Clock::now();
+  throw Error(*failure_);
 }
 
 }  // namespace supple::store

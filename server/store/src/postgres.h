@@ -1,9 +1,14 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <pqxx/pqxx>
 #include <string>
+
+#include "socket_deadline.h"
+#include "supple/base/error.h"
 
 namespace supple::store {
 
@@ -15,18 +20,24 @@ class Postgres {
   /// Nothing is connected yet. `address` is a connection string of libpq. Where it does not say how long a machine that
   /// does not answer is waited for, a connection is given up after 3 seconds, and closed by the system once nothing
   /// that was sent has been acknowledged for 5.
-  explicit Postgres(const std::string& address);
+  /// A transaction that takes longer than `patience`, in seconds, is given up with its connection.
+  Postgres(const std::string& address, double patience);
 
   /// Runs `work` within a transaction and commits it. It is run again, once, where the connection is lost before the
   /// commit: until then nothing of it counts, so that it has to change nothing else.
   template <class Work>
   auto transaction(const Work& work) {
+    const auto asked = Clock::now();
     const std::lock_guard lock(mutex_);
+    // Who has waited for its turn while the database did not answer is not to wait for it once more.
+    if (failed_ > asked) throw Error(*failure_);
     return translated([&] {
       for (bool again = connection_ != nullptr;; again = false) {
         bool committing = false;
         try {
-          pqxx::work transaction(connected());
+          auto& connection = connected();
+          const auto watch = deadline_.watch(connection.sock());
+          pqxx::work transaction(connection);
           auto result = work(transaction);
           committing = true;
           transaction.commit();
@@ -40,6 +51,8 @@ class Postgres {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   pqxx::connection& connected();
   template <class Call>
   auto translated(const Call& call) -> decltype(call()) {
@@ -53,8 +66,11 @@ class Postgres {
   [[noreturn]] void fail(const pqxx::pqxx_exception& error);
 
   const std::string address_;
+  SocketDeadline deadline_;
   std::mutex mutex_;
   std::unique_ptr<pqxx::connection> connection_;
+  Clock::time_point failed_{};    ///< when the database last did not answer
+  std::optional<Error> failure_;  ///< and what was said of it
 };
 
 }  // namespace supple::store

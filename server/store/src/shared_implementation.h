@@ -19,7 +19,6 @@ namespace supple::store {
 /// What meshes, jobs and holds of a shared store have in common.
 struct SharedStore::Implementation {
   using SteadyClock = std::chrono::steady_clock;
-  static constexpr std::chrono::hours look_at_files{1};  // of the folder that nobody knows
 
   explicit Implementation(const Options& given);
 
@@ -28,6 +27,8 @@ struct SharedStore::Implementation {
   void count();
   void add(Part part, std::int64_t bytes);
   Usage usage_now() const;
+  /// Whether so much fits by the last count.
+  bool fits(Part part, std::int64_t bytes) const;
   /// Makes room for what is about to be written: all servers' oldest results go where there is too little, then the
   /// oldest ones of its owner. `job` is the one that the bytes are of. Throws "store.quota", "store.key_quota".
   void make_room(Part part, std::int64_t bytes, const std::string& owner, const std::string& job);
@@ -53,8 +54,7 @@ struct SharedStore::Implementation {
   /// One job, by a condition with one parameter.
   std::optional<JobRecord> find_job(const char* condition, const std::string& value);
 
-  /// Moves what nobody knows into quarantine, by one server at a time. What is younger than an hour may be about to be
-  /// known.
+  /// Moves what nobody knows into quarantine, once in a while. What is younger than that may be about to be known.
   void look_at_unknown_files();
   static void remove_file(const std::filesystem::path& file);
 
@@ -66,6 +66,7 @@ struct SharedStore::Implementation {
   mutable std::mutex mutex;
   Usage of_all_servers;
   SteadyClock::time_point counted_at{};
+  const std::chrono::milliseconds look_at_files;  ///< time between two looks at what nobody knows
   SteadyClock::time_point next_look_at_files = SteadyClock::now() + look_at_files;
   std::map<std::string, std::int64_t> uses;              ///< of meshes, since the database was told last
   std::map<std::string, SteadyClock::time_point> known;  ///< meshes that the database had at that time

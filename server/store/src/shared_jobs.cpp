@@ -149,7 +149,7 @@ bool SharedStore::add_job(const JobRecord& job, const std::string& request) {
     }
     return true;
   });
-  if (added) self.add(Part::requests, bytes);
+  if (added && request.empty()) self.add(Part::requests, bytes);  // others count as part of the database
   return added;
 }
 

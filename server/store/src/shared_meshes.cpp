@@ -51,15 +51,15 @@ std::pair<MeshRecord, bool> SharedStore::add_mesh(const std::string& ply, const 
     self.make_room(Part::meshes, bytes, owner, {});
     write_stored_file(file, {ply});
   }
+  bool is_new = false;
   auto added = self.database.transaction([&](pqxx::work& transaction) -> std::pair<MeshRecord, bool> {
     // Waits for a server that removes the same mesh, which removes the file before it commits.
-    const bool is_new =
-        transaction
-            .exec_params(
-                "INSERT INTO meshes (id, created, used, bytes, description) VALUES ($1, $2, $2, $3, $4) "
-                "ON CONFLICT (id) DO NOTHING",
-                record.id, record.created, bytes, record.description)
-            .affected_rows() > 0;
+    is_new = transaction
+                 .exec_params(
+                     "INSERT INTO meshes (id, created, used, bytes, description) VALUES ($1, $2, $2, $3, $4) "
+                     "ON CONFLICT (id) DO NOTHING",
+                     record.id, record.created, bytes, record.description)
+                 .affected_rows() > 0;
     bool is_new_owner = false;
     if (!owner.empty()) {
       is_new_owner = transaction
@@ -71,7 +71,7 @@ std::pair<MeshRecord, bool> SharedStore::add_mesh(const std::string& ply, const 
     auto stored = Implementation::find_mesh(transaction, record.id);
     return {stored ? *std::move(stored) : record, is_new || is_new_owner};
   });
-  if (added.second) self.add(Part::meshes, bytes);
+  if (is_new) self.add(Part::meshes, bytes);
   return added;
 }
 

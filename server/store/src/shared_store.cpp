@@ -14,16 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds count_again{5};  // what all servers hold
-
 }  // namespace
 
 SharedStore::Implementation::Implementation(const Options& given)
     : options(given),
       folder(options.folder, options.warn, DataFolder::Use::shared),
       places(folder.places()),
-      database(options.database),
-      server(random_name()) {
+      database(options.database, options.patience),
+      server(random_name()),
+      look_at_files(static_cast<std::int64_t>(options.unknown_files * 1000)) {
   prepare_shared_tables(database, folder);
   say_alive();
   count();
@@ -45,7 +44,7 @@ void SharedStore::Implementation::count() {
     usage.meshes = transaction.exec1("SELECT coalesce(sum(bytes), 0)::bigint FROM meshes")[0].as<std::int64_t>();
     const auto jobs = transaction.exec1(
         "SELECT coalesce(sum(bytes) FILTER (WHERE finished > 0), 0)::bigint, "
-        "coalesce(sum(bytes) FILTER (WHERE finished = 0), 0)::bigint, "
+        "coalesce(sum(bytes) FILTER (WHERE finished = 0 AND request IS NULL), 0)::bigint, "
         "pg_database_size(current_database()) FROM jobs");
     usage.results = jobs[0].as<std::int64_t>();
     usage.requests = jobs[1].as<std::int64_t>();
@@ -70,12 +69,24 @@ Usage SharedStore::Implementation::usage_now() const {
   return of_all_servers;
 }
 
+bool SharedStore::Implementation::fits(Part part, std::int64_t bytes) const {
+  try {
+    return bytes_too_many(usage_now(), part, bytes) == 0;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 void SharedStore::Implementation::make_room(Part part, std::int64_t bytes, const std::string& owner,
                                             const std::string& job) {
-  while (const auto too_many = bytes_too_many(usage_now(), part, bytes)) {
-    const auto expired = expire_oldest_results(too_many, {});
+  if (!fits(part, bytes)) {
+    // Other servers may have removed something since: nothing is refused, and nothing expires, by an old count.
     count();
-    if (expired == 0) refuse_store(usage_now(), part, bytes);
+    while (const auto too_many = bytes_too_many(usage_now(), part, bytes)) {
+      const auto expired = expire_oldest_results(too_many, {});
+      count();
+      if (expired == 0 && !fits(part, bytes)) refuse_store(usage_now(), part, bytes);
+    }
   }
   const auto limit = options.quota.of_owner && !owner.empty() ? options.quota.of_owner(owner) : 0;
   if (limit <= 0) return;
@@ -114,7 +125,7 @@ void SharedStore::Implementation::look_at_unknown_files() {
       return names;
     });
   };
-  const auto before = now_milliseconds() - std::chrono::duration_cast<std::chrono::milliseconds>(look_at_files).count();
+  const auto before = now_milliseconds() - look_at_files.count();
   for (const auto& [place, suffix, query] :
        {std::tuple(places.meshes(), ".ply", "SELECT id FROM meshes"),
         std::tuple(places.results(), ".result", "SELECT id || '.' || hold FROM jobs"),
@@ -172,7 +183,8 @@ std::vector<HeldJob> SharedStore::keep_holds(const std::vector<JobProgress>& run
   {
     const std::lock_guard lock(self.mutex);
     uses.swap(self.uses);
-    counts = Implementation::SteadyClock::now() - self.counted_at > count_again;
+    counts = std::chrono::duration<double>(Implementation::SteadyClock::now() - self.counted_at).count() >
+             self.options.count_again;
   }
   try {
     self.say_alive();

@@ -48,6 +48,8 @@ class SharedStoreTest : public StoreTest {
     options.folder = folder_ / "data";
     options.lease = lease;
     options.quota = quota_;
+    options.count_again = count_again_;
+    options.unknown_files = unknown_files_;
     options.warn = [this](const std::string& text) { warnings_.push_back(text); };
     return options;
   }
@@ -71,8 +73,16 @@ class SharedStoreTest : public StoreTest {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
   }
 
+  static void wait_milliseconds(int time) { std::this_thread::sleep_for(std::chrono::milliseconds(time)); }
+  fs::path in_data(const std::string& name) const { return folder_ / "data" / name; }
+  void overwrite(const std::string& name, const std::string& content) const {
+    std::ofstream(in_data(name), std::ios::binary) << content;
+  }
+
   const std::string database_ = PrivatePostgres::of_this_process().new_database();
   Quota quota_;
+  double count_again_ = 5;
+  double unknown_files_ = 3600;
   std::vector<std::string> warnings_;
 };
 
@@ -99,7 +109,7 @@ TEST_F(SharedStoreTest, ShowsMeshesToAllServers) {
   EXPECT_FALSE(one.mesh(record.id).has_value());
   EXPECT_EQ(files_in(folder_ / "data" / "meshes"), 0U);
   EXPECT_EQ(code_of([&] { one.mesh_content(record.id); }), "mesh.not_found");
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  wait_milliseconds(1100);
   EXPECT_FALSE(one.still_has_mesh(record.id)) << "within a second";
 }
 
@@ -136,6 +146,7 @@ TEST_F(SharedStoreTest, KeepsAJobWithItsRequestAndItsResult) {
     const JobRequest request{"POST", "/v1/x", {{"a", "b=c"}}, "text/plain", "*/*"};
     EXPECT_TRUE(one.add_job(job, one.keep_request(job, request, body)));
     EXPECT_TRUE(two.has_request(id));
+    EXPECT_EQ(files_in(folder_ / "data" / "requests"), size > 100'000 ? 1U : 0U) << "small ones are in the database";
     const auto stored = two.job_request(id);
     EXPECT_EQ(stored.body, body);
     EXPECT_EQ(stored.request.query, request.query);
@@ -146,6 +157,8 @@ TEST_F(SharedStoreTest, KeepsAJobWithItsRequestAndItsResult) {
     EXPECT_EQ(seen->session, "session");
     EXPECT_EQ(seen->deadline, job.deadline);
 
+    EXPECT_FALSE(two.remove_job(id)) << "it has not ended";
+    const auto revision = two.job_progress(id)->revision;
     const Result result{"text/plain", {{"ETag", "\"1\""}}, "answer"};
     EXPECT_TRUE(one.finish_job(ended(job), &result));
     const Result again{"text/plain", {}, "something else"};
@@ -154,6 +167,8 @@ TEST_F(SharedStoreTest, KeepsAJobWithItsRequestAndItsResult) {
     EXPECT_EQ(found.body.text(), "answer");
     EXPECT_EQ(found.headers, result.headers);
     EXPECT_FALSE(two.has_request(id));
+    EXPECT_GT(two.job_progress(id)->revision, revision) << "who waits for it is told";
+    overwrite("requests/" + id + ".request", "left by a server that was lost in that moment");
     EXPECT_EQ(two.job(id)->state, JobState::successful);
     EXPECT_TRUE(two.remove_job(id));
     EXPECT_FALSE(one.remove_job(id));
@@ -167,7 +182,7 @@ TEST_F(SharedStoreTest, TakesTheJobsOfAServerThatIsNotHeardOf) {
   SharedStore lost(options(0.05));
   SharedStore other(options());
   auto job = running(lost, "job");
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  wait_milliseconds(100);
   const auto taken = other.take_jobs(0);
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0].id, "job");
@@ -194,7 +209,7 @@ TEST_F(SharedStoreTest, RemovesTheFileOfAServerThatWasLostBeforeItsRow) {
   SharedStore other(options());
   running(lost, "job");
   std::ofstream(folder_ / "data" / "results" / "job.0.result") << "its row is missing";
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  wait_milliseconds(100);
   const auto taken = other.take_jobs(0);
   ASSERT_EQ(taken.size(), 1U);
   const Result result{"text/plain", {}, "right"};
@@ -212,6 +227,7 @@ TEST_F(SharedStoreTest, LeavesJobsToAServerThatIsHeardOf) {
   const auto taken = two.take_jobs(5);
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0].id, "waits");
+  EXPECT_EQ(two.take_jobs(5).size(), 0U) << "its own are not taken again, though they have not begun";
   const auto held = one.keep_holds({});
   ASSERT_EQ(held.size(), 1U);
   EXPECT_EQ(held[0].id, "runs");
@@ -275,6 +291,7 @@ TEST_F(SharedStoreTest, DismissesAJobOfAnotherServer) {
   ASSERT_TRUE(dismissed);
   EXPECT_EQ(dismissed->state, JobState::dismissed);
   EXPECT_EQ(dismissed->expires, 6);
+  EXPECT_GT(dismissed->hold, job.hold) << "a file that its server still writes is not its result";
   EXPECT_FALSE(two.dismiss_job("job", 5, 6)) << "it has ended";
   EXPECT_EQ(one.keep_holds({}).size(), 0U);
   const Result late{"text/plain", {}, "late"};
@@ -321,12 +338,15 @@ TEST_F(SharedStoreTest, RemovesWhatHasExpiredAndWhatNobodyUses) {
   store.add_job(job);
   EXPECT_TRUE(store.has_unfinished_job_on(busy));
   EXPECT_FALSE(store.has_unfinished_job_on(used));
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  wait_milliseconds(20);
   const auto before = now_milliseconds();
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  wait_milliseconds(20);
   store.use_mesh(used);
   EXPECT_EQ(store.remove_unused_meshes(before), std::vector<std::string>{unused});
   EXPECT_EQ(store.mesh_content(used), "used");
+  EXPECT_EQ(files_in(folder_ / "data" / "meshes"), 2U);
+  store.finish_job(ended(job), nullptr);
+  EXPECT_FALSE(store.has_unfinished_job_on(busy));
 }
 
 TEST_F(SharedStoreTest, ExpiresTheOldestResultsForWhatIsNewAndRefusesWhatDoesNotFit) {
@@ -362,6 +382,195 @@ TEST_F(SharedStoreTest, NoticesAResultThatHasChanged) {
   EXPECT_EQ(code_of([&] { store.job_result("job"); }), "store.corrupted");
 }
 
+TEST_F(SharedStoreTest, ForgetsTheFormerHoldOfAJobThatAServerLostAndTookAgain) {
+  SharedStore one(options());
+  SharedStore two(options());
+  const auto former = running(one, "job");
+  const auto put_back = [](SharedStore& server, JobRecord job) {
+    job.state = JobState::accepted;
+    EXPECT_TRUE(server.note_progress(job));
+  };
+  put_back(one, former);
+  put_back(two, two.take_jobs(1).at(0));
+  const auto present = one.take_jobs(1).at(0);
+  EXPECT_FALSE(one.note_progress(former));
+  const Result result{"text/plain", {}, "answer"};
+  EXPECT_FALSE(one.finish_job(ended(former), &result));
+  EXPECT_TRUE(one.finish_job(ended(present), &result));
+}
+
+TEST_F(SharedStoreTest, TakesNoNewJobsBesideThoseOfALostServerBeyondItsTime) {
+  SharedStore waiting(options());
+  SharedStore lost(options(0.05));
+  SharedStore other(options());
+  for (const char* id : {"a", "b", "c"}) running(lost, id);
+  waiting.add_job(new_job("waits"), "request");
+  wait_milliseconds(100);
+  EXPECT_EQ(other.take_jobs(1).size(), 3U);
+  EXPECT_EQ(other.take_jobs(1).at(0).id, "waits");
+}
+
+TEST_F(SharedStoreTest, DropsTheLargeRequestOfAJobThatIsDismissed) {
+  SharedStore store(options());
+  const auto job = new_job("job");
+  store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"}, std::string(300'000, 'x')));
+  EXPECT_EQ(files_in(in_data("requests")), 1U);
+  store.dismiss_job("job", 5, 6);
+  EXPECT_EQ(files_in(in_data("requests")), 0U);
+}
+
+TEST_F(SharedStoreTest, NoticesRequestsAndMeshesThatHaveChanged) {
+  SharedStore store(options());
+  const auto job = new_job("job");
+  store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"}, std::string(300'000, 'x')));
+  std::fstream(in_data("requests/job.request")).seekp(-1, std::ios::end) << "y";
+  EXPECT_EQ(code_of([&] { store.job_request("job"); }), "store.corrupted");
+
+  const auto id = store.add_mesh("mesh", describe).first.id;
+  overwrite("meshes/" + id + ".ply", "mash");
+  EXPECT_EQ(code_of([&] { store.mesh_content(id); }), "store.corrupted");
+  EXPECT_FALSE(store.add_mesh("mesh", describe).second);
+  EXPECT_EQ(store.mesh_content(id), "mesh") << "uploading it again repairs it";
+}
+
+TEST_F(SharedStoreTest, LeavesNoFileOfAResultThatTheDatabaseRefuses) {
+  SharedStore store(options());
+  auto job = ended(running(store, "job"));
+  const Result result{"text/plain", {}, "answer"};
+  auto refused = job;
+  refused.error = "\xff is no text";
+  EXPECT_EQ(code_of([&] { store.finish_job(refused, &result); }), "store.unavailable");
+  EXPECT_EQ(files_in(in_data("results")), 0U);
+  EXPECT_TRUE(store.finish_job(job, &result)) << "it goes on afterwards";
+  EXPECT_EQ(store.job_result("job").body.text(), "answer");
+}
+
+TEST_F(SharedStoreTest, CountsWhatItHolds) {
+  SharedStore store(options());
+  const auto large_request = [&](const std::string& id) {
+    const auto job = new_job(id);
+    store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"}, std::string(300'000, 'x')));
+    return job;
+  };
+  const auto id = store.add_mesh("four", describe, "alice").first.id;
+  store.add_mesh("four", describe, "bob");
+  const auto job = large_request("job");
+  const Result result{"text/plain", {}, std::string(1000, 'x')};
+  store.finish_job(ended(running(store, "other")), &result);
+  const auto counted = [&] { return SharedStore(options()).usage(); };  // by the database
+  const auto expect_counted = [&] {
+    EXPECT_EQ(store.usage().meshes, counted().meshes);
+    EXPECT_EQ(store.usage().results, counted().results);
+    EXPECT_EQ(store.usage().requests, counted().requests);
+  };
+  EXPECT_EQ(store.usage().meshes, 4) << "of two owners once";
+  EXPECT_GT(store.usage().results, 1000);
+  EXPECT_GT(store.usage().requests, 300'000);
+  expect_counted();
+  store.remove_mesh(id, "alice");
+  EXPECT_EQ(store.usage().meshes, 4);
+  store.remove_mesh(id, "bob");
+  store.remove_job("other");
+  EXPECT_EQ(store.usage().results, 0);
+  EXPECT_EQ(store.usage().meshes, 0);
+  expect_counted();
+}
+
+TEST_F(SharedStoreTest, RefusesNothingAndExpiresNothingForWhatAnotherServerHasRemoved) {
+  {
+    const SharedStore empty(options());
+    quota_.bytes = empty.usage().database + (1 << 20);
+    quota_.mesh_bytes = 1000;
+  }
+  SharedStore one(options());
+  SharedStore two(options());
+  const Result large{"text/plain", {}, std::string(400'000, 'x')};
+  EXPECT_TRUE(one.finish_job(ended(running(one, "kept")), &large));
+  EXPECT_TRUE(one.finish_job(ended(running(one, "removed")), &large));
+  const auto mesh = one.add_mesh(std::string(600, 'm'), describe).first.id;
+  EXPECT_TRUE(two.remove_job("removed"));
+  EXPECT_TRUE(two.remove_mesh(mesh));
+  EXPECT_TRUE(one.add_mesh(std::string(700, 'n'), describe).second);
+  EXPECT_TRUE(one.finish_job(ended(running(one, "new")), &large));
+  EXPECT_TRUE(one.job("kept").has_value());
+}
+
+TEST_F(SharedStoreTest, ExpiresTheResultsOfAnOwnerForWhatIsNewOfIt) {
+  quota_.of_owner = [](const std::string& owner) { return owner == "alice" ? 3000 : 0; };
+  SharedStore store(options());
+  const Result result{"text/plain", {}, std::string(1200, 'x')};
+  const auto finish = [&](const std::string& id, const std::string& owner) {
+    auto job = new_job(id, owner);
+    // The request of the job itself goes with its end, and leaves its room to the result.
+    store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"}, std::string(1200, 'r')));
+    return store.finish_job(ended(job), &result);
+  };
+  EXPECT_TRUE(finish("of bob", "bob"));
+  EXPECT_TRUE(finish("first", "alice"));
+  EXPECT_TRUE(store.job("first").has_value()) << "a result and a request fit";
+  EXPECT_TRUE(finish("second", "alice"));
+  EXPECT_FALSE(store.job("first").has_value());
+  EXPECT_TRUE(store.job("second").has_value());
+  EXPECT_TRUE(store.job("of bob").has_value()) << "it is older, and another's";
+  EXPECT_EQ(code_of([&] { store.add_mesh(std::string(3001, 'm'), describe, "alice"); }), "store.key_quota");
+  EXPECT_TRUE(store.job("second").has_value()) << "no result goes for what would not fit without it either";
+}
+
+TEST_F(SharedStoreTest, TellsTheDatabaseOfUsesOnceItIsThereAgain) {
+  SharedStore store(options());
+  const auto mesh = store.add_mesh("used", describe).first.id;
+  wait_milliseconds(20);
+  const auto before = now_milliseconds();
+  wait_milliseconds(20);
+  store.use_mesh(mesh);
+  auto& postgres = PrivatePostgres::of_this_process();
+  postgres.kill();
+  EXPECT_EQ(code_of([&] { store.keep_holds({}); }), "store.unavailable");
+  postgres.again();
+  EXPECT_EQ(store.remove_unused_meshes(before).size(), 0U);
+}
+
+TEST_F(SharedStoreTest, CountsAnewWhatOthersHaveAdded) {
+  count_again_ = 0.5;
+  SharedStore one(options());
+  SharedStore two(options());
+  two.add_mesh("mesh", describe);
+  one.keep_holds({});
+  EXPECT_EQ(one.usage().meshes, 0) << "it counted when it was made";
+  wait_milliseconds(600);
+  one.keep_holds({});
+  EXPECT_EQ(one.usage().meshes, 4);
+}
+
+TEST_F(SharedStoreTest, MovesWhatNobodyKnowsIntoQuarantine) {
+  unknown_files_ = 0.2;
+  SharedStore store(options());
+  const Result result{"text/plain", {}, "answer"};
+  store.finish_job(ended(running(store, "ended")), &result);
+  const auto mesh = store.add_mesh("mesh", describe).first.id;
+  const auto job = new_job("waits");
+  store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"}, std::string(300'000, 'x')));
+  overwrite("meshes/unknown.ply", "a mesh");
+  overwrite("meshes/" + mesh + ".txt", "no mesh");
+  overwrite("results/ended.7.result", "of another hold");
+  overwrite("requests/ended.request", "of a job that has ended");
+  wait_milliseconds(300);
+  overwrite("results/young.0.result", "about to be known");
+  store.remove_expired_jobs(0, 100);
+  EXPECT_EQ(quarantined_in(in_data("quarantine")),
+            (std::multiset<std::string>{"a mesh", "no mesh", "of another hold", "of a job that has ended"}));
+  EXPECT_EQ(store.mesh_content(mesh), "mesh");
+  EXPECT_EQ(store.job_result("ended").body.text(), "answer");
+  EXPECT_EQ(store.job_request("waits").body.size(), 300'000U);
+  EXPECT_TRUE(fs::exists(in_data("results/young.0.result")));
+}
+
+TEST_F(SharedStoreTest, RefusesTablesOfALaterVersion) {
+  { const SharedStore store(options()); }
+  PrivatePostgres::rows(database_, "UPDATE store SET version = 2");
+  EXPECT_EQ(code_of([&] { const SharedStore store(options()); }), "store.unavailable");
+}
+
 TEST_F(SharedStoreTest, RefusesAFolderOfAnotherDatabase) {
   { const SharedStore store(options()); }
   auto other = options();
@@ -391,6 +600,26 @@ TEST_F(SharedStoreTest, IsUnavailableWhileTheDatabaseIsAwayAndGoesOnAfterwards) 
   postgres.kill();
   postgres.again();
   EXPECT_TRUE(store.job("job").has_value()) << "a call after the connection was lost makes it again";
+}
+
+TEST_F(SharedStoreTest, GivesUpADatabaseThatHangsAndGoesOnAfterwards) {
+  auto impatient = options();
+  impatient.patience = 0.5;
+  SharedStore store(impatient);
+  store.add_job(new_job("job"));
+  auto& postgres = PrivatePostgres::of_this_process();
+  postgres.freeze();
+  const auto start = now_milliseconds();
+  std::atomic<int> refused{0};
+  std::vector<std::thread> callers;
+  for (int i = 0; i < 8; ++i)
+    callers.emplace_back([&] { refused += code_of([&] { store.job("job"); }) == "store.unavailable" ? 1 : 0; });
+  for (auto& caller : callers) caller.join();
+  const auto time = now_milliseconds() - start;
+  postgres.thaw();
+  EXPECT_EQ(refused, 8);
+  EXPECT_LT(time, 10'000) << "those who waited for their turn do not try one after the other";
+  EXPECT_TRUE(store.job("job").has_value());
 }
 
 TEST_F(SharedStoreTest, SaysThatNoDatabaseAnswers) {

@@ -58,9 +58,10 @@ class StoreTest : public testing::Test {
             [this](const std::string& text) { warnings_.push_back(text); }};
   }
   /// The contents of what is in quarantine.
-  std::multiset<std::string> quarantined() const {
+  std::multiset<std::string> quarantined() const { return quarantined_in(folder_ / "quarantine"); }
+  static std::multiset<std::string> quarantined_in(const fs::path& folder) {
     std::multiset<std::string> contents;
-    for (const auto& entry : fs::directory_iterator(folder_ / "quarantine")) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
       std::ifstream file(entry.path(), std::ios::binary);
       contents.emplace(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
     }
