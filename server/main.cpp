@@ -188,8 +188,13 @@ class Process {
     const auto warn = [](const std::string& text) { spdlog::warn(text); };
     if (options_.database.empty())
       return std::make_unique<store::LocalStore>(options_.data, recovery_of_store(warn), quota());
-    return std::make_unique<store::SharedStore>(
-        store::SharedStore::Options{options_.database, options_.data, options_.lease, quota(), warn});
+    store::SharedStore::Options shared;
+    shared.database = options_.database;
+    shared.folder = options_.data;
+    shared.lease = options_.lease;
+    shared.quota = quota();
+    shared.warn = warn;
+    return std::make_unique<store::SharedStore>(shared);
   }
 
   store::Quota quota() {
