@@ -61,7 +61,7 @@ install_packages() {
 
 build_server() {
   local first=()
-  # A first build has no tests, and compiles a dozen of a room's files at a time, so that their headers are read once. One that
+  # A first build has no tests, and compiles many of a room's files at a time, so that their headers are read once. One that
   # is there stays as it was configured.
   [ -f "$build/CMakeCache.txt" ] || first=(-G Ninja -DCMAKE_BUILD_TYPE=Release -DSUPPLE_BUILD_TESTS=OFF -DSUPPLE_TRAINING=OFF
     -DSUPPLE_GROUPED=ON)

@@ -47,7 +47,7 @@ by_name_only=(single_files hostile_asan image packages reproducible)
 
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
-# From nothing, a dozen of a room's files are compiled at a time, so that their headers are read once; a build that is there stays
+# From nothing, many of a room's files are compiled at a time, so that their headers are read once; a build that is there stays
 # as it was configured. CI stops at warnings, which is for those who write the code and not for those who build it.
 configure_preset() {
   [ -z "${done_already[$1]:-}" ] || return 0

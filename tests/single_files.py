@@ -1,4 +1,4 @@
-"""Whether each source file compiles by itself: the builds of continuous integration compile a dozen of a room's files at a time,
+"""Whether each source file compiles by itself: the builds of continuous integration compile many of a room's files at a time,
 which hides a missing include and a name that hides another.
 
     tests/single_files.py build/single-files/compile_commands.json [jobs] [words of a path ...]

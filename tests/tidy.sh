@@ -2,7 +2,7 @@
 # clang-tidy with the checks of .clang-tidy over every source file of the engine, the server and the CLI.
 # usage: tests/tidy.sh [jobs]     Needs the presets release and asan-ubsan configured.
 #
-# The second one compiles a room's files a dozen at a time, and so they are checked: most of the time goes into headers.
+# The second one compiles many of a room's files at a time, and so they are checked: most of the time goes into headers.
 # Findings name the file they are in. (A unity file includes sources, the one check that is left out here.) The training
 # room is not in it and is checked file by file, but for what includes LibTorch, whose headers clang 14 does not compile
 # as C++20.

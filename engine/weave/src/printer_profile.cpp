@@ -14,7 +14,7 @@ constexpr double largest_length = 100;     ///< mm; of beads, lifts and channels
 constexpr double largest_speed = 100'000;  ///< mm/min
 constexpr double largest_temperature = 500;
 
-std::string number(double value) {
+std::string short_text(double value) {
   std::string text = std::to_string(value);
   if (text.find('.') != std::string::npos) {
     text.erase(text.find_last_not_of('0') + 1);
@@ -27,8 +27,8 @@ std::string number(double value) {
 void check_range(Faults& faults, double value, const char* where, double least, double most, const char* unit,
                  bool positive = false) {
   faults.require(value >= least && value <= most && !(positive && value <= 0), where,
-                 std::string("must lie within ") + (positive ? "(" : "[") + number(least) + ", " + number(most) + "] " +
-                     unit + ", got " + number(value));
+                 std::string("must lie within ") + (positive ? "(" : "[") + short_text(least) + ", " +
+                     short_text(most) + "] " + unit + ", got " + short_text(value));
 }
 
 bool printable(const std::string& text) {

@@ -13,7 +13,7 @@ namespace {
 
 /// Pieces of the refined curve turn by less, rad: within one the parameter's speed varies by the square of this over a
 /// few hundred.
-constexpr double longest_turn = 0.06;
+constexpr double longest_turn_of_piece = 0.06;
 constexpr double most_pieces_between_points = 4096;
 /// How often a piece that still turns by more than twice that is halved.
 constexpr int most_halvings = 12;
@@ -220,7 +220,8 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
     }
     const double turn = curvature * piece_length(piece, 0, h);
     // Clamped before it is an integer: at a cusp the curvature has no bound.
-    const auto count = static_cast<int>(std::clamp(std::ceil(turn / longest_turn), 1.0, most_pieces_between_points));
+    const auto count =
+        static_cast<int>(std::clamp(std::ceil(turn / longest_turn_of_piece), 1.0, most_pieces_between_points));
     if (refined.size() + static_cast<std::size_t>(count) > most_pieces) refuse_pieces();
     for (int k = 0; k < count; ++k) {
       refined.emplace_back(in_piece(piece, h * k / count).position);
@@ -250,7 +251,7 @@ void StrandCurve::divide(std::size_t piece, double begin, double end, int halvin
   };
   const double turn =
       turned(in_piece(piece, begin).first, there.first) + turned(there.first, in_piece(piece, end).first);
-  if (turn <= 2 * longest_turn) return;
+  if (turn <= 2 * longest_turn_of_piece) return;
   divide(piece, begin, middle, halvings - 1, refined);
   refined.push_back(there.position);
   divide(piece, middle, end, halvings - 1, refined);

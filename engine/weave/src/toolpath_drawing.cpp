@@ -30,7 +30,7 @@ const char* colour(MoveKind kind) {
   return "#b8d8b8";
 }
 
-std::string number(double x) {
+std::string fixed_text(double x) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.3f", x);
   return text.data();
@@ -48,18 +48,18 @@ std::string to_svg(const Toolpath& toolpath) {
   std::string body;
   for (const Move& move : toolpath.moves) {
     body += std::string(R"(<path class=")") + std::string(to_string(move.kind)) + R"(" fill="none" stroke=")" +
-            colour(move.kind) + R"(" stroke-width=")" + number(width(move)) + R"(" d=")";
+            colour(move.kind) + R"(" stroke-width=")" + fixed_text(width(move)) + R"(" d=")";
     for (std::size_t i = 0; i < move.points.size(); ++i) {
-      body += (i == 0 ? "M" : "L") + number(move.points[i][0]) + " " + number(-move.points[i][1]);
+      body += (i == 0 ? "M" : "L") + fixed_text(move.points[i][0]) + " " + fixed_text(-move.points[i][1]);
       box.extend(Eigen::Vector2d(move.points[i].head<2>()));
     }
     body += "\"/>\n";
   }
   if (box.isEmpty()) box.extend(Eigen::Vector2d(0, 0));
   const Eigen::Vector2d size = box.sizes() + Eigen::Vector2d::Constant(2 * margin);
-  return R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox=")" + number(box.min()[0] - margin) + " " +
-         number(-box.max()[1] - margin) + " " + number(size[0]) + " " + number(size[1]) + R"(" width=")" +
-         number(size[0]) + R"(mm" height=")" + number(size[1]) + "mm\">\n" + body + "</svg>\n";
+  return R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox=")" + fixed_text(box.min()[0] - margin) + " " +
+         fixed_text(-box.max()[1] - margin) + " " + fixed_text(size[0]) + " " + fixed_text(size[1]) + R"(" width=")" +
+         fixed_text(size[0]) + R"(mm" height=")" + fixed_text(size[1]) + "mm\">\n" + body + "</svg>\n";
 }
 
 }  // namespace supple::weave

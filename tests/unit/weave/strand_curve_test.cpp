@@ -106,7 +106,7 @@ TEST(StrandCurve, HasTheDerivativesOfItsPositions) {
 }
 
 /// Teeth as high as their number: hairpins at their tips, and open ends that swing out.
-Points comb(int teeth, bool upright) {
+Points points_of_comb(int teeth, bool upright) {
   Points points;
   points.reserve(static_cast<std::size_t>(teeth));
   for (int i = 0; i < teeth; ++i) {
@@ -118,7 +118,7 @@ Points comb(int teeth, bool upright) {
 }
 
 TEST(StrandCurve, HasPiecesThatTurnByLittleEverywhere) {
-  const StrandCurve curve(comb(60, false), Ends::open);
+  const StrandCurve curve(points_of_comb(60, false), Ends::open);
   const auto& knots = curve.knots();
   double most = 0;
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
@@ -200,8 +200,8 @@ TEST(Intersections, FindsWhereALineCutsACircleAndTwoCirclesCutEachOther) {
 // Straight teeth would cross once each; curved ones do too, some within a few hundredths of a millimetre in a hairpin.
 TEST(Intersections, OfTwoCombsAreAllFound) {
   constexpr int teeth = 60;
-  const StrandCurve lying(comb(teeth, false), Ends::open);
-  const StrandCurve upright(comb(teeth, true), Ends::open);
+  const StrandCurve lying(points_of_comb(teeth, false), Ends::open);
+  const StrandCurve upright(points_of_comb(teeth, true), Ends::open);
   const auto found = intersections(lying, upright, Eigen::Vector2d::Zero());
   EXPECT_EQ(found.size(), static_cast<std::size_t>((teeth - 1) * (teeth - 1)));
   for (const Intersection& at : found)
