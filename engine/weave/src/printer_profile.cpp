@@ -14,6 +14,7 @@ constexpr double largest_length = 100;     ///< mm; of beads, lifts and channels
 constexpr double largest_speed = 100'000;  ///< mm/min
 constexpr double largest_temperature = 500;
 
+/// Without zeros at its end.
 std::string short_text(double value) {
   std::string text = std::to_string(value);
   if (text.find('.') != std::string::npos) {

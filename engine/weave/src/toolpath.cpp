@@ -18,7 +18,7 @@ namespace {
 
 constexpr double same_nozzle_position = 1e-6;  ///< mm
 constexpr double priming_margin = 5;           ///< from the bed's edges and from the print, mm
-constexpr double largest_overrun = 1000;       ///< mm; of overruns, margins and grips
+constexpr double largest_option = 1000;        ///< mm; of overruns, margins and grips
 constexpr std::size_t most_grips = 100;
 constexpr int most_overlap = 10;  ///< of a loop over itself, in its lengths
 constexpr int most_points = 2'000'000;
@@ -31,8 +31,8 @@ double passes_of(const Grip& grip, const PrinterProfile& profile) {
 void check(const ToolpathOptions& options, const Weave& weave, const PrinterProfile& profile) {
   Faults faults;
   const auto length = [&](double value, const std::string& where, double least = 0) {
-    faults.require(value >= least && value <= largest_overrun, where,
-                   "must lie within [" + mm(least) + ", " + mm(largest_overrun) + "], got " + std::to_string(value));
+    faults.require(value >= least && value <= largest_option, where,
+                   "must lie within [" + mm(least) + ", " + mm(largest_option) + "], got " + std::to_string(value));
   };
   const auto overrun = [&](const Overrun& o, const std::string& where) {
     length(o.start, where + "/start");

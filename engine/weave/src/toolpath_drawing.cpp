@@ -30,6 +30,7 @@ const char* colour(MoveKind kind) {
   return "#b8d8b8";
 }
 
+/// To a micrometre, of millimetres.
 std::string fixed_text(double x) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.3f", x);

@@ -53,6 +53,7 @@ pqxx::connection& Postgres::connected() {
   made->set_variable("idle_in_transaction_session_timeout", "'10s'");
   made->set_variable("client_min_messages", "warning");
   connection_ = std::move(made);
+  silence_.reset();
   return *connection_;
 }
 
@@ -64,9 +65,9 @@ void Postgres::fail(const pqxx::pqxx_exception& error) {
   connection_.reset();
   std::string text = error.base().what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
-  failure_.emplace(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
-  if (!sql) failed_ = Clock::now();
-  throw Error(*failure_);
+  Error failure(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
+  if (dynamic_cast<const pqxx::broken_connection*>(&error.base())) silence_ = {Clock::now(), failure};
+  throw failure;
 }
 
 }  // namespace supple::store

@@ -30,7 +30,7 @@ class Postgres {
     const auto asked = Clock::now();
     const std::lock_guard lock(mutex_);
     // Who has waited for its turn while the database did not answer is not to wait for it once more.
-    if (failed_ > asked) throw Error(*failure_);
+    if (silence_ && silence_->noticed > asked) throw Error(silence_->error);
     return translated([&] {
       for (bool again = connection_ != nullptr;; again = false) {
         bool committing = false;
@@ -69,8 +69,11 @@ class Postgres {
   SocketDeadline deadline_;
   std::mutex mutex_;
   std::unique_ptr<pqxx::connection> connection_;
-  Clock::time_point failed_{};    ///< when the database last did not answer
-  std::optional<Error> failure_;  ///< and what was said of it
+  struct Silence {
+    Clock::time_point noticed;
+    Error error;
+  };
+  std::optional<Silence> silence_;  ///< of the database, until it is connected again
 };
 
 }  // namespace supple::store

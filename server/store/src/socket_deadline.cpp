@@ -18,12 +18,11 @@ SocketDeadline::~SocketDeadline() {
 }
 
 SocketDeadline::Watch SocketDeadline::watch(int socket) {
-  {
-    const std::lock_guard lock(mutex_);
-    socket_ = socket;
-    until_ = Clock::now() + limit_;
-  }
-  changed_.notify_one();
+  const std::lock_guard lock(mutex_);
+  socket_ = socket;
+  until_ = Clock::now() + limit_;
+  // Otherwise its thread wakes at the end of an earlier watch, which is before the end of this one.
+  if (asleep_) changed_.notify_one();
   return Watch(*this);
 }
 
@@ -36,9 +35,11 @@ void SocketDeadline::run() {
   std::unique_lock lock(mutex_);
   while (!stops_) {
     if (!until_) {
+      asleep_ = true;
       changed_.wait(lock);
-    } else if (Clock::now() < *until_) {
-      changed_.wait_until(lock, *until_);
+      asleep_ = false;
+    } else if (const auto until = *until_; Clock::now() < until) {
+      changed_.wait_until(lock, until);
     } else {
       ::shutdown(socket_, SHUT_RDWR);
       until_.reset();

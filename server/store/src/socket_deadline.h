@@ -44,6 +44,7 @@ class SocketDeadline {
   std::condition_variable changed_;
   int socket_ = -1;
   std::optional<Clock::time_point> until_;  ///< none where nothing is watched
+  bool asleep_ = false;                     ///< until the next watch begins
   bool stops_ = false;
   std::thread thread_;
 };

@@ -17,17 +17,17 @@ namespace supple::store {
 /// grown, and the file of a result has that number in its name, so that a late one replaces nothing.
 ///
 /// Ages of what expires are by the servers' clocks; leases are by the clock of the database. A lost connection is made
-/// again by the next call. What nobody knows in the folder for a while is moved into its folder "quarantine".
+/// again by the next call. What nobody knows in the folder for an hour is moved into its folder "quarantine".
 class SharedStore final : public Store {
  public:
   struct Options {
     std::string database;  ///< connection string of libpq: "postgresql://user@host/name", or "host=... dbname=..."
     std::filesystem::path folder;  ///< the same for all servers
     double lease = 10;             ///< seconds
-    double unknown_files = 3600;   ///< seconds until what nobody knows in the folder is moved into quarantine
     double patience = 20;          ///< seconds until a transaction is given up that the database does not answer
     Quota quota;                   ///< of all servers together
     double count_again = 5;        ///< seconds until what they hold is counted anew
+    double unknown_files = 3600;   ///< seconds until what nobody knows in the folder is moved into quarantine
     std::function<void(const std::string&)> warn;
   };
 
