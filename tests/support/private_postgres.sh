@@ -38,6 +38,7 @@ case $action in
   again) folder=$(realpath "$folder"); start_it ;;
   kill)
     main=$(head -1 "$folder/data/postmaster.pid")
+    kill -STOP "$main"  # or it starts another process meanwhile
     mapfile -t all < <(pgrep --parent "$main")
     kill -9 "$main" "${all[@]}" 2>/dev/null || true
     while kill -0 "$main" "${all[@]}" 2>/dev/null; do sleep 0.02; done
@@ -45,6 +46,7 @@ case $action in
   freeze | thaw)
     main=$(head -1 "$folder/data/postmaster.pid")
     [ "$action" = freeze ] && signal=STOP || signal=CONT
+    kill -STOP "$main"  # or it starts another process meanwhile
     mapfile -t all < <(pgrep --parent "$main")
     kill -"$signal" "$main" "${all[@]}"
     ;;

@@ -97,6 +97,7 @@ void JobQueue::forget(Job& job) {
 void JobQueue::lose(const JobPointer& job) {
   {
     const std::lock_guard lock(mutex_);
+    if (job->finishing) return;  // that is why the database does not name it any more
     job->lost = true;
   }
   job->token.request(StopReason::cancelled);

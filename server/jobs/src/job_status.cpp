@@ -15,7 +15,8 @@ constexpr std::chrono::milliseconds look_at_other_servers{200};
 
 JobQueue::JobPointer JobQueue::find(const std::string& id) const {
   const auto found = jobs_.find(id);
-  return found != jobs_.end() && found->second->visible ? found->second : nullptr;
+  if (found == jobs_.end() || !found->second->visible || found->second->lost) return nullptr;
+  return found->second;
 }
 
 std::optional<JobStatus> JobQueue::status_in_memory(const std::string& id) const {

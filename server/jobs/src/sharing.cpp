@@ -55,12 +55,7 @@ bool JobQueue::share_once() {
       held.erase(found);
       continue;
     }
-    bool ends_here = false;
-    {
-      const std::lock_guard lock(mutex_);
-      ends_here = job->finishing || job->finished;  // that is why the database does not name it any more
-    }
-    if (!ends_here) lose(job);
+    lose(job);
   }
   for (const auto& [id, hold] : held) take_over_if_unknown(id, hold);
 

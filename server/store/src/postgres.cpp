@@ -65,9 +65,8 @@ void Postgres::fail(const pqxx::pqxx_exception& error) {
   connection_.reset();
   std::string text = error.base().what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
-  Error failure(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
-  if (dynamic_cast<const pqxx::broken_connection*>(&error.base())) silence_ = {Clock::now(), failure};
-  throw failure;
+  if (dynamic_cast<const pqxx::broken_connection*>(&error.base())) silence_ = {Clock::now(), text};
+  throw failure(full ? "store.full" : "store.unavailable", text);
 }
 
 }  // namespace supple::store

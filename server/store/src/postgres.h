@@ -6,6 +6,7 @@
 #include <optional>
 #include <pqxx/pqxx>
 #include <string>
+#include <utility>
 
 #include "socket_deadline.h"
 #include "supple/base/error.h"
@@ -29,8 +30,9 @@ class Postgres {
   auto transaction(const Work& work) {
     const auto asked = Clock::now();
     const std::lock_guard lock(mutex_);
-    // Who has waited for its turn while the database did not answer is not to wait for it once more.
-    if (silence_ && silence_->noticed > asked) throw Error(silence_->error);
+    // Who has waited long for its turn while the database did not answer is not to wait for it once more. Who has only
+    // just come asks it: it may be there again.
+    if (silence_ && silence_->noticed > asked + long_wait) throw failure("store.unavailable", silence_->reason);
     return translated([&] {
       for (bool again = connection_ != nullptr;; again = false) {
         bool committing = false;
@@ -52,6 +54,7 @@ class Postgres {
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::seconds long_wait{1};
 
   pqxx::connection& connected();
   template <class Call>
@@ -62,6 +65,9 @@ class Postgres {
       fail(error);
     }
   }
+  static Error failure(std::string code, const std::string& reason) {
+    return Error(std::move(code), "The store's database reports: " + reason + ".");
+  }
   /// Throws it as an error of the store.
   [[noreturn]] void fail(const pqxx::pqxx_exception& error);
 
@@ -71,7 +77,7 @@ class Postgres {
   std::unique_ptr<pqxx::connection> connection_;
   struct Silence {
     Clock::time_point noticed;
-    Error error;
+    std::string reason;
   };
   std::optional<Silence> silence_;  ///< of the database, until it is connected again
 };

@@ -133,9 +133,9 @@ TEST_F(SharingTest, GivesJobsThatWaitToAServerThatHasNothingToDo) {
 TEST_F(SharingTest, TellsHowFarAJobOfAnotherServerIs) {
   work_.go_on = false;
   const auto one = server();
-  const auto two = server();
   const auto id = one->submit("waits");
   wait_until_running(1);
+  const auto two = server();  // which would have taken a job that waits
   std::uint64_t version = 0;
   JobStatus status;
   for (int i = 0; i < 50 && status.stage.empty(); ++i) status = two->queue().wait_for_change(id, version, 0.3);
@@ -152,9 +152,9 @@ TEST_F(SharingTest, TellsHowFarAJobOfAnotherServerIs) {
 TEST_F(SharingTest, DismissesAJobOfAnotherServer) {
   work_.go_on = false;
   const auto one = server();
-  const auto two = server();
   const auto id = one->submit("waits");
   wait_until_running(1);
+  const auto two = server();  // which would have taken a job that waits
   const auto dismissed = two->queue().remove(id);
   ASSERT_TRUE(dismissed);
   EXPECT_EQ(dismissed->record.state, JobState::dismissed);

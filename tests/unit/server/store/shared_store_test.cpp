@@ -2,8 +2,10 @@
 
 #include <arpa/inet.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <thread>
 
 #include "store_fixture.h"
@@ -37,6 +39,29 @@ class SilentPort {
  private:
   const int socket_;
   int number_ = 0;
+};
+
+/// Stands where a database's socket is expected in a folder of its own, and says nothing to who connects.
+class SilentSocket {
+ public:
+  explicit SilentSocket(const fs::path& folder) : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    fs::create_directories(folder);
+    const auto path = (folder / ".s.PGSQL.5432").string();
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    EXPECT_LT(path.copy(address.sun_path, sizeof address.sun_path - 1), sizeof address.sun_path - 1);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(socket_, 8), 0);
+  }
+  ~SilentSocket() { ::close(socket_); }
+  SilentSocket(const SilentSocket&) = delete;
+  SilentSocket& operator=(const SilentSocket&) = delete;
+
+  /// The next connection to it.
+  int accepted() const { return ::accept(socket_, nullptr, nullptr); }
+
+ private:
+  const int socket_;
 };
 
 /// Two servers of one database and one folder.
@@ -620,6 +645,37 @@ TEST_F(SharedStoreTest, GivesUpADatabaseThatHangsAndGoesOnAfterwards) {
   EXPECT_EQ(refused, 8);
   EXPECT_LT(time, 10'000) << "those who waited for their turn do not try one after the other";
   EXPECT_TRUE(store.job("job").has_value());
+}
+
+TEST_F(SharedStoreTest, AsksADatabaseAgainForWhoHasNotWaitedLong) {
+  const auto socket = folder_ / "socket";
+  const auto real = database_.substr(sizeof "host=" - 1, database_.find(' ') - sizeof "host=" + 1);
+  const auto leads_to = [&](const fs::path& folder) {
+    fs::remove(socket);
+    fs::create_directory_symlink(folder, socket);
+  };
+  leads_to(real);
+  auto through = options();
+  through.database.replace(sizeof "host=" - 1, real.size(), socket.string());
+  SharedStore store(through);
+  store.add_job(new_job("job"));
+  const SilentSocket silent(folder_ / "silent");
+  leads_to(folder_ / "silent");
+  PrivatePostgres::rows(database_,
+                        "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database() AND "
+                        "pid <> pg_backend_pid()");
+  std::string first;
+  std::string second;
+  std::thread before([&] { first = code_of([&] { store.job("job"); }); });
+  const int connection = silent.accepted();
+  leads_to(real);
+  std::thread after([&] { second = code_of([&] { store.job("job"); }); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ::close(connection);
+  before.join();
+  after.join();
+  EXPECT_EQ(first, "store.unavailable");
+  EXPECT_EQ(second, "nothing was thrown") << "the database is there again, which the other call could not know";
 }
 
 TEST_F(SharedStoreTest, SaysThatNoDatabaseAnswers) {
