@@ -1,13 +1,11 @@
 #include "supple/store/shared_store.h"
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <thread>
 
+#include "silent_database.h"
 #include "store_fixture.h"
 #include "supple/store/local_store.h"
 #include "support/private_postgres.h"
@@ -16,53 +14,6 @@ namespace supple::store {
 namespace {
 
 using testing::PrivatePostgres;
-
-/// A port whose connections the system takes and nobody answers.
-class SilentPort {
- public:
-  SilentPort() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(::bind(socket_, reinterpret_cast<sockaddr*>(&address), size), 0);
-    EXPECT_EQ(::listen(socket_, 8), 0);
-    EXPECT_EQ(::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    number_ = ntohs(address.sin_port);
-  }
-  ~SilentPort() { ::close(socket_); }
-  SilentPort(const SilentPort&) = delete;
-  SilentPort& operator=(const SilentPort&) = delete;
-
-  int number() const { return number_; }
-
- private:
-  const int socket_;
-  int number_ = 0;
-};
-
-/// Stands where a database's socket is expected in a folder of its own, and says nothing to who connects.
-class SilentSocket {
- public:
-  explicit SilentSocket(const fs::path& folder) : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    fs::create_directories(folder);
-    const auto path = (folder / ".s.PGSQL.5432").string();
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    EXPECT_LT(path.copy(address.sun_path, sizeof address.sun_path - 1), sizeof address.sun_path - 1);
-    EXPECT_EQ(::bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-    EXPECT_EQ(::listen(socket_, 8), 0);
-  }
-  ~SilentSocket() { ::close(socket_); }
-  SilentSocket(const SilentSocket&) = delete;
-  SilentSocket& operator=(const SilentSocket&) = delete;
-
-  /// The next connection to it.
-  int accepted() const { return ::accept(socket_, nullptr, nullptr); }
-
- private:
-  const int socket_;
-};
 
 /// Two servers of one database and one folder.
 class SharedStoreTest : public StoreTest {
@@ -659,7 +610,7 @@ TEST_F(SharedStoreTest, AsksADatabaseAgainForWhoHasNotWaitedLong) {
   through.database.replace(sizeof "host=" - 1, real.size(), socket.string());
   SharedStore store(through);
   store.add_job(new_job("job"));
-  const SilentSocket silent(folder_ / "silent");
+  const SilentDatabase silent(folder_ / "silent");
   leads_to(folder_ / "silent");
   PrivatePostgres::rows(database_,
                         "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database() AND "
@@ -667,7 +618,7 @@ TEST_F(SharedStoreTest, AsksADatabaseAgainForWhoHasNotWaitedLong) {
   std::string first;
   std::string second;
   std::thread before([&] { first = code_of([&] { store.job("job"); }); });
-  const int connection = silent.accepted();
+  const int connection = silent.accept();
   leads_to(real);
   std::thread after([&] { second = code_of([&] { store.job("job"); }); });
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -685,9 +636,9 @@ TEST_F(SharedStoreTest, SaysThatNoDatabaseAnswers) {
 }
 
 TEST_F(SharedStoreTest, GivesUpADatabaseWhoseMachineTakesConnectionsAndSaysNothing) {
-  const SilentPort port;
+  const SilentDatabase machine;
   auto silent = options();
-  silent.database = "postgresql://supple@127.0.0.1:" + std::to_string(port.number()) + "/supple";
+  silent.database = "postgresql://supple@127.0.0.1:" + std::to_string(machine.port()) + "/supple";
   EXPECT_EQ(code_of([&] { const SharedStore store(silent); }), "store.unavailable") << "and does not wait for ever";
 }
 

@@ -218,6 +218,7 @@ class JobQueue {
   /// Stores how a job ended; what the store refuses becomes part of the record.
   End write_end(store::JobRecord& record, const store::Result* result);
   void write_what_was_refused();
+  /// Under the mutex: the job that only this process can answer for; of a lost one the store knows more.
   JobPointer find(const std::string& id) const;
   /// Under the mutex: the status of what memory knows better than the store.
   std::optional<JobStatus> status_in_memory(const std::string& id) const;
