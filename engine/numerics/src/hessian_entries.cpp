@@ -1,5 +1,7 @@
 #include "supple/numerics/hessian_entries.h"
 
+#include <numeric>
+
 #include "supple/base/stop_pace.h"
 
 namespace supple::numerics {
@@ -9,6 +11,41 @@ namespace {
 constexpr double worth_forgetting = 1.25;
 /// Places that are sorted or looked up between two looks for a stop request: some milliseconds.
 constexpr std::size_t places_between_looks = 1 << 16;
+
+/// Sorts pairs of column << 32 | row and leaves each of them once.
+///
+/// They are put into columns by counting, and of each column the rows are told apart by marks before they are sorted:
+/// the places of elements come many times, a column has some dozen rows. O(pairs + columns + rows).
+void sort_without_repetition(std::vector<std::uint64_t>& pairs, const CancellationToken& cancellation) {
+  const auto column_of = [](std::uint64_t pair) { return static_cast<std::size_t>(pair >> 32); };
+  const auto row_of = [](std::uint64_t pair) { return static_cast<std::uint32_t>(pair); };
+  StopPace pace(cancellation);
+  std::vector<std::size_t> end;  // of each column
+  std::uint32_t last_row = 0;
+  for (const std::uint64_t pair : pairs) {
+    pace.look();
+    if (column_of(pair) >= end.size()) end.resize(column_of(pair) + 1);
+    ++end[column_of(pair)];
+    last_row = std::max(last_row, row_of(pair));
+  }
+  std::exclusive_scan(end.begin(), end.end(), end.begin(), std::size_t{0});
+  std::vector<std::uint32_t> rows(pairs.size());
+  for (const std::uint64_t pair : pairs) {
+    pace.look();
+    rows[end[column_of(pair)]++] = row_of(pair);
+  }
+  std::vector<std::size_t> seen_in(std::size_t{last_row} + 1);  // for each row, one more than the last column
+  pairs.clear();
+  std::size_t next = 0;
+  for (std::size_t column = 0; column < end.size(); ++column) {
+    const auto first = static_cast<std::ptrdiff_t>(pairs.size());
+    for (; next < end[column]; ++next) {
+      pace.look();
+      if (std::exchange(seen_in[rows[next]], column + 1) != column + 1) pairs.push_back(column << 32 | rows[next]);
+    }
+    std::sort(pairs.begin() + first, pairs.end());
+  }
+}
 
 }  // namespace
 
@@ -43,7 +80,7 @@ void HessianEntries::index_columns() {
 }
 
 void HessianEntries::clear() {
-  if (diverged_ || !replaced_.empty() || cursor_ < sequence_.size()) learn();
+  if (!unexpected_.empty() || !replaced_.empty() || cursor_ < sequence_.size()) learn();
   std::ranges::fill(values_, 0.0);
   border_columns_.setZero();
   cursor_ = 0;
@@ -71,7 +108,7 @@ void HessianEntries::replace_block(const std::int32_t* rows, std::size_t size, c
 
 void HessianEntries::note_block(const std::int32_t* rows, std::size_t size) {
   drop_blocks();
-  blocks_.push_back({cursor_ + unexpected_.size(), block_rows_.size(), size});
+  blocks_.push_back({cursor_, block_rows_.size(), size});
   block_rows_.insert(block_rows_.end(), rows, rows + size);
   ++next_block_;
 }
@@ -83,10 +120,11 @@ void HessianEntries::drop_blocks() {
 }
 
 void HessianEntries::add_unexpected(Place place, double value) {
-  diverged_ = true;
   // Nothing that follows is compared with the old sequence: it would match by accident only.
   sequence_.resize(cursor_);
-  unexpected_.emplace_back(place, value);
+  sequence_.push_back(place);
+  unexpected_.push_back(value);
+  if (++cursor_ % places_between_looks == 0) look_for_stop();
 }
 
 void HessianEntries::grow_border(Eigen::Index high) {
@@ -102,18 +140,17 @@ void HessianEntries::learn() {
   drop_blocks();
   // Where the sequence ended early, what it lost may come back: its places stay.
   sequence_.resize(cursor_);
-  slots_.resize(cursor_);
-  if (!diverged_ && replaced_.empty()) return;
+  slots_.resize(cursor_ - unexpected_.size());
+  if (unexpected_.empty() && replaced_.empty()) return;
   const bool grew = add_to_pattern();
-  for (const auto& [place, value] : unexpected_) {
-    if (sequence_.size() % places_between_looks == 0) look_for_stop();
-    const std::uint32_t slot = slot_of(place);
+  slots_.reserve(sequence_.size());
+  for (const double value : unexpected_) {
+    if (slots_.size() % places_between_looks == 0) look_for_stop();
+    const std::uint32_t slot = slot_of(sequence_[slots_.size()]);
     values_[slot] += value;
-    sequence_.push_back(place);
     slots_.push_back(slot);
   }
   unexpected_.clear();
-  diverged_ = false;
   if (!replaced_.empty()) put_in_sequence();
   cursor_ = sequence_.size();
   // Only where the pattern is another one anyway.
@@ -188,17 +225,27 @@ void HessianEntries::forget_unfilled() {
   index_columns();
 }
 
-bool HessianEntries::add_to_pattern() {
+/// Those that the pattern lacks; some come several times.
+std::vector<HessianEntries::Place> HessianEntries::fresh_places() const {
   std::vector<Place> fresh;
-  for (const auto* entries : {&replaced_entries_, &unexpected_})
-    for (const auto& [place, value] : *entries) {
-      if (place == held) continue;
-      const std::size_t at = find(place);
-      if (at == pattern_.size() || pattern_[at] != place) fresh.push_back(place);
-    }
+  fresh.reserve(pattern_.empty() ? replaced_entries_.size() + unexpected_.size() : 0);
+  const CancellationToken stop = cancellation();
+  StopPace pace(stop);
+  const auto take = [&](Place place) {
+    pace.look();
+    if (place == held) return;
+    const std::size_t at = find(place);
+    if (at == pattern_.size() || pattern_[at] != place) fresh.push_back(place);
+  };
+  for (const auto& [place, value] : replaced_entries_) take(place);
+  std::for_each(sequence_.end() - static_cast<std::ptrdiff_t>(unexpected_.size()), sequence_.end(), take);
+  return fresh;
+}
+
+bool HessianEntries::add_to_pattern() {
+  std::vector<Place> fresh = fresh_places();
   if (fresh.empty()) return false;
-  sort_stoppably(fresh, cancellation_ ? *cancellation_ : CancellationToken());
-  fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
+  sort_without_repetition(fresh, cancellation());
   std::vector<Place> merged;
   std::vector<double> values{values_.front()};
   std::vector<std::uint32_t> moved(values_.size());
@@ -248,7 +295,7 @@ SparseMatrix HessianEntries::matrix(Eigen::Index n) {
 
 void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
   const Eigen::Index core = core_size();
-  if (diverged_ || !replaced_.empty() || into.core.rows() != core ||
+  if (!unexpected_.empty() || !replaced_.empty() || into.core.rows() != core ||
       into.core.nonZeros() != static_cast<Eigen::Index>(pattern_.size())) {
     learn();
     into.core = lower(core);

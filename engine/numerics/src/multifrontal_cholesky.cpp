@@ -96,7 +96,7 @@ void MultifrontalCholesky::set_fronts(const Fronts& fronts) {
   }
   supernodes_[count].first = n_;
   cancellation_.throw_if_requested();
-  factor_.resize(static_cast<std::size_t>(panel));
+  make_room(factor_, static_cast<std::size_t>(panel));
   find_relative_rows();
   choose_subtrees();
   size_rooms();
@@ -332,8 +332,8 @@ MultifrontalCholesky::RoomSize MultifrontalCholesky::room_for(int begin, int end
 
 void MultifrontalCholesky::size_rooms() {
   const RoomSize upper = room_for(0, static_cast<int>(supernodes_.size()) - 1, subtrees_);
-  room_.front.resize(upper.front);
-  room_.updates.resize(upper.stacked);
+  make_room(room_.front, upper.front);
+  make_room(room_.updates, upper.stacked);
   of_subtrees_ = {};
   for (const Subtree& subtree : subtrees_) {
     const RoomSize size = room_for(subtree.begin, subtree.root + 1, {});
@@ -403,8 +403,7 @@ bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& m
   }
   for_columns(node.pivots, [&](int first, int end) {
     const auto begin = static_cast<std::int64_t>(node.ld) * first;
-    std::copy_n(front + begin, static_cast<std::int64_t>(node.ld) * (end - first),
-                factor_.begin() + node.panel + begin);
+    std::copy_n(front + begin, static_cast<std::int64_t>(node.ld) * (end - first), factor_.data() + node.panel + begin);
   });
   const int below = node.rows - node.pivots;
   if (below == 0) return true;
@@ -460,8 +459,8 @@ bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
           rooms_.pop_back();
         }
       }
-      room.front.resize(of_subtrees_.front);
-      room.updates.resize(of_subtrees_.stacked);
+      make_room(room.front, of_subtrees_.front);
+      make_room(room.updates, of_subtrees_.stacked);
       if (!factorize_subtree(matrix, shift, subtrees_[static_cast<std::size_t>(number)], room)) definite = false;
       const std::lock_guard lock(rooms_mutex);
       rooms_.push_back(std::move(room));

@@ -7,6 +7,7 @@
 
 #include "supple/base/cancellation.h"
 #include "supple/numerics/objective.h"
+#include "unset_numbers.h"
 
 namespace supple::numerics {
 
@@ -60,12 +61,12 @@ class MultifrontalCholesky {
   struct Subtree {
     int begin = 0;
     int root = 0;
-    std::vector<double> update;  ///< what the root hands on to its parent
+    UnsetNumbers update;  ///< what the root hands on to its parent
   };
   /// Room for the factorization of some supernodes.
   struct Room {
-    std::vector<double> front;    ///< for the largest of their fronts
-    std::vector<double> updates;  ///< stack of the update matrices that wait for their parents
+    UnsetNumbers front;    ///< for the largest of their fronts
+    UnsetNumbers updates;  ///< stack of the update matrices that wait for their parents
   };
   struct RoomSize {
     std::size_t front = 0;
@@ -111,7 +112,7 @@ class MultifrontalCholesky {
   std::vector<int> relative_;              ///< for each row below the pivots its place in the parent's front
   std::vector<std::int64_t> entry_slot_;   ///< index into the matrix' values
   std::vector<std::int32_t> entry_place_;  ///< where it goes in its front
-  std::vector<double> factor_;
+  UnsetNumbers factor_;
   std::vector<Subtree> subtrees_;  ///< in the order of their supernodes; none where the whole is little work
   Room room_;                      ///< for all other supernodes
   std::vector<Room> rooms_;        ///< for subtrees, which threads take and give back

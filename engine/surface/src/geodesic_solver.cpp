@@ -95,6 +95,7 @@ std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, 
   std::vector<std::size_t> places;
   const std::int32_t component = mesh().component(index(from.face));
   for (std::size_t i = 0; i < to.size(); ++i) {
+    execution.cancellation.throw_if_requested();
     if (mesh().component(index(to[i].face)) != component) continue;
     SearchTarget target = make_target(search_mesh, to[i]);
     if (arrive_near_vertex(search_mesh, {&from, 1}, target)) {
@@ -114,7 +115,10 @@ std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, 
   bill(*search, execution);
   const StageTimer timer(execution.cost, "assembly");
   const SearchState state = state_of(*search);
-  for (std::size_t i = 0; i < targets.size(); ++i) results[places[i]] = assemble(state, targets[i], options);
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    execution.cancellation.throw_if_requested();
+    results[places[i]] = assemble(state, targets[i], options);
+  }
   return results;
 }
 

@@ -36,21 +36,23 @@ constexpr std::array<std::array<double, 2>, 5> gauss{{{-0.9061798459386640, 0.23
 using Vectors = std::vector<Eigen::Vector2d>;
 
 /// Solves a tridiagonal system of diagonally dominant rows: below[i] x[i-1] + diagonal[i] x[i] + above[i] x[i+1] =
-/// x[i], in place.
+/// x[i], in place. Looks for a stop request before each of its two sweeps, of some 10 ns for each row.
 template <typename Value>
 void solve_tridiagonal(const std::vector<double>& below, std::vector<double> diagonal, const std::vector<double>& above,
-                       std::vector<Value>& x) {
+                       std::vector<Value>& x, const CancellationToken& cancellation) {
+  cancellation.throw_if_requested();
   for (std::size_t i = 1; i < x.size(); ++i) {
     const double factor = below[i] / diagonal[i - 1];
     diagonal[i] -= factor * above[i - 1];
     x[i] -= factor * x[i - 1];
   }
+  cancellation.throw_if_requested();
   x.back() /= diagonal.back();
   for (std::size_t i = x.size() - 1; i-- > 0;) x[i] = (x[i] - above[i] * x[i + 1]) / diagonal[i];
 }
 
 /// Second derivatives of the periodic spline: n intervals h, slopes of the chords.
-Vectors periodic_seconds(const std::vector<double>& h, const Vectors& slopes) {
+Vectors periodic_seconds(const std::vector<double>& h, const Vectors& slopes, const CancellationToken& cancellation) {
   const std::size_t n = h.size();
   Vectors m(n);
   const auto right = [&](std::size_t i) -> Eigen::Vector2d { return 6 * (slopes[i] - slopes[(i + n - 1) % n]); };
@@ -80,8 +82,8 @@ Vectors periodic_seconds(const std::vector<double>& h, const Vectors& slopes) {
     std::vector<double> u(n, 0.0);
     u[0] = gamma;
     u[n - 1] = corner;
-    solve_tridiagonal(below, diagonal, above, m);
-    solve_tridiagonal(below, diagonal, above, u);
+    solve_tridiagonal(below, diagonal, above, m, cancellation);
+    solve_tridiagonal(below, diagonal, above, u, cancellation);
     const double share = 1 + u[0] + corner / gamma * u[n - 1];
     const Eigen::Vector2d factor = (m[0] + corner / gamma * m[n - 1]) / share;
     for (std::size_t i = 0; i < n; ++i) m[i] -= u[i] * factor;
@@ -91,7 +93,7 @@ Vectors periodic_seconds(const std::vector<double>& h, const Vectors& slopes) {
 }
 
 /// The same for an open curve whose first two and last two pieces are one polynomial each.
-Vectors open_seconds(const std::vector<double>& h, const Vectors& slopes) {
+Vectors open_seconds(const std::vector<double>& h, const Vectors& slopes, const CancellationToken& cancellation) {
   const std::size_t n = h.size();
   if (n == 1) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   if (n == 2) return Vectors(3, 2 * (slopes[1] - slopes[0]) / (h[0] + h[1]));
@@ -109,7 +111,7 @@ Vectors open_seconds(const std::vector<double>& h, const Vectors& slopes) {
   above.front() -= h[0] * h[0] / h[1];
   diagonal.back() += h[n - 1] * (h[n - 1] + h[n - 2]) / h[n - 2];
   below.back() -= h[n - 1] * h[n - 1] / h[n - 2];
-  solve_tridiagonal(below, diagonal, above, inner);
+  solve_tridiagonal(below, diagonal, above, inner, cancellation);
   Vectors m;
   m.reserve(n + 1);
   m.emplace_back(((h[0] + h[1]) * inner[0] - h[0] * inner[1]) / h[1]);
@@ -180,11 +182,11 @@ StrandCurve::StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends, 
     values_ = {values.front(), values.back()};
     seconds_.assign(2, Eigen::Vector2d::Zero());
   } else {
-    fit(values);
+    fit(values, execution);
     const std::vector<std::size_t> given = refine(execution);
     for (int round = 0; round < rounds; ++round) {
       measure(execution);
-      fit(values_);
+      fit(values_, execution);
     }
     point_coordinates_.reserve(given.size());
     for (const std::size_t i : given) point_coordinates_.push_back(knots_[i]);
@@ -192,7 +194,7 @@ StrandCurve::StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends, 
   if (ends != Ends::open) point_coordinates_.pop_back();
 }
 
-void StrandCurve::fit(std::vector<Eigen::Vector2d> values) {
+void StrandCurve::fit(std::vector<Eigen::Vector2d> values, const Execution& execution) {
   const std::size_t n = values.size() - 1;
   std::vector<double> h(n);
   Vectors slopes(n);
@@ -201,7 +203,8 @@ void StrandCurve::fit(std::vector<Eigen::Vector2d> values) {
     slopes[i] = (values[i + 1] - values[i]) / h[i];
   }
   values_ = std::move(values);
-  seconds_ = ends_ == Ends::open ? open_seconds(h, slopes) : periodic_seconds(h, slopes);
+  const auto seconds = ends_ == Ends::open ? open_seconds : periodic_seconds;
+  seconds_ = seconds(h, slopes, execution.cancellation);
 }
 
 std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
@@ -237,7 +240,7 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
   knots_.reserve(refined.size());
   for (std::size_t i = 1; i < refined.size(); ++i)
     knots_.push_back(knots_.back() + (refined[i] - refined[i - 1]).norm());
-  fit(refined);
+  fit(refined, execution);
   return given;
 }
 

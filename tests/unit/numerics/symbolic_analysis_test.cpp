@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "partial_cholesky.h"
 #include "supple/base/error.h"
 #include "supple/base/helper_processes.h"
@@ -68,6 +70,37 @@ TEST(HessianEntries, StopWhileTheySortTheirPlaces) {
   for (int i = 0; i < 1000; ++i) entries.add(i, i, 1);
   token.request(StopReason::cancelled);
   ::supple::testing::expect_error("job.cancelled", [&] { entries.matrix(1000); });
+}
+
+TEST(HessianEntries, StopWhileTheyAreAddedAndServeAgainAfterwards) {
+  constexpr int n = 1000;
+  constexpr int band = 100;
+  const auto add_all = [](HessianEntries& entries) {
+    for (int i = 0; i < n; ++i)
+      for (int j = std::max(0, i - band); j <= i; ++j) entries.add(i, j, i == j ? 2 : -0.01);
+  };
+  HessianEntries undisturbed;
+  add_all(undisturbed);
+  const SparseMatrix expected = undisturbed.matrix(n);
+  for (const bool while_added : {true, false}) {
+    HessianEntries entries;
+    CancellationToken token;
+    entries.stop_with(&token);
+    if (while_added) {
+      token.request(StopReason::deadline);
+      ::supple::testing::expect_error("job.deadline_exceeded", [&] { add_all(entries); });
+    } else {
+      add_all(entries);
+      token.request(StopReason::deadline);
+      ::supple::testing::expect_error("job.deadline_exceeded", [&] { entries.matrix(n); });
+    }
+    entries.stop_with(nullptr);
+    for (int round = 0; round < 2; ++round) {
+      entries.clear();
+      add_all(entries);
+      EXPECT_EQ((entries.matrix(n) - expected).norm(), 0) << while_added << ", round " << round;
+    }
+  }
 }
 
 }  // namespace

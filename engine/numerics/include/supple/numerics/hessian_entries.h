@@ -147,7 +147,7 @@ class HessianEntries {
            std::equal(rows, rows + size, block_rows_.data() + block.first);
   }
   bool stands_where_block_was() const {
-    return !diverged_ && next_block_ < blocks_.size() && blocks_[next_block_].cursor == cursor_ &&
+    return unexpected_.empty() && next_block_ < blocks_.size() && blocks_[next_block_].cursor == cursor_ &&
            cursor_ + entries_of(blocks_[next_block_].size) <= sequence_.size();
   }
   void replace_block(const std::int32_t* rows, std::size_t size, const double* lower);
@@ -164,8 +164,10 @@ class HessianEntries {
   void index_columns();
   void learn();
   void put_in_sequence();
+  std::vector<Place> fresh_places() const;
   bool add_to_pattern();
   void forget_unfilled();
+  CancellationToken cancellation() const { return cancellation_ ? *cancellation_ : CancellationToken(); }
   void look_for_stop() const {
     if (cancellation_) cancellation_->throw_if_requested();
   }
@@ -182,9 +184,8 @@ class HessianEntries {
   /// One for each place of the pattern, after the first, which receives what is dropped.
   std::vector<double> values_{0};
   const CancellationToken* cancellation_ = nullptr;
-  bool diverged_ = false;  ///< this time the sequence is another from cursor_ on
-  std::vector<Entry> unexpected_;
-  std::vector<Replaced> replaced_;  ///< by ascending blocks, all before the sequence diverged
+  std::vector<double> unexpected_;  ///< values for the end of sequence_, from where it became another one this time
+  std::vector<Replaced> replaced_;  ///< by ascending blocks, all before the end that is unexpected
   std::vector<std::int32_t> replaced_rows_;
   std::vector<Entry> replaced_entries_;
   std::vector<Block> blocks_;  ///< those of the sequence

@@ -59,7 +59,7 @@ class StrandCurve {
   const std::vector<double>& knots() const { return knots_; }
 
  private:
-  void fit(std::vector<Eigen::Vector2d> values);
+  void fit(std::vector<Eigen::Vector2d> values, const Execution& execution);
   std::vector<std::size_t> refine(const Execution& execution);
   void divide(std::size_t piece, double begin, double end, int halvings, std::vector<Eigen::Vector2d>& refined) const;
   void measure(const Execution& execution);
