@@ -57,6 +57,9 @@ function(supple_room name)
   target_include_directories(supple_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(supple_${name} PUBLIC ${room_PUBLIC} PRIVATE ${room_PRIVATE} $<BUILD_INTERFACE:supple_options>)
+  if(SUPPLE_BUILD_FUZZ)  # the fuzzers look for new ways through the rooms; tests have no use for that
+    target_compile_options(supple_${name} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
 endfunction()
 
 # supple_install_rooms(ROOM ...)

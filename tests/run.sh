@@ -121,7 +121,7 @@ begin_tidy() {
   if [[ " ${wanted[*]} " == *" tsan "* ]]; then configure_preset tsan && builds+=("tsan --target threaded_tests") || return 1; fi
   # In a process group of its own, which ends with this script.
   set -m
-  nice -n 19 bash -c 'tests/tidy.sh "$0" >build/tidy.log 2>&1 || status=1
+  nice -n 19 bash -c '/usr/bin/python3 tests/tidy.py "$0" >build/tidy.log 2>&1 || status=1
     for build in "${@:1}"; do cmake --build build/$build -j "$0" || break; done >build/sanitizers.log 2>&1
     exit ${status:-0}' "$jobs" "${builds[@]}" &
   set +m

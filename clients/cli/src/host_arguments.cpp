@@ -44,7 +44,7 @@ void check_kind(const HostArguments& arguments, const std::string& kind) {
   }
 }
 
-nlohmann::json region_of(const std::string& text) {
+nlohmann::json stiffened_region(const std::string& text) {
   const auto numbers = parse_numbers(text, "region");
   if (numbers.size() != 7) throw Failure(ExitCode::usage, fmt::format("'{}' is no region: X0,Y0,Z0,X1,Y1,Z1,E", text));
   return {{"lower", {numbers[0], numbers[1], numbers[2]}},
@@ -191,7 +191,7 @@ void set_host(const HostArguments& arguments, nlohmann::json& request) {
       throw Failure(ExitCode::usage, fmt::format("'{}' is no force: X,Y,Z", arguments.gravity));
   }
   if (!arguments.regions.empty()) host["regions"] = nlohmann::json::array();
-  for (const auto& region : arguments.regions) host["regions"].push_back(region_of(region));
+  for (const auto& region : arguments.regions) host["regions"].push_back(stiffened_region(region));
   if (!arguments.vertices.empty()) host["fixed_vertices"] = vertices_of(arguments.vertices);
   if (!arguments.moves.empty()) host["moved_vertices"] = nlohmann::json::array();
   for (const auto& move : arguments.moves) host["moved_vertices"].push_back(move_of(move));

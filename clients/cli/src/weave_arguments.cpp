@@ -26,7 +26,7 @@ std::string pattern_of(const std::string& name) {
 
 std::vector<std::string> pattern_names() { return {"regular", "squares", "circles", "rings", "sample"}; }
 
-std::int64_t index_of(std::string_view text, const char* what) {
+std::int64_t parsed_index(std::string_view text, const char* what) {
   const auto index = integer_in(text);
   if (!index || *index < 0) throw Failure(ExitCode::usage, fmt::format("'{}' is no {}", text, what));
   return *index;
@@ -58,13 +58,13 @@ nlohmann::json parse_sheet(const std::string& text) {
 nlohmann::json parse_overrides(const WeaveArguments& arguments) {
   auto overrides = nlohmann::json::array();
   for (const auto& crossing : arguments.fused)
-    overrides.push_back({{"crossing", index_of(crossing, "crossing")}, {"slides", nlohmann::json::array()}});
+    overrides.push_back({{"crossing", parsed_index(crossing, "crossing")}, {"slides", nlohmann::json::array()}});
   for (const auto& entry : arguments.sliding) {
     const std::size_t colon = entry.find(':');
     if (colon == std::string::npos)
       throw Failure(ExitCode::usage, fmt::format("'{}' is no crossing and member: write for example 3:0", entry));
-    const auto crossing = index_of(std::string_view(entry).substr(0, colon), "crossing");
-    const auto member = index_of(std::string_view(entry).substr(colon + 1), "member of a crossing");
+    const auto crossing = parsed_index(std::string_view(entry).substr(0, colon), "crossing");
+    const auto member = parsed_index(std::string_view(entry).substr(colon + 1), "member of a crossing");
     // Members of one crossing that are named one by one slide together.
     if (!overrides.empty() && overrides.back()["crossing"] == crossing && !overrides.back()["slides"].empty()) {
       overrides.back()["slides"].push_back(member);
@@ -79,7 +79,7 @@ void set_pattern_fields(const WeaveArguments& arguments, nlohmann::json& weave) 
   const auto set_length = [&](const char* name, double value) {
     if (value > 0) weave[name] = value;
   };
-  if (!arguments.type.empty()) weave["type"] = index_of(arguments.type, "type of a pattern");
+  if (!arguments.type.empty()) weave["type"] = parsed_index(arguments.type, "type of a pattern");
   if (!arguments.sample.empty()) weave["sample"] = arguments.sample;
   if (!arguments.connections.empty()) weave["connections"] = parse_connections(arguments.connections);
   set_length("pitch", arguments.pitch);

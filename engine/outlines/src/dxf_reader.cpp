@@ -357,7 +357,7 @@ class DxfReader {
     curve.group = layer + block_.group;
     if (!layer.empty()) curve.names = {layer};
     curve.names.insert(curve.names.end(), block_.names.begin(), block_.names.end());
-    curve.what = entity.words() + " (layer " + quoted(layer) + ")";
+    curve.what = entity.words() + " (layer " + outlines::quoted(layer) + ")";
     add_curve(drawing_, std::move(curve), execution_);
   }
 

@@ -119,6 +119,7 @@ PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, s
     const Execution quiet{own.cancellation, nullptr, own.cost ? &windows : nullptr};
     for (std::size_t i = task * pairs_of_a_task; i < end; ++i)
       found[i] = find(pairs[i], found[i].strip, quiet, counts[task], paths.empty() ? nullptr : &paths[i]);
+    if (!own.cost) return;
     for (const auto& quantity : windows.quantities()) own.cost->add_quantity(quantity.name, quantity.value);
   });
   PathsFound total;

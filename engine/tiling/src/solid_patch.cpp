@@ -16,7 +16,7 @@ constexpr int most_cells = 100;
 constexpr double greatest_height = 1000;  // mm
 
 /// Sides of the outline that are shorter (beam widths) are points, as they are in holes.
-constexpr double smallest_side = 0.005;
+constexpr double smallest_outline_side = 0.005;
 
 void check(const ExportOptions& options) {
   std::vector<Error::Detail> details;
@@ -65,7 +65,7 @@ std::vector<Face> solid_patch(const Structure& structure, const ExportOptions& o
   };
   add(tiles, Joints::left);
   add(outlines_of_union(tiles), Joints::both);
-  return faces_of_union(beams, smallest_side * structure.beam_width);
+  return faces_of_union(beams, smallest_outline_side * structure.beam_width);
 }
 
 std::string decimal(double value, int digits) {

@@ -46,7 +46,7 @@ design::MeasuredCurve measured(const json::MeasuredCurveRequest& request, json::
   curve.points.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector2d raw =
-        answer.table ? Eigen::Vector2d(x_column->values[i], y_column->values[i]) : request.points[i];
+        x_column ? Eigen::Vector2d(x_column->values[i], y_column->values[i]) : request.points[i];
     curve.points.emplace_back(raw.x() * x.factor + x.offset, raw.y() * y.factor + y.offset);
   }
   return curve;
