@@ -13,7 +13,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shlex
 import subprocess
 import sys
 from bisect import bisect_left
@@ -22,12 +21,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Dict, List, Tuple
 
+from single_files import command_of
+
 ROOT = Path(__file__).resolve().parents[1]
 OUTPUT = ROOT / "build" / "tidy"
 LINES = 16_000
 """Lines of a group, not counting headers: more of them need gigabytes of memory."""
 SHALLOW = ["-Xclang", "-analyzer-config", "-Xclang", "mode=shallow"]
-"""The analyzer follows calls into small functions alone. All of them take it three times as long, mostly in Eigen's."""
+"""The analyzer follows calls into small functions alone; to follow all of them takes it about three times as long."""
 INCLUDES_LIBTORCH = {"checkpoint", "jet_layer", "matrix_product", "optimizer", "row_losses", "stiffness_fit", "torch_network",
                      "trainer", "training_batches"}
 
@@ -63,19 +64,14 @@ def sources(preset: str) -> List[Source]:
         target = re.search(r"CMakeFiles/([^/]+)\.dir/", entry["command"])
         assert target, entry["command"]
         source = Source(target[1], Path(entry["file"]))
-        words = shlex.split(entry["command"])
-        while not Path(words[0]).name.startswith(("c++", "g++", "clang++")):
-            words.pop(0)
-        words.pop(0)
+        words = command_of(entry)[1:]
         while words:
             word = words.pop(0)
-            if word in ("-o", "-c", "-MF", "-MT"):
-                words.pop(0)
-            elif word in ("-I", "-isystem"):
+            if word in ("-I", "-isystem"):
                 source.seen += [word + words.pop(0)]
             elif word.startswith(("-I", "-D")):
                 source.seen += [word]
-            elif word != "-MD":
+            elif word != entry["file"]:
                 source.others += [word]
         found.append(source)
     return found
