@@ -1,11 +1,11 @@
 #include "supple/base/durable_file.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <optional>
 #include <system_error>
 
 namespace supple {
@@ -54,15 +54,21 @@ void synchronize_folder_of(const std::filesystem::path& path) {
 void write_atomically(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces,
                       const std::function<void(int descriptor)>& prepare) {
   static std::atomic<unsigned> counter{0};
-  std::filesystem::path part = path;
-  part += "." + std::to_string(counter++) + std::string(unfinished_suffix);
+  std::filesystem::path part;
+  std::optional<OpenFile> file;
+  while (!file) {
+    part = path;
+    part += "." + std::to_string(counter++) + std::string(unfinished_suffix);
+    try {
+      file.emplace(part, O_WRONLY | O_CREAT | O_EXCL, "create");
+    } catch (const FileError& error) {
+      if (error.number() != EEXIST) throw;  // another process counts as well, or has left it
+    }
+  }
   try {
-    const OpenFile file(part, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, "create");
-    // One that an earlier process left may have another mode.
-    if (::fchmod(file.descriptor(), for_its_user_alone) != 0) throw FileError("change the mode of", part, errno);
-    if (prepare) prepare(file.descriptor());
-    for (const auto piece : pieces) write_all(file.descriptor(), piece, part);
-    synchronize(file.descriptor(), part);
+    if (prepare) prepare(file->descriptor());
+    for (const auto piece : pieces) write_all(file->descriptor(), piece, part);
+    synchronize(file->descriptor(), part);
     if (::rename(part.c_str(), path.c_str()) != 0) throw FileError("rename", part, errno);
   } catch (...) {
     ::unlink(part.c_str());

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <functional>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 namespace {
@@ -169,9 +170,39 @@ TEST_F(DurableFile, FollowsNoLinkThatSomebodyPutInItsWay) {
   std::ofstream(victim) << "mine";
   // Whatever number the next unfinished file gets.
   for (int i = 0; i < 100; ++i) fs::create_symlink(victim, path_.string() + "." + std::to_string(i) + ".part");
-  EXPECT_THROW(write_atomically(path_, {"new"}), FileError);
+  write_atomically(path_, {"new"});
+  EXPECT_EQ(content(), "new");
+  EXPECT_FALSE(fs::is_symlink(path_));
   path_ = victim;
   EXPECT_EQ(content(), "mine");
+}
+
+TEST_F(DurableFile, IsWholeWhereAnotherProcessWritesItAtTheSameTime) {
+  std::array<int, 2> begun{};
+  std::array<int, 2> ended{};
+  ASSERT_EQ(::pipe(begun.data()) + ::pipe(ended.data()), 0);
+  char signal = 0;
+  const pid_t other = fork();  // it counts its unfinished files from the same number
+  if (other == 0) {
+    try {
+      write_atomically(path_, {"of the ", "other"}, [&](int) {
+        if (::write(begun[1], "x", 1) != 1 || ::read(ended[0], &signal, 1) != 1) throw std::runtime_error("no signal");
+      });
+    } catch (const std::exception&) {
+      ::_exit(1);
+    }
+    ::_exit(0);
+  }
+  ASSERT_EQ(::read(begun[0], &signal, 1), 1);
+  write_atomically(path_, {"of this process"});
+  EXPECT_EQ(content(), "of this process");
+  ASSERT_EQ(::write(ended[1], "x", 1), 1);
+  int status = -1;
+  ASSERT_EQ(waitpid(other, &status, 0), other);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(content(), "of the other");
+  EXPECT_EQ(files(), 1U);
+  for (const int descriptor : {begun[0], begun[1], ended[0], ended[1]}) ::close(descriptor);
 }
 
 TEST_F(DurableFile, MayBeNamedWithoutItsFolder) {

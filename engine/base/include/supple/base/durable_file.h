@@ -54,13 +54,13 @@ void synchronize_folder_of(const std::filesystem::path& path);
 /// The suffix of files that are being written.
 inline constexpr std::string_view unfinished_suffix = ".part";
 
-/// Writes `pieces`, one after the other, to a neighbour of `path` (its name with a number and `unfinished_suffix`),
-/// synchronizes it, renames it into place and synchronizes the folder: afterwards, or after a crash at any moment, the
-/// file has all of the new content, or it is as it was before. Only its user may read it (mode 0600). `prepare`, where
-/// it is given, gets the descriptor of the new file before its content.
+/// Writes `pieces`, one after the other, to a new neighbour of `path` (its name with a number that none has yet and
+/// `unfinished_suffix`), synchronizes it, renames it into place and synchronizes the folder: afterwards, or after a
+/// crash at any moment, the file has all of the new content, or it is as it was before. Only its user may read it (mode
+/// 0600). `prepare`, where it is given, gets the descriptor of the new file before its content.
 ///
-/// Threads of one process may write to the same folder; processes only one after the other. Throws FileError, and what
-/// `prepare` throws; then nothing of it is left.
+/// Threads and processes may write the same file at the same time: it has the content of the one that was last. Throws
+/// FileError, and what `prepare` throws; then nothing of it is left. A process that is killed leaves the neighbour.
 void write_atomically(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces,
                       const std::function<void(int descriptor)>& prepare = {});
 
