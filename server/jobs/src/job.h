@@ -78,6 +78,7 @@ struct JobQueue::Job final : ProgressSink {
   std::uint64_t shared_version = 0;  // that other servers of a shared store were told of
   bool visible = false;              // in the store, and clients may ask for it
   bool kept = false;                 // so is its request: a later process can make it again
+  bool runs_here = false;            // in a shared store no other server can take it, unless this one is given up
   bool dismissed = false;            // by a client: however its computation ends, that is its state
   bool lost = false;                 // to another server of a shared store: how it ends here is of no account
   bool finishing = false;            // one thread writes how it ended

@@ -443,7 +443,11 @@ void JobQueue::work() {
     changed_.notify_all();
     const auto record = job->visible ? std::optional(job->record) : std::nullopt;
     lock.unlock();
-    if (!record || note_progress(*record)) {
+    const bool has_it = !record || note_progress(*record);
+    lock.lock();
+    job->runs_here = has_it;
+    lock.unlock();
+    if (has_it) {
       run_job(job);
     } else {
       lose(job);

@@ -20,7 +20,8 @@ JobQueue::JobPointer JobQueue::find(const std::string& id) const {
 }
 
 std::optional<JobStatus> JobQueue::status_in_memory(const std::string& id) const {
-  if (const auto job = find(id)) return status_of(*job);
+  if (const auto job = find(id); job && (!store_.is_shared() || (job->runs_here && !job->finishing)))
+    return status_of(*job);
   if (const auto end = unwritten_.find(id); end != unwritten_.end()) return JobStatus{end->second, 0, {}};
   return std::nullopt;
 }
