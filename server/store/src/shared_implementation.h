@@ -44,8 +44,8 @@ struct SharedStore::Implementation {
   /// callers, which are all in one file.
   template <class... Values>
   std::size_t remove_jobs(const std::string& sequences, const Values&... values);
-  /// Removes the files of earlier holds: a server that was lost in the moment between its file and its row has left
-  /// one.
+  /// Removes the results of earlier holds: a server that was lost in the moment between its file and its row has left
+  /// one. What it had half-written is left to look_at_unknown_files().
   void remove_results_before(const std::string& id, std::int64_t hold) const;
   /// Whether this server has the job, which has not ended.
   bool holds(const JobRecord& job);

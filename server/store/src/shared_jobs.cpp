@@ -171,6 +171,7 @@ bool SharedStore::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
   const auto path = self.places.result(result_name(job.id, job.hold));
   if (!self.holds(job)) return false;  // its file may be there, and stays
+  self.remove_results_before(job.id, job.hold);
   ResultFile file;
   bool known = false;
   try {
@@ -197,7 +198,6 @@ bool SharedStore::finish_job(const JobRecord& job, const Result* result) {
     throw;
   }
   if (known) {
-    self.remove_results_before(job.id, job.hold);
     drop_request(job.id);
     self.add(Part::results, file.bytes);
   } else {
