@@ -231,16 +231,32 @@ class Trial:
         if doubled or strangers:
             self.fault(f"{doubled} jobs are listed twice, {len(strangers)} that nobody was told of")
         self.counts["run again"] = self.run_again()
-        files = list((self.replicas.servers[0].data / "results").iterdir())
-        if len(files) != len(listed):
-            self.fault(f"{len(files)} files of results for {len(listed)} jobs")
+        self.check_files(len(listed))
+
+    def check_files(self, jobs: int) -> None:
+        """Each job has the result of its last hold, and nothing else is there but what a killed server had half-written."""
+        rights = set(self.query("SELECT id || '.' || hold || '.result' FROM jobs").split())
+        end = time.monotonic() + 10
+        while True:
+            files = {file.name for file in (self.replicas.servers[0].data / "results").iterdir()}
+            half_written = {name for name in files if name.endswith(".part")}
+            missing, strangers = rights - files, files - rights - half_written
+            if not strangers or time.monotonic() > end:
+                break
+            time.sleep(0.1)  # a server that has just learned that it lost a job removes its late result
+        if len(rights) != jobs or missing or strangers or len(half_written) > self.counts["killed"]:
+            self.fault(f"{len(rights)} results of {jobs} jobs; missing {sorted(missing)[:5]}, of none {sorted(strangers)[:5]}, "
+                       f"half-written {sorted(half_written)[:5]} after {self.counts['killed']} kills")
+        self.counts["half-written"] = len(half_written)
 
     def run_again(self) -> int:
         """How many jobs were begun more than once: their server was killed."""
-        query = "SELECT count(*) FROM jobs WHERE attempts > 1"
-        done = subprocess.run(["psql", "--no-align", "--tuples-only", f"--dbname={self.replicas.database}", f"--command={query}"],
+        return int(self.query("SELECT count(*) FROM jobs WHERE attempts > 1"))
+
+    def query(self, statement: str) -> str:
+        done = subprocess.run(["psql", "--no-align", "--tuples-only", f"--dbname={self.replicas.database}", f"--command={statement}"],
                               capture_output=True, text=True, check=True, timeout=60)
-        return int(done.stdout)
+        return done.stdout
 
     # --- a rolling upgrade -------------------------------------------------------------------------------------------
 
@@ -290,7 +306,7 @@ Written by `tests/deploy/replicas.py` in {minutes:.1f} minutes on 2 cores, which
 **Kills.** {jobs:,} jobs were handed in through the load balancer while one of the servers was killed (SIGKILL) every {every:g} seconds or so, {killed} times
 in all, and started again a second later. {cut_off} jobs ran when their server
 was killed. The load balancer sent requests that met a lost server to another one; clients asked {again} times again themselves. {wrong_kills} jobs were lost, doubled or wrong: each
-was there once, ended well and had the right result.
+was there once, ended well and had the right result. {half_written} files were left that a killed server had half-written.
 
 **A rolling upgrade.** Each server was ended (SIGTERM) and started again, one after the other, while clients sent {upgraded:,} requests, each only once.
 {wrong_upgrade} requests were without the right answer.
@@ -306,6 +322,7 @@ def run(jobs: int, every: float, requests: int, seed: int) -> Tuple[Trial, Dict[
         try:
             trial.kills(jobs, every)
             trial.counts["cut off"] = trial.counts["run again"]
+            trial.counts["half-written after the kills"] = trial.counts["half-written"]
             wrong = {"kills": len(trial.wrong)}
             trial.upgrade(requests)
             wrong["upgrade"] = len(trial.wrong) - wrong["kills"]
@@ -326,6 +343,7 @@ def main() -> int:
     trial, wrong = run(given.jobs, given.kill_every, given.requests, given.seed)
     text = REPORT.format(minutes=(time.monotonic() - begin) / 60, servers=SERVERS, jobs=given.jobs, every=given.kill_every,
                          killed=trial.counts["killed"], again=trial.counts["asked again"], wrong_kills=wrong["kills"], cut_off=trial.counts["cut off"],
+                         half_written=trial.counts["half-written after the kills"],
                          upgraded=trial.counts["requests during the upgrade"], wrong_upgrade=wrong["upgrade"], lease=LEASE)
     print(text)
     for fault in trial.wrong[:20]:
