@@ -431,6 +431,8 @@ TEST_F(SharedStoreTest, CountsWhatItHolds) {
   const auto id = store.add_mesh("four", describe, "alice").first.id;
   store.add_mesh("four", describe, "bob");
   const auto job = large_request("job");
+  const auto small = new_job("small");  // its request is part of the database
+  store.add_job(small, store.keep_request(small, {"POST", "/v1/x", {}, "text/plain", "*/*"}, "x"));
   const Result result{"text/plain", {}, std::string(1000, 'x')};
   store.finish_job(ended(running(store, "other")), &result);
   const auto counted = [&] { return SharedStore(options()).usage(); };  // by the database
@@ -519,7 +521,7 @@ TEST_F(SharedStoreTest, CountsAnewWhatOthersHaveAdded) {
 }
 
 TEST_F(SharedStoreTest, MovesWhatNobodyKnowsIntoQuarantine) {
-  unknown_files_ = 0.2;
+  unknown_files_ = 1;
   SharedStore store(options());
   const Result result{"text/plain", {}, "answer"};
   store.finish_job(ended(running(store, "ended")), &result);
@@ -530,15 +532,22 @@ TEST_F(SharedStoreTest, MovesWhatNobodyKnowsIntoQuarantine) {
   overwrite("meshes/" + mesh + ".txt", "no mesh");
   overwrite("results/ended.7.result", "of another hold");
   overwrite("requests/ended.request", "of a job that has ended");
-  wait_milliseconds(300);
+  overwrite("results/lost.0.result.0.part", "half-written by a server that was lost");
+  wait_milliseconds(1100);
   overwrite("results/young.0.result", "about to be known");
+  overwrite("results/young.1.result.0.part", "being written");
   store.remove_expired_jobs(0, 100);
+  EXPECT_FALSE(fs::exists(in_data("results/lost.0.result.0.part")));
+  EXPECT_TRUE(fs::exists(in_data("results/young.1.result.0.part")));
   EXPECT_EQ(quarantined_in(in_data("quarantine")),
             (std::multiset<std::string>{"a mesh", "no mesh", "of another hold", "of a job that has ended"}));
   EXPECT_EQ(store.mesh_content(mesh), "mesh");
   EXPECT_EQ(store.job_result("ended").body.text(), "answer");
   EXPECT_EQ(store.job_request("waits").body.size(), 300'000U);
   EXPECT_TRUE(fs::exists(in_data("results/young.0.result")));
+  fs::last_write_time(in_data("results/young.0.result"), fs::file_time_type::clock::now() - std::chrono::hours(1));
+  store.remove_expired_jobs(0, 100);
+  EXPECT_TRUE(fs::exists(in_data("results/young.0.result"))) << "it has just looked";
 }
 
 TEST_F(SharedStoreTest, RefusesTablesOfALaterVersion) {
