@@ -12,6 +12,7 @@
 #include "data_folder.h"
 #include "postgres.h"
 #include "space.h"
+#include "supple/base/error.h"
 #include "supple/store/shared_store.h"
 
 namespace supple::store {
@@ -53,6 +54,10 @@ struct SharedStore::Implementation {
   bool is_result_of(const JobRecord& job, const std::string& hash);
   /// One job, by a condition with one parameter.
   std::optional<JobRecord> find_job(const char* condition, const std::string& value);
+
+  /// Where a file is missing, or is not what its row says: whether it is because another server is removing both. Waits
+  /// for that one's commit. `table` is "meshes" or "jobs".
+  bool was_removed(const Error& fault, const std::string& table, const std::string& id);
 
   /// Moves what nobody knows into quarantine, once in a while. What is younger than that may be about to be known.
   void look_at_unknown_files();

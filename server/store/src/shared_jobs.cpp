@@ -252,9 +252,15 @@ StoredResult SharedStore::job_result(const std::string& id) const {
     hold = rows[0][3].as<std::int64_t>();
     return true;
   });
-  if (!known) throw Error("job.not_found", "There is no job " + id + ".");
-  return {std::move(kept.content_type), std::move(kept.headers),
-          open_checked(implementation_->places.result(result_name(id, hold)), result_kind, hash, {})};
+  const auto throw_no_job = [&] { throw Error("job.not_found", "There is no job " + id + "."); };
+  if (!known) throw_no_job();
+  try {
+    return {std::move(kept.content_type), std::move(kept.headers),
+            open_checked(implementation_->places.result(result_name(id, hold)), result_kind, hash, {})};
+  } catch (const Error& error) {
+    if (implementation_->was_removed(error, "jobs", id)) throw_no_job();
+    throw;
+  }
 }
 
 bool SharedStore::remove_job(const std::string& id) {

@@ -11,6 +11,10 @@ namespace {
 
 constexpr std::chrono::seconds ask_again{1};  // whether a mesh is still there
 
+[[noreturn]] void throw_no_mesh(const std::string& id) {
+  throw Error("mesh.not_found", "There is no mesh " + id + ".");
+}
+
 std::string owned_by(const char* parameter) {
   const std::string value(parameter);
   return "(" + value + " = '' OR EXISTS (SELECT 1 FROM mesh_owners WHERE mesh = meshes.id AND owner = " + value + "))";
@@ -92,15 +96,25 @@ std::vector<MeshRecord> SharedStore::meshes(std::size_t limit, const std::string
 }
 
 std::string SharedStore::mesh_content(const std::string& id, const CancellationToken& cancellation) const {
-  if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
-  auto bytes = read_file(implementation_->places.mesh(id), cancellation);
-  if (sha256(bytes, cancellation) != id) throw_changed(id + ".ply");
-  return bytes;
+  if (!mesh(id)) throw_no_mesh(id);
+  try {
+    auto bytes = read_file(implementation_->places.mesh(id), cancellation);
+    if (sha256(bytes, cancellation) != id) throw_changed(id + ".ply");
+    return bytes;
+  } catch (const Error& error) {
+    if (implementation_->was_removed(error, "meshes", id)) throw_no_mesh(id);
+    throw;
+  }
 }
 
 OpenContent SharedStore::open_mesh_content(const std::string& id, const CancellationToken& cancellation) const {
-  if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
-  return open_checked(implementation_->places.mesh(id), {}, id, cancellation);
+  if (!mesh(id)) throw_no_mesh(id);
+  try {
+    return open_checked(implementation_->places.mesh(id), {}, id, cancellation);
+  } catch (const Error& error) {
+    if (implementation_->was_removed(error, "meshes", id)) throw_no_mesh(id);
+    throw;
+  }
 }
 
 bool SharedStore::remove_mesh(const std::string& id, const std::string& owner) {

@@ -115,6 +115,12 @@ Holding SharedStore::Implementation::holding(const std::string& owner, const std
   });
 }
 
+bool SharedStore::Implementation::was_removed(const Error& fault, const std::string& table, const std::string& id) {
+  return fault.code() == "store.corrupted" && database.transaction([&](pqxx::work& transaction) {
+    return transaction.exec_params("SELECT 1 FROM " + table + " WHERE id = $1 FOR KEY SHARE", id).empty();
+  });
+}
+
 void SharedStore::Implementation::look_at_unknown_files() {
   if (SteadyClock::now() < next_look_at_files) return;
   next_look_at_files = SteadyClock::now() + look_at_files;

@@ -2,8 +2,11 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "silent_database.h"
 #include "store_fixture.h"
@@ -407,6 +410,28 @@ TEST_F(SharedStoreTest, NoticesRequestsAndMeshesThatHaveChanged) {
   EXPECT_EQ(code_of([&] { store.mesh_content(id); }), "store.corrupted");
   EXPECT_FALSE(store.add_mesh("mesh", describe).second);
   EXPECT_EQ(store.mesh_content(id), "mesh") << "uploading it again repairs it";
+}
+
+TEST_F(SharedStoreTest, SaysThatWhatAnotherServerIsRemovingIsNotThere) {
+  SharedStore store(options());
+  const Result result{"text/plain", {}, "answer"};
+  store.finish_job(ended(running(store, "job")), &result);
+  const auto mesh = store.add_mesh("mesh", describe).first.id;
+  // The other server has removed the files, and commits in a moment.
+  std::thread other(
+      [&] { PrivatePostgres::rows(database_, "DELETE FROM jobs; DELETE FROM meshes; SELECT pg_sleep(1)"); });
+  while (PrivatePostgres::rows(database_, "SELECT pid FROM pg_stat_activity WHERE wait_event = $$PgSleep$$").empty())
+    wait_milliseconds(10);
+  fs::remove_all(in_data("results"));
+  fs::remove(in_data("meshes/" + mesh + ".ply"));
+  std::vector<std::thread> askers;
+  std::array<std::string, 3> codes;
+  askers.emplace_back([&] { codes[0] = code_of([&] { store.mesh_content(mesh); }); });
+  askers.emplace_back([&] { codes[1] = code_of([&] { store.open_mesh_content(mesh); }); });
+  askers.emplace_back([&] { codes[2] = code_of([&] { store.job_result("job"); }); });
+  for (auto& asker : askers) asker.join();
+  other.join();
+  EXPECT_EQ(codes, (std::array<std::string, 3>{"mesh.not_found", "mesh.not_found", "job.not_found"}));
 }
 
 TEST_F(SharedStoreTest, LeavesNoFileOfAResultThatTheDatabaseRefuses) {
