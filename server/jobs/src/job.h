@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <exception>
 #include <memory>
@@ -37,7 +38,7 @@ inline problem::Problem interrupted() {
   throw Error("job.not_found", "There is no job " + id + ".");
 }
 
-/// All members but the token are guarded by the queue's mutex.
+/// All members but the token and what is atomic are guarded by the queue's mutex, which others hold while they write.
 struct JobQueue::Job final : ProgressSink {
   Job(JobQueue& owner, Computation work) : queue(owner), computation(std::move(work)) {}
 
@@ -75,15 +76,15 @@ struct JobQueue::Job final : ProgressSink {
   std::string partial;
   std::uint64_t in_session = 0;
   std::uint64_t version = 1;
-  std::uint64_t shared_version = 0;  // that other servers of a shared store were told of
-  bool visible = false;              // in the store, and clients may ask for it
-  bool kept = false;                 // so is its request: a later process can make it again
-  bool runs_here = false;            // in a shared store no other server can take it, unless this one is given up
-  bool dismissed = false;            // by a client: however its computation ends, that is its state
-  bool lost = false;                 // to another server of a shared store: how it ends here is of no account
-  bool finishing = false;            // one thread writes how it ended
-  bool finished = false;             // also once it was dismissed
-  std::optional<Result> result;      // of one that is not visible
+  std::uint64_t shared_version = 0;    // that other servers of a shared store were told of
+  bool visible = false;                // in the store, and clients may ask for it
+  bool kept = false;                   // so is its request: a later process can make it again
+  std::atomic<bool> runs_here{false};  // in a shared store no other server can take it, unless this one is given up
+  bool dismissed = false;              // by a client: however its computation ends, that is its state
+  bool lost = false;                   // to another server of a shared store: how it ends here is of no account
+  bool finishing = false;              // one thread writes how it ended
+  bool finished = false;               // also once it was dismissed
+  std::optional<Result> result;        // of one that is not visible
   std::exception_ptr failure;
 };
 

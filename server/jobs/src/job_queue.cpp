@@ -443,11 +443,8 @@ void JobQueue::work() {
     changed_.notify_all();
     const auto record = job->visible ? std::optional(job->record) : std::nullopt;
     lock.unlock();
-    const bool has_it = !record || note_progress(*record);
-    lock.lock();
-    job->runs_here = has_it;
-    lock.unlock();
-    if (has_it) {
+    if (!record || note_progress(*record)) {
+      job->runs_here = true;
       run_job(job);
     } else {
       lose(job);
