@@ -2,7 +2,10 @@
 # Installs what the tests need, builds, and runs the tests.
 #
 #   tests/run.sh                the parts that a change is tried with, less than 20 minutes on two cores
-#   tests/run.sh --all          every part but those that run by name only, as continuous integration runs them
+#   tests/run.sh --changed      the parts and test programs that depend on what changed since the last whole run, as continuous
+#                               integration runs them; --changed REV: since this commit
+#   tests/run.sh --all          every part but those that run by name only. Where all passed and nothing was left to commit,
+#                               tests/whole-run.txt then names the commit
 #   tests/run.sh unit api       only these parts, in the order below
 #   tests/run.sh --list         the parts and what each does
 #   tests/run.sh --all --minutes    writes how long each part took into CONTRIBUTING.md
@@ -17,6 +20,7 @@ fuzz_seconds=${SUPPLE_FUZZ_SECONDS:-60}
 python=/usr/bin/python3
 
 declare -A about=(
+  [changes]="the table of what --changed runs, against this tree"
   [arrows]="includes run only along the house plan's arrows (by reading every file)"
   [format]="clang-format has nothing to change"
   [single_files]="each source file compiles by itself and without a warning (missing includes, names that hide others)"
@@ -40,10 +44,13 @@ declare -A about=(
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
 )
-order=(arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible)
-usual=(arrows format build unit stability python api docs deploy web)
+order=(changes arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible)
+usual=(changes arrows format build unit stability python api docs deploy web)
 # Up to half an hour each: before a release, and after a change to what takes requests apart, to deploy/ or to what is installed.
 by_name_only=(single_files hostile_asan image packages reproducible)
+
+# Of --changed: what a part has to run, where that is not all of it.
+declare -A only
 
 # What one part has configured or installed, others of the same run use.
 declare -A done_already
@@ -62,6 +69,7 @@ build_preset() { configure_preset "$1" && cmake --build "build/$1" -j "$jobs" "$
 cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*.cpp' 'clients/cli/*.h' 'clients/cli/*.cpp' \
   'tests/*.h' 'tests/*.cpp'; }
 
+part_changes() { "$python" -m pytest -q -p no:cacheprovider tests/changes; }
 part_arrows() { "$python" tests/arrows/check_includes.py; }
 part_format() { cpp_files | xargs -r clang-format --dry-run --Werror; }
 part_single_files() {
@@ -70,15 +78,45 @@ part_single_files() {
   "$python" tests/single_files.py build/single-files/compile_commands.json "$jobs"
 }
 part_build() { build_preset release; }
+# The test programs of a part, or the target of them all. The tests of arrows call the compiler, and have no program.
+programs_of() { if [ -n "${only[$1]:-}" ]; then tr ' ' '\n' <<<"${only[$1]}" | grep -vx arrows; else printf '%s\n' "${@:2}"; fi; }
+build_programs() {  # PART PRESET [TARGET OF ALL ...]
+  local programs
+  mapfile -t programs < <(programs_of "$1" "${@:3}")
+  if [ -n "${only[$1]:-}" ] && [ "${#programs[@]}" = 0 ]; then configure_preset "$2"; else build_preset "$2" ${programs:+--target "${programs[@]}"}; fi
+}
 # Reaching none of the tests of a label is a failure: a suite must not vanish unnoticed.
-part_unit() { build_preset release && ctest --test-dir build/release -j "$jobs" -L unit --output-on-failure --no-tests=error; }
-part_stability() { build_preset release && ctest --test-dir build/release -j "$jobs" -L stability --output-on-failure --no-tests=error; }
+run_programs() {  # PART PRESET LABEL
+  local chosen=()
+  [ -z "${only[$1]:-}" ] || chosen=(-R "^($(sed -E 's/\<example_/examples\\./g; s/ /|/g' <<<"${only[$1]}"))(\\.|\$)")
+  ctest --test-dir "build/$2" -j "$jobs" -L "$3" "${chosen[@]}" --output-on-failure --no-tests=error
+}
+part_unit() { build_programs unit release && run_programs unit release unit; }
+part_stability() { build_programs stability release && run_programs stability release stability; }
+# The files of tests of a part: all in its folder, or those chosen.
+run_python() {  # PART [options of pytest]
+  local files=("tests/$1")
+  if [ -n "${only[$1]:-}" ]; then mapfile -t files < <(tr ' ' '\n' <<<"${only[$1]}" | sed "s#^#tests/$1/#"); fi
+  "$python" -m pytest -q -p no:cacheprovider "${@:2}" "${files[@]}"
+}
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
-part_api() { build_preset release --target supple supple-server make_test_model &&
-  "$python" -m pytest -q -p no:cacheprovider -n "$jobs" --dist loadfile tests/api; }
-part_docs() { build_preset release --target supple supple-server engine_examples && "$python" -m pytest -q -p no:cacheprovider tests/docs; }
-part_deploy() { build_preset release --target supple-server && install_modules tests/deploy &&
-  "$python" -m pytest -q -p no:cacheprovider tests/deploy; }
+part_api() { build_preset release --target supple supple-server make_test_model && run_python api -n "$jobs" --dist loadfile; }
+# The links and words of all pages, and of the pages that are chosen the blocks that run.
+part_docs() {
+  local pages=${only[docs]:-} blocks=()
+  if [ "$pages" = - ]; then
+    "$python" -m pytest -q -p no:cacheprovider tests/docs/test_links.py tests/docs/test_spelling.py
+    return
+  fi
+  [ -z "$pages" ] || blocks=(-k "not (test_shell_blocks_run or test_python_blocks_run) or ${pages// / or }")
+  build_preset release --target supple supple-server engine_examples && "$python" -m pytest -q -p no:cacheprovider tests/docs "${blocks[@]}"
+}
+part_deploy() {
+  if [ "${only[deploy]:-}" != test_service_files.py ]; then
+    build_preset release --target supple-server && install_modules tests/deploy || return 1
+  fi
+  run_python deploy
+}
 part_image() { build_preset release --target supple make_test_model && deploy/build_image.sh --test; }
 part_packages() { deploy/build_packages.sh && "$python" -m pytest -q -p no:cacheprovider tests/release; }
 part_reproducible() { tests/release/reproducible.sh; }
@@ -87,14 +125,14 @@ part_hostile() {
   build_preset release --target supple-server make_test_model || return 1
   local status=0
   signal_background STOP
-  "$python" -m pytest -q -p no:cacheprovider tests/hostile || status=1
+  run_python hostile || status=1
   signal_background CONT
   return $status
 }
 signal_background() { [ -z "$tidy_process" ] || kill "-$1" -- "-$tidy_process" 2>/dev/null || true; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
 part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
-  cmake --build build/release -j "$jobs" && ctest --test-dir build/release -j "$jobs" -L bench --output-on-failure --no-tests=error; }
+  build_programs bench release && run_programs bench release bench; }
 install_modules() { (cd "$1" && npm ci >"$OLDPWD/build/npm-$(basename "$1").log" 2>&1) || { tail -20 "build/npm-$(basename "$1").log"; return 1; }; }
 build_web() {
   [ -z "${done_already[web]:-}" ] || return 0
@@ -103,8 +141,9 @@ build_web() {
 part_web() { build_web && (cd clients/web && npm test); }
 part_browser() {
   build_preset release --target supple-server && build_web && install_modules tests/browser || return 1
-  local file log=build/browser.log reached=0 status=0
-  for file in tests/browser/*.test.mjs; do
+  local file log=build/browser.log reached=0 status=0 files
+  mapfile -t files < <(for file in ${only[browser]:-tests/browser/*.test.mjs}; do echo "tests/browser/${file##*/}"; done)
+  for file in "${files[@]}"; do
     node --test "$file" >"$log" 2>&1 || { cat "$log"; status=1; }
     printf '%s: %s\n' "$(basename "$file")" "$(grep -E '^(# |ℹ )(tests|pass|fail) ' "$log" | paste -sd " ")"
     reached=$((reached + $(sed -nE 's/^(# |ℹ )tests ([0-9]+)$/\2/p' "$log" | tail -1)))
@@ -117,13 +156,13 @@ part_browser() {
 begin_tidy() {
   configure_preset release && configure_preset asan-ubsan || return 1
   local builds=()
-  if [[ " ${wanted[*]} " == *" asan "* ]]; then builds+=("asan-ubsan --target unit_tests"); fi
-  if [[ " ${wanted[*]} " == *" tsan "* ]]; then configure_preset tsan && builds+=("tsan --target threaded_tests") || return 1; fi
+  if [[ " ${wanted[*]} " == *" asan "* ]]; then builds+=("asan-ubsan --target ${only[asan]:-unit_tests}"); fi
+  if [[ " ${wanted[*]} " == *" tsan "* ]]; then configure_preset tsan && builds+=("tsan --target ${only[tsan]:-threaded_tests}") || return 1; fi
   # In a process group of its own, which ends with this script.
   set -m
-  nice -n 19 bash -c '/usr/bin/python3 tests/tidy.py "$0" >build/tidy.log 2>&1 || status=1
-    for build in "${@:1}"; do cmake --build build/$build -j "$0" || break; done >build/sanitizers.log 2>&1
-    exit ${status:-0}' "$jobs" "${builds[@]}" &
+  nice -n 19 bash -c '/usr/bin/python3 tests/tidy.py "$0" $1 >build/tidy.log 2>&1 || status=1
+    for build in "${@:2}"; do cmake --build build/$build -j "$0" || break; done >build/sanitizers.log 2>&1
+    exit ${status:-0}' "$jobs" "${only[tidy]:-}" "${builds[@]}" &
   set +m
   tidy_process=$!
   trap 'signal_background TERM; signal_background CONT' EXIT
@@ -143,8 +182,8 @@ much_repeated+=:RodEnergies.HaveExactDerivativesInSpaceAtRandomAndExtremeStates:
 # Derivatives by differences, and distances beside those of other programs: these run in one thread, or in the same parallel
 # loops again and again that other tests of their rooms run.
 without_races='*Derivatives*:*HasItsGradient:*GeodesicOracle*:CellMoments*'
-part_asan() { build_preset asan-ubsan --target unit_tests && UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
-  GTEST_FILTER="-$much_repeated" ctest --test-dir build/asan-ubsan -j "$jobs" -L unit --output-on-failure --no-tests=error; }
+part_asan() { build_programs asan asan-ubsan unit_tests && UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
+  GTEST_FILTER="-$much_repeated" run_programs asan asan-ubsan unit; }
 # Without the tests of memory: what sanitizers take for themselves is counted with it. A finding ends the server, and the
 # test that it ends in fails.
 part_hostile_asan() {
@@ -154,12 +193,13 @@ part_hostile_asan() {
     "$python" -m pytest -q -p no:cacheprovider tests/hostile --ignore=tests/hostile/test_memory.py
 }
 # One OpenMP thread: CHOLMOD's OpenMP runtime is not instrumented, so that its own ordering looks like races.
-part_tsan() { build_preset tsan --target threaded_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
-  GTEST_FILTER="-$much_repeated:$without_races" ctest --test-dir build/tsan -j "$jobs" -L threads --output-on-failure --no-tests=error; }
+part_tsan() { build_programs tsan tsan threaded_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \
+  GTEST_FILTER="-$much_repeated:$without_races" run_programs tsan tsan threads; }
 part_fuzz() {
-  build_preset asan-ubsan --target fuzz_targets || return 1
+  build_programs fuzz asan-ubsan fuzz_targets || return 1
   local targets share
   mapfile -t targets < <(find build/asan-ubsan/tests/fuzz -maxdepth 1 -type f -executable -name 'fuzz_*' | sort)
+  if [ -n "${only[fuzz]:-}" ]; then mapfile -t targets < <(printf 'build/asan-ubsan/tests/fuzz/%s\n' ${only[fuzz]}); fi
   [ "${#targets[@]}" -gt 0 ] || { echo "no fuzz target was built"; return 1; }
   share=$(( (fuzz_seconds + ${#targets[@]} - 1) / ${#targets[@]} ))
   for target in "${targets[@]}"; do
@@ -213,35 +253,60 @@ page.write_text(text)
 PYTHON
 }
 
+is_part() { [[ " ${order[*]} " == *" $1 "* ]]; }
+want_all() { for part in "${order[@]}"; do [[ " ${by_name_only[*]} " == *" $part "* ]] || wanted+=("$part"); done; }
+# The parts that depend on what changed, and of each what has to run.
+want_changed() {  # [REV]
+  local plan part chosen
+  plan=$("$python" tests/changes/plan.py "$@") || exit 2
+  sed 's/^/  run: /' <<<"$plan"
+  while read -r part chosen; do
+    # A part that is also asked for by name runs whole.
+    [[ -z $chosen || " ${wanted[*]} " == *" $part "* ]] || only[$part]=$chosen
+    wanted+=("$part")
+  done <<<"$plan"
+}
+
+# The commit, if there is nothing that it does not contain.
+commit_if_clean() { [ -z "$(git status --porcelain)" ] && git rev-parse HEAD; }
+
 asked=""
 keep_minutes=""
 wanted=()
-for argument in "$@"; do
-  case "$argument" in
+while [ $# -gt 0 ]; do
+  case "$1" in
     --list)
       for part in "${order[@]}"; do
         [[ " ${usual[*]} " == *" $part "* ]] && mark="" || mark=" (with --all or by name)"
         printf '%-13s %s%s\n' "$part" "${about[$part]}" "$mark"
       done
       exit 0 ;;
-    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    --all)
-      for part in "${order[@]}"; do [[ " ${by_name_only[*]} " == *" $part "* ]] || wanted+=("$part"); done
-      asked="--all " ;;
+    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    --all) want_all; asked+="--all " ;;
+    --changed)
+      changed_since=()
+      if [ $# -gt 1 ] && [[ $2 != --* ]] && ! is_part "$2"; then shift; changed_since=("$1"); fi
+      asked+="--changed ${changed_since[*]:+$1 }" ;;
     --minutes) keep_minutes=1 ;;
     *)
-      [ -n "${about[$argument]:-}" ] ||
-        { echo "tests/run.sh: no part '$argument'; the parts are: ${order[*]}" >&2; exit 2; }
-      wanted+=("$argument"); asked+="$argument " ;;
+      is_part "$1" || { echo "tests/run.sh: no part '$1'; the parts are: ${order[*]}" >&2; exit 2; }
+      wanted+=("$1"); asked+="$1 " ;;
   esac
+  shift
 done
-[ "${#wanted[@]}" -gt 0 ] || wanted=("${usual[@]}")
+[ -n "$asked" ] || wanted=("${usual[@]}")
 from_nothing=1
 [ -d build ] && from_nothing=""
 
 mkdir -p build
+begun_at=$(commit_if_clean)
 if [ -z "${SUPPLE_SKIP_PACKAGES:-}" ]; then
   install_packages >build/packages.log 2>&1 || { tail -20 build/packages.log >&2; exit 1; }
+fi
+
+if [[ $asked == *--changed* ]]; then
+  printf '=== what changed, and what that makes necessary\n'
+  want_changed "${changed_since[@]}"
 fi
 
 summary=()
@@ -262,5 +327,9 @@ done
 
 printf '\n=== summary\n'
 printf '%s\n' "${summary[@]}"
+if [[ $asked == *"--all "* && $status == 0 && -n $begun_at && $begun_at == "$(commit_if_clean)" ]]; then
+  echo "$begun_at" >tests/whole-run.txt
+  echo "tests/whole-run.txt names this commit: ${begun_at:0:12}"
+fi
 if [ -n "$keep_minutes" ]; then write_minutes; fi
 exit $status

@@ -1,6 +1,6 @@
 """clang-tidy with the checks of .clang-tidy over every source file of the engine, the server and the CLI.
 
-    tests/tidy.py [jobs]     needs the presets release and asan-ubsan configured
+    tests/tidy.py [jobs [file ...]]     needs the presets release and asan-ubsan configured; with files only these are checked
 
 Most of clang-tidy's time goes into headers and into what they instantiate. So the files of several rooms are read as one:
 each room is a namespace of its own, and the preset asan-ubsan has already put the files of a room into few. Findings name
@@ -19,7 +19,7 @@ from bisect import bisect_left
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Dict, List, Set, Tuple
 
 from single_files import command_of
 
@@ -40,15 +40,17 @@ class Source:
     file: Path
     seen: List[str] = field(default_factory=list)
     others: List[str] = field(default_factory=list)
+    files: List[Path] = field(default_factory=list)
+    """The files of a room that are compiled as one, or the one."""
 
-    def included(self) -> List[Path]:
-        """The files of a room that are compiled as one, or this one."""
-        if not re.fullmatch(r"unity_\d+_cxx\.cxx", self.file.name):
-            return [self.file]
-        return [Path(file) for file in re.findall(r'#include "(.*)"', self.file.read_text())]
+    def __post_init__(self) -> None:
+        if not self.files and re.fullmatch(r"unity_\d+_cxx\.cxx", self.file.name):
+            self.files = [Path(file) for file in re.findall(r'#include "(.*)"', self.file.read_text())]
+        elif not self.files:
+            self.files = [self.file]
 
     def lines(self) -> int:
-        return sum(file.read_text().count("\n") for file in self.included())
+        return sum(file.read_text().count("\n") for file in self.files)
 
 
 def lines_of(group: List[Source]) -> int:
@@ -77,13 +79,14 @@ def sources(preset: str) -> List[Source]:
     return found
 
 
-def groups() -> Dict[str, List[Source]]:
-    """Files that are read as one. Those of one room are in different groups: equal names may have kept them apart."""
+def groups(wanted: Set[Path]) -> Dict[str, List[Source]]:
+    """Files that are read as one, of those that are wanted; where none is named, all are. Those of one room are in different groups: equal names may have kept them apart."""
     found: Dict[str, List[Source]] = {}
     for source in sources("asan-ubsan"):
         path = str(source.file)
         room = re.search(r"/(engine|server|clients)/", path)
-        if not room or "/tests/" in path:
+        source.files = [file for file in source.files if not wanted or file in wanted]
+        if not room or "/tests/" in path or not source.files:
             continue
         if not source.target.startswith("supple_"):  # a program, with a function main of its own
             found[f"{source.target}_{source.file.stem}"] = [source]
@@ -97,8 +100,8 @@ def groups() -> Dict[str, List[Source]]:
     training = next(source for source in sources("release") if source.target == "supple_training")
     found["training"] = [Source(training.target, file, training.seen, training.others)
                          for file in sorted((ROOT / "engine" / "training" / "src").glob("*.cpp"))
-                         if file.stem not in INCLUDES_LIBTORCH]
-    return found
+                         if file.stem not in INCLUDES_LIBTORCH and (not wanted or file in wanted)]
+    return {name: members for name, members in found.items() if members}
 
 
 def text_of(source: Path) -> str:
@@ -120,7 +123,7 @@ class Together:
     def write(self) -> None:
         lines: List[str] = []
         for member in self.members:
-            for source in member.included():
+            for source in member.files:
                 lines.append("#undef _res")  # a macro of <resolv.h>, and the name of one of Eigen's arguments
                 self.begins.append((len(lines), source))
                 lines += text_of(source).splitlines()
@@ -171,9 +174,10 @@ def check(group: List[Together]) -> str:
 
 def main() -> int:
     jobs = int(sys.argv[1]) if len(sys.argv) > 1 else os.cpu_count() or 1
+    wanted = {ROOT / file for file in sys.argv[2:]}
     clean = True
     with ThreadPoolExecutor(jobs) as pool:
-        for findings in pool.map(check, write(groups()).values()):
+        for findings in pool.map(check, write(groups(wanted)).values()):
             if findings:
                 clean = False
                 print(findings, flush=True)

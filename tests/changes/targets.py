@@ -1,0 +1,131 @@
+"""CMake's target graph, and which source file reads which file of the project: what a change in C++ makes necessary to run again."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Dict, FrozenSet, List, Set, Tuple
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
+
+
+@dataclass
+class Target:
+    name: str
+    kind: str  #: as CMake's file API names it: EXECUTABLE, STATIC_LIBRARY, UTILITY
+    folder: str  #: of its CMakeLists.txt, relative to the project
+    sources: List[str] = field(default_factory=list)
+    folders: List[str] = field(default_factory=list)  #: of the project, in which its sources look for headers
+    uses: FrozenSet[str] = frozenset()  #: targets that are built before it
+
+
+def configured_targets(root: Path, build: Path) -> List[Target]:
+    """Configures `build` with the tests, benchmarks and fuzzers, and compiles nothing."""
+    query = build / ".cmake/api/v1/query"
+    query.mkdir(parents=True, exist_ok=True)
+    (query / "codemodel-v2").touch()
+    done = subprocess.run(["cmake", "--preset", "release", "-B", str(build), "-DSUPPLE_BUILD_BENCH=ON", "-DSUPPLE_BUILD_FUZZ=ON",
+                           "-DSUPPLE_GROUPED=OFF"], cwd=root, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"cmake ended with status {done.returncode}:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}")
+    reply = build / ".cmake/api/v1/reply"
+    index = json.loads(max(reply.glob("index-*.json")).read_text())
+    model = json.loads((reply / index["reply"]["codemodel-v2"]["jsonFile"]).read_text())
+    return [read_target(root, json.loads((reply / entry["jsonFile"]).read_text()))
+            for entry in model["configurations"][0]["targets"]]
+
+
+def read_target(root: Path, told: dict) -> Target:  # type: ignore[type-arg]
+    folders: Dict[str, None] = {}
+    for group in told.get("compileGroups", []):
+        for include in group.get("includes", []):
+            path = Path(include["path"]).resolve()
+            if path.is_relative_to(root):
+                folders[str(path.relative_to(root))] = None
+    return Target(told["name"], told["type"], told["paths"]["source"], [source["path"] for source in told.get("sources", [])],
+                  list(folders), frozenset(entry["id"].split("::@")[0] for entry in told.get("dependencies", [])))
+
+
+class Graph:
+    """Targets with everything that they use, directly or not, and the files that each of their sources reads."""
+
+    def __init__(self, root: Path, targets: List[Target]) -> None:
+        self.root = root
+        self.targets = {target.name: target for target in targets}
+        self.users: Dict[str, Set[str]] = {name: set() for name in self.targets}
+        for target in targets:
+            for used in target.uses:
+                self.users.setdefault(used, set()).add(target.name)
+        self.names: Dict[str, List[str]] = {}
+        self.known: Dict[str, bool] = {}
+        self.resolved: Dict[Tuple[str, Tuple[str, ...]], Tuple[str, ...]] = {}
+        self.read: Dict[Tuple[str, str], FrozenSet[str]] = {
+            (target.name, source): self.files_of(source, tuple(target.folders)) for target in targets for source in target.sources}
+
+    def includes_of(self, file: str) -> List[str]:
+        if file not in self.names:
+            self.names[file] = INCLUDE.findall((self.root / file).read_text(encoding="utf-8", errors="replace"))
+        return self.names[file]
+
+    def is_file(self, file: str) -> bool:
+        if file not in self.known:
+            self.known[file] = (self.root / file).is_file()
+        return self.known[file]
+
+    def included(self, file: str, folders: Tuple[str, ...]) -> Tuple[str, ...]:
+        """The files of the project that this one includes, under whatever condition of the preprocessor."""
+        if (file, folders) not in self.resolved:
+            found = []
+            for name in self.includes_of(file):
+                candidates = (os.path.normpath(os.path.join(folder, name)) for folder in (os.path.dirname(file), *folders))
+                if (first := next(filter(self.is_file, candidates), None)) is not None:
+                    found.append(first)
+            self.resolved[file, folders] = tuple(found)
+        return self.resolved[file, folders]
+
+    def files_of(self, source: str, folders: Tuple[str, ...]) -> FrozenSet[str]:
+        """The source and every file of the project that it includes, directly or not."""
+        if os.path.isabs(source) or not self.is_file(source):
+            return frozenset()
+        reached, open_files = {source}, [source]
+        while open_files:
+            for file in self.included(open_files.pop(), folders):
+                if file not in reached:
+                    reached.add(file)
+                    open_files.append(file)
+        return frozenset(reached)
+
+    def readers(self, file: str) -> Set[Tuple[str, str]]:
+        """Targets and those of their sources that read this file."""
+        return {key for key, files in self.read.items() if file in files}
+
+    def owners(self, file: str) -> Set[str]:
+        """Targets of the innermost folder with targets around this file: for one that is gone, or that no source includes."""
+        folder = Path(file).parent
+        while folder != Path("."):
+            owners = {target.name for target in self.targets.values() if target.folder == str(folder)}
+            if owners:
+                return owners
+            folder = folder.parent
+        return set()
+
+    def users_of(self, names: Set[str]) -> Set[str]:
+        """These targets and all that use them, directly or not."""
+        reached, open_names = set(names), list(names)
+        while open_names:
+            for user in self.users.get(open_names.pop(), set()) - reached:
+                reached.add(user)
+                open_names.append(user)
+        return reached
+
+    def programs(self, folder: str) -> Set[str]:
+        """Programs that are declared under a folder of the project."""
+        return {target.name for target in self.targets.values()
+                if target.kind == "EXECUTABLE" and (target.folder == folder or target.folder.startswith(f"{folder}/"))}
+
+    def used_by(self, name: str) -> FrozenSet[str]:
+        return self.targets[name].uses if name in self.targets else frozenset()
