@@ -4,7 +4,7 @@
 
 Most of clang-tidy's time goes into headers and into what they instantiate. So the files of several rooms are read as one:
 each room is a namespace of its own, and the preset asan-ubsan has already put the files of a room into few. Findings name
-the file they are in. Of the training room, what includes LibTorch is left out, whose headers clang 14 does not compile as
+the file they are in. A file that was found clean before, with all that it includes, is left out (tidy_cache.py). Of the training room, what includes LibTorch is left out, whose headers clang 14 does not compile as
 C++20.
 """
 
@@ -19,9 +19,10 @@ from bisect import bisect_left
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, List, Set, Tuple
+from typing import Callable, Dict, List, Tuple
 
 from single_files import command_of
+from tidy_cache import cache_of
 
 ROOT = Path(__file__).resolve().parents[1]
 OUTPUT = ROOT / "build" / "tidy"
@@ -79,14 +80,16 @@ def sources(preset: str) -> List[Source]:
     return found
 
 
-def groups(wanted: Set[Path]) -> Dict[str, List[Source]]:
-    """Files that are read as one, of those that are wanted; where none is named, all are. Those of one room are in different groups: equal names may have kept them apart."""
+def groups(is_wanted: Callable[[Source, Path], bool]) -> Dict[str, List[Source]]:
+    """Files that are read as one, of those that are wanted. Those of one room are in different groups: equal names may have kept them apart."""
     found: Dict[str, List[Source]] = {}
     for source in sources("asan-ubsan"):
         path = str(source.file)
         room = re.search(r"/(engine|server|clients)/", path)
-        source.files = [file for file in source.files if not wanted or file in wanted]
-        if not room or "/tests/" in path or not source.files:
+        if not room or "/tests/" in path:
+            continue
+        source.files = [file for file in source.files if is_wanted(source, file)]
+        if not source.files:
             continue
         if not source.target.startswith("supple_"):  # a program, with a function main of its own
             found[f"{source.target}_{source.file.stem}"] = [source]
@@ -100,7 +103,7 @@ def groups(wanted: Set[Path]) -> Dict[str, List[Source]]:
     training = next(source for source in sources("release") if source.target == "supple_training")
     found["training"] = [Source(training.target, file, training.seen, training.others)
                          for file in sorted((ROOT / "engine" / "training" / "src").glob("*.cpp"))
-                         if file.stem not in INCLUDES_LIBTORCH and (not wanted or file in wanted)]
+                         if file.stem not in INCLUDES_LIBTORCH and is_wanted(training, file)]
     return {name: members for name, members in found.items() if members}
 
 
@@ -175,12 +178,26 @@ def check(group: List[Together]) -> str:
 def main() -> int:
     jobs = int(sys.argv[1]) if len(sys.argv) > 1 else os.cpu_count() or 1
     wanted = {ROOT / file for file in sys.argv[2:]}
+    cache, where = cache_of(ROOT, SHALLOW)
+    keys: Dict[Path, str] = {}
+
+    def is_wanted(source: Source, file: Path) -> bool:
+        if wanted and file not in wanted:
+            return False
+        keys[file] = cache.key(file, [*source.others, *source.seen])
+        return not cache.is_clean(keys[file])
+
+    groups_to_check = list(write(groups(is_wanted)).values())
+    left = [file for group in groups_to_check for member in group[0].members for file in member.files]
+    print(f"{len(left)} of {len(keys)} files are looked at; {where}", flush=True)
     clean = True
     with ThreadPoolExecutor(jobs) as pool:
-        for findings in pool.map(check, write(groups(wanted)).values()):
+        for group, findings in zip(groups_to_check, pool.map(check, groups_to_check)):
             if findings:
                 clean = False
                 print(findings, flush=True)
+            else:
+                cache.keep([keys[file] for member in group[0].members for file in member.files])
     return 0 if clean else 1
 
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
-import re
 import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Dict, FrozenSet, List, Set, Tuple
 
-INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
+from includes import Includes
 
 
 @dataclass
@@ -54,50 +52,14 @@ class Graph:
     """Targets with everything that they use, directly or not, and the files that each of their sources reads."""
 
     def __init__(self, root: Path, targets: List[Target]) -> None:
-        self.root = root
         self.targets = {target.name: target for target in targets}
         self.users: Dict[str, Set[str]] = {name: set() for name in self.targets}
         for target in targets:
             for used in target.uses:
                 self.users.setdefault(used, set()).add(target.name)
-        self.names: Dict[str, List[str]] = {}
-        self.known: Dict[str, bool] = {}
-        self.resolved: Dict[Tuple[str, Tuple[str, ...]], Tuple[str, ...]] = {}
+        includes = Includes(root)
         self.read: Dict[Tuple[str, str], FrozenSet[str]] = {
-            (target.name, source): self.files_of(source, tuple(target.folders)) for target in targets for source in target.sources}
-
-    def includes_of(self, file: str) -> List[str]:
-        if file not in self.names:
-            self.names[file] = INCLUDE.findall((self.root / file).read_text(encoding="utf-8", errors="replace"))
-        return self.names[file]
-
-    def is_file(self, file: str) -> bool:
-        if file not in self.known:
-            self.known[file] = (self.root / file).is_file()
-        return self.known[file]
-
-    def included(self, file: str, folders: Tuple[str, ...]) -> Tuple[str, ...]:
-        """The files of the project that this one includes, under whatever condition of the preprocessor."""
-        if (file, folders) not in self.resolved:
-            found = []
-            for name in self.includes_of(file):
-                candidates = (os.path.normpath(os.path.join(folder, name)) for folder in (os.path.dirname(file), *folders))
-                if (first := next(filter(self.is_file, candidates), None)) is not None:
-                    found.append(first)
-            self.resolved[file, folders] = tuple(found)
-        return self.resolved[file, folders]
-
-    def files_of(self, source: str, folders: Tuple[str, ...]) -> FrozenSet[str]:
-        """The source and every file of the project that it includes, directly or not."""
-        if os.path.isabs(source) or not self.is_file(source):
-            return frozenset()
-        reached, open_files = {source}, [source]
-        while open_files:
-            for file in self.included(open_files.pop(), folders):
-                if file not in reached:
-                    reached.add(file)
-                    open_files.append(file)
-        return frozenset(reached)
+            (target.name, source): includes.closure(source, tuple(target.folders)) for target in targets for source in target.sources}
 
     def readers(self, file: str) -> Set[Tuple[str, str]]:
         """Targets and those of their sources that read this file."""
