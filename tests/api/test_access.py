@@ -157,14 +157,17 @@ def test_a_key_that_sends_too_much_waits_as_long_as_it_is_told(new_server: NewSe
     quick = add_key(data, "quick", "read")
     server = new_server()
     api = Api(server, contract, slow)
-    for _ in range(30):
-        assert api.get("/v1/meshes").status_code == 200
-    refused = api.get("/v1/meshes")
+    # Every two seconds it may send one more, so that it may be refused later where the machine is slow.
+    statuses = []
+    while not statuses or statuses[-1] == 200:
+        refused = api.get("/v1/meshes")
+        statuses.append(refused.status_code)
+    assert 30 <= statuses.count(200) < 60
     assert (refused.status_code, problem_code(refused)) == (429, "access.rate")
     assert {name: refused.json()[name] for name in ("limit", "value", "setting")} == {"limit": 30, "value": 31, "setting": "--rate"}
     assert Api(server, contract, quick).get("/v1/meshes").status_code == 200
-    assert refused.headers["Retry-After"] == "2"
-    time.sleep(2)
+    assert refused.headers["Retry-After"] in ("1", "2")
+    time.sleep(int(refused.headers["Retry-After"]))
     assert api.get("/v1/meshes").status_code == 200
 
 
@@ -412,7 +415,7 @@ def test_a_key_expires(new_server: NewServer, tmp_path: Path, contract: Contract
     wait_for_look_at_keys()
     assert api.get("/v1/meshes").status_code == 200
     while (response := api.get("/v1/meshes")).status_code == 200:
-        assert time.time() < begin + 20
+        assert time.time() < begin + 60
         time.sleep(0.1)
     assert time.time() >= begin + 5  # it counts whole seconds
     assert problem_code(response) == "access.key_invalid" and "has expired on" in response.json()["detail"]

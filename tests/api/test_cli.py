@@ -16,6 +16,7 @@ import pytest
 
 from harness import Api, CLI, MESHES, free_port
 from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apart
+from working_time import PATIENCE_SECONDS
 
 
 class Program:
@@ -401,9 +402,9 @@ def test_ctrl_c_cancels_the_computation_on_the_server(
     time.sleep(delay)
     assert process.poll() is None
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=10)
+    _, errors = process.communicate(timeout=PATIENCE_SECONDS)
     assert process.returncode == 130 and "interrupted" in errors
-    end = time.monotonic() + 2
+    end = time.monotonic() + PATIENCE_SECONDS
     while True:
         ready = api.get("/readyz").json()
         unfinished = [job for job in queue_of_jobs if api.get(f"/v1/jobs/{job}").json()["state"] in ("accepted", "running")]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 import threading
-import time
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
@@ -15,6 +14,7 @@ import requests
 
 from contract import Contract
 from harness import ROOT, Api, ServerProcess, pointers, problem_code
+from working_time import PATIENCE_SECONDS, WorkingTime, comes_true, ends_within
 from test_jobs import ASYNC, events, start_job
 
 DESIGNS = "/v1/designs"
@@ -304,10 +304,7 @@ def in_background(api: Api, document: Dict[str, Any]) -> "tuple[threading.Thread
     thread = threading.Thread(target=lambda: received.append(
         requests.post(api.server.url + DESIGNS, json=document, timeout=120)))
     thread.start()
-    end = time.monotonic() + 20
-    while not api.busy():
-        assert time.monotonic() < end, "the computation never started"
-        time.sleep(0.01)
+    comes_true(api.busy, "the computation starts")
     return thread, received
 
 
@@ -318,10 +315,10 @@ def quick_request(**more: Any) -> Dict[str, Any]:
 
 def test_a_newer_request_of_a_session_replaces_an_immediate_one(designs: Api) -> None:
     thread, received = in_background(designs, long_request(session="drag-1"))
-    start = time.monotonic()
+    work = WorkingTime(designs.server.pid)
     designs.ok(DESIGNS, quick_request(session="drag-1"))
-    thread.join(30)
-    assert time.monotonic() - start < 20
+    thread.join(PATIENCE_SECONDS)
+    work.check(20, "the older request goes on")
     (older,) = received
     designs.contract.check_response("POST", DESIGNS, older.status_code, older.headers, older.content)
     assert (older.status_code, problem_code(older)) == (409, "design.superseded")
@@ -374,12 +371,10 @@ def test_events_carry_the_best_design_so_far(designs: Api) -> None:
 def test_delete_ends_a_search_within_a_moment(designs: Api) -> None:
     job = start_job(designs, DESIGNS, long_request())
     designs.wait_for_job(job, ("running",))
-    time.sleep(0.5)
-    start = time.monotonic()
+    work = WorkingTime(designs.server.pid)
+    comes_true(lambda: work.seconds() > 0.3, "the search computes")
     assert designs.delete(f"/v1/jobs/{job}").json()["state"] == "dismissed"
-    while designs.busy():
-        assert time.monotonic() - start < 5, "the search goes on"
-        time.sleep(0.01)
+    ends_within(designs.server.pid, designs.busy, 5, "the search goes on")
 
 
 def test_a_deadline_ends_a_search(designs: Api) -> None:

@@ -14,7 +14,7 @@ from harness import Api
 
 EXAMPLES = sorted((ROOT / "api" / "examples").glob("*.json"))
 TYPES = {"$number": (int, float), "$integer": int, "$string": str, "$array": list, "$time": str}
-REPEAT_SECONDS = 30
+REPEAT_SECONDS = 120
 
 
 def filled(value: Any, saved: Dict[str, str]) -> Any:

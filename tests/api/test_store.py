@@ -17,6 +17,7 @@ import requests
 from contract import Contract
 from harness import Api, ServerProcess, problem_code, spoil_database
 from shapes import bumpy_sphere, flat_grid, sphere
+from working_time import PATIENCE_SECONDS
 
 ASYNC = {"Prefer": "respond-async"}
 FIELDS = "/v1/geodesic-fields"
@@ -88,7 +89,7 @@ def test_a_full_disk_lets_jobs_and_meshes_be_deleted(small_disk: Path, new_serve
 
 def wait_for_reserve(data: Path) -> None:
     """Until the server holds the space again that it gives back where a removal needs it."""
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE_SECONDS
     while not (data / "reserve").exists():
         assert time.monotonic() < deadline
         time.sleep(0.05)
@@ -171,7 +172,7 @@ def test_meshes_are_limited_in_bytes_and_go_when_nobody_uses_them(new_server: Ne
     server.arguments = ("--mesh-retention", "0.5")
     time.sleep(1)
     server.start()
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE_SECONDS
     while Api(server, contract).get(f"/v1/meshes/{mesh}").status_code == 200:
         assert time.monotonic() < deadline
         time.sleep(0.05)

@@ -61,7 +61,7 @@ class Proxy:
         configuration = folder / "nginx.conf"
         configuration.write_text(MAIN.format(user="user root;" if os.geteuid() == 0 else "", folder=folder, site=site))
         self._process = subprocess.Popen([str(NGINX), "-p", str(folder), "-c", str(configuration)], stderr=subprocess.PIPE)
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while time.monotonic() < deadline:
             assert self._process.poll() is None, self._process.stderr.read().decode()  # type: ignore[union-attr]
             try:

@@ -14,6 +14,7 @@ import pytest
 from contract import Contract
 from harness import Api, ServerProcess, pointers, problem_code
 from shapes import bumpy_sphere, flat_grid, sphere, two_triangles_apart
+from working_time import WorkingTime
 from test_jobs import events, start_job
 
 DIAGRAMS = "/v1/voronoi-diagrams"
@@ -193,9 +194,9 @@ def test_sites_that_are_not_on_the_mesh_are_pointed_to(api: Api, grid_mesh: str)
 
 
 def test_ten_million_sites_are_refused_at_once(api: Api, grid_mesh: str) -> None:
-    start = time.monotonic()
+    work = WorkingTime(api.server.pid)
     response = api.post(DIAGRAMS, four_sites(grid_mesh, sites={"count": 10_000_000}), faulty=True)
-    assert time.monotonic() - start < 1
+    work.check(1, "sites are made before they are counted")
     assert (response.status_code, problem_code(response)) == (400, "request.limit_exceeded")
     problem = response.json()
     assert pointers(response) == ["/sites/count"]

@@ -138,7 +138,7 @@ def test_an_optimization_that_was_interrupted_goes_on_from_its_file(cli: Program
         assert process.poll() is None and time.monotonic() < end
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=20)
+    _, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
     kept = json.loads(way.read_text())
     assert len(kept["sites"]) == 300 and not (cli.folder / "way.json.part").exists()

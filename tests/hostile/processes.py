@@ -2,45 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import re
 import socket
-import subprocess
 import time
 from pathlib import Path
-from typing import List
 
 import pytest
 
 from costly import Costly
 from harness import SANITIZED, ServerProcess
+from working_time import cpu_seconds
 
 memory_is_its_own = pytest.mark.skipif(SANITIZED, reason="the address sanitizer keeps freed memory and reserves any amount of addresses")
 """For tests of how much memory the server takes."""
-
-TICKS = float(os.sysconf("SC_CLK_TCK"))
-
-
-def processes(pid: int) -> List[int]:
-    """The process and all that it has started."""
-    found, children = [], [pid]
-    while children:
-        found += children
-        shown = subprocess.run(["ps", "-o", "pid=", "--ppid", ",".join(map(str, children))], stdout=subprocess.PIPE,
-                               check=False, text=True)
-        children = [int(text) for text in shown.stdout.split()]
-    return found
-
-
-def cpu_seconds(pid: int) -> "dict[int, float]":
-    used = {}
-    for process in processes(pid):
-        try:
-            fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
-            used[process] = (int(fields[11]) + int(fields[12])) / TICKS
-        except OSError:
-            pass  # it has just ended
-    return used
 
 
 def cpu_within(pid: int, seconds: float) -> float:
@@ -48,15 +22,6 @@ def cpu_within(pid: int, seconds: float) -> float:
     before = cpu_seconds(pid)
     time.sleep(seconds)
     return sum(max(0.0, used - before.get(process, 0)) for process, used in cpu_seconds(pid).items())
-
-
-def quiet_within(pid: int, seconds: float, quiet: float) -> float:
-    """CPU seconds of the first half second in which they are below `quiet`, or of the last that began in time."""
-    end = time.monotonic() + seconds
-    while True:
-        used = cpu_within(pid, 0.5)
-        if used < quiet or time.monotonic() >= end:
-            return used
 
 
 def reset_peak(pid: int) -> None:

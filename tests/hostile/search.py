@@ -31,7 +31,8 @@ import requests  # noqa: E402
 from contract import ROOT  # noqa: E402
 from costly import CASES, Costly, Meshes, meshes_of  # noqa: E402
 from harness import ServerProcess  # noqa: E402
-from processes import cpu_seconds, peak_bytes, reset_peak, sent_request, first_line  # noqa: E402
+from processes import first_line, peak_bytes, reset_peak, sent_request  # noqa: E402
+from working_time import cpu_seconds  # noqa: E402
 
 DEADLINE = 2.0
 BOUND_BYTES = 1.25 * 2**30

@@ -7,7 +7,7 @@ import signal
 import threading
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List
+from typing import Any, Callable, Dict, List
 
 import pytest
 import requests
@@ -15,11 +15,13 @@ import requests
 from contract import Contract
 from costly import named
 from harness import SANITIZED, SLOWNESS, Api, ServerProcess, problem_code
-from processes import cpu_within, memory_is_its_own, processes, sent_request
+from processes import cpu_within, memory_is_its_own, sent_request
+from working_time import comes_true, cpu_of_children, cpu_seconds, processes
 
 SOLID = "/v1/families/IH21/structure?cells=100,100&format=stl"
 """A minute's work of the mesh generator."""
-CELL: Dict[str, Any] = {"family": "IH21", "mesh": {"mesh_size": 1.0}, "deadline": 2 * SLOWNESS}
+CELL: Dict[str, Any] = {"family": "IH21", "mesh": {"mesh_size": 1.0}, "deadline": 20 * SLOWNESS}
+"""Of which a moment's work comes; behind the solid it would come too late."""
 
 
 def helpers_of(server: ServerProcess) -> List[int]:
@@ -53,9 +55,7 @@ def test_a_mesh_does_not_wait_for_one_that_takes_a_minute(api: Api, server: Serv
     connection = sent_request(server, named("solid_of_many_cells", {}, None))
     try:
         busy_helper(server)
-        start = time.monotonic()
         assert api.post("/v1/structures", CELL).status_code == 200
-        assert time.monotonic() - start < 2 * SLOWNESS
     finally:
         connection.close()
 
@@ -64,7 +64,7 @@ def test_a_mesh_does_not_wait_for_one_that_takes_a_minute(api: Api, server: Serv
 def test_a_helper_that_crashes_is_a_problem_of_its_request_alone(server: ServerProcess, api: Api) -> None:
     thread, answers = get_in_background(server, SOLID)
     os.kill(busy_helper(server), signal.SIGSEGV)
-    thread.join(30)
+    thread.join(120)
     assert answers and (answers[0].status_code, problem_code(answers[0])) == (500, "server.helper_ended")
     assert "tiling/stl" in answers[0].json()["detail"] and "signal 11" in answers[0].json()["detail"]
     api.contract.check_response("GET", SOLID, 500, answers[0].headers, answers[0].content)
@@ -94,9 +94,9 @@ def test_the_server_ends_when_told_to_whatever_it_computes(new_server: Callable[
     connection = sent_request(server, named(name, {}, None))
     time.sleep(0.5)
     everything = processes(server.pid)
-    start = time.monotonic()
+    used, reaped = sum(cpu_seconds(server.pid).values()), cpu_of_children()
     assert server.terminate() == 0
-    assert time.monotonic() - start < 3 * SLOWNESS
+    assert cpu_of_children() - reaped - used < 3 * SLOWNESS, "CPU seconds of the server and its helpers after the signal"
     connection.close()
     if SANITIZED:
         time.sleep(1)  # such a helper ends after its server, and waits for somebody to ask how
@@ -111,7 +111,4 @@ def test_helpers_end_with_a_server_that_is_killed(new_server: Callable[..., Serv
     helper = busy_helper(server)
     server.kill()
     connection.close()
-    deadline = time.monotonic() + 5
-    while runs(helper) and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert not runs(helper)
+    comes_true(lambda: not runs(helper), "the helper ends")

@@ -1,7 +1,7 @@
 // Networks on shells and solids that give way, where material, mesh, network or place come to their limits.
 #include "host_case.h"
 
-#include <chrono>
+#include <ctime>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -297,18 +297,17 @@ TEST(HardHosts, StopInTheMiddleOfAStep) {
                                        std::pair(StopReason::deadline, "job.deadline_exceeded")}) {
       SqueezedBall hard(host);
       Execution execution;
-      using Clock = std::chrono::steady_clock;
-      Clock::time_point asked;
+      std::clock_t asked = 0;  // of the processor, so that a busy machine makes no difference
       int states = 0;
       hard.options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>,
                                   const surface::TriangleMesh&) {
         if (++states < 3) return;
-        asked = Clock::now();
+        asked = std::clock();
         execution.cancellation.request(reason);
       };
       testing::expect_error(code, [&] { relax(hard.solver, hard.network, hard.options, execution); });
       EXPECT_EQ(states, 3);
-      EXPECT_LT(std::chrono::duration<double>(Clock::now() - asked).count(), 1);
+      EXPECT_LT(std::clock() - asked, 2 * CLOCKS_PER_SEC) << "a second of two processors";
     }
 }
 

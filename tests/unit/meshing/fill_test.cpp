@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <map>
 #include <string>
 #include <vector>
@@ -237,9 +237,9 @@ TEST(Fill, AStopRequestEndsIt) {
   } stop;
   const Execution execution{.cancellation = stop.token, .progress = &stop};
   const FillOptions long_work{.element_size = 0.015, .max_tetrahedra = 100'000'000};
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();  // of the processor, so that a busy machine makes no difference
   expect_error("job.cancelled", [&] { fill(sphere.positions(), sphere.faces(), long_work, execution); });
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  EXPECT_LT(std::clock() - start, 20 * CLOCKS_PER_SEC);
 }
 
 TEST(Fill, OptionsOutOfRangeAreTheCallersMistake) {

@@ -49,7 +49,7 @@ class Server {
     work.request_hash = body;
     return queue_->submit(std::move(work), RequestOfJob{{"POST", "/v1/x", {}, "text/plain", {}}, body}).record.id;
   }
-  JobStatus wait_until(const std::string& id, JobState state, double seconds = 20) {
+  JobStatus wait_until(const std::string& id, JobState state, double seconds = 60) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (true) {
       auto status = queue_->status(id);
