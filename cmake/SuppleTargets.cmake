@@ -32,6 +32,9 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 sees overlapping copies in std::string's operator+ that are not there (GCC bug 105651).
   target_compile_options(supple_options INTERFACE -Wno-restrict)
+  # Kilobytes in use before the compiler looks for what it no longer needs: twenty files at a time take that much anyway, and to look
+  # less often saves it a tenth of its time.
+  target_compile_options(supple_options INTERFACE --param=ggc-min-heapsize=524288)
 endif()
 if(SUPPLE_GROUPED)
   # Names of one file's unnamed namespace are seen by the next file.
@@ -59,6 +62,16 @@ function(supple_room name)
   target_link_libraries(supple_${name} PUBLIC ${room_PUBLIC} PRIVATE ${room_PRIVATE} $<BUILD_INTERFACE:supple_options>)
   if(SUPPLE_BUILD_FUZZ)  # the fuzzers look for new ways through the rooms; tests have no use for that
     target_compile_options(supple_${name} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
+endfunction()
+
+# supple_compile_quickly(TARGET)
+# For programs of tests, which are a large part of the build: at -O1 they are compiled in two thirds of the time. The rooms that they
+# test are optimized as ever.
+function(supple_compile_quickly name)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # Where less is known about values, GCC sees uninitialized ones that are none.
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1;-Wno-maybe-uninitialized>)
   endif()
 endfunction()
 

@@ -89,7 +89,11 @@ build_programs() {  # PART PRESET [TARGET OF ALL ...]
 run_programs() {  # PART PRESET LABEL
   local chosen=()
   [ -z "${only[$1]:-}" ] || chosen=(-R "^($(sed -E 's/\<example_/examples\\./g; s/ /|/g' <<<"${only[$1]}"))(\\.|\$)")
-  ctest --test-dir "build/$2" -j "$jobs" -L "$3" "${chosen[@]}" --output-on-failure --no-tests=error
+  local status=0
+  ctest --test-dir "build/$2" -j "$jobs" -L "$3" "${chosen[@]}" --output-on-failure --no-tests=error || status=1
+  echo "the slowest of them, in seconds, in any part of this build:"
+  sed '/^---/,$d' "build/$2/Testing/Temporary/CTestCostData.txt" 2>/dev/null | sort -rn -k3 | awk 'NR <= 8 {print "  " $3, $1}'
+  return $status
 }
 part_unit() { build_programs unit release && run_programs unit release unit; }
 part_stability() { build_programs stability release && run_programs stability release stability; }
@@ -120,15 +124,7 @@ part_deploy() {
 part_image() { build_preset release --target supple make_test_model && deploy/build_image.sh --test; }
 part_packages() { deploy/build_packages.sh && "$python" -m pytest -q -p no:cacheprovider tests/release; }
 part_reproducible() { tests/release/reproducible.sh; }
-# Its tests measure how soon the processor is free: what computes in the background waits meanwhile.
-part_hostile() {
-  build_preset release --target supple-server make_test_model || return 1
-  local status=0
-  signal_background STOP
-  run_python hostile || status=1
-  signal_background CONT
-  return $status
-}
+part_hostile() { build_preset release --target supple-server make_test_model && run_python hostile; }
 signal_background() { [ -z "$tidy_process" ] || kill "-$1" -- "-$tidy_process" 2>/dev/null || true; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
 part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
@@ -141,15 +137,8 @@ build_web() {
 part_web() { build_web && (cd clients/web && npm test); }
 part_browser() {
   build_preset release --target supple-server && build_web && install_modules tests/browser || return 1
-  local file log=build/browser.log reached=0 status=0 files
-  mapfile -t files < <(for file in ${only[browser]:-tests/browser/*.test.mjs}; do echo "tests/browser/${file##*/}"; done)
-  for file in "${files[@]}"; do
-    node --test "$file" >"$log" 2>&1 || { cat "$log"; status=1; }
-    printf '%s: %s\n' "$(basename "$file")" "$(grep -E '^(# |ℹ )(tests|pass|fail) ' "$log" | paste -sd " ")"
-    reached=$((reached + $(sed -nE 's/^(# |ℹ )tests ([0-9]+)$/\2/p' "$log" | tail -1)))
-  done
-  echo "$reached browser tests were reached"
-  [ "$reached" -gt 0 ] && return $status
+  # shellcheck disable=SC2086  # names of files
+  node tests/browser/all.mjs ${only[browser]:-}
 }
 # What only computes begins with the parts that mostly wait for servers and browsers, and takes what they leave of the cores:
 # clang-tidy, and then the builds of the sanitizers that are asked for.
@@ -202,19 +191,7 @@ part_fuzz() {
   if [ -n "${only[fuzz]:-}" ]; then mapfile -t targets < <(printf 'build/asan-ubsan/tests/fuzz/%s\n' ${only[fuzz]}); fi
   [ "${#targets[@]}" -gt 0 ] || { echo "no fuzz target was built"; return 1; }
   share=$(( (fuzz_seconds + ${#targets[@]} - 1) / ${#targets[@]} ))
-  for target in "${targets[@]}"; do
-    local name corpus
-    name=$(basename "$target")
-    corpus=build/asan-ubsan/corpus/$name
-    mkdir -p "$corpus"
-    echo "-- $name for $share s"
-    local seeds=()
-    [ -d "tests/fuzz/corpus/$name" ] && seeds=("tests/fuzz/corpus/$name")
-    "$target" -max_total_time="$share" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
-      -artifact_prefix="build/asan-ubsan/$name-" "$corpus" "${seeds[@]}" 2>"build/asan-ubsan/$name.log" ||
-      { tail -60 "build/asan-ubsan/$name.log"; return 1; }
-    grep -E 'stat::number_of_executed_units' "build/asan-ubsan/$name.log"
-  done
+  printf '%s\n' "${targets[@]}" | xargs -P "$jobs" -I{} bash tests/fuzz/run_target.sh {} "$share"
 }
 
 install_packages() {

@@ -84,24 +84,51 @@ export class Server {
  */
 const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"];
 
-export function launch({ webgl = false } = {}) {
-  return chromium.launch({
+function optionsOf(webgl) {
+  return {
     executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
     args: ["--no-sandbox", ...(webgl ? WEBGL : ["--disable-gpu"])], // root in a container has no sandbox
+  };
+}
+
+export function launch({ webgl = false } = {}) {
+  return chromium.launch(optionsOf(webgl));
+}
+
+/** A browser to which several files of tests connect, each with pages of its own. */
+export function launchServer({ webgl = false } = {}) {
+  return chromium.launchServer(optionsOf(webgl));
+}
+
+/** What all.mjs has started for all files: the server's address and those of the browsers. */
+const SHARED = process.env.SUPPLE_SHARED ? JSON.parse(process.env.SUPPLE_SHARED) : undefined;
+
+/** What a file of tests works with: there before its first test, left or ended after its last. */
+export let server;
+export let browser;
+/** `own`: the file stops its server on the way. It never shares one that asks for keys or has other models, either. */
+export function setUp(options = {}) {
+  const shares = SHARED && !options.own && !options.keys && !options.models;
+  before(async () => {
+    server = shares ? { url: SHARED.url, async close() {} } : await Server.start(options);
+    if (SHARED) downloads = await mkdtemp(path.join(tmpdir(), "supple-downloads-"));
+    browser = SHARED ? await chromium.connect(options.webgl ? SHARED.webgl : SHARED.plain) : await launch(options);
+  });
+  after(async () => {
+    await browser?.close(); // a shared one loses the pages of this file, and goes on
+    await server?.close();
+    if (downloads) await rm(downloads, { recursive: true, force: true });
   });
 }
 
-/** What a file of tests works with: started before its first test, ended after its last. */
-export let server;
-export let browser;
-export function setUp(options) {
-  before(async () => {
-    server = await Server.start(options);
-    browser = await launch(options);
-  });
-  after(async () => {
-    await browser?.close();
-    await server?.close();
+/** Where files from a shared browser are kept: it does not tell where its own are. */
+let downloads;
+let fileCount = 0;
+function keepDownloads(page) {
+  page.on("download", (download) => {
+    const file = path.join(downloads, `${++fileCount}-${path.basename(download.suggestedFilename())}`);
+    let saved;
+    download.path = () => (saved ??= download.saveAs(file).then(() => file));
   });
 }
 
@@ -113,6 +140,7 @@ export async function openPage(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(WAIT_MS);
+  if (SHARED) keepDownloads(page);
   page.complaints = [];
   page.on("pageerror", (error) => page.complaints.push(error.stack ?? String(error)));
   page.on("console", (message) => {

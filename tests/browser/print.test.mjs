@@ -4,7 +4,7 @@ import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { saved, WeavePage } from "./weave_page.mjs";
 
-setUp();
+setUp({ own: true });
 
 const SLIDING = "pattern=regular&type=2&pitch=4&radius=0.25&strain=0.1&sheet=2,2,shear,0.3";
 

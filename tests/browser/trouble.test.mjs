@@ -4,7 +4,7 @@ import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
 import { browser, closePage, openPage, server, setUp, until } from "./harness.mjs";
 
-setUp();
+setUp({ own: true });
 
 const isSearch = (request) => request.postDataJSON()?.effects?.multi_start !== "off";
 

@@ -4,7 +4,7 @@ import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
 import { saved, WeavePage } from "./weave_page.mjs";
 
-setUp();
+setUp({ own: true });
 
 const exported = (page, name) => saved(page, async () => {
   await page.locator("main .menu summary").click();

@@ -23,7 +23,7 @@ TABLE: List[Tuple[str, Set[str]]] = [
 
     # The rules of the code. Each run checks formats, arrows, links and spelling.
     (r"\.clang-format|\.gitignore|LICENSE|CHANGELOG\.md|tests/whole-run\.txt|tests/arrows/check_includes\.py", set()),
-    (r"\.clang-tidy|tests/tidy\.py|tests/single_files\.py", {"tidy"}),
+    (r"\.clang-tidy|tests/tidy(_cache)?\.py|tests/single_files\.py", {"tidy"}),
     (r"tests/arrows/.*", {"unit:arrows"}),
     (r"tests/lsan\.supp", {"asan"}),
     (r"tests/tsan\.supp", {"tsan"}),
