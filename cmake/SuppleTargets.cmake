@@ -49,19 +49,24 @@ if(SUPPLE_SANITIZE)
   target_link_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE})
 endif()
 
-# supple_room(NAME SOURCES ... PUBLIC ... PRIVATE ...)
+# supple_room(NAME [FUZZED regex] SOURCES ... PUBLIC ... PRIVATE ...)
 # Declares the library supple_NAME from the current folder. Its public headers live in include/supple/NAME and are
 # visible only to the targets that link it, so that an include against the house plan does not compile.
 function(supple_room name)
-  cmake_parse_arguments(room "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(room "" "FUZZED" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(supple_${name} STATIC ${room_SOURCES})
   # The name that programs outside use, whether Supple is a folder of theirs or installed.
   add_library(Supple::${name} ALIAS supple_${name})
   target_include_directories(supple_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(supple_${name} PUBLIC ${room_PUBLIC} PRIVATE ${room_PRIVATE} $<BUILD_INTERFACE:supple_options>)
-  if(SUPPLE_BUILD_FUZZ)  # the fuzzers look for new ways through the rooms; tests have no use for that
+  # The fuzzers look for new ways through what reads the files and requests of strangers: sources that match FUZZED. What computes
+  # goes without, for there it costs a third of the time.
+  if(SUPPLE_BUILD_FUZZ AND room_FUZZED STREQUAL ".*")
     target_compile_options(supple_${name} PRIVATE -fsanitize=fuzzer-no-link)
+  elseif(SUPPLE_BUILD_FUZZ AND room_FUZZED)
+    list(FILTER room_SOURCES INCLUDE REGEX "${room_FUZZED}")
+    set_source_files_properties(${room_SOURCES} PROPERTIES COMPILE_OPTIONS -fsanitize=fuzzer-no-link)
   endif()
 endfunction()
 

@@ -127,7 +127,7 @@ part_reproducible() { tests/release/reproducible.sh; }
 part_hostile() { build_preset release --target supple-server make_test_model && run_python hostile; }
 signal_background() { [ -z "$tidy_process" ] || kill "-$1" -- "-$tidy_process" 2>/dev/null || true; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.
-part_bench() { cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
+part_bench() { configure_preset release && cmake --preset release -DSUPPLE_BUILD_BENCH=ON >build/configure-bench.log 2>&1 &&
   build_programs bench release && run_programs bench release bench; }
 install_modules() { (cd "$1" && npm ci >"$OLDPWD/build/npm-$(basename "$1").log" 2>&1) || { tail -20 "build/npm-$(basename "$1").log"; return 1; }; }
 build_web() {
