@@ -56,6 +56,7 @@ def test_a_fault_names_the_repair_and_the_repair_removes_the_fault(
         response = api.post("/v1/meshes", {**document, "repair": [repair]})
     assert response.status_code in (200, 201), response.text
     made = response.json()["repair"]
+    assert made["made"] == [repair]
     assert {name: value for name, value in made.items() if isinstance(value, int) and value} == counts
     # Besides one for each count: where vertices were split, that there are several in one place now.
     assert len(response.json()["warnings"]) == len(counts) + ("split_vertices" in counts)
@@ -73,7 +74,10 @@ def test_single_triangles_are_welded_to_one_closed_surface(api: Api) -> None:
     document = response.json()
     assert (document["vertices"], document["boundary_loops"], document["genus"]) == (162, 0, 0)
     assert document["repair"]["welded_vertices"] == len(vertices) - 162
-    assert document["repair"]["weld_distance"] == pytest.approx(1e-6 * document["bounding_box"]["diagonal"], rel=1e-3)
+    assert 1e-7 < document["repair"]["weld_distance"] < 4e-7 * 3**0.5
+    named = api.post("/v1/meshes?repair=weld&weld_tolerance=1e-6", body=obj_text((moved, faces)).encode(), headers=OCTETS).json()
+    assert named["id"] == document["id"]
+    assert named["repair"]["weld_distance"] == pytest.approx(1e-6 * document["bounding_box"]["diagonal"], rel=1e-3)
     assert document["repair"]["faces"] == list(range(320))
     apart = api.post("/v1/meshes?repair=weld&weld_tolerance=0", body=obj_text((moved, faces)).encode(), headers=OCTETS)
     assert apart.json()["vertices"] == 960 and apart.json()["repair"]["welded_vertices"] == 0

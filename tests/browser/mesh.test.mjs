@@ -126,16 +126,31 @@ describe("the mesh page", () => {
     await closePage(page);
   });
 
+  it("tells of cracks, and joins them where it is asked for whatever the mesh needs", async () => {
+    const page = await open();
+    const cracked = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 1 1 1e-7\nv 0 1 0\nv 0 0 1e-7\nf 1 2 3\nf 6 4 5\n";
+    await upload(page, "cracked.obj", cracked);
+    const notes = page.locator('[aria-label="Surface"] .note');
+    await notes.filter({ hasText: "open along cracks: 2 vertices differ" }).waitFor();
+    await page.getByText("Repairs at upload").click();
+    await page.getByLabel("Drop faces without area").check();
+    await page.getByLabel("Whatever the mesh needs").check();
+    assert.equal(await page.getByLabel("Drop faces without area").isChecked(), false, "what is needed includes it");
+    await upload(page, "cracked.obj", cracked);
+    await notes.filter({ hasText: "Repaired: 6 vertices and 2 faces became 4 vertices and 2 faces." }).waitFor();
+    await notes.filter({ hasText: "2 vertices were welded to an earlier one." }).waitFor();
+    assert.equal(await notes.filter({ hasText: "cracks" }).count(), 0);
+    await closePage(page);
+  });
+
   it("offers the repairs that mend a file, makes them, and tells what they changed", async () => {
     const page = await open();
     await upload(page, "doubled.obj", `${TETRAHEDRON}v 0 1.5 0\nv 0 0 3\nf 1 2 3\nf 1 2 1\n`);
     const repair = page.getByRole("button", { name: "Repair and upload" });
     await repair.waitFor();
     await page.locator(".mesh-stage .note", { hasText: "degenerate" }).waitFor();
-    assert.ok(await page.getByLabel("Drop faces without area").isChecked(), "the repair that helps is marked");
+    assert.ok(await page.getByLabel("Whatever the mesh needs").isChecked(), "what helps is marked");
     assert.equal(await page.getByLabel("Drop faces that are given twice").isChecked(), false);
-    await repair.click();
-    await page.locator(".mesh-stage .note", { hasText: "more than two faces" }).waitFor();
     await repair.click();
     await page.locator(".facts").getByText("Handles").waitFor();
     const notes = page.locator('[aria-label="Surface"] .note');
@@ -143,7 +158,7 @@ describe("the mesh page", () => {
     await notes.filter({ hasText: "1 degenerate face was dropped." }).waitFor();
     assert.equal(await repair.isVisible(), false);
     await page.getByText("Repairs at upload").click();
-    assert.equal(await page.getByLabel("Drop faces without area").isChecked(), false, "the next file is not repaired unasked");
+    assert.equal(await page.getByLabel("Whatever the mesh needs").isChecked(), false, "the next file is not repaired unasked");
     await picture(page, "mesh-repaired");
     await closePage(page);
   });

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
 #include "supple/base/error.h"
 #include "supple/surface/mesh_io.h"
+#include "supple/surface/mesh_repair.h"
 #include "supple/surface/mesh_report.h"
 
 namespace {
@@ -48,6 +50,19 @@ void check_mesh(const TriangleMesh& mesh) {
   require(again.faces() == mesh.faces() && again.positions() == mesh.positions());
 }
 
+/// Repairs the soup automatically: the mesh is sound then, or no repairs make it so.
+void check_repairs(supple::surface::TriangleSoup soup) {
+  try {
+    const auto outcome = supple::surface::repair_automatically(soup, limits);
+    for (const std::int32_t f : outcome.new_faces) require(f < static_cast<std::int64_t>(soup.faces.size()));
+    const TriangleMesh mesh = supple::surface::build_with_advice(std::move(soup), limits);
+    for (const std::string& warning : supple::surface::crack_warnings(mesh))
+      for (const char c : warning) require(c >= ' ' && c <= '~');
+  } catch (const supple::Error& error) {
+    check_error(error);
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -59,9 +74,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   for (const MeshFormat format : {MeshFormat::obj, MeshFormat::off, MeshFormat::ply, MeshFormat::stl}) {
     try {
-      const auto soup = supple::surface::read_mesh(bytes, format, limits);
+      auto soup = supple::surface::read_mesh(bytes, format, limits);
       require(static_cast<std::int64_t>(soup.positions.size()) <= limits.vertices &&
               static_cast<std::int64_t>(soup.faces.size()) <= limits.faces);
+      check_repairs(std::move(soup));
     } catch (const supple::Error& error) {
       check_error(error);
     }

@@ -25,6 +25,7 @@ void print_exponential_map(const nlohmann::json& answer) {
   fmt::print("length      {:.12g}{}\n", answer.at("length").get<double>(),
              answer.at("reached_boundary").get<bool>() ? ", stopped at the boundary" : "");
   fmt::print("transport   {:.9g} rad\n", answer.at("transport_angle").get<double>());
+  print_points_in_space(answer);
 }
 
 void run(const GlobalOptions& options, const ExponentialMapArguments& arguments) {

@@ -62,7 +62,10 @@ void run(const GlobalOptions& options, const FieldArguments& arguments) {
   } else if (!arguments.output.empty()) {
     write_file(arguments.output, field_as_csv(distances));
   }
-  if (arguments.output != "-" && !session.json()) print_summary(distances);
+  if (arguments.output == "-" || session.json()) return;
+  print_summary(distances);
+  if (!answer.largest_distance.empty())
+    fmt::print("in space    sources lie up to {} from the surface\n", answer.largest_distance);
 }
 
 }  // namespace

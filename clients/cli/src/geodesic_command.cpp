@@ -73,6 +73,7 @@ void run(const GlobalOptions& options, const GeodesicArguments& arguments) {
   if (arguments.path_file == "-") return;
   if (session.json()) return print_json(answer);
   for (std::size_t i = 0; i < pairs.size(); ++i) print_result(pairs.at(i), results.at(i));
+  print_points_in_space(answer);
 }
 
 }  // namespace

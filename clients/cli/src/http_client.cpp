@@ -49,8 +49,12 @@ struct HttpClient::Connection {
       throw Failure(ExitCode::unreachable, fmt::format("no answer from {} ({}): is supple-server running there?", url,
                                                        httplib::to_string(result.error())));
     }
-    Answer answer{result->status, result->get_header_value("Content-Type"), result->get_header_value("Location"),
-                  seconds_in(result->get_header_value("Retry-After")), result->body};
+    Answer answer{result->status,
+                  result->get_header_value("Content-Type"),
+                  result->get_header_value("Location"),
+                  seconds_in(result->get_header_value("Retry-After")),
+                  result->body,
+                  result->get_header_value("Supple-Largest-Distance")};
     if (answer.status >= 400) throw_problem(answer.status, answer.body);
     return answer;
   }

@@ -13,6 +13,7 @@ struct Answer {
   std::string location;    ///< of a created mesh or an accepted job; empty otherwise
   double retry_after = 0;  ///< seconds the server asks to wait before the next look; 0 where it says nothing
   std::string body;
+  std::string largest_distance;  ///< of the request's points in space from the surface; empty where there are none
 
   /// The body as JSON. Throws Failure(server_error) where it is none.
   nlohmann::json json() const;

@@ -43,6 +43,7 @@ void print_karcher_mean(const nlohmann::json& answer, int starts, bool history) 
   fmt::print("stopped     {} after {} iterations, {:.4g} s\n", answer.at("stopped").get<std::string>(),
              answer.at("iterations").get<int>(), answer.at("cost").at("seconds").get<double>());
   if (starts > 1) fmt::print("start       {} led here, of {} counted from 0\n", answer.at("start").get<int>(), starts);
+  print_points_in_space(answer);
   if (history) print_history(answer.at("history"));
 }
 

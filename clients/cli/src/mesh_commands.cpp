@@ -29,6 +29,12 @@ void print_mesh(const nlohmann::json& mesh) {
     fmt::print("{}         {}\n", styled("warning", Style::warning), warning.get<std::string>());
 }
 
+void print_repairs(const nlohmann::json& made) {
+  std::string names;
+  for (const auto& name : made) names += (names.empty() ? "" : ", ") + name.get<std::string>();
+  fmt::print("repairs made    {}\n", names.empty() ? "none; nothing had to be repaired" : names);
+}
+
 struct RepairArguments {
   std::string repairs;         ///< names separated by commas; empty for none
   std::string weld_tolerance;  ///< a number; empty for the server's
@@ -53,6 +59,7 @@ void add_meshes(Session& session, const std::vector<std::string>& files, const R
   for (const auto& file : files) {
     const nlohmann::json mesh = session.http().post(path, read_file(file), "application/octet-stream").json();
     session.json() ? print_json(mesh) : print_mesh(mesh);
+    if (!session.json() && mesh.contains("repair")) print_repairs(mesh.at("repair").at("made"));
   }
 }
 
@@ -92,10 +99,13 @@ void add_mesh_commands(CLI::App& program, const GlobalOptions& options) {
   CLI::App* add = family->add_subcommand("add", "Upload mesh files (OBJ, OFF, PLY, STL) and describe them");
   add->add_option("file", arguments->files, "Mesh files")->required();
   add->add_option("--repair", arguments->repair.repairs,
-                  "Repairs, separated by commas: weld, drop_degenerate, drop_duplicates, split_non_manifold; the "
-                  "warnings say what was done, --json where vertices and faces have gone");
-  add->add_option("--weld-tolerance", arguments->repair.weld_tolerance,
-                  "Weld vertices up to this distance over the bounding box's diagonal (1e-6), at most 0.01");
+                  "automatic for the repairs that are needed, or some of weld, drop_degenerate, drop_duplicates, "
+                  "split_non_manifold, separated by commas; the warnings say what was done, --json where vertices and "
+                  "faces have gone");
+  add->add_option(
+      "--weld-tolerance", arguments->repair.weld_tolerance,
+      "Weld any vertices up to this distance over the bounding box's diagonal, at most 0.01; without it the "
+      "corners of cracks alone");
   add->callback([&options, arguments] {
     Session session(options);
     add_meshes(session, arguments->files, arguments->repair);

@@ -15,7 +15,8 @@ constexpr auto description =
 constexpr auto footer =
     R"(Arguments:
   a mesh    an id, the beginning of one, or a mesh file (OBJ, OFF, PLY, STL), which is uploaded first
-  a point   v17 is vertex 17; 12:0.2,0.3,0.5 is a point of face 12 by its barycentric coordinates
+  a point   v17 is vertex 17; 12:0.2,0.3,0.5 is a point of face 12 by its barycentric coordinates;
+            @1,2.5,-3 is the point of the surface that is nearest to a point in space
   an angle  45deg, 0.785rad, or a number, which is in radians
 
 Examples:

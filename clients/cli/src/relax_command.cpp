@@ -174,6 +174,7 @@ void print_relaxation(const nlohmann::json& answer, bool history) {
              answer.at("iterations").get<int>(), answer.at("cost").at("seconds").get<double>());
   for (const auto& warning : answer.at("warnings"))
     fmt::print("{}     {}\n", styled("warning", Style::warning), warning.get<std::string>());
+  print_points_in_space(answer);
   if (history) print_relaxation_history(answer.at("history"));
 }
 

@@ -18,6 +18,7 @@
 #include "failure.h"
 #include "interrupt.h"
 #include "progress_bar.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
@@ -88,7 +89,10 @@ void pause(std::chrono::milliseconds duration) {
 
 std::string Session::mesh_id(const std::string& mesh) {
   if (is_file(mesh)) {
-    return http_.post("/v1/meshes", read_file(mesh), "application/octet-stream").json().at("id").get<std::string>();
+    const nlohmann::json added = http_.post("/v1/meshes", read_file(mesh), "application/octet-stream").json();
+    // A surface that is open along cracks gives other distances than the one that was meant.
+    for (const auto& warning : added.at("warnings")) print_notice(mesh + ": " + warning.get<std::string>());
+    return added.at("id").get<std::string>();
   }
   const bool hexadecimal = mesh.find_first_not_of("0123456789abcdef") == std::string::npos;
   if (mesh.size() == full_id_length && hexadecimal) return mesh;

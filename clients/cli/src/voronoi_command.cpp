@@ -171,6 +171,7 @@ void print_diagram(const nlohmann::json& answer, bool history) {
   if (answer.at("unreached_area").get<double>() > 0)
     fmt::print("no site     on an area of {:.6g}\n", answer.at("unreached_area").get<double>());
   print_statistics(answer);
+  print_points_in_space(answer);
   for (const auto& warning : answer.at("warnings"))
     fmt::print("{}     {}\n", styled("warning", Style::warning), warning.get<std::string>());
   fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());

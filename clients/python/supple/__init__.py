@@ -25,7 +25,7 @@ structures; weaves of elastic strands; answered by a supple-server.
 
         client.weave_homogenization(supple.Weave.squares(2), strain=0.3).youngs_modulus
 
-Points are vertex indices, `(face, (a, b, c))`, `Vertex` or `SurfacePoint`. Lengths are in mesh units, those of structures in
+Points are vertex indices, `(face, (a, b, c))`, `Vertex`, `SurfacePoint` or `SpacePoint`. Lengths are in mesh units, those of structures in
 millimetres, stresses in MPa, angles in radians, times in seconds. Failures are the exceptions of `supple.errors`.
 """
 
@@ -94,7 +94,7 @@ from .mesh import Mesh
 from .models import ErrorStatistics, Evaluation, Model, ModelInfo, SplitErrors, UniaxialCurve
 from .network_answers import FollowedStop, HostState, PartialRelaxation, RelaxationStep, RelaxedNetwork
 from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
-from .points import PointLike, SurfacePoint, Vertex
+from .points import PlacedPoint, PointLike, SpacePoint, SurfacePoint, Vertex
 from .progress import Progress
 from .simulations import DeformedPatch, PatchMesh, Simulation, State
 from .drawings import Drawing, DrawnPolygon
@@ -209,6 +209,7 @@ __all__ = [
     "PatchMesh",
     "Path",
     "Place",
+    "PlacedPoint",
     "PointLike",
     "PointsInFaces",
     "PoissonDisk",
@@ -245,6 +246,7 @@ __all__ = [
     "Superseded",
     "SuppleError",
     "Support",
+    "SpacePoint",
     "SurfacePoint",
     "Drawing",
     "DrawnPolygon",

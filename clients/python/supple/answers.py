@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ._arrays import Array as Array
 from .drawing import RED, Drawing, Line
-from .points import SurfacePoint, point_from_wire
+from .points import PlacedPoint, SurfacePoint, placed_points_from_wire, point_from_wire
 from .shown import Drawn, Shown
 
 Vector3 = Tuple[float, float, float]
@@ -90,8 +90,10 @@ class MeshRepair(Shown):
     """What the repairs that an upload asked for have changed.
 
     Attributes:
+        made: names of the repairs that have changed something, in their order.
         welded_vertices: vertices that were joined to an earlier one.
-        weld_distance: distance up to which they were joined, mesh units; 0 where that was not asked for.
+        weld_distance: distance up to which they were joined, mesh units: the tolerance, or without one the widest gap of a
+            crack; 0 where that was not asked for.
         dropped_degenerate_faces: degenerate faces that were dropped.
         dropped_duplicate_faces: faces that were dropped because an earlier one has their vertices.
         split_edges: edges of more than two faces at which these were taken apart.
@@ -102,6 +104,7 @@ class MeshRepair(Shown):
         faces: for each uploaded face its face in the mesh, -1 where it was dropped; shape (uploaded faces,).
     """
 
+    made: Tuple[str, ...]
     welded_vertices: int
     weld_distance: float
     dropped_degenerate_faces: int
@@ -175,6 +178,7 @@ class Geodesic(Drawn):
         frames: orthonormal frames of the ends' faces in space, shape (2, 2, 3): end, axis, coordinate. None without
             derivatives.
         path: None where it was not asked for.
+        points_in_space: where those of its ends lie on the surface that were given as points in space.
     """
 
     distance: float
@@ -188,6 +192,7 @@ class Geodesic(Drawn):
     hessian: Optional[Hessian] = None
     frames: Optional[Array] = None
     path: Optional[Path] = None
+    points_in_space: Tuple[PlacedPoint, ...] = ()
 
     def _drawing(self) -> Optional[Drawing]:
         return None if self.path is None else self.path._drawing()
@@ -202,12 +207,15 @@ class Field(Shown):
         method: "windows" or "edge_graph".
         relative_error_bound: guaranteed bound of every distance's relative error; None where the method gives none.
         seconds: duration of the computation on the server.
+        largest_distance: largest distance of a source that is a point in space from the surface, mesh units; None
+            without such a source.
     """
 
     distances: Array
     method: str
     relative_error_bound: Optional[float]
     seconds: float
+    largest_distance: Optional[float] = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -233,6 +241,7 @@ class KarcherMean(Shown):
         start: which of the starts that is, from 0.
         stopped: "converged", "kink", "step_too_small" or "iteration_limit".
         history: the start and every step.
+        points_in_space: where the request's points in space lie on the surface.
     """
 
     mean: SurfacePoint
@@ -246,6 +255,7 @@ class KarcherMean(Shown):
     history: Tuple[KarcherStep, ...]
     effects: Tuple[Effect, ...]
     cost: Cost
+    points_in_space: Tuple[PlacedPoint, ...] = ()
 
     @property
     def converged(self) -> bool:
@@ -265,6 +275,7 @@ class ExponentialMap(Drawn):
         transport_angle: angle in radians that turns coordinates in the start face's frame into coordinates in the end
             face's by transport along the path.
         trace: the path; None where it was not asked for.
+        points_in_space: where the request's points in space lie on the surface.
     """
 
     end: SurfacePoint
@@ -274,6 +285,7 @@ class ExponentialMap(Drawn):
     reached_boundary: bool
     transport_angle: float
     trace: Optional[Path]
+    points_in_space: Tuple[PlacedPoint, ...] = ()
 
     def _drawing(self) -> Optional[Drawing]:
         return None if self.trace is None else self.trace._drawing()
@@ -316,6 +328,7 @@ def mesh_repair_from_wire(document: Mapping[str, Any]) -> MeshRepair:
               "removed_vertices")
     return MeshRepair(
         **{name: int(document[name]) for name in counts},
+        made=tuple(document["made"]),
         weld_distance=float(document["weld_distance"]),
         vertices=tuple(places(entry) for entry in document["vertices"]),
         faces=np.array([-1 if face is None else face for face in document["faces"]], dtype=np.int64),
@@ -341,9 +354,9 @@ def path_from_wire(points: Optional[List[Dict[str, Any]]]) -> Optional[Path]:
     )
 
 
-def geodesic_from_wire(result: Mapping[str, Any]) -> Geodesic:
+def geodesic_from_wire(result: Mapping[str, Any], placed: Tuple[PlacedPoint, ...] = ()) -> Geodesic:
     if result["unreachable"]:
-        return Geodesic(distance=float("inf"), unreachable=True)
+        return Geodesic(distance=float("inf"), unreachable=True, points_in_space=placed)
     gradient, hessian, frames = result.get("gradient"), result.get("hessian"), result.get("frames")
     return Geodesic(
         distance=float(result["distance"]),
@@ -357,6 +370,7 @@ def geodesic_from_wire(result: Mapping[str, Any]) -> Geodesic:
         hessian=Hessian(_array(hessian["barycentric"]), _array(hessian["tangent"])) if hessian else None,
         frames=_array([frames["from"]["axes"], frames["to"]["axes"]]) if frames else None,
         path=path_from_wire(result.get("path")),
+        points_in_space=placed,
     )
 
 
@@ -376,6 +390,7 @@ def karcher_mean_from_wire(document: Mapping[str, Any]) -> KarcherMean:
         ),
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),
+        points_in_space=placed_points_from_wire(document),
     )
 
 
@@ -388,4 +403,5 @@ def exponential_map_from_wire(document: Mapping[str, Any]) -> ExponentialMap:
         reached_boundary=document["reached_boundary"],
         transport_angle=document["transport_angle"],
         trace=path_from_wire(document.get("trace")),
+        points_in_space=placed_points_from_wire(document),
     )

@@ -101,7 +101,7 @@ class Client(WeaveCalls, MakerCalls):
         self,
         mesh: Any,
         *,
-        repair: Sequence[str] = (),
+        repair: Union[str, Sequence[str]] = (),
         weld_tolerance: Optional[float] = None,
     ) -> Mesh:
         """Uploads a mesh: a file (OBJ, OFF, PLY or STL), given by its path or its bytes, or a mesh of trimesh, meshio or
@@ -109,12 +109,12 @@ class Client(WeaveCalls, MakerCalls):
 
         Args:
             mesh: str, Path or bytes; or what has triangles as trimesh.Trimesh, meshio.Mesh or pyvista.PolyData have them.
-            repair: repairs to make: "weld" (joins near vertices), "drop_degenerate" (faces without area),
+            repair: "automatic" for the repairs that are needed, or names of repairs to make: "weld" (joins the corners of cracks), "drop_degenerate" (faces without area),
                 "drop_duplicates" (faces given again) and "split_non_manifold" (cuts the surface apart where more than two
                 faces meet in an edge, or several fans in a vertex). `Mesh.repair` says what they have changed and where each
                 vertex and face has gone.
-            weld_tolerance: distance up to which "weld" joins vertices, over the diagonal of the bounding box, in [0, 0.01].
-                1e-6 on the server's side.
+            weld_tolerance: distance up to which "weld" joins any vertices, over the diagonal of the bounding box, in
+                [0, 0.01]. Without it only the corners of cracks are joined.
 
         Uploading the same content twice gives the same mesh. Raises `InvalidMesh`, whose `faults` name the elements, also
         where faults are left after the repairs.
@@ -144,7 +144,7 @@ class Client(WeaveCalls, MakerCalls):
         vertices: ArrayLike,
         faces: ArrayLike,
         *,
-        repair: Sequence[str] = (),
+        repair: Union[str, Sequence[str]] = (),
         weld_tolerance: Optional[float] = None,
     ) -> Mesh:
         """Uploads a mesh given by arrays.
@@ -507,8 +507,10 @@ class Client(WeaveCalls, MakerCalls):
             query = {**query, "after": page["next"]}
 
 
-def _repair_names(repair: Sequence[str]) -> List[str]:
+def _repair_names(repair: Union[str, Sequence[str]]) -> List[str]:
     """The names as a list; a single text would be taken for a list of letters."""
+    if repair == "automatic":
+        return ["automatic"]
     if isinstance(repair, str):
         raise TypeError(f"repair is {repair!r}; expected a sequence of names such as [{repair!r}]")
     return list(repair)

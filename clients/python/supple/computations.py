@@ -16,7 +16,7 @@ from .answers import (
     karcher_mean_from_wire,
 )
 from .jobs import Computation
-from .points import PointLike, point_to_wire
+from .points import PlacedPoint, PointLike, placed_points_from_wire, point_to_wire
 from .transport import Answer
 
 OCTETS = "application/octet-stream"
@@ -43,7 +43,11 @@ def geodesics(
     wire_pairs = [{"from": point_to_wire(start), "to": point_to_wire(end)} for start, end in pairs]
 
     def decode(answer: Answer) -> List[Geodesic]:
-        return [geodesic_from_wire(result) for result in answer.json()["results"]]
+        document = answer.json()
+        by_pair: Dict[int, List[PlacedPoint]] = {}
+        for point in placed_points_from_wire(document):
+            by_pair.setdefault(int(point.pointer.split("/")[2]), []).append(point)
+        return [geodesic_from_wire(result, tuple(by_pair.get(i, ()))) for i, result in enumerate(document["results"])]
 
     document = _request(mesh, optional, pairs=wire_pairs, derivatives=derivatives, paths=paths)
     return Computation("/v1/geodesics", document, decode)
@@ -66,11 +70,13 @@ def field(
         distances = np.frombuffer(answer.content, dtype="<f8").astype(np.float64)
         distances[distances < 0] = np.inf
         bound = answer.headers.get("Supple-Relative-Error-Bound")
+        largest = answer.headers.get("Supple-Largest-Distance")
         return Field(
             distances=distances,
             method=answer.headers.get("Supple-Method", method),
             relative_error_bound=None if bound is None else float(bound),
             seconds=float(answer.headers.get("Supple-Seconds", "nan")),
+            largest_distance=None if largest is None else float(largest),
         )
 
     document = _request(mesh, optional, sources=[point_to_wire(source) for source in sources])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .answers import Array, Cost, Effect, Path, cost_from_wire, effects_from_wire, path_from_wire
 from .drawing import RED, Drawing, Line, joined
-from .points import SurfacePoint, point_from_wire
+from .points import PlacedPoint, SurfacePoint, placed_points_from_wire, point_from_wire
 from .shown import Drawn, Shown
 
 Indices = NDArray[np.int64]
@@ -156,6 +156,7 @@ class RelaxedNetwork(Drawn):
     warnings: Tuple[str, ...]
     effects: Tuple[Effect, ...]
     cost: Cost
+    points_in_space: Tuple[PlacedPoint, ...] = ()
 
     @property
     def converged(self) -> bool:
@@ -225,6 +226,7 @@ def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
         warnings=tuple(document["warnings"]),
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),
+        points_in_space=placed_points_from_wire(document),
     )
 
 

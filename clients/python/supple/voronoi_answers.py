@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
 from .drawing import RED, Drawing, Line, joined
-from .points import SurfacePoint, point_from_wire
+from .points import PlacedPoint, SurfacePoint, placed_points_from_wire, point_from_wire
 from .shown import Drawn, Shown
 
 Indices = NDArray[np.int64]
@@ -143,6 +143,7 @@ class VoronoiDiagram(Drawn):
         statistics: None where they were left out.
         warnings: what deserves attention, one sentence each.
         relative_error_bound: guaranteed bound of the relative error of every distance, rounding aside; None without one.
+        points_in_space: where the request's points in space lie on the surface.
     """
 
     sites: Tuple[SurfacePoint, ...]
@@ -160,6 +161,7 @@ class VoronoiDiagram(Drawn):
     relative_error_bound: Optional[float]
     effects: Tuple[Effect, ...]
     cost: Cost
+    points_in_space: Tuple[PlacedPoint, ...] = ()
 
     def borders(self, site: int) -> Tuple[Array, ...]:
         """The closed borders of a cell as polylines in space, each of shape (points + 1, 3) with the first point repeated."""
@@ -310,6 +312,7 @@ def _diagram(document: Mapping[str, Any], statistics: Optional[Mapping[str, Any]
         relative_error_bound=bound,
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),
+        points_in_space=placed_points_from_wire(document),
     )
 
 

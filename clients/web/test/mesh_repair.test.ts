@@ -1,18 +1,30 @@
 import { describe, expect, it } from "vitest";
 import type { MeshRepair } from "../src/contract/types";
-import { helpAgainst, ordered, repairSentence, uploadPath } from "../src/mesh/repair";
+import { afterChoice, helpAgainst, ordered, repairSentence, uploadPath } from "../src/mesh/repair";
 
 const NONE: MeshRepair = {
+  made: [],
   welded_vertices: 0, weld_distance: 0, dropped_degenerate_faces: 0, dropped_duplicate_faces: 0, split_edges: 0, split_vertices: 0, removed_vertices: 0,
   vertices: [0, 1, 2, 3], faces: [0, null],
 };
 
 describe("repairs at upload", () => {
   it("are offered where they help and were not made", () => {
-    expect(helpAgainst({ code: "mesh.degenerate_face" }, [])).toEqual(["drop_degenerate"]);
-    expect(helpAgainst({ code: "mesh.non_manifold_edge" }, ["drop_duplicates"])).toEqual(["split_non_manifold"]);
-    expect(helpAgainst({ code: "mesh.non_manifold_vertex" }, ["split_non_manifold"])).toEqual([]);
-    expect(helpAgainst({ code: "mesh.not_orientable" }, [])).toEqual([]);
+    const problem = (code: string, detail = "2 faces are degenerate; uploaded with repair=drop_degenerate the mesh is sound.") => ({ code, detail });
+    expect(helpAgainst(problem("mesh.degenerate_face"), [])).toEqual(["automatic"]);
+    expect(helpAgainst(problem("mesh.non_manifold_vertex"), ["weld"])).toEqual(["automatic"]);
+    expect(helpAgainst(problem("mesh.non_manifold_edge"), ["automatic"])).toEqual([]);
+    expect(helpAgainst(problem("mesh.not_orientable", "5 edges keep the surface from being oriented; no repair removes this fault."), [])).toEqual([]);
+    expect(helpAgainst(problem("mesh.malformed"), [])).toEqual([]);
+  });
+
+  it("are chosen by name, or automatically, and not both", () => {
+    expect(afterChoice(["weld", "drop_degenerate"], "automatic", true)).toEqual(["automatic"]);
+    expect(afterChoice(["automatic"], "drop_degenerate", true)).toEqual(["drop_degenerate"]);
+    expect(afterChoice(["automatic"], "automatic", false)).toEqual([]);
+    expect(afterChoice(["drop_degenerate"], "weld", true)).toEqual(["weld", "drop_degenerate"]);
+    expect(afterChoice(["weld", "drop_degenerate"], "weld", false)).toEqual(["drop_degenerate"]);
+    expect(uploadPath(["automatic"])).toBe("/v1/meshes?repair=automatic");
   });
 
   it("are asked for once each, in the order in which they are made", () => {

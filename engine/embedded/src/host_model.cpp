@@ -12,6 +12,7 @@
 #include "solid_elements.h"
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
+#include "supple/surface/self_crossings.h"
 
 namespace supple::embedded {
 namespace {
@@ -158,6 +159,7 @@ void HostModel::make_solid(const surface::TriangleMesh& mesh, const SolidHost& s
   check_moved(mesh, solid.fixed_vertices, solid.moved_vertices);
   {
     const StageTimer timer(execution.cost, "tetrahedra");
+    surface::require_no_self_crossings(mesh, execution);
     tetrahedra_ = meshing::fill(mesh.positions(), mesh.faces(), {.element_size = solid.element_size}, execution);
   }
   terms_.push_back(std::make_shared<SolidElements>(tetrahedra_, solid));

@@ -70,31 +70,17 @@ std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& fa
   return partners;
 }
 
-// Whether two of the faces on an edge have the same third vertex.
-bool has_duplicate_face(const std::vector<Triangle>& faces, const std::vector<Index>& halfedges) {
-  std::vector<Index> opposite;
-  opposite.reserve(halfedges.size());
-  for (const Index h : halfedges) opposite.push_back(tail(faces, TriangleMesh::previous(h)));
-  std::sort(opposite.begin(), opposite.end());
-  return std::adjacent_find(opposite.begin(), opposite.end()) != opposite.end();
-}
-
 }  // namespace
 
 std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle>& faces, const Execution& execution) {
   FaultList faults;
-  bool duplicates = false;
   auto partners = pair_with(vertex_count, faces, execution, [&](Index v, Index w, const std::vector<Index>& halfedges) {
-    duplicates = duplicates || has_duplicate_face(faces, halfedges);
     faults.add([&]() -> Error::Detail {
       return {name_of_edge(v, w), "is shared by " + std::to_string(halfedges.size()) + " faces"};
     });
   });
-  faults.throw_if_any(
-      "mesh.non_manifold_edge", "edge is shared by more than two faces", "edges are shared by more than two faces",
-      duplicates ? "the repair drop_duplicates drops faces that are given twice, and split_non_manifold "
-                   "cuts the surface apart at other such edges"
-                 : "the repair split_non_manifold cuts the surface apart there");
+  faults.throw_if_any("mesh.non_manifold_edge", "edge is shared by more than two faces",
+                      "edges are shared by more than two faces");
   return partners;
 }
 
@@ -192,8 +178,7 @@ std::vector<Index> find_fans(Index vertex_count, const std::vector<Triangle>& fa
     });
   }
   faults.throw_if_any("mesh.non_manifold_vertex", "vertex joins fans of faces that share no edge",
-                      "vertices join fans of faces that share no edge",
-                      "the repair split_non_manifold duplicates such vertices");
+                      "vertices join fans of faces that share no edge");
   return outgoing;
 }
 

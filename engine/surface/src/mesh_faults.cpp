@@ -54,16 +54,16 @@ bool area_vanishes(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
   return !(doubled_area > rounding * longest) || doubled_area < 2 * smallest_area;
 }
 
+bool is_valid(const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_coordinate; }
+
 bool repeats_vertex(const Triangle& face) { return face[0] == face[1] || face[1] == face[2] || face[2] == face[0]; }
 
 }  // namespace
 
-void FaultList::throw_if_any(const std::string& code, const std::string& what_one, const std::string& what,
-                             const std::string& advice) {
+void FaultList::throw_if_any(const std::string& code, const std::string& what_one, const std::string& what) {
   if (count_ == 0) return;
   std::string sentence = std::to_string(count_) + " " + (count_ == 1 ? what_one : what);
   if (count_ > detailed) sentence += "; the first " + std::to_string(detailed) + " are named";
-  if (!advice.empty()) sentence += "; " + advice;
   throw Error(code, sentence + ".", std::move(details_));
 }
 
@@ -73,13 +73,35 @@ std::string name_of_edge(std::int32_t a, std::int32_t b) {
   return "edge " + std::to_string(std::min(a, b)) + " " + std::to_string(std::max(a, b));
 }
 
+std::int64_t place_unused_vertices(std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+  std::vector<std::uint8_t> used;
+  std::int64_t placed = 0;
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (is_valid(positions[v])) continue;
+    if (used.empty()) {
+      used.assign(positions.size(), 0);
+      for (const Triangle& face : faces)
+        for (const std::int32_t corner : face)
+          if (corner >= 0 && static_cast<std::size_t>(corner) < positions.size()) used[corner] = 1;
+    }
+    if (used[v]) continue;
+    positions[v].setZero();
+    ++placed;
+  }
+  return placed;
+}
+
+std::string unused_vertices_warning(std::int64_t placed) {
+  return std::to_string(placed) + (placed == 1 ? " vertex that no face uses has" : " vertices that no face uses have") +
+         " coordinates that are not finite or too large; they are 0 in the mesh.";
+}
+
 void check_coordinates(const std::vector<Eigen::Vector3d>& positions, const Execution& execution) {
   FaultList faults;
   StopPace pace(execution.cancellation);
   for (std::size_t v = 0; v < positions.size(); ++v) {
     pace.look();
-    const bool valid = positions[v].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_coordinate;
-    if (valid) continue;
+    if (is_valid(positions[v])) continue;
     faults.add([&]() -> Error::Detail {
       return {name_of_vertex(static_cast<std::int32_t>(v)), positions[v].allFinite()
                                                                 ? "has a coordinate of magnitude above 1e70"
@@ -115,8 +137,7 @@ void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vecto
                   triple(faces[f])};
     });
   }
-  faults.throw_if_any("mesh.degenerate_face", "face is degenerate", "faces are degenerate",
-                      "the repair drop_degenerate drops such faces");
+  faults.throw_if_any("mesh.degenerate_face", "face is degenerate", "faces are degenerate");
 }
 
 }  // namespace supple::surface

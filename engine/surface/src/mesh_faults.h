@@ -27,9 +27,8 @@ class FaultList {
     if (count_++ < detailed) details_.push_back(describe());
   }
   /// Throws Error `code` with the sentence "<count> <what>." if there is any fault. `what` follows a count, as in
-  /// "faces are degenerate"; `what_one` is the same for one. `advice`, if any, ends the sentence.
-  void throw_if_any(const std::string& code, const std::string& what_one, const std::string& what,
-                    const std::string& advice = {});
+  /// "faces are degenerate"; `what_one` is the same for one.
+  void throw_if_any(const std::string& code, const std::string& what_one, const std::string& what);
 
  private:
   std::int64_t count_ = 0;
@@ -44,6 +43,10 @@ std::string name_of_edge(std::int32_t a, std::int32_t b);
 /// Throws "mesh.empty", "mesh.too_large", "mesh.non_finite", "mesh.index_out_of_range". O(n).
 void check_references(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces,
                       const Execution& execution = {});
+/// Gives vertices that no face uses the coordinates 0 where theirs are not finite or too large, since they are no
+/// reason to refuse a surface. Returns their number. O(n).
+std::int64_t place_unused_vertices(std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces);
+std::string unused_vertices_warning(std::int64_t placed);
 /// Throws "mesh.non_finite". O(n).
 void check_coordinates(const std::vector<Eigen::Vector3d>& positions, const Execution& execution = {});
 /// Whether a face repeats a vertex or has no area in double precision; its vertices exist.

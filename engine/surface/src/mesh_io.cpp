@@ -14,9 +14,10 @@ namespace {
 bool begins_with_off_keyword(std::string_view bytes) {
   TextScanner scanner(without_byte_order_mark(bytes));
   while (scanner.next_line()) {
-    scanner.cut_line_at('#');
+    scanner.cut_comment();
     const std::string_view word = scanner.token();
-    if (!word.empty()) return word.size() <= 8 && word.ends_with("OFF");
+    // Keywords of OFF in other dimensions, such as 4OFF, are told by the reader.
+    if (!word.empty()) return (word.size() <= 8 && word.ends_with("OFF")) || read_off_keyword(word);
   }
   return false;
 }
@@ -38,12 +39,13 @@ MeshFormat detect_format(std::string_view bytes) {
   const std::string_view text = without_byte_order_mark(bytes);
   if (text.starts_with("ply\n") || text.starts_with("ply\r")) return MeshFormat::ply;
   if (is_binary_stl(bytes)) return MeshFormat::stl;
-  if (text.starts_with("solid")) return MeshFormat::stl;
+  if (begins_with_solid(bytes)) return MeshFormat::stl;
   return begins_with_off_keyword(bytes) ? MeshFormat::off : MeshFormat::obj;
 }
 
 TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits,
                        const Execution& execution) {
+  if (!is_binary_stl(bytes)) refuse_foreign_files(bytes);
   switch (format) {
     case MeshFormat::off:
       return read_off(bytes, limits, execution);

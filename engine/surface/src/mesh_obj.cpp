@@ -17,18 +17,39 @@ constexpr std::string_view skipped_elements[] = {"l", "p"};
 
 Eigen::Vector3d read_position(TextScanner& scanner) {
   Eigen::Vector3d p;
-  for (int i = 0; i < 3; ++i) p[i] = scanner.number(scanner.token(), "a coordinate");
+  for (int i = 0; i < 3; ++i) p[i] = scanner.number(scanner.statement_token(), "a coordinate");
+  // A weight or a colour may follow; whatever else does shows that the line is not what it seems to be.
+  for (auto token = scanner.statement_token(); !token.empty(); token = scanner.statement_token())
+    scanner.number(token, "a number or the end of the line");
   return p;
+}
+
+/// Checks what may follow a vertex number, the numbers of a texture coordinate and a normal, as in "/1/3" or "//3".
+void check_further_numbers(const TextScanner& scanner, std::string_view corner, std::string_view further) {
+  int parts = 0;
+  char before = '/';
+  for (const char c : further) {
+    const bool digit = c >= '0' && c <= '9', sign = (c == '-' || c == '+') && before == '/';
+    parts += c == '/';
+    if ((!digit && !sign && c != '/') || (c == '/' && (before == '-' || before == '+'))) {
+      throw_malformed_line(scanner.line_number(),
+                           "expected numbers of a texture coordinate and a normal, found " + quoted(corner));
+    }
+    before = c;
+  }
+  if (parts > 2) throw_malformed_line(scanner.line_number(), "expected at most three numbers in " + quoted(corner));
 }
 
 /// The vertex of "7", "7/1", "7//3", "7/1/3" or "-2/...", counted from 0.
 std::int32_t read_corner(const TextScanner& scanner, std::string_view token, std::int64_t vertices_so_far) {
-  const std::int64_t number = scanner.integer(token.substr(0, token.find('/')), "a vertex number");
+  const std::string_view first = token.substr(0, token.find('/'));
+  const std::int64_t number = scanner.integer(first, "a vertex number");
   const std::int64_t v = number > 0 ? number - 1 : vertices_so_far + number;
   if (number == 0 || v < 0 || v > std::numeric_limits<std::int32_t>::max()) {
     throw_malformed_line(scanner.line_number(), "vertex number " + std::to_string(number) + " does not exist; " +
                                                     std::to_string(vertices_so_far) + " vertices precede this line");
   }
+  check_further_numbers(scanner, token, token.substr(first.size()));
   return static_cast<std::int32_t>(v);
 }
 
@@ -42,28 +63,23 @@ TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits, const Ex
   StopPace pace(execution.cancellation);
   while (scanner.next_line()) {
     pace.look();
-    scanner.cut_line_at('#');
-    const std::string_view word = scanner.token();
+    scanner.cut_comment();
+    const std::string_view word = scanner.statement_token();
     if (word.empty()) continue;
     if (word == "v") {
       builder.add_vertex(read_position(scanner));
     } else if (word == "f" || word == "fo") {
       corners.clear();
-      for (std::string_view token = scanner.token(); !token.empty(); token = scanner.token()) {
-        const bool continues = token.ends_with('\\');
-        if (continues) token.remove_suffix(1);
-        if (!token.empty()) corners.push_back(read_corner(scanner, token, builder.vertex_count()));
-        if (continues) scanner.next_line();
-      }
+      for (auto token = scanner.statement_token(); !token.empty(); token = scanner.statement_token())
+        corners.push_back(read_corner(scanner, token, builder.vertex_count()));
       builder.add_polygon(corners);
     } else if (std::ranges::count(skipped_elements, word) > 0) {
       ++skipped;
+      scanner.skip_statement();
     } else if (std::ranges::count(ignored_statements, word) == 0) {
       throw_malformed_line(scanner.line_number(), "expected an OBJ statement such as v or f, found " + quoted(word));
     } else {
-      // A statement that is left out may go on over several lines.
-      while (scanner.current_line_continues() && scanner.next_line()) {
-      }
+      scanner.skip_statement();
     }
   }
   if (skipped > 0) builder.add_warning(std::to_string(skipped) + " line or point elements were left out.");

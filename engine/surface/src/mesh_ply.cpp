@@ -139,7 +139,20 @@ class TextBody {
   double number(Scalar) {
     const std::string_view token = scanner_.token_across_lines();
     if (token.empty()) fail("expected a number, found the end of the file");
+    if (begins_element_) {
+      begins_element_ = false;
+      const bool begins_line = scanner_.line_number() != last_line_;
+      (begins_line ? begins_lines_ : follows_in_line_) = true;
+    }
+    last_line_ = scanner_.line_number();
     return scanner_.number(token, "a number");
+  }
+  void begin_element() { begins_element_ = true; }
+  /// Refuses numbers after the last element where lines show that they hold more numbers than the header says.
+  void check_rest() const {
+    if (begins_lines_ && follows_in_line_) {
+      fail("numbers are left over; the lines hold more of them than the header announces for their elements");
+    }
   }
   void skip(const Element& element) {
     for (std::int64_t i = 0; i < element.count && !element.properties.empty(); ++i) {
@@ -156,6 +169,10 @@ class TextBody {
 
  private:
   TextScanner scanner_;
+  std::int64_t last_line_ = 0;
+  bool begins_element_ = false;
+  bool begins_lines_ = false;     ///< whether some vertex, face or strip begins a line
+  bool follows_in_line_ = false;  ///< whether some begins within a line
 };
 
 /// Reads the numbers of a binary body.
@@ -199,6 +216,8 @@ class BinaryBody {
   void skip_property(const Property& property) {
     skip_values(property.count_type ? number(*property.count_type) : 1, size_of(property.type));
   }
+  void begin_element() {}
+  void check_rest() const {}
   bool at_end() const { return at_ == bytes_.size(); }
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_byte(header_size_ + at_, message); }
 
@@ -236,6 +255,7 @@ void read_vertices(Body& body, const Element& element, SoupBuilder& builder) {
   }
   for (std::int64_t v = 0; v < element.count; ++v) {
     Eigen::Vector3d p;
+    body.begin_element();
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
       const Property& property = element.properties[i];
       if (i == axes[0] || i == axes[1] || i == axes[2]) {
@@ -256,13 +276,22 @@ std::int64_t whole_number(Body& body, Scalar type, double limit, const char* wha
   body.fail(std::string(what) + " is not an integer from 0 to " + std::to_string(static_cast<std::int64_t>(limit) - 1));
 }
 
+/// The place of the list of vertex numbers among the properties of an element.
 template <typename Body>
-void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupBuilder& builder) {
+int find_vertex_list(const Body& body, const Element& element) {
   int list = element.find("vertex_indices");
   if (list < 0) list = element.find("vertex_index");
-  if (list < 0 || !element.properties[list].count_type) body.fail("the faces have no list property vertex_indices");
+  if (list < 0 || !element.properties[list].count_type)
+    body.fail("the element " + quoted(element.name) + " has no list property vertex_indices");
+  return list;
+}
+
+template <typename Body>
+void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupBuilder& builder) {
+  const int list = find_vertex_list(body, element);
   std::vector<std::int32_t> corners;
   for (std::int64_t f = 0; f < element.count; ++f) {
+    body.begin_element();
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
       const Property& property = element.properties[i];
       if (i != list) {
@@ -280,22 +309,80 @@ void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupB
   }
 }
 
+/// Makes triangles of the vertices of a strip, each with the two before it, every second one turned so that all agree.
+class StripReader {
+ public:
+  explicit StripReader(SoupBuilder& builder) : builder_(builder) {}
+
+  void restart() { length_ = 0; }
+  void add(std::int32_t v) {
+    // A strip repeats a vertex to turn around a corner: such a triangle stands for none.
+    const bool is_face = length_ >= 2 && first_ != second_ && second_ != v && v != first_;
+    if (is_face) {
+      const bool turned = length_ % 2 == 1;
+      const std::int32_t corners[3] = {turned ? second_ : first_, turned ? first_ : second_, v};
+      builder_.add_polygon(corners);
+    }
+    first_ = second_;
+    second_ = v;
+    ++length_;
+  }
+
+ private:
+  SoupBuilder& builder_;
+  std::int32_t first_ = -1, second_ = -1;
+  std::int64_t length_ = 0;
+};
+
+/// Reads triangle strips: a list of vertex numbers in which -1 ends a strip and the next one begins.
+template <typename Body>
+void read_strips(Body& body, const Element& element, std::int64_t vertices, SoupBuilder& builder) {
+  const int list = find_vertex_list(body, element);
+  StripReader strip(builder);
+  for (std::int64_t s = 0; s < element.count; ++s) {
+    body.begin_element();
+    strip.restart();
+    for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
+      const Property& property = element.properties[i];
+      if (i != list) {
+        body.skip_property(property);
+        continue;
+      }
+      const std::int64_t size = whole_number(body, *property.count_type, 0x1p31, "the number of vertices of a strip");
+      for (std::int64_t k = 0; k < size; ++k) {
+        const double v = body.number(property.type);
+        if (v == -1) {
+          strip.restart();
+        } else if (v >= 0 && v < static_cast<double>(vertices) && v == std::floor(v)) {
+          strip.add(static_cast<std::int32_t>(v));
+        } else {
+          body.fail("a vertex number of a strip is not an integer from -1 to " + std::to_string(vertices - 1));
+        }
+      }
+    }
+  }
+}
+
 template <typename Body>
 TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits, const Execution& execution) {
   SoupBuilder builder(limits, execution);
   const Element* vertices = nullptr;
   const Element* faces = nullptr;
+  const Element* strips = nullptr;
   for (const Element& element : header.elements) {
-    for (const auto& [name, found] : {std::pair{"vertex", &vertices}, std::pair{"face", &faces}}) {
+    for (const auto& [name, found] :
+         {std::pair{"vertex", &vertices}, std::pair{"face", &faces}, std::pair{"tristrips", &strips}}) {
       if (element.name != name) continue;
       if (*found) body.fail("the header has more than one element " + std::string(name));
       *found = &element;
     }
   }
-  if (!vertices || !faces) body.fail("the header has no element " + std::string(vertices ? "face" : "vertex"));
-  builder.check_announced(vertices->count, faces->count);
+  if (!vertices) body.fail("the header has no element vertex");
+  if (!faces && !strips) body.fail("the header has no element face and no element tristrips");
+  const std::int64_t face_count = faces ? faces->count : 0;
+  builder.check_announced(vertices->count, face_count);
   builder.reserve(plausible_count(vertices->count, header.body.size(), 3),
-                  plausible_count(faces->count, header.body.size(), 4));
+                  plausible_count(face_count, header.body.size(), 4));
   std::int64_t left_out = 0;
   std::string_view first_left_out;
   for (const Element& element : header.elements) {
@@ -303,6 +390,8 @@ TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits
       read_vertices(body, element, builder);
     } else if (&element == faces) {
       read_faces(body, element, vertices->count, builder);
+    } else if (&element == strips) {
+      read_strips(body, element, vertices->count, builder);
     } else {
       body.skip(element);
       if (left_out++ == 0) first_left_out = element.name;
@@ -312,7 +401,10 @@ TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits
     builder.add_warning("Elements other than vertex and face were left out: " + quoted(first_left_out) +
                         (left_out > 1 ? " and " + std::to_string(left_out - 1) + " more." : "."));
   }
-  if (!body.at_end()) builder.add_warning("What follows the last element was left out.");
+  if (!body.at_end()) {
+    body.check_rest();
+    builder.add_warning("What follows the last element was left out.");
+  }
   return std::move(builder).finish();
 }
 

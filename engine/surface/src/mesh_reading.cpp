@@ -30,7 +30,74 @@ std::string_view without_plus(std::string_view token) {
   return token;
 }
 
+/// What the word says if it is a number that is not finite as the C library of Microsoft writes it: "1.#INF",
+/// "-1.#IND", "1.#QNAN", "1.#SNAN", or "1.#J" where these were rounded. Nothing for any other word.
+std::optional<double> microsoft_non_finite(std::string_view digits) {
+  if (!digits.empty() && digits[0] == '-') digits.remove_prefix(1);
+  if (!digits.starts_with("1.#")) return std::nullopt;
+  digits.remove_prefix(3);
+  while (digits.ends_with('0')) digits.remove_suffix(1);
+  if (digits == "INF") return std::numeric_limits<double>::infinity();
+  for (const std::string_view name : {"IND", "QNAN", "SNAN", "J", "IO", "R", "QO", "S"})
+    if (digits == name) return std::numeric_limits<double>::quiet_NaN();
+  return std::nullopt;
+}
+
+/// Ends a refusal where the token would be a number if its comma were a point.
+std::string decimal_comma_hint(std::string_view token) {
+  std::string with_point(token);
+  const std::size_t comma = with_point.find(',');
+  if (comma == std::string::npos) return {};
+  with_point[comma] = '.';
+  double value = 0;
+  const char* const last = with_point.data() + with_point.size();
+  const auto [end, error] = std::from_chars(with_point.data(), last, value);
+  return error == std::errc() && end == last ? "; decimals take a point, not a comma" : "";
+}
+
+/// Whether zeros between printable characters show text in UTF-16 that has no byte order mark.
+bool looks_like_utf16(std::string_view bytes, std::size_t first_letter) {
+  constexpr std::size_t looked_at = 32;
+  if (bytes.size() < looked_at) return false;
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    const char c = bytes[i];
+    const bool printable = (c >= ' ' && c <= '~') || c == '\t' || c == '\r' || c == '\n';
+    if (i % 2 == first_letter ? !printable : c != '\0') return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+void refuse_foreign_files(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  struct Row {
+    std::string_view start;
+    std::string_view kind;
+  };
+  constexpr std::string_view utf16 = "text in UTF-16; save it as UTF-8", utf32 = "text in UTF-32; save it as UTF-8";
+  constexpr Row table[] = {{"\xFF\xFE\0\0"sv, utf32},
+                           {"\0\0\xFE\xFF"sv, utf32},
+                           {"\xFF\xFE"sv, utf16},
+                           {"\xFE\xFF"sv, utf16},
+                           {"PK\x03\x04"sv, "a ZIP archive, such as 3MF; export OBJ, OFF, PLY or STL"},
+                           {"\x1F\x8B"sv, "compressed by gzip; unpack it"},
+                           {"glTF"sv, "glTF; export OBJ, OFF, PLY or STL"},
+                           {"ISO-10303-21"sv, "a STEP file, which holds no mesh; export OBJ, OFF, PLY or STL"},
+                           {"Kaydara FBX"sv, "FBX; export OBJ, OFF, PLY or STL"},
+                           {"<?xml"sv, "XML; export OBJ, OFF, PLY or STL"},
+                           {"<!DOCTYPE"sv, "a web page, not a mesh"},
+                           {"<html"sv, "a web page, not a mesh"},
+                           {"version https://git-lfs"sv, "a pointer of Git LFS, not the file itself"},
+                           {"MeshVersionFormatted"sv, "a file of MEDIT; export OBJ, OFF, PLY or STL"},
+                           {"$MeshFormat"sv, "a file of gmsh; export OBJ, OFF, PLY or STL"},
+                           {"#VRML"sv, "VRML; export OBJ, OFF, PLY or STL"},
+                           {"# vtk DataFile"sv, "a VTK file; export OBJ, OFF, PLY or STL"}};
+  const auto refuse = [](std::string_view kind) { throw_malformed_byte(0, "the file is " + std::string(kind)); };
+  for (const Row& row : table)
+    if (bytes.starts_with(row.start)) refuse(row.kind);
+  if (looks_like_utf16(bytes, 0) || looks_like_utf16(bytes, 1)) refuse(utf16);
+}
 
 void throw_malformed_line(std::int64_t line, const std::string& message) {
   throw_malformed("line " + std::to_string(line), message);
@@ -58,6 +125,7 @@ bool TextScanner::next_line() {
     line_ = {};
     return false;
   }
+  continues_ = false;
   const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
   line_ = rest_.substr(0, end);
   rest_.remove_prefix(end);
@@ -85,7 +153,39 @@ std::string_view TextScanner::token_across_lines() {
   }
 }
 
-void TextScanner::cut_line_at(char mark) { line_ = line_.substr(0, line_.find(mark)); }
+void TextScanner::cut_comment() {
+  for (std::size_t mark = line_.find('#'); mark != std::string_view::npos; mark = line_.find('#', mark + 1)) {
+    const bool in_number = mark >= 2 && line_.substr(mark - 2, 2) == "1." && mark + 1 < line_.size() &&
+                           line_[mark + 1] >= 'A' && line_[mark + 1] <= 'Z';
+    if (in_number) continue;
+    line_ = line_.substr(0, mark);
+    return;
+  }
+}
+
+std::string_view TextScanner::continued_token() {
+  continues_ = false;
+  if (!next_line()) return {};
+  cut_comment();
+  return statement_token();
+}
+
+std::string_view TextScanner::token_before_backslash(std::string_view found) {
+  if (!std::all_of(line_.begin(), line_.end(), is_blank)) return found;
+  continues_ = true;
+  found.remove_suffix(1);
+  return found.empty() ? continued_token() : found;
+}
+
+void TextScanner::skip_statement() {
+  const auto goes_on = [this] {
+    std::string_view line = line_;
+    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+    return line.ends_with('\\');
+  };
+  while (goes_on() && next_line()) {
+  }
+}
 
 double TextScanner::number(std::string_view token, std::string_view what) const {
   const std::string_view digits = without_plus(token);
@@ -94,10 +194,10 @@ double TextScanner::number(std::string_view token, std::string_view what) const 
   if (error == std::errc::result_out_of_range) {
     throw_malformed_line(line_number_, quoted(token) + " is beyond the range of double precision");
   }
-  if (error != std::errc() || end != digits.data() + digits.size()) {
-    throw_malformed_line(line_number_, "expected " + std::string(what) + ", found " + quoted(token));
-  }
-  return value;
+  if (error == std::errc() && end == digits.data() + digits.size()) return value;
+  if (const auto non_finite = microsoft_non_finite(digits)) return *non_finite;
+  throw_malformed_line(line_number_,
+                       "expected " + std::string(what) + ", found " + quoted(token) + decimal_comma_hint(token));
 }
 
 std::int64_t TextScanner::integer(std::string_view token, std::string_view what) const {

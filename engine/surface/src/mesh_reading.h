@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,6 +19,21 @@ TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits, const Ex
 TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
 /// Whether the bytes have the exact size that their count field gives a binary STL file.
 bool is_binary_stl(std::string_view bytes);
+/// Whether the first word after blank lines and comments (lines that begin with #, ;, ! or //) is "solid", in small
+/// letters or capitals: the file is ASCII STL, or a binary one whose header begins so.
+bool begins_with_solid(std::string_view bytes);
+
+/// The first word of an OFF file: what it says of the vertices, and what is glued to it.
+struct OffKeyword {
+  int further_numbers = 0;  ///< that each vertex has after its position: texture coordinates, a colour, a normal
+  std::string_view glued;   ///< the rest of the word, as in "OFF4"; empty for none
+};
+/// Nothing where the word is no keyword of an OFF file in three dimensions.
+std::optional<OffKeyword> read_off_keyword(std::string_view word);
+
+/// Throws "mesh.malformed" at "byte 0" for text in UTF-16 or UTF-32 and for files of other kinds (ZIP, glTF, STEP and
+/// the like), and names what they are.
+void refuse_foreign_files(std::string_view bytes);
 
 /// Throws "mesh.malformed" at "line <line>" or "byte <offset>".
 [[noreturn]] void throw_malformed_line(std::int64_t line, const std::string& message);
@@ -39,23 +55,35 @@ class TextScanner {
   std::string_view token();
   /// The next token of this line or those that follow, empty at the end of the text.
   std::string_view token_across_lines();
-  /// Drops what remains of the current line from `mark` on, e.g. a comment.
-  void cut_line_at(char mark);
-  /// Whether the current line ends with the backslash by which OBJ statements go on in the next line.
-  bool current_line_continues() const { return !line_.empty() && line_.back() == '\\'; }
+  /// Drops the comment that "#" begins in what remains of the current line. The "#" of "-1.#IND" begins none: by such
+  /// words the C library of Microsoft writes numbers that are not finite.
+  void cut_comment();
+  /// The next token of a statement that goes on in the next line where a line ends with a backslash; empty at its end.
+  std::string_view statement_token() {
+    if (continues_) return continued_token();
+    const std::string_view found = token();
+    return found.empty() || found.back() != '\\' ? found : token_before_backslash(found);
+  }
+  /// Skips the lines into which the current statement goes on.
+  void skip_statement();
 
   std::int64_t line_number() const { return line_number_; }
   /// What follows the current line.
   std::string_view rest() const { return rest_; }
 
-  /// The token as a number. "nan" and "inf" are numbers: the mesh check names the vertex that has them.
+  /// The token as a number. "nan", "inf", "nan(ind)", "-1.#IND", "1.#QNAN" and "1.#INF" are numbers that are not
+  /// finite: the mesh check names the vertex that has them.
   double number(std::string_view token, std::string_view what) const;
   std::int64_t integer(std::string_view token, std::string_view what) const;
 
  private:
+  std::string_view continued_token();
+  std::string_view token_before_backslash(std::string_view found);
+
   std::string_view rest_;
   std::int64_t line_number_;
   std::string_view line_;
+  bool continues_ = false;  ///< whether statement_token has met the backslash at the end of the current line
 };
 
 /// Collects vertices and polygons within the limits.

@@ -7,6 +7,7 @@
 
 #include "equal_points.h"
 #include "mesh_connectivity.h"
+#include "mesh_cracks.h"
 #include "mesh_faults.h"
 #include "near_points.h"
 #include "supple/base/error.h"
@@ -190,17 +191,36 @@ void report_in_warnings(const RepairOutcome& outcome, std::vector<std::string>& 
 
 }  // namespace
 
+bool RepairOutcome::made(Repair repair) const {
+  switch (repair) {
+    case Repair::weld:
+      return welded_vertices > 0;
+    case Repair::drop_degenerate:
+      return dropped_degenerate_faces > 0;
+    case Repair::drop_duplicates:
+      return dropped_duplicate_faces > 0;
+    default:
+      return split_edges > 0 || split_vertices > 0;
+  }
+}
+
 RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, const MeshLimits& limits,
                           const Execution& execution) {
   const auto look = [&execution] { execution.cancellation.throw_if_requested(); };
+  if (const std::int64_t placed = place_unused_vertices(soup.positions, soup.faces); placed > 0)
+    soup.warnings.push_back(unused_vertices_warning(placed));
   check_references(soup.positions, soup.faces, execution);
   RepairOutcome outcome;
   const Index given = static_cast<Index>(soup.positions.size());
   outcome.vertex_starts.assign(static_cast<std::size_t>(given) + 1, 0);
   std::vector<Index> first(given);
   std::iota(first.begin(), first.end(), 0);
-  if (options.has(Repair::weld)) {
-    outcome.weld_distance = options.weld_tolerance * diagonal_of(soup);
+  if (options.has(Repair::weld) && !options.weld_tolerance) {
+    Cracks cracks = find_cracks(soup.positions, soup.faces, Crossings::joined, execution);
+    outcome.weld_distance = cracks.gap;
+    first = std::move(cracks.first);
+  } else if (options.has(Repair::weld)) {
+    outcome.weld_distance = *options.weld_tolerance * diagonal_of(soup);
     first = outcome.weld_distance > 0 ? first_near_points(soup.positions, outcome.weld_distance, execution)
                                       : first_equal_points(soup.positions, execution);
   }

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "equal_points.h"
 #include "mesh_reading.h"
@@ -41,10 +43,16 @@ TriangleSoup read_binary(std::string_view bytes, const MeshLimits& limits, const
   }
   const std::uint32_t facets = announced_facets(bytes);
   SoupBuilder builder(limits, execution);
-  builder.check_announced(0, facets);
   const std::size_t present = (bytes.size() - header_size) / facet_size;
   if (present < facets) {
-    throw_malformed_byte(bytes.size(), "expected facet " + std::to_string(present) + " of " + std::to_string(facets));
+    throw_malformed_byte(bytes.size(), "expected facet " + std::to_string(present) + " of " + std::to_string(facets) +
+                                           ", found the end of the file, which is read as binary since it does not "
+                                           "begin with the word solid and text");
+  }
+  builder.check_announced(0, facets);
+  if (present > facets) {
+    throw_malformed_byte(header_size - 4, "the header announces " + std::to_string(facets) + " facets, but " +
+                                              std::to_string(present) + " would fit into the file");
   }
   if (bytes.size() > header_size + facet_size * facets) {
     builder.add_warning("The " + std::to_string(bytes.size() - header_size - facet_size * facets) +
@@ -65,45 +73,98 @@ TriangleSoup read_binary(std::string_view bytes, const MeshLimits& limits, const
   return join_corners(corners, std::move(builder));
 }
 
+/// Whether the found word is `word` (in small letters), in small letters or capitals.
+bool is_word(std::string_view found, std::string_view word) {
+  return std::equal(found.begin(), found.end(), word.begin(), word.end(),
+                    [](char c, char small) { return c == small || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == small); });
+}
+
 void expect(const TextScanner& scanner, std::string_view found, std::string_view word) {
-  if (found == word) return;
+  if (is_word(found, word)) return;
   throw_malformed_line(scanner.line_number(), "expected " + std::string(word) + ", found " + quoted(found));
 }
 
-TriangleSoup read_ascii(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
-  TextScanner scanner(without_byte_order_mark(bytes));
-  SoupBuilder builder(limits, execution);
-  std::vector<Eigen::Vector3d> corners;
-  bool inside_solid = false;
-  StopPace pace(execution.cancellation);
-  for (std::string_view word = scanner.token_across_lines(); !word.empty(); word = scanner.token_across_lines()) {
-    pace.look();
-    if (!inside_solid) {
-      expect(scanner, word, "solid");
-      inside_solid = true;
-      scanner.next_line();  // what remains of this line is the solid's name
-    } else if (word == "endsolid") {
-      inside_solid = false;
-      scanner.next_line();
-    } else {
-      expect(scanner, word, "facet");
-      builder.check_announced(0, static_cast<std::int64_t>(corners.size() / 3 + 1));
-      expect(scanner, scanner.token_across_lines(), "normal");
-      for (int i = 0; i < 3; ++i) scanner.number(scanner.token_across_lines(), "a normal's coordinate");
-      expect(scanner, scanner.token_across_lines(), "outer");
-      expect(scanner, scanner.token_across_lines(), "loop");
-      for (int corner = 0; corner < 3; ++corner) {
-        expect(scanner, scanner.token_across_lines(), "vertex");
-        Eigen::Vector3d p;
-        for (int i = 0; i < 3; ++i) p[i] = scanner.number(scanner.token_across_lines(), "a coordinate");
-        corners.push_back(p);
-      }
-      expect(scanner, scanner.token_across_lines(), "endloop");
-      expect(scanner, scanner.token_across_lines(), "endfacet");
-    }
+/// The next word outside of comments, which fill a line each; empty at the end of the text.
+std::string_view next_word(TextScanner& scanner) {
+  std::string_view word = scanner.token_across_lines();
+  while (word.starts_with("#") || word.starts_with(";") || word.starts_with("!") || word.starts_with("//")) {
+    scanner.next_line();
+    word = scanner.token_across_lines();
   }
-  if (inside_solid) throw_malformed_line(scanner.line_number(), "expected endsolid, found the end of the file");
-  return join_corners(corners, std::move(builder));
+  return word;
+}
+
+/// Reads the facets of an ASCII file.
+class AsciiReader {
+ public:
+  AsciiReader(std::string_view bytes, const MeshLimits& limits, const Execution& execution)
+      : scanner_(without_byte_order_mark(bytes)), builder_(limits, execution), pace_(execution.cancellation) {}
+
+  TriangleSoup read() && {
+    bool inside_solid = false;
+    for (std::string_view word = next(); !word.empty(); word = next()) {
+      pace_.look();
+      if (!inside_solid) {
+        expect(scanner_, word, "solid");
+        inside_solid = true;
+        skip_name();
+      } else if (is_word(word, "endsolid")) {
+        inside_solid = false;
+        scanner_.next_line();
+      } else {
+        read_facet(word);
+      }
+    }
+    if (inside_solid) throw_malformed_line(scanner_.line_number(), "expected endsolid, found the end of the file");
+    return join_corners(corners_, std::move(builder_));
+  }
+
+ private:
+  std::string_view next() { return pending_.empty() ? next_word(scanner_) : std::exchange(pending_, {}); }
+
+  /// What remains of the line is the solid's name, up to the first facet if that is in the same line.
+  void skip_name() {
+    std::string_view word = scanner_.token(), before;
+    while (!word.empty() && !(is_word(before, "facet") && is_word(word, "normal"))) {
+      before = word;
+      word = scanner_.token();
+    }
+    facet_begun_ = !word.empty();
+    if (facet_begun_) pending_ = before;
+  }
+
+  void read_facet(std::string_view word) {
+    expect(scanner_, word, "facet");
+    builder_.check_announced(0, static_cast<std::int64_t>(corners_.size() / 3 + 1));
+    if (!std::exchange(facet_begun_, false)) expect(scanner_, next(), "normal");
+    for (int i = 0; i < 3; ++i) scanner_.number(next(), "a normal's coordinate");
+    expect(scanner_, next(), "outer");
+    expect(scanner_, next(), "loop");
+    for (int corner = 0; corner < 3; ++corner) {
+      expect(scanner_, next(), "vertex");
+      Eigen::Vector3d p;
+      for (int i = 0; i < 3; ++i) p[i] = scanner_.number(next(), "a coordinate");
+      corners_.push_back(p);
+    }
+    expect(scanner_, next(), "endloop");
+    expect(scanner_, next(), "endfacet");
+  }
+
+  TextScanner scanner_;
+  SoupBuilder builder_;
+  StopPace pace_;
+  std::vector<Eigen::Vector3d> corners_;
+  std::string_view pending_;  ///< a word that was looked at already
+  bool facet_begun_ = false;  ///< whether "facet normal" was read with the solid's name
+};
+
+/// Whether no control character is near the beginning, as there is in the header of nearly every binary file.
+bool looks_like_text(std::string_view bytes) {
+  const std::string_view beginning = bytes.substr(0, 512);
+  return std::all_of(beginning.begin(), beginning.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= 0x20 || (byte >= 0x09 && byte <= 0x0d);
+  });
 }
 
 }  // namespace
@@ -112,9 +173,14 @@ bool is_binary_stl(std::string_view bytes) {
   return bytes.size() >= header_size && bytes.size() == header_size + facet_size * announced_facets(bytes);
 }
 
+bool begins_with_solid(std::string_view bytes) {
+  TextScanner scanner(without_byte_order_mark(bytes));
+  return is_word(next_word(scanner), "solid");
+}
+
 TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
-  const bool is_text = without_byte_order_mark(bytes).starts_with("solid") && !is_binary_stl(bytes);
-  return is_text ? read_ascii(bytes, limits, execution) : read_binary(bytes, limits, execution);
+  const bool is_text = !is_binary_stl(bytes) && begins_with_solid(bytes) && looks_like_text(bytes);
+  return is_text ? AsciiReader(bytes, limits, execution).read() : read_binary(bytes, limits, execution);
 }
 
 }  // namespace supple::surface

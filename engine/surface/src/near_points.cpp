@@ -74,10 +74,10 @@ class PointTree {
   StopPace pace_;
 };
 
-}  // namespace
-
-std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points, double distance,
-                                            const Execution& execution) {
+/// first_near_points with distance_of(i) for each point.
+template <typename DistanceOf>
+std::vector<std::int32_t> first_near(const std::vector<Eigen::Vector3d>& points, DistanceOf&& distance_of,
+                                     const Execution& execution) {
   const PointTree tree(points, execution);
   StopPace pace(execution.cancellation);
   std::vector<std::int32_t> first(points.size(), -1);
@@ -85,11 +85,25 @@ std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& 
     pace.look();
     if (first[i] >= 0) continue;
     first[i] = i;
-    tree.visit_near(points[i], distance, [&](std::int32_t near) {
-      if (first[near] < 0) first[near] = i;
+    tree.visit_near(points[i], distance_of(i), [&](std::int32_t near) {
+      if (first[near] < 0 && (points[near] - points[i]).norm() <= distance_of(near)) first[near] = i;
     });
   }
   return first;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points, double distance,
+                                            const Execution& execution) {
+  return first_near(
+      points, [distance](std::int32_t) { return distance; }, execution);
+}
+
+std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points,
+                                            const std::vector<double>& distances, const Execution& execution) {
+  return first_near(
+      points, [&](std::int32_t i) { return distances[i]; }, execution);
 }
 
 }  // namespace supple::surface

@@ -14,4 +14,9 @@ namespace supple::surface {
 std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points, double distance,
                                             const Execution& execution = {});
 
+/// The same with a distance for each point: two are near each other if they are no further apart than the lesser of
+/// theirs.
+std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points,
+                                            const std::vector<double>& distances, const Execution& execution = {});
+
 }  // namespace supple::surface

@@ -9,8 +9,9 @@
 namespace supple::surface {
 namespace {
 
-/// How far barycentric coordinates may be off: enough for numbers printed with ten digits.
-constexpr double barycentric_tolerance = 1e-9;
+/// How far barycentric coordinates may be off: enough for those computed in single precision or printed with six
+/// digits.
+constexpr double barycentric_tolerance = 1e-5;
 
 std::string text(const Eigen::Vector3d& b) {
   return "[" + std::to_string(b[0]) + ", " + std::to_string(b[1]) + ", " + std::to_string(b[2]) + "]";
@@ -46,7 +47,7 @@ SurfacePoint checked_point(const TriangleMesh& mesh, const SurfacePoint& point, 
   if (point.barycentric.minCoeff() < -barycentric_tolerance ||
       !(std::abs(point.barycentric.sum() - 1) <= barycentric_tolerance)) {
     throw Error("point.outside_face", "A point lies outside its face.",
-                {{coordinates, text(point.barycentric) + " must be nonnegative and of sum 1, within 1e-9"}});
+                {{coordinates, text(point.barycentric) + " must be nonnegative and of sum 1, within 1e-5"}});
   }
   Eigen::Vector3d b = point.barycentric.cwiseMax(0.0);
   if (std::abs(b.sum() - 1) > 4 * std::numeric_limits<double>::epsilon()) b /= b.sum();

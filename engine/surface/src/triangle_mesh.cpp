@@ -29,6 +29,8 @@ std::int64_t coincident_vertices(const std::vector<Eigen::Vector3d>& positions, 
 
 TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces,
                                  std::vector<std::string> warnings, const Execution& execution) {
+  if (const std::int64_t placed = place_unused_vertices(positions, faces); placed > 0)
+    warnings.push_back(unused_vertices_warning(placed));
   check_references(positions, faces, execution);
   check_areas(positions, faces, execution);
   TriangleMesh mesh;

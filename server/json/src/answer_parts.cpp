@@ -33,6 +33,18 @@ void write_point(JsonWriter& out, const surface::SurfacePoint& point) {
   out.begin_object().field("face", index(point.face)).key("barycentric").numbers(point.barycentric).end_object();
 }
 
+void write_points_in_space(JsonWriter& out, std::span<const PlacedPoint> points) {
+  if (points.empty()) return;
+  out.key("points_in_space").begin_array();
+  for (const auto& [pointer, nearest] : points) {
+    out.begin_object().field("pointer", pointer).field("face", index(nearest.point.face));
+    out.key("barycentric").numbers(nearest.point.barycentric);
+    out.key("position").numbers(nearest.position);
+    out.field("distance", nearest.distance).end_object();
+  }
+  out.end_array();
+}
+
 void write_positions(JsonWriter& out, std::string_view name, const surface::TriangleMesh& mesh,
                      std::span<const surface::SurfacePoint> points) {
   out.key(name).begin_array();

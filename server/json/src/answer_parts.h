@@ -18,6 +18,8 @@ void write_bill(JsonWriter& out, const Bill& bill);
 
 /// A point of a surface.
 void write_point(JsonWriter& out, const surface::SurfacePoint& point);
+/// The field "points_in_space", where the request has any.
+void write_points_in_space(JsonWriter& out, std::span<const PlacedPoint> points);
 /// A field with the places in space of points of a surface.
 void write_positions(JsonWriter& out, std::string_view name, const surface::TriangleMesh& mesh,
                      std::span<const surface::SurfacePoint> points);

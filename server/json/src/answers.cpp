@@ -83,6 +83,7 @@ std::string write_geodesics(const GeodesicsRequest& request, const TriangleMesh&
   for (std::size_t i = 0; i < results.size(); ++i) write_geodesic(out, request, mesh, ends[i], results[i]);
   out.end_array();
   write_field_accuracy(out, surface::FieldMethod::windows, 0, 0);
+  write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);
   out.end_object();
   return out.take();
@@ -104,6 +105,7 @@ std::string write_geodesic_field(const GeodesicFieldRequest& request, const surf
   }
   out.end_array().field("unreached", unreached);
   write_field_accuracy(out, request.method, request.relative_error, field.relative_error_bound());
+  write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);
   out.end_object();
   return out.take();
@@ -136,6 +138,7 @@ std::string write_karcher_mean(const KarcherMeanRequest& request, const Triangle
       .field("gradient_tolerance", request.tolerance * mesh.diagonal())
       .field("gradient_norm", mean.gradient_norm)
       .end_object();
+  write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);
   out.end_object();
   return out.take();
@@ -157,6 +160,7 @@ std::string write_exponential_map(const ExponentialMapRequest& request, const Tr
   }
   out.key("accuracy").begin_object().field("method", "straightest").field("requested_length", requested_length);
   out.end_object();
+  write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);
   out.end_object();
   return out.take();

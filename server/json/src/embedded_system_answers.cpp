@@ -129,6 +129,7 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
       .field("gradient_norm", relaxation.gradient_norm)
       .field("mollifier_length", options.mollifier_length)
       .end_object();
+  write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);
   out.end_object();
   return out.take();

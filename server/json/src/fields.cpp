@@ -4,11 +4,15 @@
 #include <charconv>
 #include <limits>
 
+#include "request_parts.h"
 #include "supple/problem/edit_distance.h"
 #include "supple/problem/problem.h"
 
 namespace supple::json {
 namespace {
+
+/// The largest coordinate of a point in space, in mesh units: that of a mesh.
+constexpr double largest_coordinate = 1e70;
 
 std::string text_of(double value) {
   char buffer[32];
@@ -223,6 +227,13 @@ PointSpec read_point(const Document& value, const std::string& pointer, Faults& 
   PointSpec point;
   Fields fields(value, pointer, faults);
   if (!value.is_object()) return point;
+  if (fields.present("position")) {
+    if (const auto* entry = fields.required("position"))
+      read_components(*entry, fields.at("position"), faults, point.position.emplace(Eigen::Vector3d::Zero()),
+                      -largest_coordinate, largest_coordinate);
+    fields.finish();
+    return point;
+  }
   const bool by_vertex = fields.present("vertex");
   const auto index = [&](std::string_view name) -> std::int32_t {
     const auto* entry = fields.required(name);

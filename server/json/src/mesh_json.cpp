@@ -5,7 +5,10 @@ namespace supple::json {
 namespace {
 
 void write_repair(JsonWriter& out, const surface::RepairOutcome& repair) {
-  out.begin_object()
+  out.begin_object().key("made").begin_array();
+  for (std::size_t i = 0; i < surface::repair_names.size(); ++i)
+    if (repair.made(static_cast<surface::Repair>(i))) out.string(surface::repair_names[i]);
+  out.end_array()
       .field("welded_vertices", repair.welded_vertices)
       .field("weld_distance", repair.weld_distance)
       .field("dropped_degenerate_faces", repair.dropped_degenerate_faces)

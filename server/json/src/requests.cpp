@@ -37,17 +37,24 @@ void read_repair(Fields& fields, std::optional<surface::RepairOptions>& repair) 
     const auto& entry = (*entries)[i];
     const auto* text = entry.get_ptr<const std::string*>();
     const auto found = text ? std::find(names.begin(), names.end(), *text) : names.end();
-    if (found == names.end()) {
-      fields.faults().add(fields.at("repair") + "/" + std::to_string(i),
-                          R"(must be one of "weld", "drop_degenerate", "drop_duplicates", "split_non_manifold")");
-    } else {
+    const auto at = fields.at("repair") + "/" + std::to_string(i);
+    if (found != names.end()) {
       options.asked[static_cast<std::size_t>(found - names.begin())] = true;
+    } else if (text && *text == surface::automatic_repair_name) {
+      options.automatic = true;
+      if (entries->size() > 1) fields.faults().add(at, R"("automatic" stands alone: it takes what is needed)");
+    } else {
+      fields.faults().add(
+          at, R"(must be one of "automatic", "weld", "drop_degenerate", "drop_duplicates", "split_non_manifold")");
     }
   }
-  if (fields.present("weld_tolerance") && !fields.faults().any() && !options.has(surface::Repair::weld)) {
-    fields.faults().add(fields.at("weld_tolerance"), R"(takes effect with the repair "weld" only)");
+  if (fields.present("weld_tolerance")) {
+    if (!fields.faults().any() && !options.has(surface::Repair::weld))
+      fields.faults().add(fields.at("weld_tolerance"), R"(takes effect with the repair "weld" only)");
+    double tolerance = 0;
+    fields.number("weld_tolerance", tolerance, 0, surface::RepairOptions::largest_weld_tolerance);
+    options.weld_tolerance = tolerance;
   }
-  fields.number("weld_tolerance", options.weld_tolerance, 0, surface::RepairOptions::largest_weld_tolerance);
   if (entries) repair = options;
 }
 

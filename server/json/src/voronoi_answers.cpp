@@ -210,6 +210,7 @@ std::string write_voronoi_diagram(const VoronoiDiagramRequest& request, const su
   if (statistics) write_statistics(out, "statistics", *statistics);
   write_warnings(out, diagram.warnings);
   write_diagram_accuracy(out, request.options);
+  write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);
   out.end_object();
   return out.take();
@@ -238,6 +239,7 @@ std::string write_voronoi_optimization(const VoronoiOptimizationRequest& request
       .field("gradient_tolerance", optimization.gradient_tolerance)
       .field("gradient_norm", optimization.gradient_norm)
       .end_object();
+  write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);
   out.end_object();
   return out.take();

@@ -33,6 +33,7 @@ store::Result binary_result(const json::GeodesicFieldRequest& request, const sur
   if (const double bound = field.relative_error_bound(); std::isfinite(bound)) {
     result.headers.emplace_back("Supple-Relative-Error-Bound", plain_number(bound));
   }
+  tell_largest_distance(result, request.points_in_space);
   return result;
 }
 
@@ -72,7 +73,7 @@ void add_geodesic_field_route(http::Router& router, Services& services) {
     if (!type) throw Error("http.not_acceptable", "A field is sent as application/json or application/octet-stream.");
     auto request = json::parse_geodesic_field(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto sources = resolve(mesh->mesh(), request.sources, "/sources");
+    auto sources = PointResolver(*mesh, request.points_in_space).resolve(request.sources, "/sources");
     jobs::Computation computation{"geodesic-fields", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), sources = std::move(sources),
                        binary = *type != "application/json"](const Execution& execution) {

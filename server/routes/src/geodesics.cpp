@@ -24,17 +24,17 @@ Work prepare(const Services& services, const http::Request& http_request) {
   Work work;
   work.request = json::parse_geodesics(json_body(http_request), services.limits.json);
   work.mesh = load_mesh(services, http_request, work.request.mesh, work.request.deadline);
-  const auto& mesh = work.mesh->mesh();
   const auto& pairs = work.request.pairs;
+  PointResolver points(*work.mesh, work.request.points_in_space);
   work.ends.reserve(pairs.size());
   work.known_paths.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto pointer = "/pairs/" + std::to_string(i);
-    work.ends.emplace_back(resolve(mesh, pairs[i].from, pointer + "/from"),
-                           resolve(mesh, pairs[i].to, pointer + "/to"));
+    const SurfacePoint from = points.resolve(pairs[i].from, pointer + "/from");
+    work.ends.emplace_back(from, points.resolve(pairs[i].to, pointer + "/to"));
     if (pairs[i].known_path.empty()) continue;
     work.known_paths[i] =
-        checked_path(mesh, pairs[i].known_path, work.ends[i].first, work.ends[i].second, pointer + "/known_path");
+        checked_path(points, pairs[i].known_path, work.ends[i].first, work.ends[i].second, pointer + "/known_path");
   }
   return work;
 }

@@ -5,15 +5,16 @@
 namespace supple::routes {
 namespace {
 
-surface::KarcherProblem problem_of(const json::KarcherMeanRequest& request, const surface::TriangleMesh& mesh) {
+surface::KarcherProblem problem_of(json::KarcherMeanRequest& request, const store::LoadedMesh& mesh) {
   surface::KarcherProblem problem;
-  problem.points = resolve(mesh, request.points, "/points");
+  PointResolver points(mesh, request.points_in_space);
+  problem.points = points.resolve(request.points, "/points");
   problem.weights = request.weights;
   problem.method = request.method;
   problem.tolerance = request.tolerance;
   problem.max_iterations = request.max_iterations;
   problem.starts = request.starts;
-  if (request.start) problem.start = resolve(mesh, *request.start, "/start");
+  if (request.start) problem.start = points.resolve(*request.start, "/start");
   using KeptFields = surface::KarcherProblem::KeptFields;
   problem.kept_fields = request.kept_fields == json::Switch::on    ? KeptFields::on
                         : request.kept_fields == json::Switch::off ? KeptFields::off
@@ -37,7 +38,7 @@ void add_karcher_mean_route(http::Router& router, Services& services) {
     require_ready(services);
     auto request = json::parse_karcher_mean(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto problem = problem_of(request, mesh->mesh());
+    auto problem = problem_of(request, *mesh);
     jobs::Computation computation{"karcher-means", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), problem = std::move(problem)](
                           const Execution& execution) { return compute(request, *mesh, problem, execution); };

@@ -39,11 +39,11 @@ bool share_a_face(const surface::TriangleMesh& mesh, const surface::SurfacePoint
 
 }  // namespace
 
-std::vector<surface::PathPoint> checked_path(const surface::TriangleMesh& mesh,
-                                             const std::vector<json::PointSpec>& path,
+std::vector<surface::PathPoint> checked_path(PointResolver& points_of, const std::vector<json::PointSpec>& path,
                                              const surface::SurfacePoint& from, const surface::SurfacePoint& to,
                                              const std::string& pointer) {
-  auto points = resolve(mesh, path, pointer);
+  const surface::TriangleMesh& mesh = points_of.mesh();
+  auto points = points_of.resolve(path, pointer);
   const auto is_near = [&](const surface::SurfacePoint& a, const surface::SurfacePoint& b) {
     return (surface::position(mesh, a) - surface::position(mesh, b)).norm() <= same_end * mesh.diagonal();
   };

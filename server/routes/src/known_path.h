@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "points.h"
 #include "supple/json/requests.h"
 #include "supple/surface/geodesic.h"
 
@@ -12,8 +13,7 @@ namespace supple::routes {
 /// miss the shortest path, so the path is checked to lie on the surface: neighbouring points share a face, and the ends
 /// are those of the pair within 1e-9 of the mesh's diagonal (they are replaced by them). Throws "geodesic.known_path"
 /// or "point.*" with a pointer to the point at fault. O(points).
-std::vector<surface::PathPoint> checked_path(const surface::TriangleMesh& mesh,
-                                             const std::vector<json::PointSpec>& path,
+std::vector<surface::PathPoint> checked_path(PointResolver& points_of, const std::vector<json::PointSpec>& path,
                                              const surface::SurfacePoint& from, const surface::SurfacePoint& to,
                                              const std::string& pointer);
 

@@ -57,11 +57,15 @@ json::MeshUpload read_upload(const http::Request& request, const RouteLimits& li
 http::Response store_mesh(Services& services, const http::Request& request, const Execution& execution) {
   auto [soup, asked] = read_upload(request, services.limits, execution);
   std::optional<surface::RepairOutcome> repair;
-  if (asked) repair = surface::repair_mesh(soup, *asked, services.limits.mesh, execution);
-  const auto mesh = std::make_shared<const surface::TriangleMesh>(
-      surface::TriangleMesh::build(std::move(soup.positions), std::move(soup.faces), {}, execution));
+  const auto& limits = services.limits.mesh;
+  if (asked)
+    repair = asked->automatic ? surface::repair_automatically(soup, limits, execution)
+                              : surface::repair_mesh(soup, *asked, limits, execution);
+  const auto mesh =
+      std::make_shared<const surface::TriangleMesh>(surface::build_with_advice(std::move(soup), limits, execution));
   auto report = surface::report(*mesh, execution);
-  report.warnings.insert(report.warnings.begin(), soup.warnings.begin(), soup.warnings.end());
+  const auto cracks = surface::crack_warnings(*mesh, execution);
+  report.warnings.insert(report.warnings.end(), cracks.begin(), cracks.end());
   const auto [record, is_new] = services.store->add_mesh(
       surface::write_ply(*mesh, execution),
       [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); }, request.key);

@@ -1,28 +1,40 @@
 #include "points.h"
 
+#include <algorithm>
+
+#include "computation_route.h"
 #include "supple/base/error.h"
 
 namespace supple::routes {
 
-surface::SurfacePoint resolve(const surface::TriangleMesh& mesh, const json::PointSpec& point,
-                              const std::string& pointer) {
+surface::SurfacePoint PointResolver::resolve(const json::PointSpec& point, const std::string& pointer) {
   try {
-    if (point.by_vertex) return surface::vertex_point(mesh, VertexId{point.index});
-    return surface::checked_point(mesh, {FaceId{point.index}, point.barycentric}, pointer);
+    if (point.position) {
+      placed_.push_back({pointer, mesh_.nearest().find(*point.position)});
+      return surface::checked_point(mesh(), placed_.back().nearest.point, pointer);
+    }
+    if (point.by_vertex) return surface::vertex_point(mesh(), VertexId{point.index});
+    return surface::checked_point(mesh(), {FaceId{point.index}, point.barycentric}, pointer);
   } catch (const Error& error) {
     // The engine names the point as it sees fit; a client is pointed to the field of its own request.
     throw Error(error.code(), error.what(), {{pointer, error.what()}});
   }
 }
 
-std::vector<surface::SurfacePoint> resolve(const surface::TriangleMesh& mesh,
-                                           const std::vector<json::PointSpec>& points, const std::string& pointer) {
+std::vector<surface::SurfacePoint> PointResolver::resolve(const std::vector<json::PointSpec>& points,
+                                                          const std::string& pointer) {
   std::vector<surface::SurfacePoint> resolved;
   resolved.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    resolved.push_back(resolve(mesh, points[i], pointer + "/" + std::to_string(i)));
+    resolved.push_back(resolve(points[i], pointer + "/" + std::to_string(i)));
   }
   return resolved;
+}
+
+void tell_largest_distance(store::Result& result, const std::vector<json::PlacedPoint>& placed) {
+  double largest = 0;
+  for (const auto& point : placed) largest = std::max(largest, point.nearest.distance);
+  if (!placed.empty()) result.headers.emplace_back("Supple-Largest-Distance", plain_number(largest));
 }
 
 }  // namespace supple::routes

@@ -13,13 +13,17 @@ using surface::RepairOptions;
 
 /// What is wrong with the names between commas; empty where they have been read.
 std::string read_repairs(std::string_view text, RepairOptions& options) {
+  if (text == surface::automatic_repair_name) {
+    options.automatic = true;
+    return {};
+  }
   while (true) {
     const auto comma = text.find(',');
     const auto found = std::find(surface::repair_names.begin(), surface::repair_names.end(), text.substr(0, comma));
     if (found == surface::repair_names.end()) {
       std::string names;
       for (const auto name : surface::repair_names) names.append(names.empty() ? "" : ", ").append(name);
-      return "takes " + names + ", separated by commas";
+      return "takes automatic, or some of " + names + ", separated by commas";
     }
     options.asked[static_cast<std::size_t>(found - surface::repair_names.begin())] = true;
     if (comma == std::string_view::npos) return {};

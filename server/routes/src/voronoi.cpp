@@ -37,8 +37,10 @@ DiagramFile negotiate_diagram_file(const http::Request& request) {
 }
 
 /// The sites one by one, or none yet where they are random, which is part of the computation.
-std::optional<Sites> given_sites(const surface::TriangleMesh& mesh, const json::SitesSpec& spec) {
-  if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&spec)) return resolve(mesh, *given, "/sites");
+template <class Request>
+std::optional<Sites> given_sites(const store::LoadedMesh& mesh, Request& request) {
+  if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&request.sites))
+    return PointResolver(mesh, request.points_in_space).resolve(*given, "/sites");
   return std::nullopt;
 }
 
@@ -60,11 +62,13 @@ std::string write_diagram_file(DiagramFile file, const surface::TriangleMesh& me
   return voronoi::write_panels_csv(diagram);
 }
 
-store::Result file_result(DiagramFile file, std::string body, const json::Bill& bill) {
+store::Result file_result(DiagramFile file, std::string body, const std::vector<json::PlacedPoint>& placed,
+                          const json::Bill& bill) {
   store::Result result;
   result.body = std::move(body);
   result.content_type = diagram_types.at(static_cast<std::size_t>(file));
   result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
+  tell_largest_distance(result, placed);
   return result;
 }
 
@@ -96,7 +100,7 @@ store::Result compute(const json::VoronoiDiagramRequest& request,
           bounded ? "the request allows a relative error" : "the request asks for exact borders");
     tell_asked(execution, "statistics", request.statistics);
   });
-  if (file != DiagramFile::none) return file_result(file, std::move(body), bill);
+  if (file != DiagramFile::none) return file_result(file, std::move(body), request.points_in_space, bill);
   const auto* numbers = statistics ? &*statistics : nullptr;
   return json_result(json::write_voronoi_diagram(request, mesh.mesh(), diagram, numbers, bill, limits));
 }
@@ -134,7 +138,7 @@ store::Result compute(const json::VoronoiOptimizationRequest& request,
   });
   if (file == DiagramFile::none)
     return json_result(json::write_voronoi_optimization(request, mesh.mesh(), optimization, bill, limits));
-  auto result = file_result(file, std::move(body), bill);
+  auto result = file_result(file, std::move(body), request.points_in_space, bill);
   result.headers.emplace_back("Supple-Stopped", optimization.stopped);
   return result;
 }
@@ -148,7 +152,7 @@ void add_voronoi_route(http::Router& router, Services& services, const std::stri
     const auto file = negotiate_diagram_file(http_request);
     auto request = parse(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto given = given_sites(mesh->mesh(), request.sites);
+    auto given = given_sites(*mesh, request);
     jobs::Computation computation{kind, request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file, kept,
                        limits = services.limits.json](const Execution& execution) {

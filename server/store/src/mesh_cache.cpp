@@ -7,7 +7,8 @@
 namespace supple::store {
 namespace {
 
-/// Mesh (150), solver (250) and two pooled searches (60 each), see their headers; with room for the vectors' slack.
+/// Mesh (150), solver (250), two pooled searches (60 each) and the search for nearest points (30), see their headers;
+/// with room for the vectors' slack.
 constexpr std::int64_t bytes_per_face = 700;
 
 }  // namespace
@@ -17,6 +18,12 @@ void LoadedMesh::make_solver(const Execution& execution) const {
   if (solver_) return;
   solver_.emplace(mesh_, execution);
   is_made_.store(true, std::memory_order_release);
+}
+
+const surface::NearestPointSearch& LoadedMesh::nearest(const Execution& execution) const {
+  const auto lock = lock_stoppably(making_nearest_, execution.cancellation);
+  if (!nearest_) nearest_.emplace(*mesh_, execution);
+  return *nearest_;
 }
 
 surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& execution) {

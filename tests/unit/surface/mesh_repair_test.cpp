@@ -316,17 +316,18 @@ TEST(MeshRepair, SplitVerticesCountForTheLimit) {
 TEST(MeshRepair, TheFaultsOfAMeshNameTheRepairThatHelps) {
   const std::vector<Eigen::Vector3d> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}};
   const auto sentence = [&](const std::string& code, std::vector<Triangle> faces) {
-    return std::string(expect_error(code, [&] { TriangleMesh::build(points, faces); }).what());
+    return std::string(expect_error(code, [&] { build_with_advice({points, faces, {}}); }).what());
   };
-  EXPECT_EQ(sentence("mesh.degenerate_face", {{0, 1, 1}}),
-            "1 face is degenerate; the repair drop_degenerate drops such faces.");
+  EXPECT_EQ(sentence("mesh.degenerate_face", {{0, 1, 2}, {0, 1, 1}}),
+            "1 face is degenerate; uploaded with repair=drop_degenerate the mesh is sound.");
+  EXPECT_EQ(sentence("mesh.degenerate_face", {{0, 1, 1}}), "1 face is degenerate; no repair removes this fault.");
   EXPECT_EQ(sentence("mesh.non_manifold_edge", {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}),
-            "1 edge is shared by more than two faces; the repair split_non_manifold cuts the surface apart there.");
+            "1 edge is shared by more than two faces; uploaded with repair=split_non_manifold the mesh is sound.");
   EXPECT_EQ(sentence("mesh.non_manifold_edge", {{0, 1, 2}, {0, 2, 1}, {0, 1, 4}}),
-            "1 edge is shared by more than two faces; the repair drop_duplicates drops faces that are given twice, and "
-            "split_non_manifold cuts the surface apart at other such edges.");
+            "1 edge is shared by more than two faces; uploaded with repair=drop_duplicates the mesh is sound.");
   EXPECT_EQ(sentence("mesh.non_manifold_vertex", {{0, 1, 2}, {0, 3, 4}}),
-            "1 vertex joins fans of faces that share no edge; the repair split_non_manifold duplicates such vertices.");
+            "1 vertex joins fans of faces that share no edge; uploaded with repair=split_non_manifold the mesh is "
+            "sound.");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 
+#include "supple/base/random.h"
 #include "support/expect_error.h"
 #include "support/sampling.h"
 #include "support/shapes.h"
@@ -38,6 +39,22 @@ TEST(CheckedPoint, ClampsRoundingAndKeepsTheDigitsOfSmallCoordinates) {
   EXPECT_NEAR(b[1], 1e-20, 1e-28);
 }
 
+TEST(CheckedPoint, NormalizesCoordinatesOfSinglePrecision) {
+  const TriangleMesh mesh = testing::torus();
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    RandomStream stream("single precision", seed);
+    const float a = static_cast<float>(stream.uniform(0, 1)), b = static_cast<float>(stream.uniform(0, 1 - a));
+    const Eigen::Vector3d given(a, b, 1.0F - a - b);
+    const Eigen::Vector3d off = given + Eigen::Vector3d(-9e-6, 3e-6, 1e-6) * stream.uniform(-1, 1);
+    for (const Eigen::Vector3d& coordinates : {given, off}) {
+      const Eigen::Vector3d checked = checked_point(mesh, {FaceId(0), coordinates}).barycentric;
+      EXPECT_NEAR(checked.sum(), 1, 4e-16) << "seed " << seed;
+      EXPECT_GE(checked.minCoeff(), 0);
+      EXPECT_LT((checked - coordinates).norm(), 2e-5);
+    }
+  }
+}
+
 TEST(CheckedPoint, NamesTheFieldAtFault) {
   const TriangleMesh mesh = testing::icosphere(0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -48,8 +65,8 @@ TEST(CheckedPoint, NamesTheFieldAtFault) {
   EXPECT_EQ(places(expect_error("point.face_out_of_range", check(20, {1, 0, 0}))), face);
   EXPECT_EQ(places(expect_error("point.face_out_of_range", check(-1, {1, 0, 0}))), face);
   EXPECT_EQ(places(expect_error("point.non_finite", check(0, {nan, 0, 1}))), barycentric);
-  EXPECT_EQ(places(expect_error("point.outside_face", check(0, {-1e-8, 0.5, 0.5}))), barycentric);
-  EXPECT_EQ(places(expect_error("point.outside_face", check(0, {0.5, 0.5, 1e-8}))), barycentric);
+  EXPECT_EQ(places(expect_error("point.outside_face", check(0, {-1.1e-5, 0.5, 0.5}))), barycentric);
+  EXPECT_EQ(places(expect_error("point.outside_face", check(0, {0.5, 0.5, 1.1e-5}))), barycentric);
   EXPECT_EQ(places(expect_error("point.outside_face", check(0, {1e308, 1e308, 1e308}))), barycentric);
 }
 

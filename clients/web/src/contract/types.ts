@@ -33,8 +33,9 @@ export type Job = Schemas["Job"];
 export type ProblemDocument = Schemas["Problem"];
 export type Mesh = Schemas["Mesh"];
 export type MeshRepair = Schemas["MeshRepair"];
-export type Repair = Schemas["Repair"];
-export type SurfacePoint = Schemas["Point"];
+export type Repair = Schemas["RepairChoice"];
+/** A point that the page marks on a surface: it never asks for the point nearest to one in space. */
+export type SurfacePoint = Exclude<Schemas["Point"], { position: number[] }>;
 export type Geodesics = Schemas["GeodesicsResponse"];
 export type PathPoint = Schemas["PathPoint"];
 export type KarcherMean = Schemas["KarcherMeanResponse"];

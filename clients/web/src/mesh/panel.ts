@@ -7,7 +7,7 @@ import { pointWords, readPoint } from "./link";
 import { nameOf } from "./names";
 import { networkPanel } from "./network_panel";
 import type { NetworkSession } from "./network_session";
-import { ordered, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
+import { afterChoice, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { type MeshSession, MOST_STARTS, type Tool } from "./session";
 import { cssGradient, RAMP_NAMES, RAMP_WORDS, type RampName, RAMPS } from "../base/ramps";
 import { isolineSpacing, rampTicks } from "./mesh_data";
@@ -59,10 +59,7 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
 }
 
 function repairControls(session: MeshSession): HTMLElement {
-  const boxes = REPAIRS.map((repair) => new Checkbox(REPAIR_WORDS[repair], (asked) => {
-    const others = session.repairs.get().filter((one) => one !== repair);
-    session.repairs.set(ordered(asked ? [...others, repair] : others));
-  }));
+  const boxes = REPAIRS.map((repair) => new Checkbox(REPAIR_WORDS[repair], (asked) => session.repairs.set(afterChoice(session.repairs.get(), repair, asked))));
   const help = h("p", { class: "muted" });
   const again = button("Repair and upload", () => void session.repairRefused(), { kind: "primary" });
   const element = h("details", { class: "more repairs" }, h("summary", {}, "Repairs at upload"), help, h("div", {}, ...boxes.map((box) => box.element)), again);

@@ -1,30 +1,35 @@
 // Repairs of a mesh at its upload: which there are, which of them help against a refusal, and what they changed.
 import type { Mesh, MeshRepair, ProblemDocument, Repair } from "../contract/types";
 
-/** In the order in which the server makes them. */
-export const REPAIRS: readonly Repair[] = ["weld", "drop_degenerate", "drop_duplicates", "split_non_manifold"];
+/** What the server takes of the others where it is needed; then those in the order in which the server makes them. */
+export const REPAIRS: readonly Repair[] = ["automatic", "weld", "drop_degenerate", "drop_duplicates", "split_non_manifold"];
 
 export const REPAIR_WORDS: Record<Repair, string> = {
-  weld: "Join vertices that all but coincide",
+  automatic: "Whatever the mesh needs",
+  weld: "Join the corners of cracks",
   drop_degenerate: "Drop faces without area",
   drop_duplicates: "Drop faces that are given twice",
   split_non_manifold: "Cut apart where more than two faces meet",
 };
 
-const HELP: Readonly<Record<string, readonly Repair[]>> = {
-  "mesh.degenerate_face": ["drop_degenerate"],
-  "mesh.non_manifold_edge": ["drop_duplicates", "split_non_manifold"],
-  "mesh.non_manifold_vertex": ["split_non_manifold"],
-};
+const REPAIRABLE = ["mesh.degenerate_face", "mesh.non_manifold_edge", "mesh.non_manifold_vertex", "mesh.not_orientable"];
 
-/** Repairs that may help against a refusal beyond those that were made; none where no repair does. */
-export function helpAgainst(problem: Pick<ProblemDocument, "code">, made: readonly Repair[]): readonly Repair[] {
-  return (HELP[problem.code] ?? []).filter((repair) => !made.includes(repair));
+/** What may help against a refusal beyond the repairs that were made; none where the server has found that no repair does. */
+export function helpAgainst(problem: Pick<ProblemDocument, "code" | "detail">, made: readonly Repair[]): readonly Repair[] {
+  const hopeless = made.includes("automatic") || problem.detail.includes("no repair removes this fault");
+  return REPAIRABLE.includes(problem.code) && !hopeless ? ["automatic"] : [];
 }
 
+/** The repairs without repetition, in their order; `automatic` stands alone. */
 export function ordered(repairs: Iterable<Repair>): Repair[] {
   const asked = new Set(repairs);
-  return REPAIRS.filter((repair) => asked.has(repair));
+  return asked.has("automatic") ? ["automatic"] : REPAIRS.filter((repair) => asked.has(repair));
+}
+
+/** The repairs that are asked for after one was marked or unmarked: `automatic` and the others take turns. */
+export function afterChoice(repairs: readonly Repair[], chosen: Repair, asked: boolean): Repair[] {
+  const others = repairs.filter((repair) => repair !== chosen && (!asked || repair !== "automatic"));
+  return ordered(asked ? [...others, chosen] : others);
 }
 
 export function uploadPath(repairs: readonly Repair[]): string {

@@ -180,10 +180,13 @@ TEST(Requests, ReadTheRepairsOfAMeshAndNameTheFaultyOnes) {
   const auto plain = parsed(R"("repair":["split_non_manifold","weld"])").repair.value();
   EXPECT_TRUE(plain.has(Repair::weld) && plain.has(Repair::split_non_manifold));
   EXPECT_FALSE(plain.has(Repair::drop_degenerate) || plain.has(Repair::drop_duplicates));
-  EXPECT_EQ(plain.weld_tolerance, 1e-6);
+  EXPECT_FALSE(plain.weld_tolerance || plain.automatic);
+  EXPECT_TRUE(parsed(R"("repair":["automatic"])").repair.value().automatic);
   EXPECT_EQ(parsed(R"("repair":["weld"],"weld_tolerance":0)").repair.value().weld_tolerance, 0);
   const auto faulty = [&](const std::string& more) { return pointers(error_of([&] { parsed(more); })); };
   EXPECT_EQ(faulty(R"("repair":[])"), Pointers{"/repair"});
+  EXPECT_EQ(faulty(R"("repair":["weld","automatic"])"), Pointers{"/repair/1"});
+  EXPECT_EQ(faulty(R"("repair":["automatic"],"weld_tolerance":0.001)"), Pointers{"/weld_tolerance"});
   EXPECT_EQ(faulty(R"("repair":"weld")"), Pointers{"/repair"});
   EXPECT_EQ(faulty(R"("repair":["weld","Weld",3])"), (Pointers{"/repair/1", "/repair/2"}));
   EXPECT_EQ(faulty(R"("repair":["weld"],"weld_tolerance":0.011)"), Pointers{"/weld_tolerance"});

@@ -25,7 +25,8 @@ struct EmbeddedSystemRequest {
   embedded::MembraneMaterial material{};
   double rest_scale = 1;                ///< of the triangles' lengths at the start
   embedded::RelaxationOptions options;  ///< without an observer
-  double deadline = 0;                  ///< seconds; set also where the request leaves it out
+  std::vector<PlacedPoint> points_in_space;
+  double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
 EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits& limits);
 

@@ -14,6 +14,7 @@
 #include "supple/surface/karcher_mean.h"
 #include "supple/surface/mesh_io.h"
 #include "supple/surface/mesh_repair.h"
+#include "supple/surface/nearest_point.h"
 
 /// The requests of api/openapi.yaml as types. Each `parse_*` reads a body completely and collects every fault: they
 /// throw "request.not_utf8", "request.malformed_json", "request.too_deep", "request.too_many_values",
@@ -26,6 +27,13 @@ struct PointSpec {
   bool by_vertex = false;
   std::int32_t index = 0;  ///< of the vertex or of the face
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> position;  ///< of a point in space, in place of all else
+};
+
+/// Where a point in space of a request lies on the surface. The route finds this, and the answer says it.
+struct PlacedPoint {
+  std::string pointer;  ///< to the point in the request
+  surface::NearestPoint nearest;
 };
 
 using supple::Switch;
@@ -42,6 +50,7 @@ struct GeodesicsRequest {
   bool paths = false;
   Switch mollifier = Switch::automatic;
   double mollifier_length = 1e-6;
+  std::vector<PlacedPoint> points_in_space;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
 GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits);
@@ -52,6 +61,7 @@ struct GeodesicFieldRequest {
   surface::FieldMethod method = surface::FieldMethod::windows;
   double relative_error = 0;
   double max_distance = std::numeric_limits<double>::infinity();
+  std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
 GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& limits);
@@ -66,6 +76,7 @@ struct KarcherMeanRequest {
   int starts = 1;
   surface::MinimizationMethod method = surface::MinimizationMethod::newton;
   Switch kept_fields = Switch::automatic;
+  std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
 KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limits);
@@ -75,6 +86,7 @@ struct ExponentialMapRequest {
   PointSpec start;
   std::vector<double> tangent;  ///< three numbers in space or two in the frame of the start's face
   bool trace = true;
+  std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
 ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits);

@@ -35,7 +35,8 @@ struct VoronoiDiagramRequest {
   bool statistics = true;
   bool keep = false;       ///< for another one of almost the same sites
   double panel_scale = 1;  ///< millimetres per mesh unit
-  double deadline = 0;     ///< seconds; set also where the request leaves it out
+  std::vector<PlacedPoint> points_in_space;
+  double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
 VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits& limits);
 
@@ -45,6 +46,7 @@ struct VoronoiOptimizationRequest {
   voronoi::OptimizationOptions options;  ///< without an observer
   DiagramInclude include;
   double panel_scale = 1;
+  std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
 VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, const Limits& limits);

@@ -16,6 +16,7 @@
 #include "supple/store/stoppable_mutex.h"
 #include "supple/store/store.h"
 #include "supple/surface/geodesic_solver.h"
+#include "supple/surface/nearest_point.h"
 
 namespace supple::store {
 
@@ -35,6 +36,8 @@ class LoadedMesh {
     if (!is_made_.load(std::memory_order_acquire)) make_solver(execution);
     return *solver_;
   }
+  /// Finds the points of the surface that are nearest to points in space. The first call makes it, see its header.
+  const surface::NearestPointSearch& nearest(const Execution& execution = {}) const;
 
  private:
   void make_solver(const Execution& execution) const;
@@ -43,6 +46,8 @@ class LoadedMesh {
   mutable StoppableMutex making_;
   mutable std::atomic<bool> is_made_{false};
   mutable std::optional<surface::GeodesicSolver> solver_;
+  mutable StoppableMutex making_nearest_;
+  mutable std::optional<surface::NearestPointSearch> nearest_;
 };
 
 /// Holds the meshes that were used last, up to a limit of memory. A mesh that a computation uses stays until the
