@@ -106,6 +106,11 @@ describe("the mesh page", () => {
     }
     await page.locator('[aria-label="Result"]').waitFor();
     assert.ok(Math.abs(Number(await fact(page, "Length")) - Math.sqrt(8)) < 1e-4, "the edge is the shortest path");
+    await page.getByLabel("Add a point").fill("@-1,-1,-1");
+    await page.getByLabel("Add a point").press("Enter");
+    await page.getByText(/^The nearest point of the surface was added, \d.* away from the place\.$/).waitFor();
+    assert.equal(await page.locator(".points li").count(), 3);
+    await page.locator(".points li button").last().click();
     await page.getByLabel("Add a point").fill("v99");
     await page.getByLabel("Add a point").press("Enter");
     assert.equal(await page.getByLabel("Add a point").evaluate((field) => field.validity.customError), true);

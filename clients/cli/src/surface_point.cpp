@@ -43,7 +43,7 @@ nlohmann::json parse_surface_point(const std::string& text) {
 
 std::string describe_surface_point(const nlohmann::json& point) {
   if (point.contains("vertex")) return fmt::format("vertex {}", point.at("vertex").get<std::int64_t>());
-  if (point.contains("position")) {
+  if (!point.contains("face")) {
     const auto& p = point.at("position");
     return fmt::format("the point nearest to ({:.9g}, {:.9g}, {:.9g})", p.at(0).get<double>(), p.at(1).get<double>(),
                        p.at(2).get<double>());

@@ -1,7 +1,9 @@
 // Which Voronoi diagram: its sites, how exact it is, and what is to be small.
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
+import { digits } from "../base/format";
 import { h, uniqueId } from "../base/dom";
 import { pointWords, readPoint } from "./link";
+import { placedOn, readPlace } from "./point_in_space";
 import { listField } from "./list_field";
 import { type Nudge, nudgeButtons } from "./nudge_buttons";
 import { readFixed, writeFixed } from "./network_text";
@@ -45,19 +47,25 @@ function siteControls(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge):
   const remove = button("Remove it", withChosen((site) => voronoi.remove(site)));
   const clear = button("Remove all sites", () => voronoi.clear(), { kind: "quiet" });
   const id = uniqueId("site");
-  const entry = h("input", { class: "number", id, placeholder: "v120 or 7:0.2,0.3,0.5" });
+  const entry = h("input", { class: "number", id, placeholder: "v120, 7:0.2,0.3,0.5 or @1,2,3" });
+  const away = h("p", { class: "muted", role: "status", hidden: true });
   entry.addEventListener("input", () => entry.setCustomValidity(""));
   const form = h("form", { class: "point-form", onsubmit: (event: Event) => {
     event.preventDefault();
-    const point = readPoint(entry.value);
-    const info = mesh.mesh.get()?.info;
+    const place = readPlace(entry.value);
+    const shown = mesh.mesh.get();
+    const placed = place && shown ? placedOn(shown.data, place) : null;
+    const point = placed?.point ?? readPoint(entry.value);
+    const info = shown?.info;
     const exists = point && info && ("vertex" in point ? point.vertex < info.vertices : point.face < info.faces);
-    entry.setCustomValidity(exists ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh.");
+    entry.setCustomValidity(exists ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh, or @x,y,z for the point nearest to a place.");
+    away.hidden = !placed;
+    away.textContent = placed ? `The nearest point of the surface was added, ${digits(placed.distance, 4)} away from the place.` : "";
     if (exists) {
       voronoi.place(point);
       entry.value = "";
     } else entry.reportValidity();
-  } }, h("label", { for: id }, "Add a site"), entry, h("button", { class: "button" }, "Add"));
+  } }, h("label", { for: id }, "Add a site"), entry, h("button", { class: "button" }, "Add"), away);
   const held = listField<readonly number[]>("Held sites", "none", "Write numbers of sites, from 0, between commas.", readFixed, (fixed) => {
     if (fixed.some((site) => site >= voronoi.sites.get().length)) return false;
     voronoi.change({ fixed });
