@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "homogenization.h"
+#include "supple/microscale/accurate_simulation.h"
 
 namespace supple::microscale {
 namespace {
@@ -44,6 +45,9 @@ MeshError extrapolation_error(const PatchResponse& coarse, const PatchResponse& 
 MeshError coarse_error(const PatchResponse& coarse, const PatchResponse& fine, double area) {
   return scaled(difference(coarse, fine, area), coarse_share);
 }
+
+// Of the meshes' difference d, the extrapolated response differs from the coarse one by (1 + remaining_share) d.
+double extrapolation_error_share() { return extrapolation_share / (1 + remaining_share); }
 
 std::optional<MeshError> discretization_error(const std::vector<State>& states) {
   double stress_error = 0;

@@ -6,14 +6,17 @@
 
 namespace supple::microscale {
 
-/// The mesh whose states are extrapolated unless a caller wants another one: sides of a beam width, and of a twentieth
-/// of that at corners. Extrapolated from it, stress errs by less than half a per cent (see
+/// The mesh whose states are extrapolated unless a caller wants another one: sides of 0.9 beam widths, and of a
+/// twentieth of that at corners. Extrapolated from it, stress errs by less than half a per cent (see
 /// docs/bench/simulations-discretization.md), in less than twice the time of the data sets' mesh.
 tiling::MeshOptions extrapolated_mesh();
 
 /// Options for simulations whose results are meant to be true, rather than comparable with a data set:
 /// `extrapolated_mesh`, extrapolated.
 SimulationOptions accurate_options(const Material& material = {});
+
+/// The estimated error of an extrapolated response over how much it differs from that of the mesh itself.
+double extrapolation_error_share();
 
 /// A simulation and the mesh that it was made on.
 struct AccurateSimulation {
