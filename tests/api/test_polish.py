@@ -55,7 +55,7 @@ def test_a_verified_design_is_corrected_until_its_simulation_meets_the_target(de
     deviations = np.array(verified["y"]) - np.array(verified["target"])
     scale = np.sqrt((np.array(verified["target"]) ** 2).mean())
     assert np.sqrt((deviations**2).mean()) / scale == pytest.approx(best, rel=0.5), "the weights of the ends differ"
-    assert 0 < verified["discretization_error"] < 0.02, "a coarser mesh"
+    assert 0 < verified["discretization_error"] < 0.02, "what the mesh errs by"
     # The simulation of these very parameters says the same.
     np.testing.assert_allclose(simulated(designs, "IH67", answer["parameters"]), verified["y"], rtol=1e-9)
     there = profile(designs, "stress_strain", STRAINS, "IH67", answer["parameters"], direction=0.0)["y"]

@@ -125,11 +125,83 @@ def test_the_answer_says_what_ran_and_what_was_reached(api: Api) -> None:
 
 def test_the_contract_names_the_defaults_that_the_server_has(api: Api) -> None:
     schemas = api.contract.spec["components"]["schemas"]
-    answer = converged(api, {"family": "IH01", "load": {"green_strain": [[0.001, 0, 0]]}})
+    load = {"green_strain": [[0.001, 0, 0]]}
+    answer = converged(api, {"family": "IH01", "load": load})
     defaults = schemas["SimulationRequest"]["properties"]["accuracy"]["properties"]
     assert answer["accuracy"]["tolerance"] == defaults["tolerance"]["default"]
-    assert answer["accuracy"]["mesh_size"] == pytest.approx(schemas["MeshSize"]["default"])
-    assert answer["accuracy"]["corner_size"] == schemas["CornerSize"]["default"]
+    assert f"it is {answer['accuracy']['mesh_size']:g}," in defaults["mesh_size"]["description"]
+    assert f"otherwise {answer['accuracy']['corner_size']:g}." in defaults["corner_size"]["description"]
+    given = converged(api, {"family": "IH01", "load": load, "accuracy": {"mesh_size": 0.5}})
+    assert given["accuracy"]["corner_size"] == schemas["CornerSize"]["default"]
+
+
+def norm(components: List[float]) -> float:
+    return float(np.linalg.norm(tensor(components)))
+
+
+FINE = {"mesh_size": 0.2, "corner_size": 0.03}
+
+
+@pytest.mark.parametrize("stretches", [[1.02, 1.06], [0.99, 0.98]], ids=["tension", "compression"])
+def test_a_default_simulation_says_its_error_and_errs_by_less(api: Api, stretches: List[float]) -> None:
+    load = uniaxial(*stretches, direction=0.4)
+    answer = converged(api, {"family": "IH22", "load": load})
+    fine = converged(api, {"family": "IH22", "load": load, "accuracy": FINE, "effects": {"refinement": "off"}})
+    accuracy = answer["accuracy"]
+    assert accuracy["extrapolated"] and accuracy["accepted_error"] is None and accuracy["error_accepted"] is None
+    assert 0 < accuracy["discretization_error"]["stress"] < 0.01 and 0 < accuracy["discretization_error"]["energy"] < 0.01
+    for state, wanted in zip(answer["states"], fine["states"]):
+        error = norm(np.subtract(state["stress"], wanted["stress"]).tolist())
+        assert error < 0.005 * norm(wanted["stress"]) and error < state["stress_error"]
+        assert abs(state["energy_density"] - wanted["energy_density"]) < state["energy_density_error"]
+    relative = [sum(norm(s["stress"]) ** 2 for s in answer["states"]), sum(s["stress_error"] ** 2 for s in answer["states"])]
+    assert accuracy["discretization_error"]["stress"] == pytest.approx((relative[1] / relative[0]) ** 0.5, rel=1e-9)
+    (effect,) = [effect for effect in answer["effects"] if effect["name"] == "refinement"]
+    assert effect["ran"] and effect["count"] == 2 and effect["seconds"] > 0
+
+
+def test_a_mesh_that_is_given_keeps_its_states_and_its_error_is_said(api: Api) -> None:
+    document = request(uniaxial(1.02, 1.05))
+    said = converged(api, document)
+    plain = converged(api, {**document, "effects": {"refinement": "off"}})
+    fine = converged(api, request(uniaxial(1.02, 1.05), accuracy=FINE, effects={"refinement": "off"}))
+    extrapolated = converged(api, {**document, "effects": {"refinement": "on"}})
+    assert not said["accuracy"]["extrapolated"] and extrapolated["accuracy"]["extrapolated"]
+    for a, b, c, better in zip(said["states"], plain["states"], fine["states"], extrapolated["states"]):
+        assert a["stress"] == b["stress"] and a["energy_density"] == b["energy_density"] and a["tangent"] == b["tangent"]
+        assert b["stress_error"] is None and b["energy_density_error"] is None
+        error = norm(np.subtract(b["stress"], c["stress"]).tolist())
+        assert error < a["stress_error"] < 4 * error
+        assert norm(np.subtract(better["stress"], c["stress"]).tolist()) < error / 2
+    assert plain["accuracy"]["discretization_error"] is None
+    (effect,) = [effect for effect in plain["effects"] if effect["name"] == "refinement"]
+    assert not effect["ran"] and "request" in effect["why"]
+
+
+def test_a_request_may_name_the_error_that_it_accepts(api: Api) -> None:
+    sizes = []
+    for accepted in (0.02, 0.001):
+        accuracy = converged(api, request(uniaxial(1.03), accuracy={"discretization_error": accepted}))["accuracy"]
+        assert accuracy["accepted_error"] == accepted and accuracy["error_accepted"] and accuracy["extrapolated"]
+        assert accuracy["discretization_error"]["stress"] <= accepted
+        sizes.append(accuracy["mesh_size"])
+    assert sizes[1] < sizes[0]
+
+
+def test_a_mesh_size_wins_over_an_accepted_error_and_the_error_is_still_said(api: Api) -> None:
+    both = {"mesh_size": 1.0, "discretization_error": 0.0005}
+    answer = converged(api, request(uniaxial(1.03), accuracy=both))
+    accuracy = answer["accuracy"]
+    assert accuracy["mesh_size"] == 1 and not accuracy["extrapolated"]
+    assert accuracy["discretization_error"]["stress"] > 0.0005 and accuracy["error_accepted"] is False
+    assert answer["states"][0]["stress"] == converged(api, request(uniaxial(1.03)))["states"][0]["stress"]
+
+
+def test_an_error_cannot_be_named_where_it_is_not_looked_for(api: Api) -> None:
+    document = request(uniaxial(1.03), accuracy={"discretization_error": 0.01}, effects={"refinement": "off"})
+    response = api.post(SIMULATIONS, document)
+    assert (response.status_code, problem_code(response)) == (400, "request.invalid")
+    assert pointers(response) == ["/accuracy/discretization_error"]
 
 
 def test_a_patch_of_two_by_two_cells_is_used_where_it_is_asked_for(api: Api) -> None:
@@ -277,6 +349,9 @@ def test_what_is_no_load_is_refused(api: Api, load: Any, expected: List[str]) ->
     ({"material": {"poisson_ratio": 0.5}}, "/material/poisson_ratio"), ({"material": {"density": 1}}, "/material/density"),
     ({"accuracy": {"mesh_size": 0}}, "/accuracy/mesh_size"), ({"accuracy": {"tolerance": 1}}, "/accuracy/tolerance"),
     ({"accuracy": {"corner_size": 0}}, "/accuracy/corner_size"),
+    ({"accuracy": {"discretization_error": 0}}, "/accuracy/discretization_error"),
+    ({"accuracy": {"discretization_error": 0.2}}, "/accuracy/discretization_error"),
+    ({"effects": {"refinement": True}}, "/effects/refinement"),
     ({"accuracy": {"max_iterations": 0}}, "/accuracy/max_iterations"),
     ({"accuracy": {"max_load_step": 0}}, "/accuracy/max_load_step"), ({"effects": {"contact": True}}, "/effects/contact"),
     ({"effects": {"patch": "2x2"}}, "/effects/patch"), ({"effects": {"gravity": "on"}}, "/effects/gravity"),

@@ -68,6 +68,27 @@ def test_a_simulation_is_shown_and_written_as_csv_and_vtu(program: Program) -> N
                       "--contact", "off") == (program.folder / "curve.csv").read_text()
 
 
+def test_the_command_line_says_the_error_of_the_mesh_and_takes_one_that_is_accepted(program: Program) -> None:
+    load = ["simulate", "IH01", "--uniaxial", "0", "--stretches", "1.02", "--no-tangents"]
+    text = program.ok(*load, "--discretization-error", "0.01")
+    assert "after extrapolation" in text and 0 < number_after("mesh error", text) <= 1
+    assert "was asked for" in program.ok(*load, *COARSE, "--discretization-error", "0.001")
+    assert "mesh error  unknown" in program.ok(*load, *COARSE, "--refinement", "off")
+    rows = list(csv.DictReader(program.ok(*load, "--csv", "-").splitlines()))
+    assert 0 < float(rows[0]["stress_error"]) < 0.01 * float(rows[0]["S_xx"]) and float(rows[0]["energy_density_error"]) > 0
+
+
+def test_python_says_the_error_of_the_mesh_and_takes_one_that_is_accepted(client: supple.Client) -> None:
+    load = supple.Uniaxial(0.0, [1.02])
+    usual = client.simulate("IH01", None, load)
+    assert usual.extrapolated and usual.error_accepted is None and usual.discretization_error is not None
+    assert 0 < usual.discretization_error.stress < 0.01 and usual.states[0].stress_error is not None
+    accepted = client.simulate("IH01", None, load, discretization_error=0.02)
+    assert accepted.error_accepted is True and accepted.mesh_size > usual.mesh_size
+    unknown = client.simulate("IH01", None, load, mesh_size=1, refinement="off")
+    assert unknown.discretization_error is None and unknown.states[0].stress_error is None and not unknown.extrapolated
+
+
 def test_strains_come_from_the_command_line_or_a_file(program: Program, api: Api) -> None:
     (program.folder / "strains.csv").write_text("# xx, yy, xy\n0.01, 0, 0\n\n0.02, -0.005, 0.001\n")
     answers = [json.loads(program.ok("--json", "simulate", "IH01", "--green-strain", argument, *COARSE, "--no-tangents"))

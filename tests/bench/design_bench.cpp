@@ -83,9 +83,8 @@ std::optional<design::Target> target_of(const LoadedSpace& space, const std::vec
 }
 
 design::SimulateProfile simulation_of(const std::string& family, const DesignSettings& settings) {
-  microscale::SimulationOptions options;
-  const auto meshes = design::verification_meshes(family);
-  options.mesh = settings.brief ? meshes.coarser : meshes.mesh;
+  auto options = design::verification_options();
+  if (settings.brief) options.refinement = microscale::Refinement::off;
   return design::simulation_of(tiling::family(family), options);
 }
 

@@ -36,11 +36,11 @@ struct NativeSettings {
   microscale::SimulationOptions simulation;
 };
 
-NativeSettings native_settings(const std::string& family, const DesignSettings& settings) {
+NativeSettings native_settings(const DesignSettings& settings) {
   NativeSettings native;
   if (settings.brief) native = {.targets = 1, .budget = 4, .polish_rounds = 1, .simulation = {}};
   if (settings.designs > 0) native.targets = settings.designs;
-  native.simulation.mesh = design::verification_meshes(family).mesh;
+  native.simulation = design::verification_options();
   if (settings.brief) native.simulation.mesh.mesh_size = 1;
   return native;
 }
@@ -223,7 +223,7 @@ class Race {
   Race(const LoadedSpace& space, const DesignSettings& settings, const design::Target& target, Eigen::VectorXd start)
       : space_(space),
         family_(tiling::family(space.model.family)),
-        native_(native_settings(space.model.family, settings)),
+        native_(native_settings(settings)),
         target_(target),
         sampled_(design::sample_target(target)),
         start_(std::move(start)),
@@ -303,7 +303,7 @@ class Race {
 
 std::vector<Method> race(const LoadedSpace& space, const DesignSettings& settings) {
   const std::string& family = space.model.family;
-  const NativeSettings native = native_settings(family, settings);
+  const NativeSettings native = native_settings(settings);
   const auto simulate = design::simulation_of(tiling::family(family), native.simulation);
   RandomStream random("native " + family, 1);
   auto methods = all_methods();

@@ -126,7 +126,7 @@ class Line {
   Line(const LoadedSpace& space, const DesignSettings& settings)
       : space_(space), family_(tiling::family(space.model.family)) {
     data_set_.mesh = data_set_options(space.model.family).mesh;
-    verification_.mesh = design::verification_meshes(space.model.family).mesh;
+    verification_ = design::verification_options();
     if (settings.brief) data_set_.mesh.mesh_size = verification_.mesh.mesh_size = 1;
     data_set_.tolerance = verification_.tolerance = 1e-9;  // what shakes the curve is the mesh
     design::Target target;

@@ -17,5 +17,6 @@ int main(int argc, char** argv) {
                       {"speed", [&] { study_speed(settings); }},
                       {"peer", [&] { study_peer(settings); }},
                       {"effects", [&] { study_effects(settings); }},
+                      {"discretization", [&] { study_discretization(settings); }},
                       {"smoothness", [&] { study_smoothness(settings); }}});
 }

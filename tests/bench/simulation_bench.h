@@ -59,6 +59,7 @@ void study_simulation_accuracy(const SimulationSettings& settings);
 void study_speed(const SimulationSettings& settings);
 void study_peer(const SimulationSettings& settings);
 void study_effects(const SimulationSettings& settings);
+void study_discretization(const SimulationSettings& settings);
 void study_smoothness(const SimulationSettings& settings);
 
 }  // namespace supple::bench

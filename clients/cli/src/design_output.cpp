@@ -146,7 +146,7 @@ void print_design(const nlohmann::json& design) {
   if (const auto& verified = profile.at("verified"); !verified.is_null() && verified.contains("relative_rms")) {
     fmt::print("simulation  deviates from the model by {} (root mean square)\n", percent(verified));
     if (const auto& mesh = verified.at("discretization_error"); !mesh.is_null())
-      fmt::print("mesh        a coarser one changes the simulation by {:.2g} %\n", 100 * mesh.get<double>());
+      fmt::print("mesh        makes an error of less than about {:.2g} %\n", 100 * mesh.get<double>());
   }
   if (const auto& polish = design.at("polish"); !polish.is_null()) print_polish(polish);
   fmt::print("searched    {} iterations from {} starting points, {}\n", design.at("iterations").get<int>(),

@@ -20,11 +20,13 @@ struct PatchSimulationArguments {
   double mesh_size = 0;
   double corner_size = 0;
   std::string mesh_region;
+  double discretization_error = 0;
   double tolerance = 0;
   double max_load_step = 0;
   std::string contact;
   std::string patch;
   std::string buckling;
+  std::string refinement;
   bool no_tangents = false;
   double deadline = 0;
   std::string csv_file;
@@ -48,11 +50,13 @@ nlohmann::json request_of(const PatchSimulationArguments& arguments) {
   set_number("accuracy", "mesh_size", arguments.mesh_size);
   set_number("accuracy", "corner_size", arguments.corner_size);
   set_text("accuracy", "mesh_region", arguments.mesh_region);
+  set_number("accuracy", "discretization_error", arguments.discretization_error);
   set_number("accuracy", "tolerance", arguments.tolerance);
   set_number("accuracy", "max_load_step", arguments.max_load_step);
   set_text("effects", "contact", arguments.contact);
   set_text("effects", "patch", arguments.patch);
   set_text("effects", "buckling", arguments.buckling);
+  set_text("effects", "refinement", arguments.refinement);
   if (arguments.no_tangents) request["tangents"] = false;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
   if (!arguments.vtu_file.empty()) request["deformed"] = "vtu";
@@ -84,12 +88,18 @@ void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
   command.add_option("--youngs-modulus", arguments.youngs_modulus, "Young's modulus in MPa (26)")
       ->check(CLI::PositiveNumber);
   command.add_option("--poisson-ratio", arguments.poisson_ratio, "Poisson's ratio (0.48)")->check(CLI::Number);
-  command.add_option("--mesh-size", arguments.mesh_size, "Sides of the triangles as a share of the beam width")
+  command
+      .add_option("--mesh-size", arguments.mesh_size,
+                  "Sides of the triangles as a share of the beam width; states are then those of this mesh")
       ->check(CLI::PositiveNumber);
   command.add_option("--corner-size", arguments.corner_size, "Sides at re-entrant corners as a share of the others")
       ->check(CLI::PositiveNumber);
   command.add_option("--mesh-region", arguments.mesh_region, "What is meshed at a time (automatic)")
       ->check(CLI::IsMember({"automatic", "tile", "cell"}));
+  command
+      .add_option("--discretization-error", arguments.discretization_error,
+                  "Relative error of the stress that the mesh may make; --mesh-size wins over it")
+      ->check(CLI::PositiveNumber);
   command.add_option("-t,--tolerance", arguments.tolerance, "Relative residual of an equilibrium (1e-8)")
       ->check(CLI::PositiveNumber);
   command.add_option("--max-load-step", arguments.max_load_step, "Largest internal change of F (0.05)")
@@ -98,6 +108,10 @@ void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
   command.add_option("--contact", arguments.contact, "Self-contact (automatic)")->check(switch_values);
   command.add_option("--patch", arguments.patch, "Patch of 2 x 2 cells (automatic)")->check(switch_values);
   command.add_option("--buckling", arguments.buckling, "Leave unstable states (automatic)")->check(switch_values);
+  command
+      .add_option("--refinement", arguments.refinement,
+                  "States on a finer mesh too, which tell the mesh's error and take it off (automatic)")
+      ->check(switch_values);
   command.add_flag("--no-tangents", arguments.no_tangents, "Leave out the tangent stiffnesses");
   command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take")
       ->check(CLI::PositiveNumber);

@@ -14,7 +14,8 @@ namespace {
 
 constexpr auto header =
     "state,E_xx,E_yy,E_xy,S_xx,S_yy,S_xy,energy_density,F_xx,F_xy,F_yx,F_yy,C_11,C_12,C_13,C_21,C_22,C_23,C_31,C_32,"
-    "C_33,stopped,residual,iterations,load_steps,contacts,smallest_gap,smallest_jacobian,stable,branch,cells\n";
+    "C_33,stopped,residual,iterations,load_steps,contacts,smallest_gap,smallest_jacobian,stable,branch,cells,"
+    "stress_error,energy_density_error\n";
 
 }  // namespace
 
@@ -27,8 +28,9 @@ std::string states_as_csv(const nlohmann::json& states) {
     line += ',' + cell_text(state.at("energy_density"));
     append_matrix(line, state.at("deformation_gradient"), 2);
     append_matrix(line, state.at("tangent"), 3);
-    for (const char* name : {"stopped", "residual", "iterations", "load_steps", "contacts", "smallest_gap",
-                             "smallest_jacobian", "stable", "branch", "cells"}) {
+    for (const char* name :
+         {"stopped", "residual", "iterations", "load_steps", "contacts", "smallest_gap", "smallest_jacobian", "stable",
+          "branch", "cells", "stress_error", "energy_density_error"}) {
       line += ',' + cell_text(state.at(name));
     }
     text += line + '\n';
@@ -62,6 +64,16 @@ void print_simulation(const nlohmann::json& answer) {
              accuracy.at("tolerance").get<double>());
   fmt::print("mesh        {} nodes in a cell, {} unknowns at most\n", accuracy.at("nodes").get<int>(),
              accuracy.at("unknowns").get<int>());
+  const auto& error = accuracy.at("discretization_error");
+  if (error.is_null()) {
+    fmt::print("mesh error  unknown\n");
+  } else {
+    const bool missed = accuracy.at("error_accepted") == false;
+    fmt::print(
+        "mesh error  {:.2g} % of the stress, {:.2g} % of the energy{}{}\n", 100 * error.at("stress").get<double>(),
+        100 * error.at("energy").get<double>(), accuracy.at("extrapolated").get<bool>() ? ", after extrapolation" : "",
+        missed ? fmt::format("; {:.2g} % was asked for", 100 * accuracy.at("accepted_error").get<double>()) : "");
+  }
   print_cost(answer);
   if (const auto message = answer.at("message").get<std::string>(); !message.empty()) {
     print_notice("the path ended early: " + message);

@@ -96,7 +96,7 @@ from .network_answers import FollowedStop, HostState, PartialRelaxation, Relaxat
 from .networks import AdjacentFaces, Membrane, PointsInFaces, PoissonDisk, RelaxationOptions, Spring, VoronoiDual
 from .points import PlacedPoint, PointLike, SpacePoint, SurfacePoint, Vertex
 from .progress import Progress
-from .simulations import DeformedPatch, PatchMesh, Simulation, State
+from .simulations import DeformedPatch, DiscretizationError, PatchMesh, Simulation, State
 from .drawings import Drawing, DrawnPolygon
 from .measured import MeasuredCurve
 from .parts import Part, PartOptions, PartRegion
@@ -155,6 +155,7 @@ __all__ = [
     "Material",
     "DesignProfile",
     "DesignResult",
+    "DiscretizationError",
     "Effect",
     "ErrorStatistics",
     "Evaluation",

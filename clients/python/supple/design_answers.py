@@ -53,8 +53,7 @@ class Verification(Shown):
         model: the neural model's values there, shape (m,); nan where nothing was simulated.
         relative_rms: root mean square of their difference over that of the simulation; None where nothing was simulated.
         target_error: how far the simulation is from the target, as `DesignError.relative_rms`; None where a sample is missing.
-        discretization_error: root mean square by which the simulation changes on a coarser mesh, over that of the
-            simulation: the error of its own mesh is less. None where a sample is missing or the deadline passed.
+        discretization_error: estimated error that the mesh makes, root mean square over that of the simulation. None where a sample is missing or the deadline passed.
     """
 
     x: Array

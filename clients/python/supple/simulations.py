@@ -59,7 +59,9 @@ class State(Drawn):
     Attributes:
         green_strain: (E_xx, E_yy, E_xy), tensor components; of a uniaxial load also the free ones.
         stress: second Piola-Kirchhoff (S_xx, S_yy, S_xy), MPa.
-        energy_density: MPa, contact included.
+        stress_error: estimated error of the stress that the mesh makes (Frobenius norm), MPa; None where there is no
+            estimate.
+        energy_density: MPa, contact included; `energy_density_error` is its estimated error.
         tangent: d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), shape (3, 3), MPa; None where it was not asked for or the
             state is singular.
         deformation_gradient: macroscopic F, shape (2, 2).
@@ -92,6 +94,8 @@ class State(Drawn):
     cells: int
     deformed: Optional[DeformedPatch]
     vtu: Optional[str]
+    stress_error: Optional[float]
+    energy_density_error: Optional[float]
 
     @property
     def converged(self) -> bool:
@@ -99,6 +103,14 @@ class State(Drawn):
 
     def _drawing(self) -> Optional[Drawing]:
         return None if self.deformed is None else self.deformed._drawing()
+
+
+@dataclass(frozen=True)
+class DiscretizationError:
+    """Estimated errors that a mesh makes, relative, as root mean squares over the states of a path."""
+
+    stress: float
+    energy: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -112,6 +124,10 @@ class Simulation(Drawn):
         tolerance, residual: the residual that was asked for, and the largest that was reached (None where one is not
             finite).
         nodes, triangles: of one cell's mesh; `unknowns` of the largest system that was solved.
+        discretization_error: by how much the mesh errs, None where that is not known.
+        error_accepted: whether that is within the error that the request named; None where it named none.
+        extrapolated: whether the states are extrapolated from the mesh and a finer one.
+        mesh_size: sides of the triangles over the beam width.
     """
 
     family: str
@@ -125,6 +141,10 @@ class Simulation(Drawn):
     unknowns: int
     effects: Tuple[Effect, ...]
     cost: Cost
+    discretization_error: Optional[DiscretizationError]
+    error_accepted: Optional[bool]
+    extrapolated: bool
+    mesh_size: float
 
     @property
     def converged(self) -> bool:
@@ -214,6 +234,8 @@ def _state(document: Mapping[str, Any], meshes: List[PatchMesh]) -> State:
             points=_array(deformed["points"]).reshape(-1, 2),
         ),
         vtu=document.get("vtu"),
+        stress_error=document["stress_error"],
+        energy_density_error=document["energy_density_error"],
     )
 
 
@@ -232,6 +254,12 @@ def simulation_from_wire(document: Mapping[str, Any]) -> Simulation:
         unknowns=int(accuracy["unknowns"]),
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),
+        discretization_error=None
+        if accuracy["discretization_error"] is None
+        else DiscretizationError(**accuracy["discretization_error"]),
+        error_accepted=accuracy["error_accepted"],
+        extrapolated=bool(accuracy["extrapolated"]),
+        mesh_size=float(accuracy["mesh_size"]),
     )
 
 

@@ -36,12 +36,14 @@ def state(**more: Any) -> Dict[str, Any]:
     return {"green_strain": [0.1, 0, 0], "stress": [1, 2, 3], "energy_density": 0.5, "tangent": None,
             "deformation_gradient": [[1, 0], [0, 1]], "stopped": "converged", "residual": 1e-9, "iterations": 3,
             "load_steps": 1, "contacts": 0, "smallest_gap": None, "smallest_jacobian": 0.9, "stable": True, "branch": 0,
-            "cells": 1, **more}
+            "cells": 1, "stress_error": 0.01, "energy_density_error": 0.002, **more}
 
 
 def answer(**more: Any) -> Dict[str, Any]:
     return {"family": "IH01", "parameters": [0.1], "states": [state(), state(tangent=np.eye(3).tolist())], "message": "",
-            "accuracy": {"tolerance": 1e-8, "residual": 1e-9, "nodes": 7, "triangles": 3, "unknowns": 18}, "effects": [],
+            "accuracy": {"tolerance": 1e-8, "residual": 1e-9, "nodes": 7, "triangles": 3, "unknowns": 18, "mesh_size": 0.9,
+                         "discretization_error": {"stress": 0.003, "energy": 0.002}, "accepted_error": 0.004,
+                         "error_accepted": True, "extrapolated": True}, "effects": [],
             "cost": {"seconds": 1, "stages": [], "quantities": {}}, **more}
 
 
@@ -50,6 +52,15 @@ def test_the_states_are_arrays_with_nan_where_there_is_no_tangent() -> None:
     assert result.stress.shape == (2, 3) and result.energy_density.shape == (2,)
     assert np.isnan(result.tangent[0]).all() and (result.tangent[1] == np.eye(3)).all()
     assert result.converged and result.states[0].smallest_gap is None
+
+
+def test_what_is_known_of_the_meshs_error_is_told() -> None:
+    result = simulation_from_wire(answer())
+    assert result.discretization_error == supple.DiscretizationError(0.003, 0.002)
+    assert result.error_accepted and result.extrapolated and result.mesh_size == 0.9
+    assert (result.states[0].stress_error, result.states[0].energy_density_error) == (0.01, 0.002)
+    unknown = {**answer()["accuracy"], "discretization_error": None, "error_accepted": None}
+    assert simulation_from_wire(answer(accuracy=unknown)).discretization_error is None
 
 
 def test_a_path_that_ended_early_has_not_converged() -> None:

@@ -8,6 +8,7 @@
 
 #include "sampled_profile.h"
 #include "supple/base/parallel_tasks.h"
+#include "supple/microscale/accurate_simulation.h"
 #include "supple/tiling/mesh.h"
 
 namespace supple::design {
@@ -77,14 +78,8 @@ Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const Profi
   return y;
 }
 
-VerificationMeshes verification_meshes(std::string_view family) {
-  const bool slender = family == "IH21" || family == "IH28";
-  VerificationMeshes meshes;
-  meshes.mesh.mesh_size = slender ? 0.7 : 0.35;
-  meshes.mesh.corner_size = slender ? 0.1 : 0.05;
-  meshes.coarser = meshes.mesh;
-  meshes.coarser.mesh_size = slender ? 1 : 0.7;
-  return meshes;
+microscale::SimulationOptions verification_options(const microscale::Material& material) {
+  return microscale::accurate_options(material);
 }
 
 SimulateProfile simulation_of(const tiling::Family& family, const microscale::SimulationOptions& options) {
@@ -97,13 +92,10 @@ SimulateProfile simulation_of(const tiling::Family& family, const microscale::Si
 }
 
 FamilySimulation verification_of(const tiling::Family& family, const microscale::Material& material) {
-  microscale::SimulationOptions options;
-  options.material = material;
-  const auto meshes = verification_meshes(family.id);
-  options.mesh = meshes.mesh;
-  microscale::SimulationOptions coarser = options;
-  coarser.mesh = meshes.coarser;
-  return {simulation_of(family, options), simulation_of(family, coarser)};
+  const auto options = verification_options(material);
+  auto coarser = options;
+  coarser.refinement = microscale::Refinement::off;
+  return {simulation_of(family, options), simulation_of(family, coarser), microscale::extrapolation_error_share()};
 }
 
 std::optional<double> relative_difference(const Eigen::VectorXd& simulated, const Eigen::VectorXd& model) {

@@ -44,8 +44,9 @@ DesignProblem with_modulus(DesignProblem problem, double modulus) {
   return problem;
 }
 
-std::vector<std::optional<double>> discretization_errors(const Polished& polished, const SimulateProfile& coarser,
+std::vector<std::optional<double>> discretization_errors(const Polished& polished, const FamilySimulation& simulation,
                                                          const Execution& execution) {
+  const SimulateProfile& coarser = simulation.coarser;
   std::vector<std::optional<double>> errors(polished.targets.size());
   if (!coarser || polished.stopped == PolishStop::deadline) return errors;
   try {
@@ -56,7 +57,8 @@ std::vector<std::optional<double>> discretization_errors(const Polished& polishe
       const auto& samples = polished.targets[t].samples;
       const Eigen::VectorXd coarse =
           factor_for(samples.task, polished.stress_factor) * coarser(polished.parameters, samples, inner);
-      if (coarse.allFinite()) errors[t] = relative_difference(fine, coarse);
+      if (!coarse.allFinite()) continue;
+      if (const auto change = relative_difference(fine, coarse)) errors[t] = simulation.error_share * *change;
     }
   } catch (const Error& error) {
     // The answer stands without its estimate, but for a caller who gave it up.
@@ -126,7 +128,7 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
   tell_of_simulation(best.design, best.polished);
   VerifiedDesigns result;
   result.polished = best.polished;
-  result.discretization_error = discretization_errors(best.polished, simulations[best.design.space].coarser, execution);
+  result.discretization_error = discretization_errors(best.polished, simulations[best.design.space], execution);
   for (Simulated& one : simulated) result.ranking.push_back({std::move(one.design), one.polished.target_error});
   for (Design& design : others) result.ranking.push_back({std::move(design), std::nullopt});
   return result;

@@ -4,12 +4,12 @@
 
 namespace supple::microscale {
 
-CellModel::CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact)
+CellModel::CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact, Motion motion)
     : mesh_(std::make_shared<const tiling::PeriodicMesh>(std::move(mesh))),
       coordinates_{mesh_->nodes.cols()},
       elastic_(std::make_shared<ElasticEnergy>(*mesh_, material)),
-      retraction_(*mesh_),
       contact_options_(microscale::contact_options(*mesh_, material)) {
+  if (motion == Motion::turning) retraction_.emplace(*mesh_);
   workspace_.sums->hessian = numerics::HessianEntries(numerics::Unknowns(held()).numbering());
   if (with_contact) contact_ = std::make_shared<ContactBarrier>(*mesh_, contact_options_);
 }

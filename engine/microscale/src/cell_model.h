@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -24,11 +25,14 @@ class CellModel {
     numerics::ShiftedCholesky cholesky;
   };
 
-  CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact);
+  /// How states move. Long steps turn parts, which needs a factorization of its own; short ones may go straight.
+  enum class Motion { turning, straight };
+
+  CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact, Motion motion = Motion::turning);
 
   const std::shared_ptr<const tiling::PeriodicMesh>& mesh() const { return mesh_; }
   const CellCoordinates& coordinates() const { return coordinates_; }
-  CellState state(Eigen::VectorXd x) const { return {std::move(x), &retraction_}; }
+  CellState state(Eigen::VectorXd x) const { return {std::move(x), retraction_ ? &*retraction_ : nullptr}; }
   /// Which of the displacements are held: node 0's, since a translation costs nothing.
   std::vector<bool> held() const;
   std::vector<std::shared_ptr<numerics::Term<CellState>>> terms() const;
@@ -48,7 +52,7 @@ class CellModel {
   std::shared_ptr<const tiling::PeriodicMesh> mesh_;
   CellCoordinates coordinates_;
   std::shared_ptr<ElasticEnergy> elastic_;
-  RotationRetraction retraction_;
+  std::optional<RotationRetraction> retraction_;
   ContactOptions contact_options_;
   std::shared_ptr<ContactBarrier> contact_;
   Workspace workspace_;

@@ -131,6 +131,14 @@ class CellPath {
   /// follow.
   void loosen_contact();
 
+  /// The barrier's parameters at this state.
+  CellScene::Contact contact() const { return scene_.contact(); }
+  /// Sets them before the path settles for the first time.
+  void start_with_contact(const CellScene::Contact& contact) {
+    scene_.set_contact(contact);
+    scene_.look_around();
+  }
+
   const Eigen::VectorXd& x() const { return scene_.x(); }
   const CellEquilibrium& equilibrium() const { return scene_.at(); }
   bool stable() const { return path_.stable(); }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "cell_model.h"
 #include "cell_path.h"
+#include "fine_equilibria.h"
 #include "homogenization.h"
 #include "load_targets.h"
 #include "patch_stability.h"
@@ -55,6 +57,8 @@ struct Models {
   SimulationOptions options;
   CellModel cell;
   std::unique_ptr<CellModel> patch;  ///< 2x2 cells, made when they are called for
+  /// Of one cell and of the patch, made when they are called for.
+  std::unique_ptr<FineEquilibria> fine_cell, fine_patch;
   PatchStability patch_stability;
 
   Models(tiling::PeriodicMesh mesh, const SimulationOptions& wanted)
@@ -68,6 +72,12 @@ struct Models {
                                           options.contact != Switch::off);
     return *patch;
   }
+
+  FineEquilibria& fine(const CellModel& model) {
+    std::unique_ptr<FineEquilibria>& made = &model == &cell ? fine_cell : fine_patch;
+    if (!made) made = std::make_unique<FineEquilibria>(model, options);
+    return *made;
+  }
 };
 
 /// One load path of a simulator.
@@ -78,6 +88,7 @@ class Run {
 
   SimulationResult run() {
     result_.nodes = static_cast<int>(models_.cell.mesh()->nodes.cols());
+    result_.extrapolated = refinement() == Refinement::extrapolated;
     model_ = options_.patch == Switch::on ? &models_.two_by_two() : &models_.cell;
     model_->reset_contact();
     path_ = make_path(Eigen::VectorXd::Zero(model_->coordinates().size()));
@@ -149,12 +160,14 @@ class Run {
     const auto counts = path_->take_counts();
     branch_ += counts.branches_left;
     State state;
-    state.deformation_gradient = model_->coordinates().deformation_gradient(x);
+    PatchResponse response{model_->coordinates().deformation_gradient(x), at.strain_gradient, at.condensed, at.energy};
+    if (refinement() != Refinement::off) state.mesh_error = refine(response, area);
+    state.deformation_gradient = response.deformation_gradient;
     state.green_strain = green_strain(state.deformation_gradient);
-    state.stress = second_piola_kirchhoff(state.deformation_gradient, at.strain_gradient, area);
-    state.energy_density = at.energy / area;
+    state.stress = second_piola_kirchhoff(state.deformation_gradient, response.strain_gradient, area);
+    state.energy_density = response.energy / area;
     if (options_.tangents)
-      state.tangent = tangent_stiffness(state.deformation_gradient, state.stress, at.condensed, area);
+      state.tangent = tangent_stiffness(state.deformation_gradient, state.stress, response.condensed, area);
     state.stopped = path_->stopped();
     state.residual = at.residual;
     state.iterations = std::exchange(iterations_, 0) + counts.iterations;
@@ -172,12 +185,46 @@ class Run {
     result_.states.push_back(std::move(state));
   }
 
+  /// Off also where the finer mesh would be too large. A triangle in four has about four times the nodes.
+  Refinement refinement() const {
+    const bool fits = 4 * static_cast<std::int64_t>(result_.nodes) <= options_.mesh.max_nodes;
+    return fits ? options_.refinement : Refinement::off;
+  }
+
+  /// Finds the state on the finer mesh too, and extrapolates the response if that is asked for. The error that is left.
+  std::optional<MeshError> refine(PatchResponse& response, double area) {
+    if (path_->stopped() != Stop::converged || !path_->stable() || !alternating_stable_) return std::nullopt;
+    CostLedger cost;
+    std::optional<FineEquilibria::Found> found;
+    {
+      const StageTimer timer(&cost, "refinement");
+      found = models_.fine(*model_).find(*path_, targets_.free, {execution_.cancellation, nullptr, nullptr});
+    }
+    ++refinements_;
+    refinement_seconds_ += cost.total_seconds();
+    if (!found) return std::nullopt;
+    const PatchResponse coarse = response;
+    // Two branches have no common limit.
+    if (!found->same_branch) return difference(coarse, found->response, area);
+    if (refinement() == Refinement::estimated) return coarse_error(coarse, found->response, area);
+    response = extrapolate(coarse, found->response);
+    return extrapolation_error(coarse, found->response, area);
+  }
+
   DeformedMesh deformed(const Eigen::VectorXd& x) const {
     const tiling::PeriodicMesh& mesh = *model_->mesh();
     const Eigen::Matrix2d f = model_->coordinates().deformation_gradient(x);
     DeformedMesh result{model_->mesh(), f * mesh.lattice, f * mesh.nodes};
     result.nodes += Eigen::Map<const Eigen::Matrix2Xd>(x.data(), 2, mesh.nodes.cols());
     return result;
+  }
+
+  std::string_view why_refined() const {
+    if (options_.refinement == Refinement::off) return "switched off by the request";
+    if (refinement() == Refinement::off) return "the finer mesh would have more nodes than the limit";
+    if (refinements_ == 0) return "no state converged to a stable equilibrium";
+    return options_.refinement == Refinement::estimated ? "the error of the mesh that was asked for is estimated"
+                                                        : "the error of the mesh is extrapolated away and estimated";
   }
 
   /// Whether the bill has the effect already, from a term that was assembled or a branch that was left.
@@ -201,6 +248,7 @@ class Run {
                                 : options_.patch == Switch::off ? "switched off by the request"
                                 : doubled ? "one cell was unstable against a mode that alternates from cell to cell"
                                           : "one cell was stable against all modes of the 2x2 patch");
+    execution_.cost->add_effect("refinement", refinements_ > 0, why_refined(), refinements_, refinement_seconds_);
     if (!has_run("buckling"))
       execution_.cost->add_effect("buckling", false,
                                   options_.buckling == Switch::off ? "switched off by the request"
@@ -218,6 +266,8 @@ class Run {
   int branch_ = 0;
   int iterations_ = 0;
   int load_steps_ = 0;
+  int refinements_ = 0;
+  double refinement_seconds_ = 0;
 };
 
 }  // namespace

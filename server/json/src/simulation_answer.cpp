@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "answer_parts.h"
@@ -60,7 +61,12 @@ void write_deformed(JsonWriter& out, const SimulationRequest& request, const Sta
 
 void write_state(JsonWriter& out, const SimulationRequest& request, const State& state, const Patches& patches) {
   out.begin_object().key("green_strain").numbers(state.green_strain).key("stress").numbers(state.stress);
-  out.field("energy_density", state.energy_density).key("tangent");
+  const auto& error = state.mesh_error;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  write_number_or_null(out, "stress_error", error ? error->stress : none);
+  out.field("energy_density", state.energy_density);
+  write_number_or_null(out, "energy_density_error", error ? error->energy_density : none);
+  out.key("tangent");
   if (state.tangent.allFinite()) {
     write_rows(out, state.tangent);
   } else {
@@ -106,6 +112,18 @@ void write_accuracy(JsonWriter& out, const SimulationRequest& request, const til
   }
   out.key("accuracy").begin_object().field("tolerance", request.options.tolerance);
   write_number_or_null(out, "residual", residual);
+  const auto error = microscale::discretization_error(result.states);
+  out.key("discretization_error");
+  if (error) {
+    out.begin_object().field("stress", error->stress).field("energy", error->energy_density).end_object();
+  } else {
+    out.null();
+  }
+  out.key("accepted_error");
+  request.accepted_error ? out.number(*request.accepted_error) : out.null();
+  out.key("error_accepted");
+  request.accepted_error ? out.boolean(error && error->stress <= *request.accepted_error) : out.null();
+  out.field("extrapolated", result.extrapolated);
   out.field("mesh_size", request.options.mesh.mesh_size)
       .field("corner_size", request.options.mesh.corner_size)
       .field("nodes", result.nodes)

@@ -4,6 +4,7 @@
 
 #include "document.h"
 #include "request_parts.h"
+#include "supple/microscale/accurate_simulation.h"
 
 namespace supple::json {
 namespace {
@@ -12,6 +13,8 @@ namespace {
 constexpr double least_mesh_size = 0.01;
 constexpr double largest_mesh_size = 2;
 constexpr double least_corner_size = 0.01;
+constexpr double least_accepted_error = 2e-4;
+constexpr double largest_accepted_error = 0.1;
 constexpr int most_cells = 100;
 constexpr double least_height = 1e-3;
 constexpr double largest_height = 1000;
@@ -34,6 +37,11 @@ void read_mesh_options(Fields& fields, tiling::MeshOptions& mesh) {
   fields.number("mesh_size", mesh.mesh_size, least_mesh_size, largest_mesh_size);
   fields.number("corner_size", mesh.corner_size, least_corner_size, 1);
   fields.choice("mesh_region", mesh.region, {"automatic", "tile", "cell"});
+}
+
+tiling::MeshOptions with_limit(tiling::MeshOptions mesh, int max_nodes) {
+  mesh.max_nodes = max_nodes;
+  return mesh;
 }
 
 void read_cells(Fields& fields, tiling::ExportOptions& files) {
@@ -109,14 +117,49 @@ void read_load(Fields& fields, microscale::Load& out, const Limits& limits) {
   load.finish();
 }
 
-void read_options(Fields& fields, microscale::SimulationOptions& options) {
+/// What the request says of the mesh's error.
+struct ErrorRequest {
+  bool mesh_given = false;
+  std::optional<double> accepted;
+  microscale::Switch refinement = microscale::Switch::automatic;
+};
+
+/// Whether the mesh is the request's or the server's, and what is done about its error.
+void choose_refinement(const ErrorRequest& asked, Faults& faults, SimulationRequest& request) {
+  using microscale::Refinement;
+  using microscale::Switch;
+  Refinement& refinement = request.options.refinement;
+  if (asked.refinement == Switch::off) {
+    refinement = Refinement::off;
+    if (asked.accepted) {
+      faults.add("/accuracy/discretization_error",
+                 "cannot be had with effects.refinement \"off\", which leaves the error unknown");
+    }
+  } else if (asked.refinement == Switch::on || !asked.mesh_given) {
+    refinement = Refinement::extrapolated;
+  } else {
+    refinement = Refinement::estimated;
+  }
+  request.accepted_error = asked.accepted;
+  request.mesh_given = asked.mesh_given;
+}
+
+void read_options(Fields& fields, SimulationRequest& request) {
+  microscale::SimulationOptions& options = request.options;
+  ErrorRequest asked;
   nested(fields, "material", [&](Fields& material) {
     material.choice("law", options.material.law, {"neo_hookean", "incompressible_plane_stress"});
     material.number("youngs_modulus", options.material.youngs_modulus, 1e-6, 1e6);
     material.number("poisson_ratio", options.material.poisson_ratio, -0.99, 0.499);
   });
   nested(fields, "accuracy", [&](Fields& accuracy) {
+    asked.mesh_given = accuracy.present("mesh_size");
+    if (asked.mesh_given) options.mesh = with_limit({}, options.mesh.max_nodes);
     read_mesh_options(accuracy, options.mesh);
+    if (accuracy.present("discretization_error")) {
+      asked.accepted.emplace();
+      accuracy.number("discretization_error", *asked.accepted, least_accepted_error, largest_accepted_error);
+    }
     accuracy.number("tolerance", options.tolerance, 1e-12, 1e-2);
     accuracy.integer("max_iterations", options.max_iterations, 1, 10'000);
     accuracy.number("max_load_step", options.max_load_step, 1e-5, 10);
@@ -125,8 +168,10 @@ void read_options(Fields& fields, microscale::SimulationOptions& options) {
     effects.choice("contact", options.contact, switch_names);
     effects.choice("patch", options.patch, switch_names);
     effects.choice("buckling", options.buckling, switch_names);
+    effects.choice("refinement", asked.refinement, switch_names);
   });
   fields.boolean("tangents", options.tangents);
+  choose_refinement(asked, fields.faults(), request);
 }
 
 }  // namespace
@@ -170,8 +215,8 @@ SimulationRequest parse_simulation(std::string_view body, const Limits& limits) 
   Fields fields(document, "", faults);
   request.structure = read_structure(fields, limits);
   read_load(fields, request.load, limits);
-  request.options.mesh.max_nodes = limits.max_mesh_nodes;
-  read_options(fields, request.options);
+  request.options.mesh = with_limit(microscale::extrapolated_mesh(), limits.max_mesh_nodes);
+  read_options(fields, request);
   fields.choice("deformed", request.deformed, {"none", "json", "vtu"});
   request.options.deformed_meshes = request.deformed != Deformed::none;
   request.deadline = read_deadline(fields, limits);

@@ -1,9 +1,11 @@
 #include <optional>
+#include <utility>
 
 #include "computation_route.h"
 #include "handlers.h"
 #include "structure_spec.h"
 #include "supple/json/structure_answers.h"
+#include "supple/microscale/accurate_simulation.h"
 
 namespace supple::routes {
 namespace {
@@ -36,16 +38,45 @@ void check_deformed(const json::SimulationRequest& request, const tiling::Period
   }
 }
 
-store::Result compute(const json::SimulationRequest& request, const tiling::Structure& structure,
-                      const json::Limits& limits, const Execution& outer) {
+/// What a request is answered with: the simulator keeps the mesh.
+struct Outcome {
   std::optional<microscale::Simulator> simulator;
   microscale::SimulationResult result;
+};
+
+/// On the mesh of the request, or on the server's.
+Outcome on_one_mesh(const json::SimulationRequest& request, const tiling::Structure& structure,
+                    const json::Limits& limits, const Execution& execution) {
+  Outcome outcome;
+  outcome.simulator = make_simulator(request, structure, execution);
+  check_deformed(request, outcome.simulator->mesh(), limits);
+  outcome.result = run(*outcome.simulator, request.load, execution);
+  return outcome;
+}
+
+/// On meshes that become finer until the error is that which the request accepts. `request` is told of the last one.
+Outcome within_error(json::SimulationRequest& request, const tiling::Structure& structure, const json::Limits& limits,
+                     const Execution& execution) {
+  try {
+    auto found = microscale::simulate_within(structure, request.load, request.options, *request.accepted_error, execution);
+    request.options.mesh = found.mesh;
+    check_deformed(request, found.simulator.mesh(), limits);
+    return {std::move(found.simulator), std::move(found.result)};
+  } catch (const Error& error) {
+    if (error.code() != "simulation.invalid_load") throw;
+    throw moved(error, "/load/");
+  }
+}
+
+store::Result compute(json::SimulationRequest request, const tiling::Structure& structure, const json::Limits& limits,
+                      const Execution& outer) {
+  Outcome outcome;
+  const bool seeks = request.accepted_error && !request.mesh_given;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    simulator = make_simulator(request, structure, execution);
-    check_deformed(request, simulator->mesh(), limits);
-    result = run(*simulator, request.load, execution);
+    outcome = seeks ? within_error(request, structure, limits, execution)
+                    : on_one_mesh(request, structure, limits, execution);
   });
-  return json_result(json::write_simulation(request, structure, simulator->mesh(), result, bill));
+  return json_result(json::write_simulation(request, structure, outcome.simulator->mesh(), outcome.result, bill));
 }
 
 }  // namespace

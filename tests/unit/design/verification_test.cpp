@@ -82,26 +82,28 @@ TEST(SimulatedProfile, BillsItsEffectAndCanBeCancelled) {
                std::exception);
 }
 
-// Oracle: the structure on a mesh of a third of the size.
-TEST(VerificationMesh, ErrsByLessThanTheCoarserOneDiffers) {
-  const auto stress_on = [](tiling::MeshOptions mesh) {
-    auto options = coarse();
-    options.mesh = mesh;
-    return simulate_profile(structure(), {Task::stress_strain, 0.4, 0, StrainMeasure::green, {0.03}}, options)[0];
-  };
-  const auto [mesh, coarser] = verification_meshes("IH01");
-  auto finest = mesh;
-  finest.mesh_size /= 3;
-  const double exact = stress_on(finest);
-  const double error = std::abs(stress_on(mesh) - exact);
-  EXPECT_LT(error, 0.006 * exact);
-  EXPECT_LT(error, std::abs(stress_on(mesh) - stress_on(coarser)));
+// Oracle: the structure on a mesh so fine that nothing needs to be extrapolated.
+TEST(Verification, ErrsByLessThanItsEstimate) {
+  const ProfileSamples samples{Task::stress_strain, 0.4, 0, StrainMeasure::green, {0.03}};
+  microscale::SimulationOptions fine;
+  fine.mesh.mesh_size = 0.15;
+  fine.mesh.corner_size = 0.03;
+  const double exact = simulate_profile(structure(), samples, fine)[0];
+  const auto& family = tiling::family("IH01");
+  const auto verification = verification_of(family, {});
+  const Eigen::VectorXd parameters = Eigen::Map<const Eigen::VectorXd>(
+      structure().parameters.data(), static_cast<Eigen::Index>(structure().parameters.size()));
+  const Eigen::VectorXd stress = verification.simulate(parameters, samples, {});
+  const Eigen::VectorXd coarser = verification.coarser(parameters, samples, {});
+  EXPECT_LT(std::abs(stress[0] - exact), 0.004 * exact);
+  EXPECT_LT(std::abs(stress[0] - exact), verification.error_share * *relative_difference(stress, coarser) * exact);
 }
 
-TEST(VerificationMesh, IsFinerThanThatOfTheData) {
-  for (const auto& family : tiling::families())
-    EXPECT_LT(verification_meshes(family.id).mesh.mesh_size, family.id == "IH21" || family.id == "IH28" ? 1 : 0.5)
-        << family.id;
+TEST(Verification, IsTheDefaultSimulation) {
+  const auto options = verification_options();
+  EXPECT_EQ(options.refinement, microscale::Refinement::extrapolated);
+  EXPECT_EQ(options.mesh.mesh_size, microscale::extrapolated_mesh().mesh_size);
+  EXPECT_EQ(options.mesh.corner_size, microscale::extrapolated_mesh().corner_size);
 }
 
 TEST(RelativeDifference, IsOverWhatTheSimulationGotTo) {

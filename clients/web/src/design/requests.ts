@@ -149,6 +149,9 @@ export function patchRequest(state: DesignState, found: Found): SimulationReques
     load: { uniaxial: { direction: patchDirection(state, found), frame: "material", stretches } },
     tangents: false,
     deformed: "json",
+    // A picture: it wants even triangles, and nobody reads its stress as a number.
+    accuracy: { mesh_size: 0.5 },
+    effects: { refinement: "off" },
   } as SimulationRequest;
 }
 

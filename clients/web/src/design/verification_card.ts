@@ -86,7 +86,7 @@ function doneSentence({ simulated, polish, seconds: elapsed }: Extract<Verificat
     words.push(`The simulation is ${percent(polish.target_error)} from the ${simulated.length > 1 ? "targets" : "target"} (rms)${before}.`);
   }
   if (deviation !== null) words.push(`${simulated.length > 1 ? "Of the target in sight the" : "The"} simulation and the model differ by ${percent(deviation)} (rms).`);
-  if (mesh !== null) words.push(`A coarser mesh changes the simulation by ${percent(mesh)}: its own error is less.`);
+  if (mesh !== null) words.push(`The mesh of the simulation makes an error of less than about ${percent(mesh)}.`);
   words.push(`Simulated in ${seconds(elapsed)}.`);
   return words.join(" ");
 }

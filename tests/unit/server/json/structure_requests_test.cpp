@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "supple/microscale/accurate_simulation.h"
 #include "supple/problem/problem.h"
 #include "support/expect_error.h"
 
@@ -113,10 +114,37 @@ TEST(SimulationRequests, ReadEveryOption) {
   EXPECT_EQ(request.deadline, 3);
 }
 
+TEST(SimulationRequests, LeaveTheMeshAndItsErrorToTheEngineUnlessTheyNameOne) {
+  using microscale::Refinement;
+  const auto read = [](const std::string& more) {
+    return parse_simulation(R"({"family":"IH01","load":{"green_strain":[[0,0,0]]},)" + more + "}", {});
+  };
+  const auto accepted = read(R"("accuracy":{"discretization_error":0.01})");
+  EXPECT_EQ(accepted.accepted_error, 0.01);
+  EXPECT_FALSE(accepted.mesh_given);
+  EXPECT_EQ(accepted.options.refinement, Refinement::extrapolated);
+  const auto both = read(R"("accuracy":{"discretization_error":0.01,"mesh_size":0.5})");
+  EXPECT_TRUE(both.mesh_given);
+  EXPECT_EQ(both.options.refinement, Refinement::estimated);
+  EXPECT_EQ(both.options.mesh.corner_size, tiling::MeshOptions{}.corner_size);
+  EXPECT_EQ(both.options.mesh.max_nodes, Limits{}.max_mesh_nodes);
+  EXPECT_EQ(read(R"("accuracy":{"mesh_size":0.5},"effects":{"refinement":"on"})").options.refinement,
+            Refinement::extrapolated);
+  EXPECT_EQ(read(R"("effects":{"refinement":"off"})").options.refinement, Refinement::off);
+  const std::string load = R"("load":{"green_strain":[[0,0,0]]},)";
+  EXPECT_EQ(faults_of_simulation(load + R"("accuracy":{"discretization_error":0.01},"effects":{"refinement":"off"})"),
+            Pointers{"/accuracy/discretization_error"});
+  EXPECT_EQ(faults_of_simulation(load + R"("accuracy":{"discretization_error":0})"),
+            Pointers{"/accuracy/discretization_error"});
+}
+
 TEST(SimulationRequests, TakeTheEnginesDefaults) {
   const auto request = parse_simulation(R"({"family":"IH01","load":{"green_strain":[[0,0,0]]}})", {});
   const microscale::SimulationOptions defaults;
-  EXPECT_EQ(request.options.mesh.mesh_size, defaults.mesh.mesh_size);
+  EXPECT_EQ(request.options.mesh.mesh_size, microscale::extrapolated_mesh().mesh_size);
+  EXPECT_EQ(request.options.mesh.corner_size, microscale::extrapolated_mesh().corner_size);
+  EXPECT_EQ(request.options.refinement, microscale::Refinement::extrapolated);
+  EXPECT_FALSE(request.accepted_error);
   EXPECT_EQ(request.options.tolerance, defaults.tolerance);
   EXPECT_EQ(request.options.tangents, defaults.tangents);
   EXPECT_FALSE(request.options.deformed_meshes);

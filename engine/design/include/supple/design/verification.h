@@ -4,28 +4,19 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "supple/base/execution.h"
 #include "supple/design/profile.h"
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/family.h"
-#include "supple/tiling/mesh.h"
 
 namespace supple::design {
 
-/// How finely structures of a family are meshed that prove or correct a design.
-struct VerificationMeshes {
-  /// This mesh is finer than that of the family's data set, whose stresses are a per cent or two too large and vary by
-  /// a tenth of that from one design to the next. That is more than a design should deviate. Where beams are slender,
-  /// longer triangles are as good: IH21 and IH28 have twice the size of the others.
-  tiling::MeshOptions mesh;
-  /// This mesh is so much coarser that errors about double or more. If the response differs by d between the two
-  /// meshes, the finer one errs by less than d (in 62 of 63 designs and tasks, docs/bench/designs-discretization.md).
-  tiling::MeshOptions coarser;
-};
-VerificationMeshes verification_meshes(std::string_view family);
+/// How structures are simulated that prove or correct a design: as by POST /v1/simulations by default, so that a design
+/// that keeps to its target here does so there. The mesh's error is extrapolated away, because it would be larger than
+/// what a design may deviate, and would vary from one design to the next.
+microscale::SimulationOptions verification_options(const microscale::Material& material = {});
 
 /// Simulates the profile of a structure at its native scale: the equilibria of a periodic patch under a uniaxial load
 /// along a direction of the material, each path from rest. The result has one entry for each sample, and NaN where the
@@ -42,9 +33,11 @@ SimulateProfile simulation_of(const tiling::Family& family, const microscale::Si
 struct FamilySimulation {
   SimulateProfile simulate;
   SimulateProfile coarser;  ///< on a coarser mesh, to estimate the discretization error; empty if it is not wanted
+  /// The share of the response's change on the coarser mesh that is the estimate.
+  double error_share = 1;
 };
 
-/// Both simulations, on the family's verification meshes.
+/// Both simulations by `verification_options`: extrapolated, and those of the mesh from which it is extrapolated.
 FamilySimulation verification_of(const tiling::Family& family, const microscale::Material& material);
 
 /// The root mean square of model - simulated, divided by that of `simulated`, over the samples to which the simulation

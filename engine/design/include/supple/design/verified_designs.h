@@ -30,9 +30,9 @@ struct VerifiedDesigns {
   std::vector<VerifiedDesign> ranking;
   /// The polish of the first design, which has one round if it was not corrected. None if nothing was simulated.
   std::optional<Polished> polished;
-  /// For each target, the relative change (root mean square) of the first design's simulated response on the coarser
-  /// mesh. This is an upper estimate of the error of its own mesh. None if either simulation does not get to every
-  /// sample, if the deadline passed, or if it was not asked for.
+  /// For each target, an estimate of the relative error (root mean square) that the mesh makes in the first design's
+  /// simulated response: FamilySimulation::error_share of its change on the coarser mesh. None if either simulation
+  /// does not get to every sample, if the deadline passed, or if it was not asked for.
   std::vector<std::optional<double>> discretization_error;
 };
 

@@ -48,6 +48,13 @@ int size(const Load& load);
 
 using supple::Switch;
 
+/// Whether states are found once more on a finer mesh, on which every triangle is divided in four.
+enum class Refinement {
+  off,           ///< states are those of the mesh, and nothing is known of its error
+  estimated,     ///< states are those of the mesh, and their error is estimated from the finer one
+  extrapolated,  ///< states are extrapolated from both meshes, which leaves a small part of the error; it is estimated
+};
+
 struct SimulationOptions {
   Material material{};
   /// Size and grading of the mesh; see tiling::MeshOptions. The default is the mesh of the data sets.
@@ -70,6 +77,9 @@ struct SimulationOptions {
   /// A deliberate step along the least stable mode if the tangent is not positive definite. automatic means on. off
   /// reports the unstable state.
   Switch buckling = Switch::automatic;
+  /// Costs about as much again as the states themselves. off suits data sets, in which all designs have the error of
+  /// one mesh, and whoever simulates on several meshes anyway.
+  Refinement refinement = Refinement::off;
   bool tangents = true;          ///< compute the tangent stiffness of each state
   bool deformed_meshes = false;  ///< keep each state's node positions
 };
@@ -80,6 +90,12 @@ enum class Stop {
   step_too_small,   ///< no descent was found, because a barrier or an element was at its limit
 };
 std::string_view to_string(Stop stop);
+
+/// The error that a mesh makes, as |difference| of a quantity.
+struct MeshError {
+  double stress = 0;          ///< Frobenius norm
+  double energy_density = 0;  ///< absolute value
+};
 
 struct DeformedMesh {
   std::shared_ptr<const tiling::PeriodicMesh> mesh;  ///< rest state
@@ -110,6 +126,11 @@ struct State {
   int branch = 0;                ///< how many times the path has left an unstable branch
   int cells = 1;                 ///< cells along each side of the patch: 1 or 2
   double smallest_jacobian = 1;  ///< least det F over the whole area of all elements
+  /// The estimated error of the mesh, MPa. At least nine of ten states err by less than it, see
+  /// docs/bench/simulations-discretization.md. None if `SimulationOptions::refinement` is off, if the state did not
+  /// converge or is not stable, if there is no stable equilibrium near it on the finer mesh, or if that mesh would have
+  /// more nodes than MeshOptions::max_nodes.
+  std::optional<MeshError> mesh_error;
   std::optional<DeformedMesh> deformed;
 };
 
@@ -119,7 +140,15 @@ struct SimulationResult {
   std::string message;  ///< why it stopped early; empty if it did not
   int nodes = 0;        ///< number of nodes of one cell's mesh
   int unknowns = 0;     ///< number of unknowns of the largest system that was solved
+  /// Whether states are extrapolated where that was possible. It is not done where the finer mesh would have more nodes
+  /// than MeshOptions::max_nodes.
+  bool extrapolated = false;
 };
+
+/// The root mean square of the estimated errors over that of the stress and the energy density, over the states of a
+/// path that converged; dimensionless. 0 if all of them are zero, as at rest. None if one of these states has no
+/// estimate.
+std::optional<MeshError> discretization_error(const std::vector<State>& states);
 
 /// A meshed structure that is ready for loads. It keeps factorization patterns and the stiffness at rest. Threads must
 /// not share it.
@@ -137,8 +166,8 @@ class Simulator {
   /// Follows the load's path from rest. Throws "simulation.invalid_load", which names the state, if a stretch or strain
   /// is out of range; F must have det > 0. A path that cannot be followed to its end is no error: the last state says
   /// why.
-  /// Bills the stages "assembly", "factorization", "solve", "contact search" and "patch stability"; reports progress by
-  /// states.
+  /// Bills the stages "assembly", "factorization", "solve", "contact search" and "patch stability", and the effect
+  /// "refinement" with its time; reports progress by states.
   SimulationResult run(const Load& load, const Execution& execution = {});
 
   const tiling::PeriodicMesh& mesh() const;

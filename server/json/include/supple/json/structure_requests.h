@@ -35,7 +35,11 @@ enum class Deformed { none, json, vtu };
 struct SimulationRequest {
   StructureSpec structure;
   microscale::Load load;
+  /// Where the request leaves the mesh to the server, the mesh is `microscale::extrapolated_mesh`.
   microscale::SimulationOptions options;
+  /// The relative error of the stress that the mesh may make, where the request names it.
+  std::optional<double> accepted_error;
+  bool mesh_given = false;  ///< whether the request has a mesh size, which then wins over the accepted error
   Deformed deformed = Deformed::none;
   double deadline = 0;
 };
