@@ -273,8 +273,10 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
 void GcodeMachine::check_position(const Eigen::Vector3d& target) {
   const auto at = [&] { return readable(target[0]) + ", " + readable(target[1]) + ", " + readable(target[2]) + " mm"; };
   if (target == position_) return;
-  // Where an axis rests is no fault of this line.
-  const Eigen::Array<bool, 3, 1> moves = target.array() != position_.array();
+  // Where the owner's lines left an axis is no fault of the lines that follow.
+  const Eigen::Array<bool, 3, 1> changes = target.array() != position_.array();
+  for (int axis = 0; axis < 3; ++axis) left_by_owner_[axis] = own_lines_ || (left_by_owner_[axis] && !changes[axis]);
+  const Eigen::Array<bool, 3, 1> moves = changes || !left_by_owner_;
   const double room = own_lines_ ? beyond_bed : slack;
   if (moves[1] && target[1] < -room) violate(ViolationKind::y_below_zero, line_, "goes to " + at());
   if (moves[2] && target[2] < -slack) violate(ViolationKind::z_below_zero, line_, "goes to " + at());

@@ -59,9 +59,10 @@ class GcodeMachine {
   Eigen::Vector3d offset_{0, 0, 0};    ///< of the machine's coordinates over those of the G-code
   std::array<bool, 3> homed_{false, false, false};
   bool own_lines_ = false;
-  double unit_ = 1;          ///< mm of a length in the G-code: 25.4 after G20
-  double flow_factor_ = 1;   ///< of M221
-  double speed_factor_ = 1;  ///< of M220
+  Eigen::Array<bool, 3, 1> left_by_owner_{false, false, false};  ///< axes that no later line has moved
+  double unit_ = 1;                                              ///< mm of a length in the G-code: 25.4 after G20
+  double flow_factor_ = 1;                                       ///< of M221
+  double speed_factor_ = 1;                                      ///< of M220
   bool absolute_ = true;
   bool absolute_extrusion_ = true;
   double extruder_ = 0;       ///< in the G-code's coordinates
