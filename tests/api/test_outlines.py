@@ -47,7 +47,7 @@ def test_a_drawing_becomes_polygons_within_its_tolerance(api: Api, tolerance: fl
     assert answer["corners"] == sum(len(polygon["points"]) for polygon in answer["polygons"])
     assert answer["warnings"] == [] and answer["unit_is_known"] and answer["unit"] == pytest.approx(1)
     ran = {effect["name"]: effect["ran"] for effect in answer["effects"]}
-    assert ran == {"rounding": True, "joining": False, "scaling": False}
+    assert ran == {"rounding": True, "joining": False, "uniting": False, "clipping": False, "simplifying": False, "scaling": False}
 
 
 def test_polygons_go_into_a_part_as_they_are(api: Api) -> None:
@@ -94,6 +94,77 @@ def test_what_the_server_draws_it_reads(api: Api, kind: str) -> None:
     assert solid == pytest.approx(part["solid_area"], rel=1e-4)
 
 
+SQUARE = '<rect x="10" y="10" width="40" height="40"/>'
+
+
+def page(content: str) -> str:
+    return f'<svg width="60mm" height="60mm" viewBox="0 0 60 60">{content}</svg>'
+
+
+@pytest.mark.parametrize("content, expected, reasons", [
+    (f'<style>.st0{{display:none;}}</style><g class="st0"><rect x="20" y="20" width="20" height="20"/></g>{SQUARE}', 1600, ["display: none"]),
+    (f'<rect width="60" height="60" style="fill:none;"/>{SQUARE}', 1600, ["neither fill nor stroke"]),
+    (f'<rect width="100%" height="100%" fill="#fff"/>{SQUARE}', 1600, ["white background"]),
+    ('<rect x="25" y="10" width="10" height="40"/><rect x="10" y="25" width="40" height="10"/>', 700, []),
+    ('<path d="M10 10H50V50H10Z"/><path d="M10 10H30H50V50H10Z"/>', 1600, ["lies over another outline"]),
+    ('<path d="M10 10L50 10L50 50L10 50"/>', 1600, []),
+    ('<g><path d="M10 10L50 10L50 50"/></g><g><path d="M50 50L10 50L10 10"/></g>', 1600, []),
+    (f'<clipPath id="c"><rect x="10" y="10" width="20" height="40"/></clipPath><g clip-path="url(#c)">{SQUARE}</g>', 800, []),
+], ids=["class", "unpainted", "percent", "plus", "twice", "open", "two-groups", "clip"])
+def test_what_a_browser_shows_is_the_outline_and_the_rest_is_told(api: Api, content: str, expected: float, reasons: List[str]) -> None:
+    answer = api.ok(OUTLINES, {"text": page(content)})
+    assert sum(abs(area(polygon["points"])) for polygon in answer["polygons"]) == pytest.approx(expected, rel=1e-6)
+    assert len(answer["left_out"]) == answer["left_out_count"] == len(reasons)
+    for one, reason in zip(answer["left_out"], reasons):
+        assert reason in one["reason"] and "of line 1" in one["element"]
+
+
+def test_doubled_stray_and_layered_lines_close(api: Api) -> None:
+    line = lambda layer, *c: ["0", "LINE", "8", layer, "10", str(c[0]), "20", str(c[1]), "11", str(c[2]), "21", str(c[3])]  # noqa: E731
+    sides = [(0, 0, 40, 0), (40, 0, 40, 40), (40, 40, 0, 40), (0, 40, 0, 0)]
+    doubled = [word for side in sides for word in 2 * line("cut", *side)]
+    stray = line("cut", 40, 0, 40, 30) + [word for side in sides for word in line("cut", *side)]
+    layers = [word for k, side in enumerate(sides) for word in line(("cut", "edge")[k % 2], *side)]
+    for entities, left_out in ((doubled, 4), (stray, 1), (layers, 0)):
+        answer = api.ok(OUTLINES, {"text": dxf(entities)})
+        assert [abs(area(polygon["points"])) for polygon in answer["polygons"]] == pytest.approx([1600])
+        assert answer["left_out_count"] == left_out
+    sheet = api.post(OUTLINES, {"text": dxf([word for side in sides for word in line("cut", *side)[:4] + ["67", "1"] + line("cut", *side)[4:]])})
+    assert problem_code(sheet) == "outline.nothing_closed" and "paper space" in sheet.json()["detail"]
+
+
+def test_the_resolution_is_asked_for_where_pixels_were_no_96_for_an_inch(api: Api, tmp_path: Path) -> None:
+    text = '<!-- Generator: Adobe Illustrator 15.0 --><svg width="72px" height="72px" viewBox="0 0 72 72"><rect width="72" height="36"/></svg>'
+    refused = api.post(OUTLINES, {"text": text})
+    assert refused.status_code == 422 and problem_code(refused) == "outline.resolution_missing" and pointers(refused) == ["/resolution"]
+    assert api.ok(OUTLINES, {"text": text, "resolution": 72})["size"] == pytest.approx([25.4, 12.7])
+    drawing = tmp_path / "old.svg"
+    drawing.write_text(text)
+    assert "--resolution" in cli(api, "outlines", str(drawing)).stderr
+    shown = cli(api, "outlines", str(drawing), "--resolution", "72")
+    assert shown.returncode == 0 and "25.4 x 12.7 mm" in shown.stdout
+    with supple.Client(api.server.url) as client:
+        assert client.drawing(drawing, resolution=72).size == pytest.approx((25.4, 12.7))
+
+
+def test_clients_read_code_pages_and_name_other_formats(api: Api, tmp_path: Path) -> None:
+    circle = ["0", "CIRCLE", "8", "Au\u00dfen", "10", "0", "20", "0", "40", "1"]
+    head = "0\nSECTION\n2\nHEADER\n9\n$DWGCODEPAGE\n3\nANSI_{}\n0\nENDSEC\n"
+    for page_name, layer in (("1252", "Au\u00dfen"), ("1251", "\u041a\u043e\u043d\u0442\u0443\u0440"), ("936", "\u8f6e\u5ed3")):
+        file = tmp_path / f"{page_name}.dxf"
+        file.write_bytes((head.format(page_name) + dxf([layer if word == circle[3] else word for word in circle])).encode(f"cp{page_name}"))
+        shown = cli(api, "outlines", str(file))
+        assert shown.returncode == 0 and layer in shown.stdout, shown.stderr
+        with supple.Client(api.server.url) as client:
+            assert client.drawing(file).polygons[0].names == (layer,)
+    for content, words in ((b"AC1018\0\0\xff\xfe", "DWG"), (b"\x1f\x8b\x08\0\xff", "svgz"), (b"%PDF-1.7\n\xe2\xe3", "PDF"), (b"\x89PNG\r\n\x1a\n\0", "PNG")):
+        file = tmp_path / "other.bin"
+        file.write_bytes(content)
+        assert words in cli(api, "outlines", str(file)).stderr
+        with supple.Client(api.server.url) as client, pytest.raises(supple.InvalidRequest, match=words):
+            client.drawing(file)
+
+
 @pytest.mark.parametrize("text, code, place, words", [
     ('<svg><path id="heel" d="M0 0 L5 x"/></svg>', "outline.unreadable", "/text", '<path> "heel" of line 1'),
     ("words", "outline.unreadable", "/text", "line 1"),
@@ -113,6 +184,7 @@ def test_what_no_drawing_has_is_named(api: Api, text: str, code: str, place: str
     ({"format": "dwg"}, "/format"),
     ({"unit": "yd"}, "/unit"),
     ({"width": 0}, "/width"),
+    ({"resolution": 0}, "/resolution"),
     ({"accuracy": {"tolerance": 0}}, "/accuracy/tolerance"),
     ({"layer": "cut"}, "/layer"),
 ])

@@ -209,6 +209,23 @@ def test_an_option_that_does_not_fit_is_pointed_to(api: Api, fields: Dict[str, A
     assert pointers(response) == expected
 
 
+@pytest.mark.parametrize("lines", ["M83", 'M862.3 P "MK3S"\nM115 U3.13.2\nM900 K0.05\nM221 S95', "M83\r\nG92 E0\r\n", "START_PRINT BED=60\nG91\nG20"])
+def test_start_lines_of_any_printer_do_not_spoil_the_print(api: Api, lines: str) -> None:
+    answer = printed(api, SLIDING, printer={"startup_gcode": lines})
+    assert answer["check"]["violations"] == [] and "\r" not in answer["gcode"]
+    assert all(line.strip() in answer["gcode"] for line in lines.splitlines())
+    own = answer["gcode"].split("; end of the own start lines\n")[1]
+    assert own.startswith("G21 ") and own.index("G90") < own.index("M82") < own.index("G92 E0")
+    passed = {entry["command"] for entry in answer["check"]["unchecked"]}
+    assert passed == ({"M862.3", "M115", "M900"} if "M900" in lines else {"START_PRINT"} if "START" in lines else set())
+
+
+def test_a_placeholder_that_was_not_replaced_is_named(api: Api) -> None:
+    response = api.post(TOOLPATHS, {"weave": FUSED, "printer": {"startup_gcode": "G28\nM104 S[first_layer_temperature]"}})
+    assert problem_code(response) == "weave.invalid_option" and pointers(response) == ["/printer/startup_gcode"]
+    assert "line 2: the placeholder [first_layer_temperature]" in response.json()["detail"]
+
+
 @pytest.mark.parametrize("path, fields, pointer", [
     (TOOLPATHS, {"include": ["stl"]}, "/include/0"), (TOOLPATHS, {"printer": {"bed": [1, 2]}}, "/printer/bed"),
     (TOOLPATHS, {"printer": {"speed": 1}}, "/printer/speed"), (TOOLPATHS, {"chord_error": 0}, "/chord_error"),

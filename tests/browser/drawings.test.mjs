@@ -8,7 +8,9 @@ setUp();
 
 /** A plate of 60 mm by 40 mm with a round hole. */
 const PLATE = `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><rect id="plate" width="60" height="40"/><circle id="hole" cx="30" cy="20" r="8"/></svg>`;
-const OPEN = `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><polyline points="0,0 10,0 10,10"/></svg>`;
+const OPEN = `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><polyline points="0,0 10,0 10,10" fill="none" stroke="black"/></svg>`;
+/** A plate of an inch whose pixels were 1/72 inch. */
+const PIXELS = `<!-- Generator: Adobe Illustrator 15.0 --><svg xmlns="http://www.w3.org/2000/svg" width="72px" height="72px" viewBox="0 0 72 72"><rect id="plate" width="72" height="72"/></svg>`;
 /** A square of 20 mm, as a CAD program writes it. */
 const SQUARE = [
   "0", "SECTION", "2", "HEADER", "9", "$INSUNITS", "70", "4", "0", "ENDSEC", "0", "SECTION", "2", "ENTITIES", "0", "LWPOLYLINE", "8", "square", "90", "4", "70", "1",
@@ -54,6 +56,16 @@ describe("a drawing", () => {
       await picture(page, "design-drawing");
       await design.part.getByLabel("Coupon", { exact: true }).check();
       await design.saysOfThePart(/Size30 × 90 × 4 mm/);
+    }));
+
+  it("asks how large its pixels are if they were no 1/96 inch", () =>
+    withDrawings(async (design) => {
+      await design.drop("details.part summary", PIXELS, "old.svg");
+      assert.match((await design.refusal())[0], /^old\.svg: .*Adobe Illustrator/);
+      await design.part.locator("summary").click();
+      await design.part.getByLabel("Drawing", { exact: true }).check();
+      await design.part.getByLabel("Pixels per inch", { exact: true }).selectOption("72");
+      await design.saysOfThePart(/old\.svg: 1 closed curve, 25\.4 × 25\.4 mm\./);
     }));
 
   it("is opened as a file too, in SVG and in DXF", () =>

@@ -29,6 +29,14 @@ void check_violations(const GcodeReport& report) {
   }
 }
 
+void check_unchecked(const GcodeReport& report) {
+  require(static_cast<int>(report.unchecked.size()) <= report.unchecked_count);
+  for (const auto& command : report.unchecked) {
+    require(command.line >= 1 && command.line <= report.lines && !command.command.empty());
+    for (const char c : command.command) require(c > ' ' && c <= '~');
+  }
+}
+
 void check_numbers(const GcodeReport& report) {
   for (const double number :
        {report.extruded_length, report.filament, report.travel_length, report.minutes, report.channel_length})
@@ -50,6 +58,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   const GcodeReport report = supple::weave::check_gcode(bytes);
   check_violations(report);
+  check_unchecked(report);
   check_numbers(report);
   const GcodeReport again = supple::weave::check_gcode(bytes);
   require(again.violation_count == report.violation_count && again.channels.size() == report.channels.size());

@@ -1,8 +1,11 @@
 #include "drawing_arguments.h"
 
 #include <fmt/format.h>
+#include <iconv.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -39,6 +42,24 @@ std::string known_names(const nlohmann::json& drawing) {
     ++listed;
   }
   return words;
+}
+
+bool is_utf8(const std::string& bytes) {
+  std::size_t at = 0;
+  while (at < bytes.size()) {
+    const auto lead = static_cast<unsigned char>(bytes[at]);
+    const std::size_t more = lead < 0x80                   ? 0
+                             : lead >= 0xC2 && lead < 0xE0 ? 1
+                             : lead >= 0xE0 && lead < 0xF0 ? 2
+                             : lead >= 0xF0 && lead < 0xF5 ? 3
+                                                           : 4;
+    if (more == 4 || at + more >= bytes.size() + (more == 0 ? 1 : 0)) return false;
+    for (std::size_t k = 1; k <= more; ++k) {
+      if ((static_cast<unsigned char>(bytes[at + k]) & 0xC0U) != 0x80U) return false;
+    }
+    at += more + 1;
+  }
+  return true;
 }
 
 /// The indices of the polygons of that name.
@@ -79,9 +100,49 @@ nlohmann::json region_of(const std::string& text) {
   return region;
 }
 
+/// UTF-8 of the text of a drawing in another character set; what is no character of it becomes '?'.
+std::string utf8_of(const std::string& bytes, const std::string& character_set) {
+  const iconv_t converter = iconv_open("UTF-8", character_set.c_str());
+  if (converter == reinterpret_cast<iconv_t>(-1)) return {};
+  std::string source = bytes, result;
+  char* in = source.data();
+  std::size_t left = source.size();
+  std::array<char, 4096> buffer{};
+  while (left > 0) {
+    char* out = buffer.data();
+    std::size_t room = buffer.size();
+    const bool failed = iconv(converter, &in, &left, &out, &room) == static_cast<std::size_t>(-1);
+    result.append(buffer.data(), buffer.size() - room);
+    if (!failed || errno == E2BIG) continue;
+    result += '?';
+    ++in;
+    --left;
+  }
+  iconv_close(converter);
+  return result;
+}
+
+/// DXF files before 2007 name their code page, "ANSI_1252"; others that are no UTF-8 are taken as that one.
+std::string code_page_of(const std::string& bytes) {
+  constexpr std::string_view usual = "CP1252";
+  const auto at = bytes.find("$DWGCODEPAGE");
+  if (at == std::string::npos) return std::string(usual);
+  const auto end_of_line = bytes.find('\n', bytes.find('\n', at) + 1);
+  if (end_of_line == std::string::npos) return std::string(usual);
+  const std::string value =
+      bytes.substr(end_of_line + 1, bytes.find_first_of("\r\n", end_of_line + 1) - end_of_line - 1);
+  const auto digits = value.find_first_of("0123456789");
+  return digits == std::string::npos ? std::string(usual) : "CP" + value.substr(digits);
+}
+
 std::string text_of_drawing(const std::string& file) {
-  if (file != "-") return read_file(file);
-  return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
+  std::string bytes = file != "-"
+                          ? read_file(file)
+                          : std::string(std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>());
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) return utf8_of(bytes, "UTF-16");
+  if (is_utf8(bytes)) return bytes;
+  const std::string text = utf8_of(bytes, code_page_of(bytes));
+  return text.empty() ? utf8_of(bytes, "ISO-8859-1") : text;
 }
 
 }  // namespace
@@ -89,6 +150,9 @@ std::string text_of_drawing(const std::string& file) {
 void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
   command.add_option("--unit", arguments.unit, "What one unit of the drawing is (what the file says)")
       ->check(CLI::IsMember({"mm", "cm", "m", "in", "ft", "pt", "px"}));
+  command
+      .add_option("--resolution", arguments.resolution, "Pixels per inch of an SVG file without a physical size (96)")
+      ->check(CLI::PositiveNumber);
   command.add_option("--width", arguments.width, "Scale the drawing until its closed curves are so wide, mm")
       ->check(CLI::PositiveNumber);
   command.add_option("--tolerance", arguments.tolerance, "Distance of a chord from its curve at most, mm (0.05)")
@@ -98,6 +162,7 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
 nlohmann::json read_drawing(Session& session, const std::string& file, const DrawingArguments& arguments) {
   nlohmann::json request = {{"text", text_of_drawing(file)}};
   if (!arguments.unit.empty()) request["unit"] = arguments.unit;
+  if (arguments.resolution > 0) request["resolution"] = arguments.resolution;
   if (arguments.width > 0) request["width"] = arguments.width;
   if (arguments.tolerance > 0) request["accuracy"] = {{"tolerance", arguments.tolerance}};
   nlohmann::json answer = session.compute("/v1/outlines", request).json();

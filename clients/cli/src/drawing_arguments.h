@@ -12,10 +12,11 @@ namespace supple::cli {
 /// How a drawing is to be read.
 struct DrawingArguments {
   std::string unit;
+  double resolution = 0;
   double width = 0;
   double tolerance = 0;
 
-  bool any() const { return !unit.empty() || width > 0 || tolerance > 0; }
+  bool any() const { return !unit.empty() || resolution > 0 || width > 0 || tolerance > 0; }
 };
 
 void add_drawing_options(CLI::App& command, DrawingArguments& arguments);

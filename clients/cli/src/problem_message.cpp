@@ -21,7 +21,7 @@ struct FieldName {
   std::string_view pointer;
   std::string_view name;
 };
-constexpr std::array<FieldName, 28> field_names{{
+constexpr std::array<FieldName, 30> field_names{{
     {"design", "/target/control_points", "--target"},
     {"evaluate", "/green_strain", "--strain"},
     {"simulate", "/load/uniaxial/direction", "--uniaxial"},
@@ -48,6 +48,8 @@ constexpr std::array<FieldName, 28> field_names{{
     {"part", "/text", "--outline"},
     {"part", "/regions", "--region"},
     {"outlines", "/text", "file"},
+    {"outlines", "/resolution", "--resolution"},
+    {"part", "/resolution", "--resolution"},
     {"", "/weave/overrides", "--fuse or --slide"},
     {"", "/weave/pattern", "weave"},
 }};

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Optional, Tuple
+from pathlib import Path
+from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
@@ -12,6 +14,7 @@ from . import checks
 from .answers import Array, Cost, cost_from_wire
 from .jobs import Computation
 
+_CODE_PAGE = re.compile(rb"\$DWGCODEPAGE\s+3\s+(?:ANSI_|DOS|dos)(\d+)")
 UNITS = ("mm", "cm", "m", "in", "ft", "pt", "px")
 
 
@@ -29,6 +32,14 @@ class DrawnPolygon:
 
 
 @dataclass(frozen=True)
+class LeftOut:
+    """What of a drawing is no outline: what and where it is, and why."""
+
+    element: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Drawing:
     """The closed curves of a drawing.
 
@@ -40,6 +51,7 @@ class Drawing:
         open_curves: curves that stay open and were left out.
         chord_error: the largest distance of a chord from its curve, mm.
         warnings: what was left out or guessed.
+        left_out: each element that is no outline, with the reason; the first 1000.
         cost: what it took.
     """
 
@@ -52,6 +64,7 @@ class Drawing:
     chord_error: float
     warnings: Tuple[str, ...]
     cost: Cost
+    left_out: Tuple[LeftOut, ...] = ()
 
     def named(self, name: str) -> Tuple[DrawnPolygon, ...]:
         """The polygons that are called so. Raises KeyError that lists the names where there are none."""
@@ -71,12 +84,37 @@ class Drawing:
         return {"polygons": kept}
 
 
+def text_of(source: Union[str, Path]) -> str:
+    """The text of a drawing; of a string with line breaks or that begins with "<" the string itself.
+
+    A file that is no UTF-8 is read by the code page that its $DWGCODEPAGE names (DXF before 2007), else as Windows-1252.
+    """
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("<")):
+        return source
+    content = Path(source).read_bytes()
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return content.decode("utf-16", errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        page = _CODE_PAGE.search(content[:65536])
+        try:
+            return content.decode(f"cp{page.group(1).decode()}" if page else "cp1252", errors="replace")
+        except LookupError:
+            return content.decode("cp1252", errors="replace")
+
+
 def drawing(
-    text: str, width: Optional[float], unit: Optional[str], tolerance: Optional[float], deadline: Optional[float]
+    text: str,
+    width: Optional[float],
+    unit: Optional[str],
+    tolerance: Optional[float],
+    deadline: Optional[float],
+    resolution: Optional[float] = None,
 ) -> Computation[Drawing]:
     checks.one_of(unit, "unit", UNITS)
     document: Dict[str, Any] = {"text": text}
-    for name, value in (("width", width), ("unit", unit), ("deadline", deadline)):
+    for name, value in (("width", width), ("unit", unit), ("resolution", resolution), ("deadline", deadline)):
         if value is not None:
             document[name] = value
     if tolerance is not None:
@@ -101,4 +139,5 @@ def drawing_from_wire(answer: Mapping[str, Any]) -> Drawing:
         chord_error=answer["chord_error"],
         warnings=tuple(answer["warnings"]),
         cost=cost_from_wire(answer["cost"]),
+        left_out=tuple(LeftOut(str(one["element"]), str(one["reason"])) for one in answer["left_out"]),
     )

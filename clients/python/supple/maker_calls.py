@@ -73,6 +73,7 @@ class MakerCalls:
         unit: Optional[str] = None,
         tolerance: Optional[float] = None,
         deadline: Optional[float] = None,
+        resolution: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> Drawing:
         """The closed curves of an SVG or ASCII DXF drawing as polygons in mm.
@@ -82,10 +83,11 @@ class MakerCalls:
             width: scales the drawing until all its closed curves together are so wide, mm.
             unit: what one unit of the drawing is, "mm", "cm", "m", "in", "ft", "pt" or "px"; what the file says without it.
             tolerance: how far a chord may be from its curve, mm; 0.05 on the server's side.
+            resolution: pixels per inch of an SVG drawing without a physical size; 96 without it.
 
         Warns about what was left out. Raises `InvalidRequest` that names the element or line that cannot be read.
         """
-        computation = drawings.drawing(measured.text_of(source), width, unit, tolerance, deadline)
+        computation = drawings.drawing(drawings.text_of(source), width, unit, tolerance, deadline, resolution)
         return run(self._transport, computation, timeout, None)
 
     def part(

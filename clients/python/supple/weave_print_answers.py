@@ -55,6 +55,14 @@ class Violation(Shown):
     message: str
 
 
+@dataclass(frozen=True)
+class UncheckedCommand:
+    """A command that the printer obeys and whose effect the report does not follow: its line and name."""
+
+    line: int
+    command: str
+
+
 @dataclass(frozen=True, repr=False)
 class FoundChannel(Shown):
     """A channel that was recognized: where it begins, its feet and apex, shape (3,), and its length."""
@@ -73,6 +81,7 @@ class GcodeReport(Shown):
     Attributes:
         minutes: None where it is not finite.
         violations: by line, the first 1000 of `violation_count`.
+        unchecked: commands that are passed on to the printer and not followed, by line, the first 1000 of `unchecked_count`.
     """
 
     lines: int
@@ -89,6 +98,8 @@ class GcodeReport(Shown):
     channels: Tuple[FoundChannel, ...]
     violations: Tuple[Violation, ...]
     violation_count: int
+    unchecked: Tuple[UncheckedCommand, ...] = ()
+    unchecked_count: int = 0
 
     @property
     def clean(self) -> bool:
@@ -173,6 +184,8 @@ def _report(document: Mapping[str, Any]) -> GcodeReport:
         ),
         violations=tuple(Violation(str(v["kind"]), int(v["line"]), str(v["message"])) for v in document["violations"]),
         violation_count=int(document["violation_count"]),
+        unchecked=tuple(UncheckedCommand(int(u["line"]), str(u["command"])) for u in document["unchecked"]),
+        unchecked_count=int(document["unchecked_count"]),
     )
 
 

@@ -10,7 +10,7 @@ import { DEFAULT_STATE, type Region } from "../src/design/state";
 
 const square = (side: number, x = 0, y = 0): [number, number][] => [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
 const polygons = [{ names: ["heel", "regions"], points: square(3, 1, 1) }, { names: ["sole"], points: square(9) }, { names: [], points: square(4, 4, 4) }];
-const sole: Drawing = { name: "sole.svg", text: "<svg/>", width: null, curves: { polygons } as unknown as Outlines };
+const sole: Drawing = { name: "sole.svg", text: "<svg/>", width: null, resolution: null, curves: { polygons } as unknown as Outlines };
 const none = { regions: [] };
 
 describe("the curves of a drawing", () => {
@@ -56,6 +56,7 @@ describe("a file", () => {
   it("is asked about with a width where there is one", () => {
     expect(outlineRequest("<svg/>", null)).toEqual({ text: "<svg/>" });
     expect(outlineRequest("<svg/>", 80)).toEqual({ text: "<svg/>", width: 80 });
+    expect(outlineRequest("<svg/>", null, 72)).toEqual({ text: "<svg/>", resolution: 72 });
   });
 });
 

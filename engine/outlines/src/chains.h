@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,24 @@ struct Polyline {
   std::vector<std::string> names;
   std::string group, what;
   std::size_t curves = 1;  ///< of which it was made
+  std::size_t source = 0;  ///< index of the first of these curves
+  double error = 0;        ///< the largest distance of a chord from its curve
 };
 
-/// Joins open polylines of one group whose ends lie within `reach` of each other, the nearest ends first, and closes
-/// those that come back to where they began. The polylines keep the order of their first curves. O(n log n) for n
+/// What came of joining.
+struct Chains {
+  std::vector<Polyline> polylines;   ///< closed ones, and open ones of several curves or one; by their first curve
+  std::vector<std::size_t> doubled;  ///< indices of open polylines that lie over others
+  std::vector<std::size_t> across;   ///< indices of polylines that closed with those of other groups
+  std::vector<Point> branches;       ///< where more than two ends of closed areas meet
+  std::vector<std::vector<std::size_t>> members;  ///< for each of `polylines`, the indices of what it was made of
+};
+
+/// Closes polylines whose ends meet, and joins open ones until they close. Ends meet if they lie within `reach` of each
+/// other; those that lie much closer are joined first, so that short lines do not close by themselves. What hangs on a
+/// closed chain with a free end, and lines over other lines, are not joined. Where chains branch, each of the areas
+/// between them is a closed polyline. Lines of one group are joined first, then those of several. O(n log n) for n
 /// polylines, unless very many ends lie in one place.
-std::vector<Polyline> joined(std::vector<Polyline> polylines, double reach, const Execution& execution);
+Chains joined(const std::vector<Polyline>& polylines, double reach, const Execution& execution);
 
 }  // namespace supple::outlines

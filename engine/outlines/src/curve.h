@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -40,6 +42,10 @@ struct Spline {
 
 using Piece = std::variant<Line, Cubic, Arc, Spline>;
 
+enum class FillRule { nonzero, evenodd };
+
+struct Clip;
+
 /// A curve of a drawing.
 struct Curve {
   Point begin = Point::Zero();
@@ -48,6 +54,16 @@ struct Curve {
   std::vector<std::string> names;  ///< of `Outline`
   std::string group;               ///< only curves of one group are joined
   std::string what;                ///< "<path id="heel"> of line 12", for messages
+  bool is_filled = false;          ///< if so, an open one is closed by a straight line unless others close it
+  FillRule rule = FillRule::evenodd;
+  std::size_t element = 0;  ///< filled curves of one element are filled together
+  std::shared_ptr<const Clip> clip;
+};
+
+/// An area that cuts what is drawn: the union of the elements of its curves, within the one outside of it.
+struct Clip {
+  std::vector<Curve> curves;
+  std::shared_ptr<const Clip> outer;
 };
 
 /// Calls visit(point) for points around which the piece is bent: it lies within their hull.
@@ -83,7 +99,9 @@ class Flattener {
   /// The curve's corners, without a second one for a closed curve's beginning. Throws "outline.too_large".
   Points flatten(const Curve& curve);
 
-  double chord_error() const { return chord_error_; }
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  /// Of the curves since it was asked for the last time.
+  double take_chord_error() { return std::exchange(chord_error_, 0.0); }
 
  private:
   void append(const Line& line);

@@ -151,6 +151,31 @@ struct Inserted {
   int depth = 0;  ///< 0 outside blocks
 };
 
+/// A name of the file with its characters beyond ASCII: \\U+00E9 is one of them.
+std::string decoded(std::string_view name) {
+  std::string result;
+  while (!name.empty()) {
+    unsigned code = 0;
+    const char* digits = name.data() + 3;
+    if (name.size() >= 7 && name.starts_with("\\U+") &&
+        std::from_chars(digits, digits + 4, code, 16).ptr == digits + 4 && code >= 0x80 &&
+        !(code >= 0xD800 && code < 0xE000)) {
+      if (code < 0x800) {
+        result += static_cast<char>(0xC0U | (code >> 6U));
+      } else {
+        result += static_cast<char>(0xE0U | (code >> 12U));
+        result += static_cast<char>(0x80U | ((code >> 6U) & 0x3FU));
+      }
+      result += static_cast<char>(0x80U | (code & 0x3FU));
+      name.remove_prefix(7);
+    } else {
+      result += name.front();
+      name.remove_prefix(1);
+    }
+  }
+  return result;
+}
+
 class DxfReader {
  public:
   DxfReader(std::string_view text, const DrawingOptions& options, const Execution& execution)
@@ -172,6 +197,9 @@ class DxfReader {
     const double unit = millimetres_of(options_.unit).value_or(unit_);
     drawing_.unit = unit;
     drawing_.unit_is_known = unit_is_known_ || options_.unit != LengthUnit::automatic;
+    if (!drawing_.unit_is_known && !options_.width && is_imperial_)
+      drawing_.warnings.emplace_back(
+          "The drawing was made with English measures ($MEASUREMENT): its unit may be the inch.");
     if (unit != 1) {
       const Map scale(Eigen::Scaling(unit));
       for (Curve& curve : drawing_.curves) transform(curve, scale);
@@ -205,6 +233,9 @@ class DxfReader {
       if (header && group_->code == 9 && group_->value == "$INSUNITS") {
         advance();
         if (group_) read_unit(*group_);
+      } else if (header && group_->code == 9 && group_->value == "$MEASUREMENT") {
+        advance();
+        is_imperial_ = group_ && group_->code == 70 && group_->value == "0";
       } else if (group_->code == 0 && (entities || (tables && group_->value == "LAYER"))) {
         const Entity entity = take_entity();
         entities ? read_entity(entity) : read_layer(entity);
@@ -249,11 +280,27 @@ class DxfReader {
     return !block_.layer.empty() && (own.empty() || own == "0") ? block_.layer : std::string(own);
   }
 
+  std::string words_for(const Entity& entity) const {
+    return entity.words() + " (layer " + outlines::quoted(layer_of(entity)) + ")";
+  }
+
   /// Whether the entity is shown in model space.
   bool is_shown(const Entity& entity) {
-    if (entity.integer(67, 0) == 1) return false;  // of a sheet
-    if (entity.integer(60, 0) != 1 && !hidden_layers_.contains(layer_of(entity))) return true;
-    ++drawing_.hidden;
+    if (entity.integer(67, 0) == 1) {
+      leave_out(drawing_, std::string(entity.kind) + " of paper space", words_for(entity),
+                "it lies on a sheet (paper space); only the model is read");
+      return false;
+    }
+    const std::string layer = layer_of(entity);
+    if (entity.integer(60, 0) == 1) {
+      leave_hidden(drawing_, words_for(entity), "it is invisible");
+    } else if (hidden_layers_.contains(layer)) {
+      leave_hidden(drawing_, words_for(entity), "its layer is off or frozen");
+    } else if (layer == "Defpoints" || layer == "DEFPOINTS") {
+      leave_hidden(drawing_, words_for(entity), "its layer is that of helping points, which is never plotted");
+    } else {
+      return true;
+    }
     return false;
   }
 
@@ -280,7 +327,7 @@ class DxfReader {
                                                            "MLEADER", "ATTDEF", "VIEWPORT",    "POINT",
                                                            "XLINE",   "RAY",    "MULTILEADER", "TOLERANCE"};
     const bool annotates = std::find(annotations.begin(), annotations.end(), entity.kind) != annotations.end();
-    if (!annotates) leave_out(drawing_, shortened(entity.kind));
+    if (!annotates) leave_out(drawing_, shortened(entity.kind), words_for(entity));
   }
 
   /// The vertices of a POLYLINE are entities of their own, up to a SEQEND.
@@ -294,7 +341,7 @@ class DxfReader {
     }
     if (!is_shown(entity)) return;
     if (entity.flag(70, mesh)) {
-      leave_out(drawing_, "POLYLINE mesh");
+      leave_out(drawing_, "POLYLINE mesh", words_for(entity));
       return;
     }
     add_polyline(entity, vertices);
@@ -306,7 +353,7 @@ class DxfReader {
     const auto found = blocks_.find(name);
     const double side = side_of(entity);
     if (found == blocks_.end() || side == 0)
-      return leave_out(drawing_, side == 0 ? "tilted INSERT" : "INSERT of no block of the file");
+      return leave_out(drawing_, side == 0 ? "tilted INSERT" : "INSERT of no block of the file", words_for(entity));
     check_nesting(block_.depth + 1, "blocks", entity.words());
     const int columns = std::max(1, entity.integer(70, 1)), rows = std::max(1, entity.integer(71, 1));
     const Point step(entity.number(44, 0), entity.number(45, 0));
@@ -315,7 +362,7 @@ class DxfReader {
     const Map scaled =
         Eigen::Scaling(entity.number(41, 1), entity.number(42, 1)) * Map(Eigen::Translation2d(-found->second.base));
     Inserted inner{turned, layer_of(entity), block_.names, {}, block_.depth + 1};
-    inner.names.insert(inner.names.begin(), shortened(name));
+    inner.names.insert(inner.names.begin(), shortened(decoded(name)));
     inner.names.resize(std::min(inner.names.size(), most_names - 1));
     for (int row = 0; row < rows; ++row) {
       for (int column = 0; column < columns; ++column) {
@@ -348,16 +395,17 @@ class DxfReader {
   void add(const Entity& entity, Curve curve, bool is_world) {
     const double side = side_of(entity);
     if (side == 0) {
-      leave_out(drawing_, "tilted " + shortened(entity.kind));
+      leave_out(drawing_, "tilted " + shortened(entity.kind), words_for(entity),
+                "its plane is tilted against that of the drawing");
       return;
     }
     if (side < 0 && !is_world) transform(curve, Map(Eigen::Scaling(-1.0, 1.0)));
     transform(curve, block_.map);
-    const std::string layer = shortened(layer_of(entity));
+    const std::string layer = shortened(decoded(layer_of(entity)));
     curve.group = layer + block_.group;
     if (!layer.empty()) curve.names = {layer};
     curve.names.insert(curve.names.end(), block_.names.begin(), block_.names.end());
-    curve.what = entity.words() + " (layer " + outlines::quoted(layer) + ")";
+    curve.what = words_for(entity);
     add_curve(drawing_, std::move(curve), execution_);
   }
 
@@ -426,7 +474,8 @@ class DxfReader {
     const std::size_t n = spline.control_points.size();
     check_pieces(n);
     if (n == 0) {
-      leave_out(drawing_, "SPLINE without control points");
+      leave_out(drawing_, "SPLINE without control points", words_for(entity),
+                "it is given by points to go through only; make it a polyline or a spline of control points");
       return;
     }
     const bool degree_fits =
@@ -466,13 +515,13 @@ class DxfReader {
   std::size_t read_ = 0;
   double unit_ = 1;
   bool unit_is_known_ = false;
+  bool is_imperial_ = false;  ///< $MEASUREMENT, which says something where there is no unit
   bool has_entities_ = false;
 };
 
 }  // namespace
 
 RawDrawing read_dxf(std::string_view text, const DrawingOptions& options, const Execution& execution) {
-  if (text.starts_with("AutoCAD Binary DXF")) refuse("it is a binary DXF file; save it as ASCII");
   return DxfReader(text, options, execution).read();
 }
 

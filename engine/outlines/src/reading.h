@@ -43,14 +43,23 @@ struct RawDrawing {
   bool has_page = true;                 ///< which tells where the origin is
   std::map<std::string, int> left_out;  ///< kinds of elements that no outline is made of
   std::size_t hidden = 0;
+  std::size_t stroked = 0;
+  std::vector<LeftOut> list;  ///< of what was left out, and of what is hidden
+  std::size_t listed = 0;     ///< as many as there are, of which the list has the first
   std::vector<std::string> warnings;
 };
 
 RawDrawing read_svg(std::string_view text, const DrawingOptions& options, const Execution& execution);
 RawDrawing read_dxf(std::string_view text, const DrawingOptions& options, const Execution& execution);
 
-/// Counts an element of which no outline is made. Many kinds of them are told together.
-void leave_out(RawDrawing& drawing, const std::string& kind);
+/// Counts an element of which no outline is made, and tells why. Many kinds of them are told together.
+void leave_out(RawDrawing& drawing, const std::string& kind, const std::string& element,
+               const std::string& reason = "no outline is made of such an element");
+/// The same of an element that is not shown.
+void leave_hidden(RawDrawing& drawing, const std::string& element, const std::string& reason);
+
+/// Throws "outline.unreadable" if the text is that of a file of another kind that is known, and names it.
+void refuse_other_formats(std::string_view text);
 
 [[noreturn]] inline void refuse(const std::string& message) {
   throw Error("outline.unreadable", "The drawing cannot be read: " + message + ".", {{"text", message}});
@@ -65,6 +74,8 @@ void check_nesting(int depth, const char* things, const std::string& where);
 /// Adds a curve, whose coordinates must be within bounds. Throws "outline.too_large".
 void add_curve(RawDrawing& drawing, Curve curve, const Execution& execution);
 
+/// A number for a message, with four digits.
+std::string rounded(double value);
 /// Text of a file for a message: shortened, and without what is not printable ASCII.
 std::string quoted(std::string_view text);
 /// The first bytes of a name, no half characters of UTF-8.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <memory>
 #include <numbers>
 #include <pugixml.hpp>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "svg_attributes.h"
+#include "svg_style.h"
 
 namespace supple::outlines {
 namespace {
@@ -19,6 +21,11 @@ constexpr std::size_t most_copies = 200'000;
 constexpr std::size_t bytes_of_a_copy = 16;
 constexpr std::size_t elements_between_checks = 4'096;
 
+constexpr double pixels_per_inch = 96;
+/// Where a file names the program that wrote it, bytes.
+constexpr std::size_t bytes_of_a_head = 4'096;
+constexpr double first_inkscape_with_96 = 0.92;
+
 /// Without the prefix of a namespace.
 std::string_view local_name(const char* name) {
   const std::string_view whole(name);
@@ -28,14 +35,6 @@ std::string_view local_name(const char* name) {
 
 bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-bool is_hidden(const pugi::xml_node& node) {
-  if (std::string_view(node.attribute("display").value()) == "none") return true;
-  std::string style = node.attribute("style").value();
-  std::erase_if(style, is_space);
-  const auto at = style.find("display:none");
-  return at != std::string::npos && (at == 0 || style[at - 1] == ';');
 }
 
 /// The names of an element, in front of those of the groups around it.
@@ -73,12 +72,54 @@ class SvgReader {
     }
     const pugi::xml_node root = document.document_element();
     if (local_name(root.name()) != "svg") refuse("the element " + quoted(root.name()) + " is no <svg>");
+    read_styles(document);
     const Map page = at(root, [&] { return page_of(root); });
-    read_children(root, page, {}, "page", 1);
+    Context context{
+        page, at(root, [&] { return style_of(styles_.declared(root), Style{}); }), {}, "page", {}, page_size_, 1};
+    if (!context.style.is_displayed) refuse("the drawing as a whole is hidden (display: none)");
+    context = clipped(root, context);
+    read_children(root, context);
     return std::move(drawing_);
   }
 
  private:
+  /// What the groups around an element say about it.
+  struct Context {
+    Map map = Map::Identity();
+    Style style;
+    std::vector<std::string> names;
+    std::string group;
+    std::shared_ptr<const Clip> clip;
+    Eigen::Vector2d viewport = Eigen::Vector2d::Zero();  ///< of which percentages are taken; zero where it is unknown
+    int depth = 1;
+  };
+
+  void read_styles(const pugi::xml_document& document) {
+    for (const pugi::xml_node& node : document.children()) {
+      if (node.type() == pugi::node_pi && std::string_view(node.name()) == "xml-stylesheet")
+        drawing_.warnings.emplace_back("The style sheet that the file refers to is not opened: it may hide shapes.");
+    }
+    struct Walker : pugi::xml_tree_walker {
+      std::vector<pugi::xml_node> styles;
+      bool for_each(pugi::xml_node& node) override {
+        if (node.type() == pugi::node_element && local_name(node.name()) == "style") styles.push_back(node);
+        return true;
+      }
+    } walker;
+    pugi::xml_document& walked = const_cast<pugi::xml_document&>(document);
+    walked.traverse(walker);
+    for (const pugi::xml_node& node : walker.styles) {
+      const std::string_view media = node.attribute("media").value();
+      if (!media.empty() && media != "all" && media != "screen") continue;
+      std::string text;
+      for (const pugi::xml_node& child : node.children()) text += child.value();
+      styles_.add(text, [&](const std::string& rule) {
+        drawing_.warnings.push_back("The rule " + quoted(rule) + " of " + words_for(node) +
+                                    " is not followed: it may hide or show shapes.");
+      });
+    }
+  }
+
   std::size_t line_of(std::ptrdiff_t offset) const {
     return 1 + static_cast<std::size_t>(std::lower_bound(line_ends_.begin(), line_ends_.end(), offset) -
                                         line_ends_.begin());
@@ -100,14 +141,28 @@ class SvgReader {
     }
   }
 
-  std::optional<double> length(const pugi::xml_node& node, const char* name) const {
-    const auto attribute = node.attribute(name);
-    if (!attribute || std::string_view(attribute.value()) == "auto") return std::nullopt;
-    const auto value = read_length(attribute.value());
-    if (!value) throw std::invalid_argument(std::string(name) + " is a percentage, which has no length here");
-    return value;
+  /// What a percentage is of: the width, the height, or the diagonal of a square as large as the page, as names say.
+  static double whole_of(std::string_view name, const Eigen::Vector2d& viewport) {
+    if (is_one_of(name, {"x", "x1", "x2", "cx", "rx", "width"})) return viewport.x();
+    if (is_one_of(name, {"y", "y1", "y2", "cy", "ry", "height"})) return viewport.y();
+    return viewport.norm() / std::numbers::sqrt2;
   }
-  double length_or_zero(const pugi::xml_node& node, const char* name) const { return length(node, name).value_or(0); }
+
+  /// A length of an element, which a style may set. None for "auto".
+  std::optional<double> length(const pugi::xml_node& node, const char* name, const Eigen::Vector2d& viewport) const {
+    std::string text = node.attribute(name).value();
+    if (const auto own = styled_lengths_.find(name); own != styled_lengths_.end()) text = own->second;
+    if (!node.attribute(name) && text.empty()) return std::nullopt;
+    if (text == "auto") return std::nullopt;
+    if (const auto value = read_length(text)) return value;
+    if (!(viewport.minCoeff() > 0))
+      throw std::invalid_argument(std::string(name) + " is a percentage, but the page has no size");
+    std::string_view rest = without_spaces(text);
+    return *take_number(rest) / 100 * whole_of(name, viewport);
+  }
+  double length_or_zero(const pugi::xml_node& node, const char* name, const Eigen::Vector2d& viewport) const {
+    return length(node, name, viewport).value_or(0);
+  }
 
   /// From user units to millimetres with y upwards.
   Map page_of(const pugi::xml_node& root) {
@@ -123,8 +178,10 @@ class SvgReader {
     // In user units of the page: where its box is drawn, and how large it is.
     Map view = Map::Identity();
     Eigen::Vector2d size(width.value_or(0), height.value_or(0));
-    double unit = mm_per_pixel;
-    drawing_.unit_is_known = width || height;
+    const bool is_physical = has_unit(root, "width") || has_unit(root, "height");
+    double unit = is_physical ? mm_per_pixel : mm_per_inch / options_.resolution.value_or(pixels_per_inch);
+    drawing_.unit_is_known = is_physical || options_.resolution;
+    if (!drawing_.unit_is_known && !options_.width && options_.unit == LengthUnit::automatic) ask_for_resolution(root);
     if (const auto wanted = millimetres_of(options_.unit)) {
       unit = *wanted;
       drawing_.unit_is_known = true;
@@ -143,7 +200,38 @@ class SvgReader {
     upwards.linear() << unit, 0, 0, -unit;
     upwards.translation() << 0, unit * size.y();
     page_size_ = box.empty() ? size : Eigen::Vector2d(box[2], box[3]);
+    page_area_ = unit * size;
     return upwards * view;
+  }
+
+  /// Whether the side of a page is given in a unit of length rather than in pixels.
+  static bool has_unit(const pugi::xml_node& root, const char* name) {
+    std::string_view text = root.attribute(name).value();
+    while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+    if (text.size() < 2 || text.ends_with("px")) return text.ends_with("Q");
+    for (const std::string_view unit : {"mm", "cm", "in", "pt", "pc", "Q"}) {
+      if (text.ends_with(unit)) return true;
+    }
+    return false;
+  }
+
+  /// Programs whose pixels were not 1/96 inch.
+  void ask_for_resolution(const pugi::xml_node& root) const {
+    const std::string_view head = text_.substr(0, std::min(text_.size(), bytes_of_a_head));
+    const auto ask = [](const std::string& program, const std::string& pixels) {
+      const std::string words = "the file is of " + program + ", and its sizes are pixels: give " + pixels +
+                                " pixels per inch, or the drawing's unit or width";
+      throw Error("outline.resolution_missing", "The size of the drawing is not known: " + words + ".",
+                  {{"resolution", words}});
+    };
+    if (head.find("Adobe Illustrator") != std::string_view::npos) ask("Adobe Illustrator", "72 (its own) or 96");
+    std::string_view version;
+    for (const auto& attribute : root.attributes()) {
+      const std::string_view name(attribute.name());
+      if (name == "inkscape:version") version = attribute.value();
+    }
+    const auto old = take_number(version);
+    if (old && *old < first_inkscape_with_96) ask("Inkscape before 0.92", "90 (that of such a version) or 96");
   }
 
   static std::vector<double> box_of(const pugi::xml_node& node) {
@@ -157,54 +245,210 @@ class SvgReader {
   static Map view_of(const pugi::xml_node& node, const std::vector<double>& box, const Eigen::Vector2d& size) {
     const Eigen::Vector2d extent(box[2], box[3]);
     Eigen::Vector2d scale = size.cwiseQuotient(extent);
-    if (!std::string_view(node.attribute("preserveAspectRatio").value()).starts_with("none"))
-      scale.setConstant(scale.minCoeff());
+    std::string_view aspect = without_spaces(node.attribute("preserveAspectRatio").value());
+    if (aspect.starts_with("defer")) aspect = without_spaces(aspect.substr(5));
+    if (!aspect.starts_with("none"))
+      scale.setConstant(aspect.find("slice") != std::string_view::npos ? scale.maxCoeff() : scale.minCoeff());
+    // Where the box lies in the space that is left: "xMinYMax".
+    Eigen::Vector2d fraction(0.5, 0.5);
+    if (aspect.size() >= 8 && aspect.front() == 'x') {
+      const auto part = [](std::string_view word) { return word == "Min" ? 0 : word == "Max" ? 1 : 0.5; };
+      fraction << part(aspect.substr(1, 3)), part(aspect.substr(5, 3));
+    }
     Map map = Map::Identity();
     map.linear() << scale.x(), 0, 0, scale.y();
-    map.translation() = (size - scale.cwiseProduct(extent)) / 2 - scale.cwiseProduct(Eigen::Vector2d(box[0], box[1]));
+    map.translation() = (size - scale.cwiseProduct(extent)).cwiseProduct(fraction) -
+                        scale.cwiseProduct(Eigen::Vector2d(box[0], box[1]));
     return map;
   }
 
-  void read_children(const pugi::xml_node& parent, const Map& map, const std::vector<std::string>& names,
-                     const std::string& group, int depth) {
-    check_nesting(depth, "groups", words_for(parent));
+  void read_children(const pugi::xml_node& parent, const Context& context) {
+    check_nesting(context.depth, "groups", words_for(parent));
+    const bool is_switch = local_name(parent.name()) == "switch";
     for (const pugi::xml_node& node : parent.children()) {
       if (++read_ % elements_between_checks == 0) execution_.cancellation.throw_if_requested();
       if (copying_) count_copy(node);
-      if (node.type() == pugi::node_element) read_element(node, map, names, group, depth);
+      if (node.type() != pugi::node_element) continue;
+      if (!is_switch) {
+        read_element(node, context);
+      } else if (is_chosen(node)) {
+        return read_element(node, context);
+      }
     }
   }
 
-  void read_element(const pugi::xml_node& node, const Map& outer, const std::vector<std::string>& outer_names,
-                    const std::string& group, int depth) {
+  /// Whether a browser would show this child of a <switch>: it needs no extension and no other language.
+  static bool is_chosen(const pugi::xml_node& node) {
+    const std::string_view language = node.attribute("systemLanguage").value();
+    return !node.attribute("requiredExtensions") && (!node.attribute("systemLanguage") || language.starts_with("en")) &&
+           local_name(node.name()) != "foreignObject";
+  }
+
+  /// The context within an element that has a clip path. Throws through refuse() where it cannot be cut.
+  Context clipped(const pugi::xml_node& node, Context context) {
+    if (!context.style.mask.empty() && !is_clipping_)
+      refuse(words_for(node) + " has a mask, which is not read: cut the shape in the drawing program");
+    if (context.style.clip_path.empty()) return context;
+    const std::string reference = std::exchange(context.style.clip_path, {});
+    if (is_clipping_) refuse(words_for(node) + " clips a clip path, which is not read");
+    context.clip = read_clip(node, reference, context);
+    return context;
+  }
+
+  /// The area that url(#id) names, in the place of the element that it cuts. What is no element of the file cuts
+  /// nothing.
+  std::shared_ptr<const Clip> read_clip(const pugi::xml_node& node, const std::string& reference,
+                                        const Context& context) {
+    std::string id = reference;
+    std::erase_if(id, [](char c) { return is_space(c) || c == '"' || c == '\''; });
+    if (!id.starts_with("url(") || !id.ends_with(")"))
+      refuse(words_for(node) + " is clipped by " + quoted(reference) + "; only clip paths of the file are read");
+    id = id.substr(4, id.size() - 5);
+    const pugi::xml_node target = element_of(node, id);
+    if (!target || local_name(target.name()) != "clipPath") {
+      drawing_.warnings.push_back(words_for(node) + " is clipped by " + quoted(reference) +
+                                  ", which is no clip path of the file: nothing is cut.");
+      return context.clip;
+    }
+    if (std::string_view(target.attribute("clipPathUnits").value()) == "objectBoundingBox")
+      refuse(words_for(target) + " is given as a part of what it clips, which is not read");
+    count_copy(target);
+    Context inside;
+    inside.map = at(target, [&] { return Map(context.map * read_transform(target.attribute("transform").value())); });
+    inside.style = at(target, [&] { return style_of(styles_.declared(target), Style{}); });
+    if (!inside.style.clip_path.empty()) refuse(words_for(target) + " is clipped itself, which is not read");
+    inside.group = "clip";
+    inside.viewport = context.viewport;
+    inside.depth = context.depth + 1;
+    RawDrawing outside = std::exchange(drawing_, {});
+    drawing_.curves.reserve(0);
+    is_clipping_ = true;
+    const bool was_copying = std::exchange(copying_, true);
+    read_children(target, inside);
+    copying_ = was_copying;
+    is_clipping_ = false;
+    auto clip = std::make_shared<Clip>();
+    std::swap(outside, drawing_);
+    if (!outside.left_out.empty())
+      refuse(words_for(target) + " has " + outside.left_out.begin()->first + ", which cuts nothing here");
+    clip->curves = std::move(outside.curves);
+    clip->outer = context.clip;
+    clip_curves_ += clip->curves.size();
+    if (clip_curves_ > most_curves) {
+      const std::string limit = std::to_string(most_curves);
+      throw Error("outline.too_large", "The clip paths of the drawing have more than " + limit + " curves.",
+                  {{"text", "has clip paths of more than " + limit + " curves, at " + words_for(target)}});
+    }
+    return clip;
+  }
+
+  void read_element(const pugi::xml_node& node, const Context& outer) {
     const std::string_view name = local_name(node.name());
-    const bool is_group = is_one_of(name, {"g", "a", "switch"});
+    const bool is_group = is_one_of(name, {"g", "a", "switch", "svg"});
     const bool is_shape = is_one_of(name, {"path", "polygon", "polyline", "line", "rect", "circle", "ellipse"});
     const bool is_use = name == "use";
-    const bool is_other = is_one_of(name, {"text", "image", "svg", "foreignObject"});
+    const bool is_other = is_one_of(name, {"text", "image", "foreignObject"});
     if (!is_group && !is_shape && !is_use && !is_other) return;
-    if (is_hidden(node)) {
-      ++drawing_.hidden;
-      return;
-    }
+    const Declarations declared = styles_.declared(node);
+    Context context = outer;
+    context.style = at(node, [&] { return style_of(declared, outer.style); });
+    if (!context.style.is_displayed) return leave_hidden(drawing_, words_for(node), "it is hidden (display: none)");
     if (is_other) {
-      leave_out(drawing_, "<" + std::string(name) + ">");
+      if (context.style.is_visible && context.style.is_opaque)
+        leave_out(drawing_, "<" + std::string(name) + ">", words_for(node),
+                  name == "text" ? "text has no outline until it is made a path" : "it is no shape");
       return;
     }
-    const Map map = at(node, [&] { return Map(outer * read_transform(node.attribute("transform").value())); });
-    const auto names = names_of(node, outer_names);
-    if (is_group) return read_children(node, map, names, group + "/" + std::to_string(node.offset_debug()), depth + 1);
-    if (is_use) return read_use(node, map, names, group + "/" + std::to_string(node.offset_debug()), depth + 1);
-    auto curves = at(node, [&] { return shape_of(node, name); });
-    if (curves.empty()) return;
-    const std::string what = words_for(node);
-    for (Curve& curve : curves) {
-      transform(curve, map);
-      curve.names = names;
-      curve.group = group;
-      curve.what = what;
-      add_curve(drawing_, std::move(curve), execution_);
+    context.map = at(node, [&] { return Map(outer.map * read_transform(node.attribute("transform").value())); });
+    context = clipped(node, std::move(context));
+    styled_lengths_ = declared;
+    context.names = names_of(node, outer.names);
+    if (is_group || is_use) {
+      context.group = outer.group + "/" + std::to_string(node.offset_debug());
+      ++context.depth;
+      if (is_use) return read_use(node, context);
+      if (name == "svg") context = at(node, [&] { return nested(node, context, {}); });
+      return read_children(node, context);
     }
+    add_shape(node, name, context);
+  }
+
+  /// Why a shape is not shown; empty if it is.
+  static const char* unseen(const Style& style) {
+    if (!style.is_visible) return "it is invisible (visibility: hidden)";
+    if (!style.is_opaque) return "it is invisible (opacity: 0)";
+    return style.fills() || style.strokes() ? "" : "it is invisible: it has neither fill nor stroke";
+  }
+
+  void add_shape(const pugi::xml_node& node, std::string_view name, const Context& context) {
+    const Style& style = context.style;
+    const std::string what = words_for(node);
+    if (const std::string why = is_clipping_ ? (style.is_visible ? "" : "hidden") : unseen(style); !why.empty())
+      return leave_hidden(drawing_, what, why);
+    auto curves = at(node, [&] { return shape_of(node, name, context.viewport); });
+    if (curves.empty()) return;
+    ++elements_;
+    const bool fills = is_clipping_ || style.fills();
+    for (Curve& curve : curves) {
+      transform(curve, context.map);
+      curve.names = context.names;
+      curve.group = context.group;
+      curve.what = what;
+      curve.is_filled = fills;
+      curve.rule = !fills ? FillRule::evenodd : is_clipping_ ? style.clip_rule : style.fill_rule;
+      curve.element = elements_;
+      curve.clip = context.clip;
+    }
+    if (name == "rect" && !is_clipping_ && is_background(curves.front(), style))
+      return leave_hidden(drawing_, what, "it is a white background of the whole page");
+    if (!fills) drawing_.stroked += curves.size();
+    for (Curve& curve : curves) add_curve(drawing_, std::move(curve), execution_);
+  }
+
+  /// Whether a rectangle is white, without a line, below everything else, and as large as the page.
+  bool is_background(const Curve& curve, const Style& style) const {
+    if (!style.is_white || style.strokes() || !drawing_.curves.empty() || !(page_area_.minCoeff() > 0)) return false;
+    Eigen::AlignedBox2d box;
+    box.extend(curve.begin);
+    for (const Piece& piece : curve.pieces) for_each_control_point(piece, [&box](const Point& p) { box.extend(p); });
+    const double slack = 1e-6 * page_area_.maxCoeff();
+    return box.min().maxCoeff() <= slack && (box.max() - page_area_).minCoeff() >= -slack;
+  }
+
+  /// The inside of an <svg> or <symbol> within a drawing: its own coordinates, cut off at its edge.
+  Context nested(const pugi::xml_node& node, Context context, const pugi::xml_node& use) {
+    const auto side = [&](const char* name, double whole) {
+      for (const pugi::xml_node& from : {use, node}) {
+        if (!from || !from.attribute(name)) continue;
+        const auto value = length(from, name, context.viewport);
+        if (value && !(*value > 0)) throw std::invalid_argument(std::string(name) + " must be positive");
+        if (value) return *value;
+      }
+      return whole;
+    };
+    const Eigen::Vector2d size(side("width", context.viewport.x()), side("height", context.viewport.y()));
+    if (local_name(node.name()) == "svg")
+      context.map = context.map * Eigen::Translation2d(length_or_zero(node, "x", context.viewport),
+                                                       length_or_zero(node, "y", context.viewport));
+    const auto box = box_of(node);
+    if (box.empty() && local_name(node.name()) == "symbol") return context;
+    const bool has_size = size.minCoeff() > 0;
+    if (!box.empty() && !has_size)
+      throw std::invalid_argument("its view box has no space, because the page has no size");
+    const std::string_view overflow = node.attribute("overflow").value();
+    if (has_size && overflow != "visible" && overflow != "auto") {
+      auto clip = std::make_shared<Clip>();
+      Curve edge;
+      edge.closed = edge.is_filled = true;
+      edge.pieces = {Line{{size.x(), 0}}, Line{size}, Line{{0, size.y()}}};
+      transform(edge, context.map);
+      clip->curves.push_back(std::move(edge));
+      clip->outer = context.clip;
+      context.clip = std::move(clip);
+    }
+    if (!box.empty()) context.map = context.map * view_of(node, box, size);
+    context.viewport = box.empty() ? size : Eigen::Vector2d(box[2], box[3]);
+    return context;
   }
 
   void count_copy(const pugi::xml_node& node) {
@@ -219,24 +463,35 @@ class SvgReader {
   }
 
   /// What a <use> refers to is drawn again. Nothing outside the file is opened.
-  void read_use(const pugi::xml_node& node, const Map& outer, const std::vector<std::string>& names,
-                const std::string& group, int depth) {
-    check_nesting(depth, "groups", words_for(node));
+  void read_use(const pugi::xml_node& node, Context context) {
+    check_nesting(context.depth, "groups", words_for(node));
     const pugi::xml_node target = target_of(node);
     count_copy(target ? target : node);
     const std::string_view name = local_name(target.name());
-    const Map map = at(node, [&] {
-      Map moved = outer * Eigen::Translation2d(length_or_zero(node, "x"), length_or_zero(node, "y"));
-      if (name != "symbol") return moved;
-      return Map(moved * at(target, [&] { return symbol_of(target, node); }));
+    context.map = at(node, [&] {
+      return Map(context.map * Eigen::Translation2d(length_or_zero(node, "x", context.viewport),
+                                                    length_or_zero(node, "y", context.viewport)));
     });
     const bool was_copying = std::exchange(copying_, true);
-    if (name == "symbol") {
-      read_children(target, map, names_of(target, names), group, depth + 1);
-    } else if (target && !is_one_of(name, {"svg", "text", "image", "foreignObject"})) {
-      read_element(target, map, names, group, depth + 1);
+    styled_lengths_.clear();
+    if (name == "symbol" || name == "svg") {
+      const Declarations declared = styles_.declared(target);
+      Context inside = context;
+      inside.style = at(target, [&] { return style_of(declared, context.style); });
+      inside = clipped(target, std::move(inside));
+      inside = at(target, [&] { return nested(target, inside, node); });
+      inside.names = names_of(target, context.names);
+      ++inside.depth;
+      if (inside.style.is_displayed)
+        read_children(target, inside);
+      else
+        leave_hidden(drawing_, words_for(target), "it is hidden (display: none)");
+    } else if (target && !is_one_of(name, {"text", "image", "foreignObject"})) {
+      ++context.depth;
+      read_element(target, context);
     } else {
-      leave_out(drawing_, target ? "<use> of <" + std::string(name) + ">" : "<use> of nothing in the file");
+      leave_out(drawing_, target ? "<use> of <" + std::string(name) + ">" : "<use> of nothing in the file",
+                words_for(node));
     }
     copying_ = was_copying;
   }
@@ -247,6 +502,11 @@ class SvgReader {
     for (const auto& attribute : use.attributes()) {
       if (local_name(attribute.name()) == "href" && reference.empty()) reference = attribute.value();
     }
+    return element_of(use, reference);
+  }
+
+  /// The first element of an id that is written "#id".
+  pugi::xml_node element_of(const pugi::xml_node& any, std::string_view reference) {
     if (!reference.starts_with('#')) return {};
     if (!ids_) {
       ids_.emplace();
@@ -258,34 +518,22 @@ class SvgReader {
           return true;
         }
       } walker(*ids_);
-      use.root().traverse(walker);
+      any.root().traverse(walker);
     }
-    const auto found = ids_->find(reference.substr(1));
+    const auto found = ids_->find(std::string_view(reference.substr(1)));
     return found == ids_->end() ? pugi::xml_node() : found->second;
   }
 
-  /// A symbol with a view box fills the space that its use gives it, or the page.
-  Map symbol_of(const pugi::xml_node& symbol, const pugi::xml_node& use) const {
-    const auto box = box_of(symbol);
-    if (box.empty()) return Map::Identity();
-    const auto side = [&](const char* name, double page) {
-      for (const pugi::xml_node& node : {use, symbol}) {
-        const auto attribute = node.attribute(name);
-        if (!attribute || std::string_view(attribute.value()) == "auto") continue;
-        const auto value = read_length(attribute.value());
-        if (value && !(*value > 0)) throw std::invalid_argument(std::string(name) + " must be positive");
-        if (value) return *value;
-      }
-      return page;
+  std::vector<Curve> shape_of(const pugi::xml_node& node, std::string_view name,
+                              const Eigen::Vector2d& viewport) const {
+    const auto length = [&](const pugi::xml_node& from, const char* side) {
+      return this->length(from, side, viewport);
     };
-    const Eigen::Vector2d size(side("width", page_size_.x()), side("height", page_size_.y()));
-    if (!(size.minCoeff() > 0)) throw std::invalid_argument("its view box has no space, because the page has no size");
-    return view_of(symbol, box, size);
-  }
-
-  std::vector<Curve> shape_of(const pugi::xml_node& node, std::string_view name) const {
+    const auto length_or_zero = [&](const pugi::xml_node& from, const char* side) {
+      return length(from, side).value_or(0);
+    };
     if (name == "path") return read_path(node.attribute("d").value());
-    if (name == "rect") return rectangle(node);
+    if (name == "rect") return rectangle(node, viewport);
     if (name == "line") {
       Curve curve;
       curve.begin = {length_or_zero(node, "x1"), length_or_zero(node, "y1")};
@@ -312,7 +560,13 @@ class SvgReader {
     return {ellipse(centre, *rx, *ry)};
   }
 
-  std::vector<Curve> rectangle(const pugi::xml_node& node) const {
+  std::vector<Curve> rectangle(const pugi::xml_node& node, const Eigen::Vector2d& viewport) const {
+    const auto length = [&](const pugi::xml_node& from, const char* side) {
+      return this->length(from, side, viewport);
+    };
+    const auto length_or_zero = [&](const pugi::xml_node& from, const char* side) {
+      return length(from, side).value_or(0);
+    };
     const double x = length_or_zero(node, "x"), y = length_or_zero(node, "y");
     const double width = length_or_zero(node, "width"), height = length_or_zero(node, "height");
     auto rx = length(node, "rx"), ry = length(node, "ry");
@@ -348,6 +602,12 @@ class SvgReader {
   RawDrawing drawing_;
   std::optional<std::unordered_map<std::string_view, pugi::xml_node>> ids_;  ///< once a <use> has asked for one
   Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();                      ///< in user units within the page
+  Eigen::Vector2d page_area_ = Eigen::Vector2d::Zero();  ///< its width and height, mm; zero where they are unknown
+  StyleSheet styles_;
+  Declarations styled_lengths_;  ///< of the element that is being read
+  std::size_t elements_ = 0;
+  std::size_t clip_curves_ = 0;
+  bool is_clipping_ = false;
   std::size_t read_ = 0;
   std::size_t copies_ = 0;
   bool copying_ = false;

@@ -6,6 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "own_gcode.h"
+#include "supple/weave/gcode_check.h"
+
 namespace supple::weave {
 namespace {
 
@@ -28,9 +31,7 @@ class Writer {
   explicit Writer(const PrinterProfile& profile) : profile_(profile) {}
 
   void line(const std::string& text) { text_ += text + "\n"; }
-  void own_lines(const std::string& text) {
-    if (!text.empty()) text_ += text.back() == '\n' ? text : text + "\n";
-  }
+  void own_lines(const std::string& text) { text_ += own_gcode_lines(text); }
 
   void travel(const Move& move) {
     extruder(filament_ - profile_.retraction);
@@ -98,7 +99,15 @@ std::string to_gcode(const Toolpath& toolpath, const PrinterProfile& profile) {
   writer.line("M190 S" + bed + " ; wait for the bed");
   writer.line("M109 S" + nozzle + " ; wait for the nozzle");
   writer.line("G28 ; home");
-  writer.own_lines(profile.startup_gcode);
+  if (!profile.startup_gcode.empty()) {
+    writer.line(std::string(own_lines_begin));
+    writer.own_lines(profile.startup_gcode);
+    writer.line(std::string(own_lines_end));
+    // The owner's lines may have left other modes.
+    writer.line("G21 ; millimetres");
+    writer.line("G90 ; absolute positions");
+    writer.line("M82 ; absolute extrusion");
+  }
   writer.line("G92 E0");
   if (!toolpath.moves.empty()) {
     const Eigen::Vector3d& start = toolpath.moves.front().points.front();

@@ -114,7 +114,9 @@ GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits, const 
   for (std::size_t begin = 0; begin < text.size();) {
     if (lines % lines_at_once == 0)
       execution.checkpoint(static_cast<double>(begin) / static_cast<double>(text.size()), "check");
-    machine.obey(read_gcode_line(next_gcode_line(text, begin)), ++lines);
+    const std::string_view line = next_gcode_line(text, begin);
+    if (line == own_lines_begin || line == own_lines_end) machine.set_own_lines(line == own_lines_begin);
+    machine.obey(read_gcode_line(line), ++lines);
   }
   const std::vector<Bead>& beads = machine.beads();
   const std::map<std::int64_t, double> heights = levels(beads);

@@ -1,6 +1,7 @@
 #include "gcode_machine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -15,7 +16,21 @@ constexpr double extruder_slack = 1e-4;  ///< mm: less filament is rounding
 constexpr double largest_blob = 0.02;    ///< mm of filament that may be too much or missing at one place
 constexpr double speed_slack = 1e-3;     ///< share: speeds are rounded too
 constexpr double slowest = 0.01;         ///< mm/min; less is not moving
+constexpr double mm_per_inch = 25.4;
+constexpr double beyond_bed = 10;  ///< mm by which a printer's own start lines may leave the bed, to clean the nozzle
+constexpr std::size_t most_unchecked = 1000;
 constexpr const char* axes = "XYZ";
+
+/// Commands that pause, stop or leave the print, choose another file, or change what lengths of filament mean.
+constexpr std::array breaking{0,   1,   2,   23,  24,  25,  28,  30,  32,  108, 112, 125, 206, 218, 226,
+                              410, 428, 524, 600, 601, 602, 603, 605, 665, 666, 701, 702, 703, 997, 999};
+/// Levelling, probing, parking, cleaning and firmware retraction: the printer does them and comes back.
+constexpr std::array preparing{10, 11, 12, 22, 23, 27, 29, 30, 31, 32, 33, 34, 35, 36, 60, 61, 80, 81, 87, 88, 89};
+
+template <class Codes>
+bool contains(const Codes& codes, int code) {
+  return std::find(codes.begin(), codes.end(), code) != codes.end();
+}
 
 std::string readable(double value) {
   std::array<char, 64> text{};
@@ -38,6 +53,7 @@ void GcodeMachine::violate(ViolationKind kind, int line, std::string message) {
 void GcodeMachine::obey(const GcodeLine& line, int number_of_line) {
   line_ = number_of_line;
   for (const std::string& fault : line.faults) violate(ViolationKind::malformed_word, line_, fault);
+  if (!line.macro.empty()) return pass(line.macro);
   if (line.words.empty()) return;
   const GcodeWord& first = line.words.front();
   if (std::strchr("GMT", first.letter) == nullptr) {
@@ -49,16 +65,43 @@ void GcodeMachine::obey(const GcodeLine& line, int number_of_line) {
 }
 
 void GcodeMachine::command(const GcodeWord& command, const std::vector<GcodeWord>& parameters) {
-  const bool whole = command.has_value && command.value >= 0 && command.value == std::floor(command.value);
-  if (!whole || command.letter == 'T') {
+  if (command.letter == 'T') return tool(command);
+  const bool is_code = command.has_value && command.value >= 0;
+  const int family = is_code ? static_cast<int>(command.value) : -1;
+  const bool whole = is_code && command.value == family;
+  // "M862.3" and "G29.1" are kinds of M862 and G29.
+  if (is_code && !whole && (command.letter == 'M' ? !contains(breaking, family) : family == 29))
+    return pass(command.letter + readable(command.value));
+  if (!whole) {
     violate(ViolationKind::unknown_command, line_, command.letter + (command.has_value ? readable(command.value) : ""));
     return;
   }
-  const int code = static_cast<int>(command.value);
   if (command.letter == 'G')
-    general_command(code, parameters);
+    general_command(family, parameters);
   else
-    machine_command(code, parameters);
+    machine_command(family, parameters);
+}
+
+void GcodeMachine::tool(const GcodeWord& command) {
+  // The first tool is in use already.
+  if (command.has_value && command.value == 0) return;
+  violate(ViolationKind::unknown_command, line_, "T" + (command.has_value ? readable(command.value) : ""));
+}
+
+void GcodeMachine::pass(std::string command) {
+  ++report_.unchecked_count;
+  if (report_.unchecked.size() < most_unchecked) report_.unchecked.push_back({line_, std::move(command)});
+}
+
+void GcodeMachine::set_unit(bool inches) { unit_ = inches ? mm_per_inch : 1; }
+
+void GcodeMachine::set_factor(const std::vector<GcodeWord>& parameters, double& factor) {
+  const GcodeWord* percent = find(parameters, 'S');
+  if (percent == nullptr) return;
+  if (percent->has_value && percent->value > 0)
+    factor = percent->value / 100;
+  else
+    violate(ViolationKind::malformed_word, line_, "S is no percentage above 0");
 }
 
 void GcodeMachine::general_command(int code, const std::vector<GcodeWord>& parameters) {
@@ -68,9 +111,9 @@ void GcodeMachine::general_command(int code, const std::vector<GcodeWord>& param
       return move(parameters);
     case 4:
       return dwell(parameters);
+    case 20:
     case 21:
-    case 80:
-      return;
+      return set_unit(code == 20);
     case 28:
       return home(parameters);
     case 90:
@@ -80,6 +123,11 @@ void GcodeMachine::general_command(int code, const std::vector<GcodeWord>& param
     case 92:
       return set_position(parameters);
     default:
+      if (contains(preparing, code)) {
+        moved_ = true;
+        // Mesh levelling without probing, and leaving a canned cycle, are G80 of two families of printers.
+        return code == 80 ? void() : pass("G" + std::to_string(code));
+      }
       violate(ViolationKind::unknown_command, line_, "G" + std::to_string(code));
   }
 }
@@ -105,7 +153,18 @@ void GcodeMachine::machine_command(int code, const std::vector<GcodeWord>& param
     case 106:
     case 107:
       return;
+    case 200: {
+      // A diameter above 0 makes E a volume.
+      const GcodeWord* diameter = find(parameters, 'D');
+      if (diameter != nullptr && diameter->value > 0) violate(ViolationKind::unknown_command, line_, "M200 D");
+      return;
+    }
+    case 220:
+      return set_factor(parameters, speed_factor_);
+    case 221:
+      return set_factor(parameters, flow_factor_);
     default:
+      if (!contains(breaking, code)) return pass("M" + std::to_string(code));
       violate(ViolationKind::unknown_command, line_, "M" + std::to_string(code));
   }
 }
@@ -140,10 +199,10 @@ void GcodeMachine::set_position(const std::vector<GcodeWord>& parameters) {
   const bool all = parameters.empty();
   for (int axis = 0; axis < 3; ++axis) {
     const GcodeWord* word = find(parameters, axes[axis]);
-    if (all || (word != nullptr && word->has_value)) offset_[axis] = position_[axis] - (all ? 0 : word->value);
+    if (all || (word != nullptr && word->has_value)) offset_[axis] = position_[axis] - (all ? 0 : word->value * unit_);
   }
   const GcodeWord* word = find(parameters, 'E');
-  if (all || (word != nullptr && word->has_value)) extruder_ = all ? 0 : word->value;
+  if (all || (word != nullptr && word->has_value)) extruder_ = all ? 0 : word->value * unit_;
 }
 
 void GcodeMachine::set_temperature(const std::vector<GcodeWord>& parameters, bool nozzle, bool waits) {
@@ -171,7 +230,7 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
   check_parameters(parameters, "XYZEF");
   if (const GcodeWord* f = find(parameters, 'F'); f != nullptr && f->has_value) {
     if (f->value >= slowest)
-      speed_ = f->value;
+      speed_ = f->value * unit_;
     else
       violate(ViolationKind::no_speed, line_, "F" + readable(f->value) + " is no speed");
   }
@@ -179,7 +238,7 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
   for (int axis = 0; axis < 3; ++axis) {
     const GcodeWord* word = find(parameters, axes[axis]);
     if (word == nullptr || !word->has_value) continue;
-    target[axis] = absolute_ ? word->value + offset_[axis] : position_[axis] + word->value;
+    target[axis] = absolute_ ? word->value * unit_ + offset_[axis] : position_[axis] + word->value * unit_;
     if (!homed_[static_cast<std::size_t>(axis)] && !reported_home_) {
       reported_home_ = true;
       violate(ViolationKind::not_homed, line_, std::string("moves along ") + axes[axis] + " before G28");
@@ -187,8 +246,9 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
   }
   double pushed = 0;
   if (const GcodeWord* e = find(parameters, 'E'); e != nullptr && e->has_value) {
-    pushed = absolute_extrusion_ ? e->value - extruder_ : e->value;
-    extruder_ += pushed;
+    const double written = absolute_extrusion_ ? e->value * unit_ - extruder_ : e->value * unit_;
+    extruder_ += written;
+    pushed = written * flow_factor_;
   }
   check_position(target);
   if (pushed < 0 && retracted() < extruder_slack) ++report_.retractions;
@@ -200,7 +260,7 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
   const double deposited = filament_ - most_filament_;
   most_filament_ = std::max(most_filament_, filament_);
   if (length > 0 || pushed != 0) check_speed(deposited > extruder_slack && length > 0);
-  if (speed_ > 0) report_.minutes += (length > 0 ? length : std::abs(pushed)) / speed_;
+  if (speed_ > 0) report_.minutes += (length > 0 ? length : std::abs(pushed)) / (speed_ * speed_factor_);
   if (deposited > 0) {
     report_.filament += deposited;
     extrude_to(target, deposited);
@@ -213,10 +273,16 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
 void GcodeMachine::check_position(const Eigen::Vector3d& target) {
   const auto at = [&] { return readable(target[0]) + ", " + readable(target[1]) + ", " + readable(target[2]) + " mm"; };
   if (target == position_) return;
-  if (target[1] < -slack) violate(ViolationKind::y_below_zero, line_, "goes to " + at());
-  if (target[2] < -slack) violate(ViolationKind::z_below_zero, line_, "goes to " + at());
-  const bool inside = target[0] >= -slack && target[0] <= limits_.bed[0] + slack &&
-                      target[1] <= limits_.bed[1] + slack && target[2] <= limits_.bed[2] + slack;
+  // Where the owner's lines left an axis is no fault of the lines that follow.
+  const Eigen::Array<bool, 3, 1> changes = target.array() != position_.array();
+  for (int axis = 0; axis < 3; ++axis) left_by_owner_[axis] = own_lines_ || (left_by_owner_[axis] && !changes[axis]);
+  const Eigen::Array<bool, 3, 1> moves = changes || !left_by_owner_;
+  const double room = own_lines_ ? beyond_bed : slack;
+  if (moves[1] && target[1] < -room) violate(ViolationKind::y_below_zero, line_, "goes to " + at());
+  if (moves[2] && target[2] < -slack) violate(ViolationKind::z_below_zero, line_, "goes to " + at());
+  const Eigen::Vector3d most = limits_.bed + Eigen::Vector3d(room, room, slack);
+  const bool inside = (!moves[0] || (target[0] >= -room && target[0] <= most[0])) &&
+                      (!moves[1] || target[1] <= most[1]) && (!moves[2] || target[2] <= most[2]);
   if (!inside)
     violate(ViolationKind::outside_bed, line_,
             "goes to " + at() + "; the bed ends at " + readable(limits_.bed[0]) + ", " + readable(limits_.bed[1]) +
@@ -229,10 +295,12 @@ void GcodeMachine::check_speed(bool extrudes) {
     reported_speed_ = true;
     return;
   }
+  if (own_lines_) return;
+  const double speed = speed_ * speed_factor_;
   const double limit = extrudes ? limits_.print_speed : limits_.travel_speed;
-  if (speed_ > limit * (1 + speed_slack))
+  if (speed > limit * (1 + speed_slack))
     violate(ViolationKind::too_fast, line_,
-            readable(speed_) + " mm/min, at most " + readable(limit) +
+            readable(speed) + " mm/min, at most " + readable(limit) +
                 (extrudes ? " while extruding" : " while travelling"));
 }
 
@@ -244,7 +312,7 @@ void GcodeMachine::extrude_to(const Eigen::Vector3d& target, double deposited) {
                 readable(limits_.cold) + " are needed");
   }
   if (target == position_) {
-    if (deposited > largest_blob)
+    if (deposited > largest_blob && !own_lines_)
       violate(ViolationKind::over_extrusion, line_, readable(deposited) + " mm of filament while the nozzle rests");
     return;
   }
@@ -256,6 +324,7 @@ void GcodeMachine::extrude_to(const Eigen::Vector3d& target, double deposited) {
   travelled_ = 0;
   reported_travel_ = false;
   report_.extruded_length += (target - position_).norm();
+  if (own_lines_) return;
   beads_.push_back({line_, run_, position_, target, deposited});
 }
 
@@ -265,7 +334,8 @@ void GcodeMachine::travel_to(const Eigen::Vector3d& target) {
   travelled_ += (target - position_).head<2>().norm();
   // Before the first bead nothing can ooze that matters.
   if (beads_.empty() || reported_travel_ || travelled_ <= limits_.free_travel) return;
-  if (retracted() >= limits_.retraction - extruder_slack) return;
+  // The factor of the flow counts for retractions too.
+  if (retracted() >= limits_.retraction * std::min(1.0, flow_factor_) - extruder_slack) return;
   reported_travel_ = true;
   violate(ViolationKind::travel_without_retraction, line_,
           readable(travelled_) + " mm with " + readable(retracted()) + " mm retracted, at least " +

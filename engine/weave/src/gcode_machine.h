@@ -19,6 +19,10 @@ class GcodeMachine {
   /// Obeys a line of this number.
   void obey(const GcodeLine& line, int number);
 
+  /// Whether the following lines are the owner's: their lines may leave the bed a little, and what they deposit (a
+  /// line that fills the nozzle) is no bead of the print.
+  void set_own_lines(bool own) { own_lines_ = own; }
+
   void violate(ViolationKind kind, int line, std::string message);
 
   const std::vector<Bead>& beads() const { return beads_; }
@@ -33,6 +37,11 @@ class GcodeMachine {
   void home(const std::vector<GcodeWord>& parameters);
   void set_position(const std::vector<GcodeWord>& parameters);
   void set_temperature(const std::vector<GcodeWord>& parameters, bool nozzle, bool waits);
+  void tool(const GcodeWord& command);
+  void set_unit(bool inches);
+  void set_factor(const std::vector<GcodeWord>& parameters, double& factor);
+  /// Notes a command that is passed on to the printer, whose effect is not followed.
+  void pass(std::string command);
   void dwell(const std::vector<GcodeWord>& parameters);
   void check_parameters(const std::vector<GcodeWord>& parameters, const char* allowed);
   void check_position(const Eigen::Vector3d& target);
@@ -49,6 +58,11 @@ class GcodeMachine {
   Eigen::Vector3d position_{0, 0, 0};  ///< mm, of the machine
   Eigen::Vector3d offset_{0, 0, 0};    ///< of the machine's coordinates over those of the G-code
   std::array<bool, 3> homed_{false, false, false};
+  bool own_lines_ = false;
+  Eigen::Array<bool, 3, 1> left_by_owner_{false, false, false};  ///< axes that no later line has moved
+  double unit_ = 1;                                              ///< mm of a length in the G-code: 25.4 after G20
+  double flow_factor_ = 1;                                       ///< of M221
+  double speed_factor_ = 1;                                      ///< of M220
   bool absolute_ = true;
   bool absolute_extrusion_ = true;
   double extruder_ = 0;       ///< in the G-code's coordinates

@@ -1,5 +1,6 @@
 #include "gcode_words.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -13,9 +14,22 @@ namespace {
 constexpr std::size_t most_words = 32;
 constexpr std::size_t most_faults = 4;
 
+/// The longest name of a macro that is shown.
+constexpr std::size_t longest_macro = 60;
+
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+/// Whether the checker uses the parameters of a command; those of all others may be any text.
+bool has_words(const GcodeWord& command) {
+  constexpr std::array general{0.0, 1.0, 4.0, 20.0, 21.0, 28.0, 90.0, 91.0, 92.0};
+  constexpr std::array machine{18.0, 82.0, 83.0, 84.0, 104.0, 106.0, 107.0, 109.0, 140.0, 190.0, 200.0, 220.0, 221.0};
+  if (!command.has_value || command.letter == 'T') return true;
+  if (command.letter == 'G') return std::find(general.begin(), general.end(), command.value) != general.end();
+  if (command.letter == 'M') return std::find(machine.begin(), machine.end(), command.value) != machine.end();
+  return true;
+}
 
 std::string shown(char c) {
   std::array<char, 32> text{};
@@ -38,8 +52,12 @@ class Reader {
         at_ = end == std::string_view::npos ? line_.size() : end + 1;
       } else if (c == '*') {
         checksum();
+      } else if (result_.words.empty() && begins_macro()) {
+        macro();
+        break;
       } else if (is_letter(c)) {
         word();
+        if (result_.words.size() == 1 && !has_words(result_.words.front())) break;
       } else {
         fault("unexpected " + shown(c));
         ++at_;
@@ -57,6 +75,17 @@ class Reader {
     std::size_t digits = 0;
     for (++at_; at_ < line_.size() && is_digit(line_[at_]); ++at_) ++digits;
     if (digits == 0 || digits > 3) fault("a checksum must have one to three digits");
+  }
+
+  /// Whether a name of two or more letters stands here: commands have one letter, and a number after it.
+  bool begins_macro() const {
+    const auto at = [this](std::size_t k) { return k < line_.size() ? line_[k] : ' '; };
+    return (is_letter(at(at_)) || at(at_) == '_') && (is_letter(at(at_ + 1)) || at(at_ + 1) == '_');
+  }
+  void macro() {
+    std::size_t end = at_;
+    while (end < line_.size() && (is_letter(line_[end]) || is_digit(line_[end]) || line_[end] == '_')) ++end;
+    result_.macro = std::string(line_.substr(at_, std::min(end - at_, longest_macro)));
   }
 
   void word() {

@@ -1,4 +1,5 @@
 #include "supple/weave/printer_profile.h"
+#include "own_gcode.h"
 #include "supple/base/faults.h"
 
 #include <cmath>
@@ -78,8 +79,13 @@ void validate(const PrinterProfile& profile) {
   speed(profile.travel_speed, "travel_speed");
   speed(profile.retraction_speed, "retraction_speed");
   const std::string text = "must be printable ASCII of at most " + std::to_string(longest_text) + " characters";
-  faults.require(printable(profile.startup_gcode), "startup_gcode", text);
-  faults.require(printable(profile.footer_gcode), "footer_gcode", text);
+  const auto own_lines = [&](const std::string& lines, const char* where) {
+    faults.require(lines.size() <= longest_text, where, text);
+    if (lines.size() > longest_text) return;
+    if (const auto fault = fault_of_own_gcode(lines)) faults.add(where, *fault);
+  };
+  own_lines(profile.startup_gcode, "startup_gcode");
+  own_lines(profile.footer_gcode, "footer_gcode");
   faults.throw_if_any("weave.invalid_option");
 }
 

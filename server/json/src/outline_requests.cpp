@@ -13,6 +13,8 @@ constexpr double least_chord_error = 1e-4;
 constexpr double largest_chord_error = 10;
 constexpr double least_drawing_width = 0.01;
 constexpr double largest_drawing_width = 2000;
+constexpr double least_resolution = 1;
+constexpr double largest_resolution = 10'000;
 
 }  // namespace
 
@@ -30,6 +32,11 @@ OutlineRequest parse_outlines(std::string_view body, const Limits& limits) {
   }
   fields.choice("format", request.options.format, {"automatic", "svg", "dxf"});
   fields.choice("unit", request.options.unit, {"automatic", "mm", "cm", "m", "in", "ft", "pt", "px"});
+  if (fields.present("resolution")) {
+    double resolution = least_resolution;
+    fields.number("resolution", resolution, least_resolution, largest_resolution);
+    request.options.resolution = resolution;
+  }
   if (fields.present("width")) {
     double width = least_drawing_width;
     fields.number("width", width, least_drawing_width, largest_drawing_width);
@@ -60,9 +67,15 @@ std::string write_outlines(const OutlineRequest& request, const outlines::Drawin
   out.end_array().key("size").numbers(size).key("lower").numbers(drawing.lower).key("upper").numbers(drawing.upper);
   out.field("unit", drawing.unit).field("unit_is_known", drawing.unit_is_known);
   out.field("curves", drawing.curves).field("joined_curves", drawing.joined);
-  out.field("open_curves", drawing.open_curves).field("corners", corners);
+  out.field("open_curves", drawing.open_curves).field("stroked_curves", drawing.stroked);
+  out.field("united_shapes", drawing.united).field("clipped_shapes", drawing.clipped);
+  out.field("simplified_corners", drawing.simplified).field("corners", corners);
   out.field("chord_error", drawing.chord_error);
   write_warnings(out, drawing.warnings);
+  out.key("left_out").begin_array();
+  for (const auto& one : drawing.left_out)
+    out.begin_object().field("element", one.element).field("reason", one.reason).end_object();
+  out.end_array().field("left_out_count", drawing.left_out_count);
   out.key("accuracy").begin_object().field("tolerance", request.options.tolerance).end_object();
   write_bill(out, bill);
   out.end_object();

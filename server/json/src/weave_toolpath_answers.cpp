@@ -51,7 +51,10 @@ void write_report(JsonWriter& out, std::string_view name, const weave::GcodeRepo
     out.begin_object().field("kind", weave::to_string(violation.kind)).field("line", violation.line);
     out.field("message", violation.message).end_object();
   }
-  out.end_array().field("violation_count", r.violation_count).end_object();
+  out.end_array().field("violation_count", r.violation_count).key("unchecked").begin_array();
+  for (const weave::UncheckedCommand& unchecked : r.unchecked)
+    out.begin_object().field("line", unchecked.line).field("command", unchecked.command).end_object();
+  out.end_array().field("unchecked_count", r.unchecked_count).end_object();
 }
 
 }  // namespace

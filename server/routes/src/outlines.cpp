@@ -14,6 +14,16 @@ void tell_effects(const json::OutlineRequest& request, const outlines::Drawing& 
       "joining", drawing.joined > 0,
       drawing.joined > 0 ? "open curves close with others whose ends they meet" : "no open curve closes with others",
       static_cast<std::int64_t>(drawing.joined));
+  cost->add_effect("uniting", drawing.united > 0,
+                   drawing.united > 0 ? "some shapes of one group cross each other" : "no shapes of one group cross",
+                   static_cast<std::int64_t>(drawing.united));
+  cost->add_effect("clipping", drawing.clipped > 0,
+                   drawing.clipped > 0 ? "clip paths cut something off" : "no clip path cuts anything off",
+                   static_cast<std::int64_t>(drawing.clipped));
+  cost->add_effect(
+      "simplifying", drawing.simplified > 0,
+      drawing.simplified > 0 ? "some outlines have more than 1000 corners" : "no outline has very many corners",
+      static_cast<std::int64_t>(drawing.simplified));
   cost->add_effect("scaling", request.options.width.has_value(),
                    request.options.width ? "the request gives a width" : "the request gives no width");
 }

@@ -190,7 +190,7 @@ TEST(HardDrawings, ManyPiecesInRandomOrderClose) {
   options.tolerance = 1e-3;
   const Drawing drawing = read_drawing(page(content), options);
   ASSERT_EQ(drawing.outlines.size(), 1U);
-  EXPECT_EQ(drawing.outlines[0].corners.size(), static_cast<std::size_t>(sides));
+  EXPECT_EQ(drawing.outlines[0].corners.size() + drawing.simplified, static_cast<std::size_t>(sides));
   EXPECT_EQ(drawing.joined, static_cast<std::size_t>(sides));
   EXPECT_EQ(drawing.open_curves, 0U);
 }

@@ -22,6 +22,31 @@ inline double area(const Outline& outline) {
   return twice / 2;
 }
 
+/// What lies within an odd number of a drawing's outlines, none of which cross.
+inline double even_odd_area(const Drawing& drawing) {
+  const auto inside = [](const Outline& outline, const Eigen::Vector2d& p) {
+    bool result = false;
+    const auto& c = outline.corners;
+    for (std::size_t k = 0; k < c.size(); ++k) {
+      const Eigen::Vector2d &a = c[k], &b = c[(k + 1) % c.size()];
+      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+        result = !result;
+    }
+    return result;
+  };
+  double sum = 0;
+  for (const Outline& outline : drawing.outlines) {
+    int around = 0;
+    // A point of the boundary, pushed a little inwards of a side so that shared corners do not count.
+    const Eigen::Vector2d a = outline.corners[0], b = outline.corners[1];
+    const Eigen::Vector2d left(-(b - a).y(), (b - a).x());
+    const Eigen::Vector2d p = (a + b) / 2 + (area(outline) > 0 ? 1e-6 : -1e-6) * left.normalized();
+    for (const Outline& other : drawing.outlines) around += &other != &outline && inside(other, p) ? 1 : 0;
+    sum += (around % 2 == 0 ? 1 : -1) * std::abs(area(outline));
+  }
+  return sum;
+}
+
 /// The greatest distance of a corner from a circle.
 inline double off_circle(const Outline& outline, const Eigen::Vector2d& centre, double radius) {
   double most = 0;

@@ -56,7 +56,8 @@ TEST(Svg, LinesOfPathsAreThatOfTheirCommands) {
 }
 
 TEST(Svg, SubpathsAreCurvesOfTheirOwn) {
-  const Drawing drawing = read(path("M0 0h20v20h-20z m5 5h5v5h-5z l0-3h-3z"));
+  const Drawing drawing =
+      read(page(R"svg(<path id="p" fill="none" stroke="#000" d="M0 0h20v20h-20z m5 5h5v5h-5z l0-3h-3z"/>)svg"));
   ASSERT_EQ(drawing.outlines.size(), 3U);
   EXPECT_NEAR(std::abs(area(drawing.outlines[0])), 400, 1e-9);
   EXPECT_NEAR(std::abs(area(drawing.outlines[1])), 25, 1e-9);
@@ -208,13 +209,14 @@ TEST(Svg, OpenCurvesOfOneGroupAreJoinedAndOthersTold) {
   // Four sides in any order and direction close; one in another group, and one that is apart, do not.
   const Drawing drawing = read(page(R"svg(<g><path d="M10 10H30"/><line x1="30" y1="30" x2="30" y2="10.004"/>
     <polyline points="10,10 10,30 30,30"/></g><rect x="50" width="5" height="5"/>
-    <g><line x1="40" y1="40" x2="60" y2="40"/></g><g><path id="open" d="M60 40V60L40 40.1"/></g>)svg"));
+    <g fill="none" stroke="#000"><line x1="40" y1="40" x2="60" y2="40"/></g>
+    <g fill="none" stroke="#000"><path id="open" d="M60 40V60L40 40.1"/></g>)svg"));
   ASSERT_EQ(drawing.outlines.size(), 2U);
   EXPECT_NEAR(std::abs(area(drawing.outlines[0])), 400, 0.1);
   EXPECT_EQ(drawing.curves, 6U);
   EXPECT_EQ(drawing.joined, 3U);
   EXPECT_EQ(drawing.open_curves, 2U);
-  EXPECT_TRUE(warns_of(drawing, "<path> \"open\" of line 3 ends"));
+  EXPECT_TRUE(warns_of(drawing, "<path> \"open\" of line 4 ends"));
 }
 
 TEST(Svg, WhatIsUsedIsDrawnAgain) {
@@ -254,11 +256,13 @@ TEST(Svg, SymbolsFillTheSpaceOfTheirUse) {
                  {{0, 80}, {2, 80}, {2, 79}, {0, 79}});
 }
 
-TEST(Svg, LinesOfOneUseAreJoinedAndThoseOfAnotherAreNot) {
+TEST(Svg, LinesOfSeveralUsesAreJoinedWhereTheyClose) {
   const Drawing drawing = read(page(R"svg(<defs><g id="angle"><path d="M0 0H10"/><path d="M0 0V10"/></g></defs>
     <g><use href="#angle"/><use href="#angle" transform="translate(10 10) rotate(180)"/></g><rect x="50" width="5" height="5"/>)svg"));
-  EXPECT_EQ(drawing.outlines.size(), 1U);
-  EXPECT_EQ(drawing.open_curves, 4U);
+  ASSERT_EQ(drawing.outlines.size(), 2U);
+  EXPECT_EQ(drawing.open_curves, 0U);
+  EXPECT_NEAR(std::abs(area(drawing.outlines[0])), 100, 1e-9);
+  EXPECT_TRUE(warns_of(drawing, "Curves of several layers or groups close together"));
 }
 
 TEST(Svg, WhatIsNoOutlineIsLeftOutAndTold) {
@@ -267,7 +271,7 @@ TEST(Svg, WhatIsNoOutlineIsLeftOutAndTold) {
     <g display="none"><rect width="8" height="8"/></g><text id="t">words</text><use href="#x"/><use href="other.svg#r"/><use href="#t"/>
     <path d="M0 0 L5 0 Z"/><script>alert(1)</script><sodipodi:namedview/>)svg"));
   EXPECT_EQ(drawing.outlines.size(), 1U);
-  EXPECT_TRUE(warns_of(drawing, "1 polygon lies exactly over"));
+  EXPECT_TRUE(warns_of(drawing, "1 polygon lies over another one"));
   EXPECT_TRUE(warns_of(drawing, "2 hidden elements left out"));
   EXPECT_TRUE(warns_of(drawing, "2 <use> of nothing in the file left out"));
   EXPECT_TRUE(warns_of(drawing, "1 <use> of <text> left out"));
@@ -291,7 +295,7 @@ TEST(Svg, NamesTheElementThatCannotBeRead) {
   expect_words(message(path("M0 0 L 1e400 5")), "must be a number");
   expect_words(message(path("M0 0 L 1e12 5 L 5 5Z")), "beyond 10000 m");
   expect_words(message(page("<circle r='5em'/>")), "in none of the units");
-  expect_words(message(page("<circle r='5%'/>")), "r is a percentage");
+  expect_words(message("<svg><circle r='5%'/></svg>"), "r is a percentage, but the page has no size");
   expect_words(message(page("<rect width='-5' height='5'/>")), "negative");
   expect_words(message(page("<polygon points='1,2,3'/>")), "odd number");
   expect_words(message(page("<g transform='turn(3)'/>")), "\"turn\" is no function");

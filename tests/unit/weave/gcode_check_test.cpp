@@ -135,7 +135,13 @@ const std::vector<Mutation> mutations{
     {"HomedInPart", 9, "G28 X Y", ViolationKind::not_homed, 11},
     {"MotorsOff", 18, "M84", ViolationKind::not_homed, 19},
     {"UnknownGCommand", 3, "G17", ViolationKind::unknown_command, 3},
-    {"Inches", 2, "G20", ViolationKind::unknown_command, 2},
+    {"Inches", 2, "G20", ViolationKind::outside_bed, 12},
+    {"EndsThePrint", 4, "M0", ViolationKind::unknown_command, 4},
+    {"VolumetricExtrusion", 4, "M200 D1.75", ViolationKind::unknown_command, 4},
+    {"HalfTheFlow", 13, "M221 S50", ViolationKind::under_extrusion, 14},
+    {"NoFlow", 4, "M221 S0", ViolationKind::malformed_word, 4},
+    {"DoubleSpeed", 13, "M220 S200", ViolationKind::too_fast, 14},
+    {"MoveByAKindOfACommand", 3, "G0.1", ViolationKind::unknown_command, 3},
     {"UnknownMCommand", 4, "M600", ViolationKind::unknown_command, 4},
     {"OtherTool", 4, "T1", ViolationKind::unknown_command, 4},
     {"BrokenCommand", 3, "G1.5", ViolationKind::unknown_command, 3},
@@ -164,6 +170,41 @@ TEST(GcodeCheck, FollowsRelativeMovesResetsAndRelativeExtrusion) {
   EXPECT_NEAR(report.extruded_length, 30, 1e-12);
   EXPECT_NEAR(report.filament, 2.4, 1e-12);
   EXPECT_NEAR(report.highest[0], 40, 1e-12) << "of the machine, whatever the file calls it";
+}
+
+TEST(GcodeCheck, PassesOnWhatPrintersKnowAndSaysSo) {
+  const std::vector<std::string> known{"M862.3 P \"MK3S\"",
+                                       "M115 U3.13.2",
+                                       "M900 K0.05",
+                                       "START_PRINT BED=60",
+                                       "_CLEAN_NOZZLE",
+                                       "SET_PRESSURE_ADVANCE ADVANCE=0.05",
+                                       "M117 it's 100% {ok}",
+                                       "G29.1",
+                                       "G29 P1 A",
+                                       "M73 P0 R12",
+                                       "M1002 judge_flag x",
+                                       "m900 k0.05"};
+  std::string text;
+  for (const std::string& line : known) text += line + "\n";
+  text += "T0\nG80\nM221 S95\n" + joined(good);
+  const GcodeReport report = check_gcode(text, limits());
+  for (const Violation& v : report.violations) ADD_FAILURE() << v.line << ": " << v.message;
+  ASSERT_EQ(report.unchecked.size(), known.size());
+  EXPECT_EQ(report.unchecked_count, static_cast<int>(known.size()));
+  EXPECT_EQ(report.unchecked[0].command, "M862.3");
+  EXPECT_EQ(report.unchecked[3].command, "START_PRINT");
+  EXPECT_EQ(report.unchecked[3].line, 4);
+  EXPECT_EQ(report.unchecked[7].command, "G29.1");
+  EXPECT_NEAR(report.filament, 0.95 * check_gcode(joined(good), limits()).filament, 1e-9);
+}
+
+TEST(GcodeCheck, FollowsInches) {
+  const std::string text = "G28\nM109 S200\nG20\nG1 F20\nG0 X1 Y1 Z0.02\nG1 X2 E0.08\nG21\nG1 X60.8 E2.832\n";
+  const GcodeReport report = check_gcode(text, limits());
+  for (const Violation& v : report.violations) ADD_FAILURE() << v.line << ": " << v.message;
+  EXPECT_NEAR(report.extruded_length, 35.4, 1e-9);
+  EXPECT_NEAR(report.filament, 2.832, 1e-9);
 }
 
 TEST(GcodeCheck, CountsLinesOfEveryEnding) {

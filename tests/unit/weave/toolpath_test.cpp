@@ -313,7 +313,7 @@ TEST(Toolpath, RefusesProfilesAndOptionsOutOfRange) {
   PrinterProfile profile;
   profile.filament_diameter = 0;
   profile.lift.run = 0.1;
-  profile.startup_gcode = "G1 X1\t";
+  profile.startup_gcode = "G1 X1\v";
   EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile); })),
             (std::vector<std::string>{"filament_diameter", "lift/run", "startup_gcode"}));
   ToolpathOptions options;
@@ -439,6 +439,73 @@ TEST(Gcode, CarriesTheProfilesTemperaturesAndOwnLines) {
   EXPECT_NE(gcode.find("M109 S205 "), std::string::npos);
   EXPECT_LT(gcode.find("G28"), gcode.find("; mine"));
   EXPECT_LT(gcode.find("M106 S255\n"), gcode.find("M104 S0"));
+}
+
+/// Start lines as people have them, with what is wrong with the whole program (nothing).
+const std::vector<std::pair<std::string, std::string>> start_lines{
+    {"relative extrusion", "M83"},
+    {"of a Prusa", "M862.3 P \"MK3S\"\nM115 U3.13.2\nM900 K0.05\nM221 S95"},
+    {"Windows' line ends", "M83\r\nG92 E0\r\n"},
+    {"relative positions", "G91\nG1 Z5 F600\nG1 Z-2"},
+    {"inches", "G20"},
+    {"macros", "START_PRINT BED_TEMP=60 EXTRUDER_TEMP=205\nBED_MESH_CALIBRATE"},
+    {"line numbers", "N1 M110 N1*125\nN2 M83*17\nn3 G28 *20"},
+    {"lower case", "g28\nm83\ng92 e0"},
+    {"first tool, levelling and time", "T0\nG29\nM73 P0\nG80"},
+    {"a thick line beside the bed",
+     "G1 Y-3.0 F1000.0 ; outside the print area\nG1 Z0.2\nM83\nG1 X60.0 E9.0 F1000.0\nG1 X100.0 E12.5 F9000.0\nG92 "
+     "E0.0"},
+    {"placeholders in comments", "M300 ; [not replaced] {here}\nM117 \"[ok]\""},
+};
+
+TEST(Gcode, PrintsTheSameAfterAnyStartLines) {
+  const Weave weave = sliding_cross();
+  PrinterProfile profile;
+  profile.nozzle_temperature = 205;
+  profile.priming_length = 0;
+  const Toolpath path = toolpath(weave, profile);
+  const GcodeReport plain = check_gcode(to_gcode(path, profile), limits_of(profile, weave));
+  for (const auto& [name, lines] : start_lines) {
+    SCOPED_TRACE(name);
+    profile.startup_gcode = lines;
+    const std::string gcode = to_gcode(path, profile);
+    EXPECT_EQ(gcode.find('\r'), std::string::npos);
+    const GcodeReport report = check_gcode(gcode, limits_of(profile, weave));
+    for (const Violation& v : report.violations) ADD_FAILURE() << v.line << ": " << v.message;
+    EXPECT_EQ(report.highest, plain.highest);
+    EXPECT_EQ(report.lowest, plain.lowest);
+    EXPECT_EQ(report.channels.size(), plain.channels.size());
+  }
+}
+
+TEST(Gcode, ThatAFactorOfTheFlowHalvesIsFound) {
+  PrinterProfile profile;
+  profile.startup_gcode = "M221 S50";
+  const Weave weave = sliding_cross();
+  const auto report = check_gcode(to_gcode(toolpath(weave, profile), profile), limits_of(profile, weave));
+  ASSERT_GT(report.violation_count, 0);
+  EXPECT_EQ(report.violations[0].kind, ViolationKind::under_extrusion);
+}
+
+TEST(Gcode, NamesPlaceholdersThatWereNotReplaced) {
+  for (const auto& [line, shown] : std::vector<std::pair<std::string, std::string>>{
+           {"M104 S[first_layer_temperature]", "[first_layer_temperature]"},
+           {"M190 S{material_bed_temperature}", "{material_bed_temperature}"},
+           {"{if first_layer_bed_temperature[0] > 50}M140 S60{endif}", "{if first_layer_bed_temperature[0] > 50}"},
+           {"M140 S{broken", "{broken"}}) {
+    PrinterProfile profile;
+    profile.startup_gcode = "M83 ; [fine]\r\n" + line;
+    const Error error = expect_error("weave.invalid_option", [&] { validate(profile); });
+    EXPECT_EQ(places(error), std::vector<std::string>{"startup_gcode"});
+    EXPECT_NE(std::string(error.what()).find("line 2: the placeholder " + shown), std::string::npos) << error.what();
+  }
+  PrinterProfile profile;
+  profile.footer_gcode = "M117 [done]";
+  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { validate(profile); })),
+            std::vector<std::string>{"footer_gcode"});
+  profile.footer_gcode = "; caf\xc3\xa9";
+  EXPECT_NE(std::string(expect_error("weave.invalid_option", [&] { validate(profile); }).what()).find("line 1"),
+            std::string::npos);
 }
 
 TEST(Gcode, NamesEachMovesStrandOnce) {

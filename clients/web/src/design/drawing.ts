@@ -7,6 +7,8 @@ export interface Drawing {
   readonly text: string;
   /** All curves together are scaled to this width in mm; null: as the file says. */
   readonly width: number | null;
+  /** Pixels per inch that were chosen for a drawing without a physical size. */
+  readonly resolution: number | null;
   readonly curves: Outlines;
 }
 

@@ -12,6 +12,7 @@ import type { DesignSession } from "./session";
 
 const FILE_TYPES = ".svg,.dxf,image/svg+xml,image/vnd.dxf";
 const NO_DRAWING = "SVG or DXF (ASCII): a closed curve for the outline, and one for each region. A region lies in the curve of its name. Drop the file onto the page, or open it.";
+const RESOLUTIONS = [["72", "72 (Adobe Illustrator)"], ["90", "90 (Inkscape before 0.92)"], ["96", "96 (browsers, Inkscape)"]] as const;
 const LARGEST = "largest";
 const OTHERS = "others";
 
@@ -37,12 +38,13 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     else if (value > 0) part.scale(value);
     else showWidth();
   } });
+  const resolution = new Select<string>("Pixels per inch", [{ value: "", words: "Not said: 96" }, ...RESOLUTIONS.map(([value, words]) => ({ value, words }))], (value) => part.setResolution(value === "" ? null : Number(value)));
   const outline = new Select<string>("Outline of the part", [], (value) => part.choices.set({ ...part.choices.get(), outline: value === LARGEST ? undefined : value === OTHERS ? OTHERS : Number(value) }));
   const regions = h("div", { class: "drawing-regions", role: "group", "aria-label": "Regions of the drawing" });
   const note = h("p", { class: "note" });
   const settings = h("div", { class: "drawing-settings" }, h("div", { class: "field" }, h("label", { for: width.id }, "Width of the drawing, mm"), width), outline.element, regions, note);
   const element = h("div", { class: "drawing-fields" },
-    h("div", { class: "row" }, h("label", { class: "button", for: file.id }, "Open a drawing"), file), words, problem, settings);
+    h("div", { class: "row" }, h("label", { class: "button", for: file.id }, "Open a drawing"), file), words, problem, resolution.element, settings);
 
   function showWidth(): void {
     const { width: asked = null, curves } = part.drawing.get() ?? {};
@@ -107,6 +109,7 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
       list.value = String(layout.regions[k]);
       showText(walls, String(choices.walls[k] ?? wallsOf(session.regions[k], session.regionShown[k])));
     });
+    resolution.value = drawing.resolution === null ? "" : String(drawing.resolution);
     showWidth();
   }
 
@@ -114,6 +117,7 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     problem.textContent = sentence;
     problem.hidden = sentence === "";
   });
+  part.resolutionAsked.watch((asked) => (resolution.element.hidden = !asked));
   let count = 1;
   session.state.watch(({ otherRegions }) => {
     // Places of regions are those of their order, which says nothing once there are more or fewer.

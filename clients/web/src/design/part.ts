@@ -1,7 +1,7 @@
 // A part of the design that is shown: what is asked for, and what the server says of it.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, explainFile, isAbort } from "../contract/client";
+import { type Client, explain, explainFile, isAbort, Problem } from "../contract/client";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
 import { type Choices, type Drawing, type Layout, type Where } from "./drawing";
 import { DEFAULT_MADE, radians } from "./made";
@@ -106,8 +106,8 @@ export function fileName(disposition: string | null, format: PartFormat): string
   return /filename="([^"]+)"/.exec(disposition ?? "")?.[1] ?? `part.${format}`;
 }
 
-export function outlineRequest(text: string, width: number | null): OutlineRequest {
-  return { text, ...(width !== null && { width }) };
+export function outlineRequest(text: string, width: number | null, resolution: number | null = null): OutlineRequest {
+  return { text, ...(width !== null && { width }), ...(resolution !== null && { resolution }) };
 }
 
 /** What the server has made, or why it could not. */
@@ -130,6 +130,8 @@ export class Part {
   readonly choices = new Observable<DrawingChoices>(NO_CHOICES);
   /** Why the last drawing was refused. */
   readonly drawingProblem = new Observable<string>("");
+  /** Whether the drawing that was opened last does not say how large its pixels are. */
+  readonly resolutionAsked = new Observable<boolean>(false);
   private readonly requests = new Latest();
   private readonly drawings = new Latest();
 
@@ -156,28 +158,39 @@ export class Part {
 
   /** A drawing becomes the shape of the part. Ends with why it was refused, or with "". */
   open(text: string, name: string): Promise<string> {
-    return this.readDrawing(text, name, null);
+    return this.readDrawing(text, name, null, null);
   }
 
   /** The same drawing, of another width in mm. */
   scale(width: number | null): void {
     const drawing = this.drawing.get();
-    if (drawing) void this.readDrawing(drawing.text, drawing.name, width);
+    if (drawing) void this.readDrawing(drawing.text, drawing.name, width, drawing.resolution);
   }
 
-  private readDrawing(text: string, name: string, width: number | null): Promise<string> {
+  /** The drawing that was opened last, with so many pixels per inch. */
+  setResolution(resolution: number | null): void {
+    const last = this.lastOpened;
+    if (last) void this.readDrawing(last.text, last.name, this.drawing.get()?.text === last.text ? (this.drawing.get()?.width ?? null) : null, resolution);
+  }
+
+  private lastOpened: { text: string; name: string } | null = null;
+
+  private readDrawing(text: string, name: string, width: number | null, resolution: number | null): Promise<string> {
+    this.lastOpened = { text, name };
     return new Promise((done) => this.drawings.submit(async (signal) => {
       try {
-        const curves = await this.client.post<Outlines>("/v1/outlines", outlineRequest(text, width), { signal });
+        const curves = await this.client.post<Outlines>("/v1/outlines", outlineRequest(text, width, resolution), { signal });
         if (signal.aborted) return;
         if (this.drawing.get()?.text !== text) this.choices.set(NO_CHOICES);
         this.settings.set({ ...this.settings.get(), kind: "drawing" });
-        this.drawing.set({ name, text, width, curves });
+        this.drawing.set({ name, text, width, resolution, curves });
+        this.resolutionAsked.set(resolution !== null || (curves.format === "svg" && !curves.unit_is_known));
         this.drawingProblem.set("");
         done("");
       } catch (error) {
         if (signal.aborted || isAbort(error)) return;
         this.drawingProblem.set(`${name}: ${explainFile(error)}`);
+        this.resolutionAsked.set(error instanceof Problem && error.document.code === "outline.resolution_missing");
         done(explainFile(error));
       }
     }, true));

@@ -46,5 +46,7 @@ export function printNotes({ warnings, toolpath: { check } }: Plan): HTMLElement
     : h("div", { class: "note" }, h("p", {}, `The checker objects ${count} ${count === 1 ? "time" : "times"}:`),
       h("ul", { class: "violations" }, ...listed.map(({ line, kind, message }) => h("li", {}, `line ${line}, ${kind.replace(/_/g, " ")}: ${message}`))),
       count > listed.length && h("p", {}, `and ${count - listed.length} more`));
-  return [found, ...warnings.map((words) => h("p", { class: "note" }, words))];
+  const passed = [...new Set(check.unchecked.map(({ command }) => command))];
+  const unchecked = passed.length > 0 && h("p", { class: "note" }, `Passed on to the printer, and not followed by the checker: ${passed.slice(0, MOST_LISTED).join(", ")}${passed.length > MOST_LISTED ? ", …" : ""}.`);
+  return [found, ...(unchecked ? [unchecked] : []), ...warnings.map((words) => h("p", { class: "note" }, words))];
 }

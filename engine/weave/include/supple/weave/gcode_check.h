@@ -52,6 +52,12 @@ struct Violation {
   std::string message{};  ///< printable ASCII
 };
 
+/// A command that is passed on to the printer and whose effect is not followed: a macro, or what prepares a print.
+struct UncheckedCommand {
+  int line = 0;           ///< counted from 1
+  std::string command{};  ///< its name, printable ASCII: "M900", "START_PRINT"
+};
+
 /// A channel that was recognized.
 struct FoundChannel {
   int line = 0;                    ///< line where the channel begins
@@ -75,13 +81,23 @@ struct GcodeReport {
   Eigen::Vector3d highest{0, 0, 0};
   double channel_length = 0;  ///< length of all channels, mm
   std::vector<FoundChannel> channels{};
-  std::vector<Violation> violations{};  ///< sorted by line; the first 1000
-  int violation_count = 0;              ///< number of all violations
+  std::vector<Violation> violations{};        ///< sorted by line; the first 1000
+  int violation_count = 0;                    ///< number of all violations
+  std::vector<UncheckedCommand> unchecked{};  ///< sorted by line; the first 1000
+  int unchecked_count = 0;                    ///< number of all of them
 };
 
-/// Reads any bytes as G-code (RepRap flavour: G0, G1, G4, G21, G28, G80, G90, G91, G92, M18, M82 - M84, M104, M106,
-/// M107, M109, M140, M190; comments, line numbers, checksums) and reports what a printer would do. Shares nothing with
-/// the writer of G-code: what it finds is evidence. Every fault is a violation.
+/// The comments around the lines that the owner of a printer adds at the beginning. What these lines deposit is no
+/// bead of the print, may be of any thickness and speed, and may lie up to 10 mm beside the bed.
+inline constexpr std::string_view own_lines_begin = "; own start lines";
+inline constexpr std::string_view own_lines_end = "; end of the own start lines";
+
+/// Reads any bytes as G-code (RepRap flavour: G0, G1, G4, G20, G21, G28, G80, G90, G91, G92, M18, M82 - M84, M104,
+/// M106, M107, M109, M140, M190, M200, M220, M221, T0; comments, line numbers, checksums) and reports what a printer
+/// would do. But for the comments around the owner's lines it shares nothing with the writer of G-code: what it finds
+/// is evidence. Every fault is a violation. Macros, other M commands, and G commands that prepare a print (levelling,
+/// probing, firmware retraction) are passed on as `unchecked`; other G commands, other tools, and M commands that
+/// pause, end or misplace the print (M0, M112, M206, M600, ...) are violations.
 ///
 /// A channel is a bead that rises from a lower strand, which was printed earlier, and falls to one again, and does
 /// nothing else. O(lines), plus for each channel the number of strands nearby. If all beads lie at one place, this is

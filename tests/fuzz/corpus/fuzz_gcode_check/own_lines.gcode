@@ -1,0 +1,21 @@
+; own start lines
+M862.3 P "MK3S"
+START_PRINT BED=60 {x}
+G20
+M221 S95
+M220 S50
+M200 D0
+T0
+G29.1
+M83
+G1 Y-3 E9 F1000
+; end of the own start lines
+G21
+G90
+M82
+G92 E0
+G28
+M109 S200
+G1 X10 Y10 Z0.5 F600
+G1 X20 E0.8
+M600
