@@ -17,6 +17,8 @@ namespace {
 using Column = MeasuredTable::Column;
 
 constexpr int no_rank = 99;
+/// Longer titles are not told in full.
+constexpr std::size_t max_listed_bytes = 60;
 /// Ranks up to this one are told by words, the others by units alone.
 constexpr int last_rank_of_words = 2;
 
@@ -89,7 +91,8 @@ std::string column_list(const std::vector<Column>& columns) {
   std::string list;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     list.append(list.empty() ? "" : ", ").append(std::to_string(c));
-    if (!columns[c].title.empty()) list.append(" \"").append(columns[c].title).append("\"");
+    if (!columns[c].title.empty())
+      list.append(" \"").append(shortened(columns[c].title, max_listed_bytes)).append("\"");
   }
   return list;
 }
@@ -154,7 +157,8 @@ std::optional<std::size_t> only_one_left(const std::vector<ColumnMeaning>& meani
 }
 
 std::string shown(const std::vector<Column>& columns, std::size_t c) {
-  return columns[c].title.empty() ? std::to_string(c) : std::to_string(c) + " \"" + columns[c].title + "\"";
+  return columns[c].title.empty() ? std::to_string(c)
+                                  : std::to_string(c) + " \"" + shortened(columns[c].title, max_listed_bytes) + "\"";
 }
 
 }  // namespace

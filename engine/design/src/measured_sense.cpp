@@ -5,6 +5,7 @@
 
 #include "measured_loading.h"
 #include "supple/base/error.h"
+#include "supple/design/measured_text.h"
 
 namespace supple::design {
 namespace {
@@ -46,7 +47,8 @@ FoundSense told_sense(const SenseSources& sources) {
   const TitleWords x = words_of(sources.x_title), y = words_of(sources.y_title);
   // "Compression" and "traction" of the same test cannot both be right.
   if ((x.compression || y.compression) && (x.tension || y.tension))
-    refuse_sense("the titles \"" + sources.x_title + "\" and \"" + sources.y_title + "\" speak of both");
+    refuse_sense("the titles \"" + shortened(sources.x_title, 80) + "\" and \"" + shortened(sources.y_title, 80) +
+                 "\" speak of both");
   if (x.compression || y.compression) return {Sense::compression, SenseTold::titles};
   if (x.tension || y.tension) return {Sense::tension, SenseTold::titles};
   const TitleWords unread = words_of(sources.unread_titles);

@@ -236,6 +236,9 @@ std::size_t MeasuredTable::Column::numbers() const {
 
 MeasuredTable read_table(std::string_view text, const TableOptions& options, const CancellationToken& cancellation) {
   std::string owned(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text);
+  std::replace_if(
+      owned.begin(), owned.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r'; }, ' ');
   const auto lines = lines_of(owned);
   const TableFormat format = format_of(lines, options.decimal_separator, cancellation);
   std::vector<std::string> shapes;

@@ -9,6 +9,7 @@
 #include "measured_sense.h"
 #include "measured_words.h"
 #include "supple/base/error.h"
+#include "supple/design/measured_text.h"
 
 namespace supple::design {
 namespace {
@@ -46,7 +47,9 @@ class Questions {
   std::vector<Error::Detail> details_;
 };
 
-std::string quoted(const std::string& text) { return "\"" + text.substr(0, 80) + "\""; }
+constexpr std::size_t max_quoted_bytes = 80;
+
+std::string quoted(const std::string& text) { return "\"" + shortened(text, max_quoted_bytes) + "\""; }
 
 std::string column_words(const Column& column, std::size_t index) {
   return column.title.empty() ? fmt::format("column {}", index)

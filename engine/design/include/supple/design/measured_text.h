@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -19,6 +20,9 @@ DecodedText decode_text(std::string_view bytes);
 
 /// Whether the bytes are valid UTF-8: no overlong forms, no surrogates.
 bool is_utf8(std::string_view bytes);
+
+/// The beginning of a UTF-8 text with so many bytes at most, and "..." where something is missing.
+std::string shortened(std::string_view text, std::size_t max_bytes);
 
 /// Lower case of ASCII, of Latin letters with accents, and of Greek and Cyrillic letters; other characters stay.
 std::string lower_case(std::string_view text);
