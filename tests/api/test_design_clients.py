@@ -77,8 +77,8 @@ def test_the_structure_found_is_written(program: Program) -> None:
 
 def test_targets_come_from_files_with_weights_and_bands(program: Program) -> None:
     (program.folder / "target.csv").write_text("strain, stress, weight, band\n0.01, 0.01, 1, 0.001\n0.03, 0.03, 2, 0.002\n")
-    answers = [json.loads(program.ok("--json", *IH29, "--target", target)) for target in (
-        "target.csv", "0.01,0.01,1,0.001;0.03,0.03,2,0.002")]
+    answers = [json.loads(program.ok("--json", *IH29, *target)) for target in (
+        ["--target-points", "target.csv"], ["--target", "0.01,0.01,1,0.001;0.03,0.03,2,0.002"])]
     assert answers[0]["profile"] == answers[1]["profile"]
     plain = json.loads(program.ok("--json", *IH29, *TARGET))
     assert plain["error"] != answers[0]["error"] or plain["parameters"] != answers[0]["parameters"]

@@ -70,4 +70,34 @@ describe("measured data", () => {
       await card.getByRole("button", { name: "Remove" }).click();
       await until(async () => !(await page.locator("path.measured").getAttribute("d")), "the points to go");
     }));
+
+  it("asks for the units, the size of the specimen and the sense where the file does not tell them", () =>
+    withDesign(async (design, page) => {
+      const card = page.locator("details.measured");
+      const rows = Array.from({ length: 60 }, (_, k) => `${k};${(0.1 * k).toFixed(3)};${(20 * stress((0.1 * k) / 50)).toFixed(6)}`);
+      await design.drop(".plot-card .stage", ["Zeit;Weg;Kraft", ...rows].join("\n"), "forces.csv");
+      // The card opens with the fields that are asked for; nothing is chosen for somebody.
+      await card.getByLabel("Unit of strain").waitFor();
+      assert.match(await card.textContent(), /units\/x.*names no unit of column 1 "Weg"/);
+      assert.equal(await card.getByLabel("Unit of strain").inputValue(), "");
+      await card.getByLabel("Unit of strain").selectOption("mm");
+      await until(async () => /units\/y/.test(await card.textContent()) && !/units\/x/.test(await card.textContent()), "the question for the other unit");
+      await card.getByLabel("Unit of stress").selectOption("N");
+      await card.getByLabel("Cross-section, mm²").fill("20");
+      await card.getByLabel("Cross-section, mm²").press("Tab");
+      await card.getByLabel("Gauge length, mm").fill("50");
+      await card.getByLabel("Gauge length, mm").press("Tab");
+      await until(async () => /follow 60 measured ones.*tension was assumed/.test(await card.textContent()), "the curve, and what was assumed");
+      assert.equal(await card.getByLabel("What was measured").inputValue(), "");
+      await picture(page, "design-measured-question");
+      await card.getByLabel("What was measured").selectOption("compression");
+      await until(async () => /follow 60 measured ones/.test(await card.textContent()) && !/assumed/.test(await card.textContent()), "the curve of a compression");
+      await design.settled();
+      assert.ok((await design.values())[0][0] < -0.1, "a compression has negative strains");
+
+      const cycle = [...Array(30).keys(), ...[...Array(28).keys()].reverse()].map((e) => `${e};${9 * e}`);
+      await design.drop(".plot-card .stage", ["Zugversuch", "Dehnung [%];Spannung [kPa]", ...cycle].join("\n"), "cycle.csv");
+      await until(async () => /28 points were set aside/.test(await card.locator(".warnings").textContent()), "the warning in its colour");
+      await picture(page, "design-measured-warning");
+    }));
 });

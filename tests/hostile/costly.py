@@ -202,7 +202,7 @@ def drawing_that_repeats_itself(meshes: Meshes, more: Dict[str, Any]) -> Costly:
 @costly
 def measured_curve_of_many_rows(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     rows = "\n".join(f"{i * 3e-7:.7g},{i % 977}" for i in range(1_000_000))
-    return post("/v1/measured-curves", {"text": rows, "interpolation": "monotone",
+    return post("/v1/measured-curves", {"text": rows, "units": {"x": "1", "y": "kPa"}, "interpolation": "monotone",
                                         "accuracy": {"tolerance": 1e-9, "max_control_points": 64}, **more})
 
 

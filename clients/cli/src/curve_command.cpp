@@ -15,9 +15,12 @@ struct CurveArguments {
   MeasuredCurveArguments measured;
 };
 
-/// Control points as the lines that --target reads.
+/// Control points as lines that --target-points reads, and --target as a measured curve: their titles say the units.
 std::string as_lines(const nlohmann::json& answer) {
-  std::string lines;
+  const auto task = answer.at("task").get<std::string>();
+  std::string lines = task == "stress_strain" ? "strain [1],stress [MPa]\n"
+                      : task == "stiffness"   ? "direction [rad],stiffness [MPa]\n"
+                                              : "direction [rad],Poisson's ratio [1]\n";
   for (const auto& point : answer.at("target").at("control_points"))
     lines += fmt::format("{},{}\n", point.at(0).get<double>(), point.at(1).get<double>());
   return lines;
@@ -27,8 +30,9 @@ void run(const GlobalOptions& options, const CurveArguments& arguments) {
   Session session(options);
   const auto answer = reduce_curve(session, arguments.file, arguments.task, arguments.measured);
   if (!arguments.out_file.empty()) write_file(arguments.out_file, as_lines(answer));
+  if (session.json() && arguments.out_file != "-") return print_json(answer);
+  print_curve_notes(answer);
   if (arguments.out_file == "-") return;
-  if (session.json()) return print_json(answer);
   const auto& measured_in = answer.at("units");
   fmt::print("{}\n", reduction_words(answer));
   fmt::print("x in {}, y in {}\n", measured_in.at("x").get<std::string>(), measured_in.at("y").get<std::string>());
@@ -45,7 +49,8 @@ void add_curve_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--task", arguments->task, "What was measured (stress_strain)")
       ->check(CLI::IsMember({"stress_strain", "stiffness", "poisson"}));
   add_measured_curve_options(*command, arguments->measured);
-  command->add_option("--out", arguments->out_file, "Write the control points to this file, - for the terminal");
+  command->add_option("--out", arguments->out_file,
+                      "Write the control points to this file, for --target-points; - for the terminal");
   command->footer(
       "Examples:\n  supple curve tensile.csv --out target.csv\n"
       "  supple curve tensile.txt --columns Extension,Load --units mm,N --gauge-length 50 --area 24");

@@ -19,6 +19,7 @@ struct DesignArguments {
   std::string request_file;
   ProfileArguments profile;
   std::string target;
+  std::string target_points;
   MeasuredCurveArguments measured;
   std::string interpolation;
   int samples = 0;
@@ -65,7 +66,9 @@ void take_measured_target(Session& session, const DesignArguments& arguments, nl
   request["task"] = task;
   request["target"] = answer.at("target");
   if (task == "stress_strain" && !request.contains("strain_measure")) request["strain_measure"] = "engineering";
-  if (!session.json()) fmt::print(stderr, "target      {}\n", reduction_words(answer));
+  if (session.json()) return;
+  fmt::print(stderr, "target      {}\n", reduction_words(answer));
+  print_curve_notes(answer);
 }
 
 /// "1,2" is a pair, the lesser first.
@@ -126,10 +129,12 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   }
   request.update(profile_fields(arguments.profile));
   const bool over_directions = is_over_directions(request.value("task", ""));
-  if (!arguments.target.empty() && (arguments.measured.any() || is_measured(arguments.target, over_directions))) {
+  if (!arguments.target.empty() && is_measured(arguments.target)) {
     take_measured_target(session, arguments, request);
   } else if (!arguments.target.empty()) {
     request["target"] = parse_target(arguments.target, over_directions);
+  } else if (!arguments.target_points.empty()) {
+    request["target"] = parse_target(arguments.target_points, over_directions);
   }
   if (arguments.request_file.empty() && !(request.contains("task") && request.contains("target")))
     throw Failure(ExitCode::usage, "no problem: give --task and --target, or a file with --request");
@@ -267,10 +272,15 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
       program.add_subcommand("design", "Find tiling parameters whose response follows a target profile");
   add_profile_options(*command, arguments->profile);
   command->get_option("--family")->description("Family to search, or any for all that have a model (any)");
-  command->add_option("--target", arguments->target,
-                      "Control points x,y;x,y or the lines of a file: strains or angles, and MPa; a third number is a "
-                      "weight, a fourth a band within which deviations count as none. A file of measurements (more "
-                      "than 64 rows, or separated otherwise), or - for standard input, is reduced to control points");
+  auto* const target = command->add_option(
+      "--target", arguments->target,
+      "Control points x,y;x,y: strains or angles, and MPa; a third number is a weight, a fourth a band within which "
+      "deviations count as none. Or a file of measurements, or - for standard input, which is read as supple curve "
+      "does");
+  command
+      ->add_option("--target-points", arguments->target_points,
+                   "A file whose lines are control points: x,y or x,y,weight or x,y,weight,band")
+      ->excludes(target);
   add_measured_curve_options(*command, arguments->measured);
   command->add_option("--interpolation", arguments->interpolation, "Between the control points (cubic)")
       ->check(CLI::IsMember({"cubic", "monotone", "linear"}));
@@ -291,7 +301,7 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
       "Examples:\n"
       "  supple design --task stress_strain --family IH67 --target \"0,0;0.1,0.6;0.2,0.9\" --plot curve.svg\n"
       "  supple design --task poisson --target \"0deg,-0.2;90deg,0.4\" --strain 0.1 --svg structure.svg\n"
-      "  supple design --task stiffness --family IH67 --target target.csv --fixed 0.2,free --verify\n"
+      "  supple design --task stiffness --family IH67 --target-points target.csv --fixed 0.2,free --verify\n"
       "  supple design --task stiffness --target \"0deg,40;90deg,10\" --youngs-modulus 2000,3500 --relative-density "
       "0,0.4\n"
       "  supple design --request sole.json --plot regions.svg");

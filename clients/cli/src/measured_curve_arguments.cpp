@@ -6,21 +6,57 @@
 #include <filesystem>
 #include <iostream>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "failure.h"
 #include "load_arguments.h"
 #include "numbers.h"
-#include "profile_arguments.h"
+#include "style.h"
 
 namespace supple::cli {
 namespace {
 
-constexpr std::size_t most_control_points = 64;
+constexpr int most_control_points = 64;
+constexpr int most_blocks = 10'000;
 
 std::string text_of(const std::string& file) {
   if (file != "-") return read_file(file);
   return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
+}
+
+/// Whether a text can stand in JSON as it is: no overlong forms and no surrogates either.
+bool is_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+    const unsigned char first = byte(i);
+    const std::size_t length = first < 0x80                    ? 1
+                               : first >= 0xC2 && first < 0xE0 ? 2
+                               : first >= 0xE0 && first < 0xF0 ? 3
+                               : first >= 0xF0 && first < 0xF5 ? 4
+                                                               : 0;
+    if (length == 0 || i + length > text.size()) return false;
+    for (std::size_t k = 1; k < length; ++k) {
+      if ((byte(i + k) & 0xC0) != 0x80) return false;
+    }
+    if ((first == 0xE0 && byte(i + 1) < 0xA0) || (first == 0xED && byte(i + 1) >= 0xA0)) return false;
+    if ((first == 0xF0 && byte(i + 1) < 0x90) || (first == 0xF4 && byte(i + 1) >= 0x90)) return false;
+    i += length;
+  }
+  return true;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    unsigned bits = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = (bits << 8) | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k) out += k <= count ? alphabet[(bits >> (18 - 6 * k)) & 0x3F] : '=';
+  }
+  return out;
 }
 
 /// Two entries separated by a comma, either of which may be empty.
@@ -48,27 +84,54 @@ void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& argum
       .add_option("--gauge-length", arguments.gauge_length, "Length at rest that was stretched in mm; of displacements")
       ->check(CLI::PositiveNumber);
   command.add_option("--area", arguments.area, "Cross-section at rest in mm^2; of forces")->check(CLI::PositiveNumber);
+  command
+      .add_option("--sense", arguments.sense,
+                  "What was measured: tension or compression (told by signs, titles or remarks; else tension)")
+      ->check(CLI::IsMember({"automatic", "tension", "compression"}));
+  command
+      .add_option("--decimal-separator", arguments.decimal_separator,
+                  "Of a measured file's numbers (told by all of them)")
+      ->check(CLI::IsMember({"automatic", "point", "comma"}));
+  command
+      .add_option(
+          "--zero", arguments.zero,
+          "Where displacements count from: first, the first one, or as_written, zero (zero, if they begin there)")
+      ->check(CLI::IsMember({"automatic", "first", "as_written"}));
+  command.add_option("--block", arguments.block, "Which of several blocks of rows is read, from 0 (the first)")
+      ->check(CLI::Range(0, most_blocks - 1));
+  const auto switches = CLI::IsMember({"automatic", "on", "off"});
+  command
+      .add_option("--loading", arguments.loading,
+                  "Whether only first loadings of a measured file count (automatic: where the strain turns back)")
+      ->check(switches);
+  command
+      .add_option(
+          "--rupture", arguments.rupture,
+          "Whether what follows a break of the specimen is left out (automatic: where the stress falls suddenly)")
+      ->check(switches);
+  command
+      .add_option("--origin", arguments.origin,
+                  "Whether the measured curve passes through zero (automatic: where it begins near it)")
+      ->check(switches);
   command.add_option("--control-points", arguments.control_points, "Control points of a measured curve, at most (12)")
-      ->check(CLI::Range(2, static_cast<int>(most_control_points)));
+      ->check(CLI::Range(2, most_control_points));
 }
 
-bool is_measured(const std::string& target, bool over_directions) {
-  if (target == "-") return true;
+bool is_measured(const std::string& target) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(target, ignored)) return false;
-  const std::string text = read_file(target);
-  if (text.find(';') != std::string::npos || text.find('\t') != std::string::npos) return true;
-  bool is_file = false;
-  const auto rows = parse_rows(target, is_file);
-  if (rows.size() > most_control_points + 1) return true;
-  // The first row may be a header.
-  return std::any_of(rows.begin() + (rows.empty() ? 0 : 1), rows.end(),
-                     [over_directions](const std::string& row) { return !control_point_in(row, over_directions); });
+  return target == "-" || std::filesystem::is_regular_file(target, ignored) || looks_like_path(target);
 }
 
 nlohmann::json reduce_curve(Session& session, const std::string& file, const std::string& task,
                             const MeasuredCurveArguments& arguments) {
-  nlohmann::json request = {{"text", text_of(file)}};
+  const std::string bytes = text_of(file);
+  nlohmann::json request;
+  // The server tells the encodings of instruments apart; JSON can hold UTF-8 alone.
+  if (is_utf8(bytes) && bytes.find('\0') == std::string::npos) {
+    request["text"] = bytes;
+  } else {
+    request["content"] = base64(bytes);
+  }
   if (!task.empty()) request["task"] = task;
   if (!arguments.columns.empty()) {
     const auto [x, y] = two_of(arguments.columns, "--columns");
@@ -82,16 +145,35 @@ nlohmann::json reduce_curve(Session& session, const std::string& file, const std
   }
   if (arguments.gauge_length > 0) request["specimen"]["gauge_length"] = arguments.gauge_length;
   if (arguments.area > 0) request["specimen"]["area"] = arguments.area;
+  const auto set_text = [&](const char* name, const std::string& value) {
+    if (!value.empty()) request[name] = value;
+  };
+  set_text("sense", arguments.sense);
+  set_text("decimal_separator", arguments.decimal_separator);
+  set_text("zero", arguments.zero);
+  if (arguments.block >= 0) request["block"] = arguments.block;
+  const auto set_effect = [&](const char* name, const std::string& value) {
+    if (!value.empty()) request["effects"][name] = value;
+  };
+  set_effect("origin", arguments.origin);
+  set_effect("loading", arguments.loading);
+  set_effect("rupture", arguments.rupture);
   if (arguments.control_points > 0) request["accuracy"]["max_control_points"] = arguments.control_points;
   return session.compute("/v1/measured-curves", request).json();
 }
 
 std::string reduction_words(const nlohmann::json& answer) {
-  const auto& error = answer.at("error");
-  const auto message = answer.at("message").get<std::string>();
-  return fmt::format("{} control points follow {} measured ones within {:.2g} %{}{}",
+  return fmt::format("{} control points follow {} measured ones within {:.2g} %",
                      answer.at("target").at("control_points").size(), answer.at("point_count").get<std::size_t>(),
-                     100 * error.at("relative_rms").get<double>(), message.empty() ? "" : ". ", message);
+                     100 * answer.at("error").at("relative_rms").get<double>());
+}
+
+void print_curve_notes(const nlohmann::json& answer) {
+  for (const auto& note : answer.at("notes")) {
+    const auto text = note.at("text").get<std::string>();
+    const bool is_warning = note.at("level").get<std::string>() == "warning";
+    fmt::print(stderr, "{}\n", is_warning ? styled("Warning: " + text, Style::warning, stderr) : text);
+  }
 }
 
 }  // namespace supple::cli

@@ -15,21 +15,27 @@ struct MeasuredCurveArguments {
   double gauge_length = 0;
   double area = 0;
   int control_points = 0;
-
-  bool any() const { return !columns.empty() || !units.empty() || gauge_length > 0 || area > 0 || control_points > 0; }
+  std::string sense;
+  std::string decimal_separator;
+  std::string zero;
+  int block = -1;
+  std::string origin, loading, rupture;
 };
 
 void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& arguments);
 
-/// Whether the argument of --target is a file of measurements rather than of control points: standard input (-), more
-/// rows than a target may have, or rows that are no control points (whose x may be angles with a unit over directions).
-bool is_measured(const std::string& target, bool over_directions);
+/// Whether the argument of --target is a file of measurements, or standard input (-), rather than control points that
+/// stand on the command line.
+bool is_measured(const std::string& target);
 
 /// The answer of the server to the measurements of a file, or of standard input where it is "-". Throws Failure.
 nlohmann::json reduce_curve(Session& session, const std::string& file, const std::string& task,
                             const MeasuredCurveArguments& arguments);
 
-/// What the reduction did, in a sentence.
+/// How close the control points come, in a sentence.
 std::string reduction_words(const nlohmann::json& answer);
+
+/// Says what to know about the curve on standard error, warnings in their colour.
+void print_curve_notes(const nlohmann::json& answer);
 
 }  // namespace supple::cli

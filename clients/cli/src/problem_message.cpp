@@ -21,8 +21,17 @@ struct FieldName {
   std::string_view pointer;
   std::string_view name;
 };
-constexpr std::array<FieldName, 30> field_names{{
+constexpr std::array<FieldName, 39> field_names{{
     {"design", "/target/control_points", "--target"},
+    {"design", "/text", "--target"},
+    {"design", "/content", "--target"},
+    {"design", "/units", "--units"},
+    {"design", "/columns", "--columns"},
+    {"curve", "/text", "file"},
+    {"curve", "/content", "file"},
+    {"curve", "/units", "--units"},
+    {"curve", "/columns", "--columns"},
+    {"curve", "/accuracy/max_control_points", "--control-points"},
     {"evaluate", "/green_strain", "--strain"},
     {"simulate", "/load/uniaxial/direction", "--uniaxial"},
     {"simulate", "/load/biaxial/direction", "--biaxial"},

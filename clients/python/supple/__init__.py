@@ -98,7 +98,7 @@ from .points import PlacedPoint, PointLike, SpacePoint, SurfacePoint, Vertex
 from .progress import Progress
 from .simulations import DeformedPatch, DiscretizationError, PatchMesh, Simulation, State
 from .drawings import Drawing, DrawnPolygon
-from .measured import MeasuredCurve
+from .measured import CurveNote, MeasuredCurve
 from .parts import Part, PartOptions, PartRegion
 from .tilings import CellMesh, Family, Structure, Tile
 from .voronoi import RandomSites, Sites, VoronoiOptions
@@ -251,6 +251,7 @@ __all__ = [
     "SurfacePoint",
     "Drawing",
     "DrawnPolygon",
+    "CurveNote",
     "MeasuredCurve",
     "Part",
     "PartOptions",

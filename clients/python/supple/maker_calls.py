@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any, Mapping, Optional, Tuple, Union
 
@@ -36,34 +37,50 @@ class MakerCalls:
         tolerance: Optional[float] = None,
         origin: Optional[str] = None,
         loading: Optional[str] = None,
+        rupture: Optional[str] = None,
+        sense: Optional[str] = None,
+        decimal_separator: Optional[str] = None,
+        zero: Optional[str] = None,
+        block: Optional[int] = None,
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> MeasuredCurve:
         """A measured curve as the few control points of a target.
 
         Args:
-            source: a file, or text with line breaks: numbers separated by commas, semicolons, tabs or blanks, with decimal
-                points or commas, a header and remarks before them or not.
+            source: a file in UTF-8, UTF-16, GBK or Windows-1252, or text with line breaks: numbers separated by commas,
+                semicolons, tabs or blanks, with decimal points or commas, a header and remarks before them or not.
             points: instead of it (x, y) in the order of the measurement, shape (n, 2).
             columns: which columns of the text are x and y, by index or name; told by the header without it.
-            units: of x and y, such as ("%", "kPa") or ("mm", "N"); those of the header without it, else 1 or rad, and MPa.
+            units: of x and y, such as ("%", "kPa") or ("mm", "N"); those of the file without it. A file that names none
+                is refused; `points` without units are in 1 or rad, and MPa.
             gauge_length, area: of the specimen, mm and mm^2, for displacements and forces.
             limits: least and greatest x that count, as strains or radians.
             interpolation: "cubic", "monotone" or "linear"; "cubic" on the server's side.
             max_control_points, tolerance: 12, and 0.005 of relative root mean square deviation on the server's side.
-            origin, loading: whether the curve passes through zero, and whether only the first loading counts: "automatic", "on"
-                or "off".
+            origin, loading, rupture: whether the curve passes through zero, whether only first loadings count, and whether what
+                follows a break is left out: "automatic", "on" or "off".
+            sense: "tension" or "compression", whose strains and stresses are negative; told by signs, titles or remarks without
+                it, and tension where nothing tells, which `notes` says.
+            decimal_separator: "point" or "comma", where the numbers of the file do not tell.
+            zero: "first" where displacements count from the first of them, "as_written" where they count from zero.
+            block: which of several blocks of rows below each other, from 0; the first without it.
 
-        Raises `InvalidRequest` that names the column, unit or length that is missing.
+        Warns where more than a tenth of the points were set aside. Raises `InvalidRequest` that names the column, unit, length,
+        sense or decimal sign that is missing.
         """
         if (source is None) == (points is None):
             raise ValueError("give either source or points")
-        text = None if source is None else measured.text_of(source)
+        table = {} if source is None else measured.table_of(source)
         computation = measured.measured_curve(
-            task, text, points, columns, units, gauge_length, area, limits, interpolation, max_control_points, tolerance,
-            origin, loading, deadline,
+            task, table, points, columns, units, gauge_length, area, limits, interpolation, max_control_points, tolerance,
+            origin, loading, rupture, sense, decimal_separator, zero, block, deadline,
         )
-        return run(self._transport, computation, timeout, None)
+        curve = run(self._transport, computation, timeout, None)
+        for note in curve.notes:
+            if note.is_warning:
+                warnings.warn(note.text, stacklevel=2)
+        return curve
 
     def drawing(
         self,

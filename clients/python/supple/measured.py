@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import base64
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
@@ -18,6 +19,21 @@ Column = Union[int, str]
 
 
 @dataclass(frozen=True)
+class CurveNote:
+    """What to know about a curve.
+
+    Attributes:
+        text: a sentence.
+        is_warning: whether more than a tenth of the points were set aside.
+        pointer: the field of the request that says it otherwise, such as "/sense"; empty where there is none.
+    """
+
+    text: str
+    is_warning: bool
+    pointer: str
+
+
+@dataclass(frozen=True)
 class MeasuredCurve:
     """A measured curve as the control points of a target.
 
@@ -28,12 +44,17 @@ class MeasuredCurve:
         points: the measured points that counted, by x, at most 1000 of them, shape (m, 2), in the same units.
         point_count: how many points of different x counted.
         set_aside: points that did not count.
+        set_aside_reasons: how many for each reason: "no_row", "no_number", "out_of_range", "not_first_loading",
+            "after_rupture".
+        sense: "tension", "compression" or "both"; None over directions.
+        sense_told_by: "request", "titles", "remarks", "signs", or "nothing" where tension was assumed; None over directions.
         relative_rms: root mean square deviation of the curve from the points over that of the points, dimensionless.
         max_deviation, max_at: the largest deviation, in the unit of y, and its x.
         noise: how much the points scatter about their neighbours, relative like `relative_rms`.
         offset: stress at zero strain that was measured where the curve was made to pass through the origin, MPa.
         units: the units (x, y) that the numbers were taken to have.
         message: what to know about the curve; empty where there is nothing.
+        notes: the same, one by one.
         cost: what it took.
     """
 
@@ -51,6 +72,10 @@ class MeasuredCurve:
     units: Tuple[str, str]
     message: str
     cost: Cost
+    set_aside_reasons: Mapping[str, int] = field(default_factory=dict)
+    sense: Optional[str] = None
+    sense_told_by: Optional[str] = None
+    notes: Tuple[CurveNote, ...] = ()
 
     def target(self, **more: Any) -> Target:
         """The target of this curve; `more` are further fields of `Target`. A measured stress is one of engineering strain
@@ -77,7 +102,19 @@ def curve_from_wire(answer: Mapping[str, Any]) -> MeasuredCurve:
         units=(units["x"], units["y"]),
         message=answer["message"],
         cost=cost_from_wire(answer["cost"]),
+        set_aside_reasons={entry["reason"]: entry["count"] for entry in answer["set_aside_reasons"]},
+        sense=answer["sense"]["used"] if "sense" in answer else None,
+        sense_told_by=answer["sense"]["told_by"] if "sense" in answer else None,
+        notes=tuple(CurveNote(note["text"], note["level"] == "warning", note["pointer"]) for note in answer["notes"]),
     )
+
+
+def table_of(source: Union[str, Path]) -> Dict[str, str]:
+    """The field of a request that holds a table: `text` of a string with line breaks, `content` of a file, whose encoding the
+    server recognizes."""
+    if isinstance(source, str) and ("\n" in source or "\r" in source):
+        return {"text": source}
+    return {"content": base64.b64encode(Path(source).read_bytes()).decode("ascii")}
 
 
 def text_of(source: Union[str, Path]) -> str:
@@ -93,7 +130,7 @@ def text_of(source: Union[str, Path]) -> str:
 
 def measured_curve(
     task: str,
-    text: Optional[str],
+    table: Mapping[str, str],
     points: Optional[ArrayLike],
     columns: Optional[Tuple[Optional[Column], Optional[Column]]],
     units: Optional[Tuple[Optional[str], Optional[str]]],
@@ -105,12 +142,15 @@ def measured_curve(
     tolerance: Optional[float],
     origin: Optional[str],
     loading: Optional[str],
+    rupture: Optional[str],
+    sense: Optional[str],
+    decimal_separator: Optional[str],
+    zero: Optional[str],
+    block: Optional[int],
     deadline: Optional[float],
 ) -> Computation[MeasuredCurve]:
     checks.one_of(task, "task", checks.TASKS)
-    document: Dict[str, Any] = {"task": task}
-    if text is not None:
-        document["text"] = text
+    document: Dict[str, Any] = {"task": task, **table}
     if points is not None:
         array = np.asarray(points, dtype=np.float64)
         if array.ndim != 2 or array.shape[1] != 2:
@@ -121,12 +161,20 @@ def measured_curve(
         "units": dict(zip("xy", units or ())),
         "specimen": {"gauge_length": gauge_length, "area": area},
         "accuracy": {"max_control_points": max_control_points, "tolerance": tolerance},
-        "effects": {"origin": origin, "loading": loading},
+        "effects": {"origin": origin, "loading": loading, "rupture": rupture},
     }
     for name, group in groups.items():
         given = {key: value for key, value in group.items() if value is not None}
         if given:
             document[name] = given
-    more = {"range": None if limits is None else [float(value) for value in limits], "interpolation": interpolation, "deadline": deadline}
+    more = {
+        "range": None if limits is None else [float(value) for value in limits],
+        "interpolation": interpolation,
+        "sense": sense,
+        "decimal_separator": decimal_separator,
+        "zero": zero,
+        "block": block,
+        "deadline": deadline,
+    }
     document.update({key: value for key, value in more.items() if value is not None})
     return Computation("/v1/measured-curves", document, lambda answer: curve_from_wire(answer.json()))

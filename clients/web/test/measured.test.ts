@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { MeasuredCurve } from "../src/contract/types";
 import { Client } from "../src/contract/client";
-import { drawnBehind, Measured, type MeasuredData, measuredRequest, FIRST_SETTINGS, reductionSentence } from "../src/design/measured";
+import { askedFor, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, FIRST_SETTINGS, reductionSentence } from "../src/design/measured";
 import { textOf } from "../src/base/text_file";
 import { DesignSession } from "../src/design/session";
 import { DEFAULT_STATE } from "../src/design/state";
@@ -13,17 +13,17 @@ const CURVE: MeasuredCurve = {
   points: [[0, 0], [0.1, 0.21], [0.2, 0.6]],
   point_count: 500, set_aside: 0,
   error: { relative_rms: 0.004, max: 0.01, max_at: 0.1, noise: 0 },
-  offset: 0, message: "", accuracy: { tolerance: 0.005, max_control_points: 12 },
+  set_aside_reasons: [], notes: [], offset: 0, message: "", accuracy: { tolerance: 0.005, max_control_points: 12 },
   effects: [], cost: { seconds: 0.01, stages: [], quantities: {} },
 } as unknown as MeasuredCurve;
 
 function data(change: Partial<MeasuredData> = {}): MeasuredData {
-  return { name: "a.csv", text: "1,2", settings: FIRST_SETTINGS, curve: CURVE, problem: "", places: [], kind: { task: "stress_strain", measure: "engineering" }, ...change };
+  return { name: "a.csv", table: { text: "1,2" }, settings: FIRST_SETTINGS, curve: CURVE, problem: "", places: [], kind: { task: "stress_strain", measure: "engineering" }, ...change };
 }
 
 describe("measured data", () => {
   it("asks with the settings that were chosen", () => {
-    const request = measuredRequest("1;2", "stress_strain", { columns: { x: 2 }, units: { y: "N" }, specimen: { area: 12 }, controlPoints: 8 });
+    const request = measuredRequest({ text: "1;2" }, "stress_strain", { columns: { x: 2 }, units: { y: "N" }, specimen: { area: 12 }, controlPoints: 8 });
     expect(request).toEqual({ task: "stress_strain", text: "1;2", columns: { x: 2 }, units: { y: "N" }, specimen: { area: 12 }, accuracy: { max_control_points: 8 } });
   });
 
@@ -40,7 +40,8 @@ describe("measured data", () => {
   });
 
   it("says how close the control points come", () => {
-    const sentence = reductionSentence({ ...CURVE, message: "3 points were set aside." }, String, (share) => `${100 * share} %`);
+    const notes: MeasuredCurve["notes"] = [{ level: "note", text: "3 points were set aside.", pointer: "" }, { level: "warning", text: "Half were.", pointer: "" }];
+    const sentence = reductionSentence({ ...CURVE, notes }, String, (share) => `${100 * share} %`);
     expect(sentence).toBe("3 control points follow 500 measured ones within 0.4 %, at most 0.01 MPa apart. 3 points were set aside.");
   });
 
@@ -49,12 +50,27 @@ describe("measured data", () => {
     expect(textOf(new Uint8Array([0xb5]).buffer)).toBe("µ");
   });
 
+  it("sends bytes of other encodings as they are", () => {
+    expect(tableOf(new TextEncoder().encode("µ;1").buffer as ArrayBuffer)).toEqual({ text: "µ;1" });
+    expect(tableOf(new Uint8Array([0xb5]).buffer)).toEqual({ content: "tQ==" });
+    expect(tableOf(new Uint8Array([0x31, 0]).buffer)).toEqual({ content: "MQA=" });
+  });
+
+  it("asks for what a file does not tell, and for what was assumed", () => {
+    expect([...askedFor(data({ problem: "units/y: …", places: ["/units/y"], curve: null }))]).toEqual(["/units/y"]);
+    const assumed = { ...CURVE, notes: [{ level: "note", text: "Tension was assumed.", pointer: "/sense" }] } as MeasuredCurve;
+    expect([...askedFor(data({ curve: assumed }))]).toEqual(["/sense"]);
+    const answers = { ...FIRST_SETTINGS, sense: "compression", decimalSeparator: "comma", zero: "first", block: 1 } as const;
+    expect(measuredRequest({ content: "MQA=" }, "stress_strain", answers)).toMatchObject({ content: "MQA=", sense: "compression", decimal_separator: "comma", zero: "first", block: 1 });
+    expect(measuredRequest({ text: "1" }, "poisson", answers)).not.toHaveProperty("sense");
+  });
+
   it("becomes the target, of engineering strain", async () => {
     const asked: unknown[] = [];
     const client = { post: async (path: string, body: unknown) => (asked.push([path, body]), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
     const session = new DesignSession(client);
     const measured = new Measured(session, client);
-    measured.read("0;0", "test.csv");
+    measured.read({ text: "0;0" }, "test.csv");
     await new Promise((resolve) => setTimeout(resolve, 0));
     expect(measured.data.get()?.curve).toBe(CURVE);
     expect(session.state.get()).toMatchObject({ points: [[0, 0], [0.1, 0.2], [0.2, 0.6]], interpolation: "monotone", measure: "engineering" });

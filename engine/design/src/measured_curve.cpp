@@ -8,12 +8,13 @@
 #include <numbers>
 #include <utility>
 
+#include "measured_loading.h"
 #include "supple/base/error.h"
 
 namespace supple::design {
 namespace {
 
-using Points = std::vector<Eigen::Vector2d>;
+using Points = MeasuredPoints;
 
 constexpr double half_turn = std::numbers::pi;
 /// Averages of neighbours that are fitted, at most, for each control point there may be, and at least in all.
@@ -21,10 +22,6 @@ constexpr std::size_t fitted_for_each = 16;
 constexpr std::size_t least_fitted = 400;
 constexpr int least_control_points = 2;
 constexpr int most_control_points = 64;
-/// This share of the range of x decides whether a curve turns back, and whether it begins at the origin.
-constexpr double noticeable = 0.05;
-/// A test reaches its greatest strain where it comes this near to it, in shares of the range.
-constexpr double nearly = 0.01;
 /// Knots lie at least this far apart, in shares of the range.
 constexpr double least_gap = 0.004;
 /// A knot whose value and place follow nothing but scatter lessens the sum of squares by about twice its variance: one
@@ -39,49 +36,6 @@ double root_mean_square(const Points& points) {
   double sum = 0;
   for (const auto& p : points) sum += p.y() * p.y();
   return std::sqrt(sum / static_cast<double>(points.size()));
-}
-
-/// The first loading: from where the strain last is least before it first comes to its greatest.
-std::pair<std::size_t, std::size_t> first_loading(const Points& points) {
-  double least = INFINITY, greatest = -INFINITY;
-  for (const auto& p : points) {
-    least = std::min(least, p.x());
-    greatest = std::max(greatest, p.x());
-  }
-  const double near = nearly * (greatest - least);
-  std::size_t end = 0;
-  while (points[end].x() < greatest - near) ++end;
-  // Within the last hundredth the greatest itself, unless the strain has turned back before.
-  while (end + 1 < points.size() && points[end + 1].x() > points[end].x()) ++end;
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < end; ++i) {
-    if (points[i].x() <= points[begin].x()) begin = i;
-  }
-  return {begin, end + 1};
-}
-
-/// How far x falls back below its greatest value so far, at most, as a share of its range.
-double turning_back(const Points& points) {
-  double least = INFINITY, greatest = -INFINITY, back = 0;
-  for (const auto& p : points) {
-    least = std::min(least, p.x());
-    greatest = std::max(greatest, p.x());
-    back = std::max(back, greatest - p.x());
-  }
-  return greatest > least ? back / (greatest - least) : 0;
-}
-
-/// The same with x the other way around: compression as if it were tension.
-Points mirrored(Points points) {
-  for (auto& p : points) p.x() = -p.x();
-  return points;
-}
-
-/// Whether the strain of greatest size is a compression.
-bool is_compression(const Points& points) {
-  const auto largest = std::max_element(points.begin(), points.end(),
-                                        [](const auto& a, const auto& b) { return std::abs(a.x()) < std::abs(b.x()); });
-  return largest->x() < 0;
 }
 
 /// By x, with the average y of equal ones.
@@ -355,14 +309,16 @@ void check(const ReductionOptions& options) {
 }
 
 /// The points that count, in the order of the measurement; those of directions modulo pi.
-Points counted(const MeasuredCurve& curve, const ReductionOptions& options, std::size_t& set_aside) {
+Points counted(const MeasuredCurve& curve, const ReductionOptions& options, SetAside& set_aside) {
   Points points;
   points.reserve(curve.points.size());
   for (const Eigen::Vector2d& p : curve.points) {
-    const bool inside =
-        p.allFinite() && p.x() >= options.lower.value_or(-INFINITY) && p.x() <= options.upper.value_or(INFINITY);
-    if (!inside) {
-      ++set_aside;
+    if (!p.allFinite()) {
+      ++set_aside.no_number;
+      continue;
+    }
+    if (p.x() < options.lower.value_or(-INFINITY) || p.x() > options.upper.value_or(INFINITY)) {
+      ++set_aside.out_of_range;
       continue;
     }
     points.push_back(p);
@@ -376,9 +332,8 @@ Points counted(const MeasuredCurve& curve, const ReductionOptions& options, std:
 }
 
 void keep_first_loading(Points& points, Switch wanted, ReducedCurve& reduced, const Execution& execution) {
-  // A strain that only falls does not turn back either.
-  const double back = std::min(turning_back(points), turning_back(mirrored(points)));
-  reduced.first_loading = wanted == Switch::on || (wanted == Switch::automatic && back > noticeable);
+  reduced.first_loading =
+      wanted == Switch::on || (wanted == Switch::automatic && turning_back(points) > noticeable_fraction);
   std::string why = "the request asks for it";
   if (wanted == Switch::off) why = "the request leaves it out";
   if (wanted == Switch::automatic) {
@@ -387,15 +342,25 @@ void keep_first_loading(Points& points, Switch wanted, ReducedCurve& reduced, co
   }
   if (execution.cost) execution.cost->add_effect("loading", reduced.first_loading, why);
   if (!reduced.first_loading) return;
-  const auto [begin, end] = first_loading(is_compression(points) ? mirrored(points) : points);
-  reduced.set_aside += points.size() - (end - begin);
-  points =
-      Points(points.begin() + static_cast<std::ptrdiff_t>(begin), points.begin() + static_cast<std::ptrdiff_t>(end));
+  const std::size_t before = points.size();
+  points = first_loadings(points);
+  reduced.set_aside.not_first_loading = before - points.size();
+}
+
+void cut_after_rupture(Points& points, Switch wanted, ReducedCurve& reduced, const Execution& execution) {
+  const std::size_t after = wanted == Switch::off ? 0 : points_after_rupture(points);
+  std::string why = "the request leaves it out";
+  if (wanted != Switch::off)
+    why = after > 0 ? "the stress falls suddenly and does not come back" : "the stress does not fall suddenly";
+  if (execution.cost) execution.cost->add_effect("rupture", after > 0, why);
+  points.resize(points.size() - after);
+  if (after > 0) reduced.rupture_at = points.back().x();
+  reduced.set_aside.after_rupture = after;
 }
 
 bool passes_origin(const Points& points, Task task, Switch wanted, const Execution& execution) {
   const double lower = points.front().x(), upper = points.back().x();
-  const bool near = lower <= noticeable * (upper - lower) && upper >= -noticeable * (upper - lower);
+  const bool near = lower <= noticeable_fraction * (upper - lower) && upper >= -noticeable_fraction * (upper - lower);
   const bool is_strain = task == Task::stress_strain;
   const bool passes = is_strain && (wanted == Switch::on || (wanted == Switch::automatic && near));
   std::string why = "the request asks for it";
@@ -428,8 +393,8 @@ std::vector<double> first_knots(const Points& points, bool periodic, bool origin
     return {lower, lower + step, lower + 2 * step, lower + 3 * step};
   }
   if (!origin) return {lower, upper};
-  if (lower < -noticeable * range && upper > noticeable * range) return {lower, 0, upper};
-  if (lower < -noticeable * range) return {lower, 0};
+  if (lower < -noticeable_fraction * range && upper > noticeable_fraction * range) return {lower, 0, upper};
+  if (lower < -noticeable_fraction * range) return {lower, 0};
   return {0, upper};
 }
 
@@ -461,8 +426,10 @@ ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options,
     refuse_curve("points", "must have at least two points that are finite and within the range asked for");
   if (!periodic) {
     keep_first_loading(points, options.loading, reduced, execution);
+    cut_after_rupture(points, options.rupture, reduced, execution);
   } else if (execution.cost) {
     execution.cost->add_effect("loading", false, "directions are not loaded and unloaded");
+    execution.cost->add_effect("rupture", false, "directions do not break");
   }
   reduced.points = sorted(std::move(points));
   if (reduced.points.size() < 2) refuse_curve("points", "must have at least two points of different x");

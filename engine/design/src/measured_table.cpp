@@ -1,8 +1,6 @@
 #include "supple/design/measured_table.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,276 +10,307 @@
 #include <string>
 #include <utility>
 
+#include "measured_header.h"
+#include "measured_lines.h"
+#include "measured_numbers.h"
+#include "measured_shapes.h"
 #include "supple/base/error.h"
+#include "supple/design/measured_curve.h"
 
 namespace supple::design {
 namespace {
 
-constexpr std::size_t most_rows = 1'000'000;
-constexpr std::size_t most_columns = 256;
-/// So many lines tell how all of them are written.
-constexpr std::size_t most_told_by = 5000;
-constexpr std::size_t lines_between_checks = 4096;
+constexpr std::size_t max_rows = 1'000'000;
+constexpr std::size_t max_columns = 256;
+constexpr std::size_t max_remark_bytes = 20'000;
+/// A block with fewer rows than the longest one by this factor is no curve, but perhaps a summary.
+constexpr std::size_t rows_of_longest_to_shortest = 10;
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-struct Format {
-  char delimiter;
-  char decimal;
+/// How many cells rows have, and in which columns most of them have numbers.
+struct RowShape {
+  std::size_t columns = 0;
+  std::vector<bool> is_numeric;
+
+  bool fits(std::string_view shape) const {
+    if (shape.size() != columns || count_kind(shape, 'N') < 2) return false;
+    for (std::size_t c = 0; c < columns; ++c) {
+      if (shape[c] == 'T' && is_numeric[c]) return false;
+    }
+    return true;
+  }
 };
 
-// Where several read the text as well, the first does: "1,2" is two whole numbers.
-constexpr std::array<Format, 7> formats{
-    {{'\t', '.'}, {';', '.'}, {',', '.'}, {' ', '.'}, {'\t', ','}, {';', ','}, {' ', ','}}};
-
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-/// Lines end with a line feed, a carriage return, or both.
-std::vector<std::string_view> lines_of(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const auto end = text.find_first_of("\r\n");
-    lines.push_back(text.substr(0, end));
-    if (end == std::string_view::npos) break;
-    text.remove_prefix(end + (text.substr(end).starts_with("\r\n") ? 2 : 1));
+RowShape usual_shape(const std::vector<std::string>& shapes) {
+  std::map<std::size_t, std::size_t> lines_by_cells;
+  for (const auto& shape : shapes) {
+    if (count_kind(shape, 'N') >= 2) ++lines_by_cells[shape.size()];
   }
-  return lines;
+  RowShape row;
+  std::size_t most = 0;
+  for (const auto& [cells, lines] : lines_by_cells) {
+    if (lines > most) row.columns = cells;
+    most = std::max(most, lines);
+  }
+  std::vector<std::size_t> numbers(row.columns), texts(row.columns);
+  for (const auto& shape : shapes) {
+    if (shape.size() != row.columns || count_kind(shape, 'N') < 2) continue;
+    for (std::size_t c = 0; c < row.columns; ++c) {
+      numbers[c] += shape[c] == 'N' ? 1U : 0U;
+      texts[c] += shape[c] == 'T' ? 1U : 0U;
+    }
+  }
+  for (std::size_t c = 0; c < row.columns; ++c) row.is_numeric.push_back(numbers[c] > texts[c]);
+  return row;
 }
 
-/// Calls visit(cell) for each cell of a line, without its quotes. A quoted cell may hold the delimiter.
-template <class Visit>
-void for_each_cell(std::string_view line, char delimiter, Visit visit) {
-  if (delimiter == ' ') line = trimmed(line);
-  std::size_t at = 0;
-  while (true) {
-    std::size_t begin = at;
-    while (begin < line.size() && is_blank(line[begin]) && line[begin] != delimiter) ++begin;
-    std::size_t end = 0;
-    std::string_view cell;
-    if (begin < line.size() && line[begin] == '"') {
-      const auto quote = std::min(line.find('"', begin + 1), line.size());
-      cell = line.substr(begin + 1, quote - begin - 1);
-      end = std::min(line.find(delimiter, std::min(quote + 1, line.size())), line.size());
+/// Consecutive rows of one specimen.
+struct Block {
+  std::size_t first_line = 0, last_line = 0;
+  std::size_t above = 0;  ///< first of the lines between the block before and this one
+  std::size_t first_row = 0, rows = 0;
+  std::size_t odd_lines = 0;
+};
+
+/// Reads the rows and finds where blocks end.
+class BlockReader {
+ public:
+  BlockReader(std::span<const std::string_view> lines, const std::vector<std::string>& shapes, TableFormat format,
+              RowShape row)
+      : lines_(lines),
+        shapes_(shapes),
+        format_(format),
+        row_(std::move(row)),
+        values_(row_.columns),
+        percents_(row_.columns),
+        grows_(row_.columns, true) {}
+
+  void read(const CancellationToken& cancellation) {
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      if (i % lines_between_checks == 0) cancellation.throw_if_requested();
+      if (!row_.fits(shapes_[i])) continue;
+      if (rows_ == max_rows)
+        refuse_table("The table has more than " + std::to_string(max_rows) + " rows, which is the limit.");
+      add_row(i);
+    }
+  }
+
+  const std::vector<Block>& blocks() const { return blocks_; }
+  const std::vector<std::vector<double>>& values() const { return values_; }
+  const std::vector<std::vector<bool>>& percents() const { return percents_; }
+  std::vector<bool> has_numbers() const { return row_.is_numeric; }
+
+ private:
+  void add_row(std::size_t line) {
+    std::size_t c = 0;
+    for_each_cell(lines_[line], format_.delimiter, [&](std::string_view cell) {
+      const auto number = number_in(cell, format_.decimal, format_.blanks());
+      values_[c].push_back(number ? number->value : missing);
+      percents_[c++].push_back(number && number->has_percent);
+    });
+    if (blocks_.empty() || ends_before(line)) {
+      Block block;
+      block.above = blocks_.empty() ? 0 : blocks_.back().last_line + 1;
+      block.first_line = line;
+      block.first_row = rows_;
+      blocks_.push_back(block);
+      grows_.assign(row_.columns, true);
     } else {
-      end = delimiter == ' ' ? line.find_first_of(" \t", at) : line.find(delimiter, at);
-      end = std::min(end, line.size());
-      cell = line.substr(at, end - at);
+      Block& block = blocks_.back();
+      for (std::size_t i = block.last_line + 1; i < line; ++i) block.odd_lines += has_number(i) ? 1U : 0U;
+      for (std::size_t k = 0; k < row_.columns; ++k) grows_[k] = grows_[k] && !falls(k);
     }
-    visit(trimmed(cell));
-    if (end == line.size()) return;
-    at = end + 1;
-    while (delimiter == ' ' && at < line.size() && is_blank(line[at])) ++at;
+    blocks_.back().last_line = line;
+    ++blocks_.back().rows;
+    ++rows_;
   }
-}
 
-std::optional<double> number_in(std::string_view cell, char decimal) {
-  if (cell.starts_with('+')) cell.remove_prefix(1);
-  constexpr std::size_t longest = 48;
-  if (cell.empty() || cell.size() > longest) return std::nullopt;
-  std::array<char, longest> digits;
-  std::copy(cell.begin(), cell.end(), digits.begin());
-  if (decimal == ',') {
-    for (std::size_t i = 0; i < cell.size(); ++i) {
-      if (digits[i] == '.') return std::nullopt;
-      if (digits[i] == ',') digits[i] = '.';
+  bool has_number(std::size_t line) const { return count_kind(shapes_[line], 'N') > 0; }
+
+  /// Whether the last row of a column is less than the one before.
+  bool falls(std::size_t column) const {
+    const auto& v = values_[column];
+    return v.size() > 1 && v[v.size() - 1] < v[v.size() - 2];
+  }
+
+  /// Whether a column that only grew in the block begins anew with the row that was read last.
+  bool begins_anew() const {
+    if (blocks_.back().rows < 2) return false;
+    for (std::size_t c = 0; c < row_.columns; ++c) {
+      const bool grew = grows_[c] && values_[c][rows_ - 1] > values_[c][blocks_.back().first_row];
+      if (grew && falls(c)) return true;
     }
+    return false;
   }
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + cell.size(), value);
-  if (error != std::errc() || end != digits.data() + cell.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
-/// How many cells a line has, how many of them hold numbers, and how many something else.
-struct LineShape {
-  std::size_t cells = 0;
-  std::size_t numbers = 0;
-  std::size_t others = 0;
-  bool is_row() const { return numbers >= 2; }
+  bool ends_before(std::size_t line) const {
+    const Block& block = blocks_.back();
+    if (line == block.last_line + 1) return false;
+    const bool anew = begins_anew();
+    bool has_gap = false;
+    for (std::size_t i = block.last_line + 1; i < line; ++i) {
+      if (has_number(i) && count_kind(shapes_[i], 'T') < 2) continue;
+      has_gap = true;
+      if (is_titles_line(lines_[i], format_, row_.is_numeric) && (repeats_titles(i) || block_has_no_titles()))
+        return true;
+    }
+    return has_gap && anew;
+  }
+
+  /// Whether the line has the words of one above the first block.
+  bool repeats_titles(std::size_t line) const {
+    const auto words = [&](std::size_t at) {
+      std::string text;
+      for (const auto cell : cells_of(lines_[at], format_.delimiter)) {
+        if (cell_kind(cell, format_) == 'T') text.append(cell).append("\n");
+      }
+      return text;
+    };
+    const std::string here = words(line);
+    for (std::size_t i = blocks_.front().first_line; i-- > 0;) {
+      if (words(i) == here) return true;
+    }
+    return false;
+  }
+
+  bool block_has_no_titles() const {
+    for (std::size_t i = blocks_.back().above; i < blocks_.back().first_line; ++i) {
+      if (is_titles_line(lines_[i], format_, row_.is_numeric)) return false;
+    }
+    return true;
+  }
+
+  std::span<const std::string_view> lines_;
+  const std::vector<std::string>& shapes_;
+  TableFormat format_;
+  RowShape row_;
+  std::vector<std::vector<double>> values_;
+  std::vector<std::vector<bool>> percents_;
+  std::vector<bool> grows_;
+  std::vector<Block> blocks_;
+  std::size_t rows_ = 0;
 };
 
-LineShape shape_of(std::string_view line, Format format) {
-  LineShape shape;
-  for_each_cell(line, format.delimiter, [&](std::string_view cell) {
-    ++shape.cells;
-    if (number_in(cell, format.decimal)) {
-      ++shape.numbers;
-    } else if (!cell.empty()) {
-      ++shape.others;
-    }
-  });
-  return shape;
-}
-
-/// The rows that a format finds: those with as many cells as most have.
-struct Reading {
-  std::size_t cells = 0;
-  std::size_t rows = 0;
-  /// Numbers less cells that are none: read with the wrong separators, "0,5;1,5;2,5" has numbers at its ends and none
-  /// between.
-  std::int64_t score = 0;
-};
-
-Reading reading_of(std::span<const std::string_view> lines, Format format) {
-  std::map<std::size_t, Reading> by_cells;
-  for (const auto line : lines) {
-    const LineShape shape = shape_of(line, format);
-    if (!shape.is_row()) continue;
-    Reading& reading = by_cells[shape.cells];
-    reading.cells = shape.cells;
-    ++reading.rows;
-    reading.score += static_cast<std::int64_t>(shape.numbers) - static_cast<std::int64_t>(shape.others);
+std::size_t chosen_block(const std::vector<Block>& blocks, std::optional<std::size_t> asked) {
+  if (asked) {
+    if (*asked < blocks.size()) return *asked;
+    const std::string message = "must be below " + std::to_string(blocks.size()) + ", the blocks of rows in the file";
+    throw Error("design.invalid_measurement", "block: " + message + ".", {{"block", message}});
   }
-  Reading usual;
-  for (const auto& [cells, reading] : by_cells) {
-    if (reading.rows > usual.rows) usual = reading;
+  std::size_t longest = 0;
+  for (const Block& block : blocks) longest = std::max(longest, block.rows);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    if (rows_of_longest_to_shortest * blocks[b].rows >= longest) return b;
   }
-  return usual;
+  return 0;
 }
 
-/// Latin-1 becomes UTF-8: what follows goes on to clients as JSON.
-std::string as_utf8(std::string_view text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    std::size_t length = 1;
-    if (byte >= 0xC2 && byte < 0xE0) length = 2;
-    if (byte >= 0xE0 && byte < 0xF0) length = 3;
-    if (byte < 0x20) {
-      out += ' ';
-      continue;
-    }
-    bool is_sequence = length > 1 && i + length <= text.size();
-    for (std::size_t k = 1; k < length && is_sequence; ++k) {
-      is_sequence = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
-    }
-    // Forms that UTF-8 forbids: overlong ones and surrogates.
-    if (length == 3 && is_sequence) {
-      const auto next = static_cast<unsigned char>(text[i + 1]);
-      is_sequence = !(byte == 0xE0 && next < 0xA0) && !(byte == 0xED && next >= 0xA0);
-    }
-    if (byte < 0x80) {
-      out += text[i];
-    } else if (is_sequence) {
-      out += text.substr(i, length);
-      i += length - 1;
-    } else {
-      out += static_cast<char>(0xC0 | (byte >> 6));
-      out += static_cast<char>(0x80 | (byte & 0x3F));
-    }
+/// Cells such as "5.00%" say the unit of a column whose title names none. Numbers without the sign among such are none.
+void take_percent_signs(MeasuredTable::Column& column, const std::vector<bool>& percents, std::size_t first_row) {
+  bool any = false;
+  for (std::size_t r = 0; r < column.values.size(); ++r) any |= percents[first_row + r];
+  if (!any) return;
+  for (std::size_t r = 0; r < column.values.size(); ++r) {
+    if (!percents[first_row + r] && column.values[r] != 0) column.values[r] = missing;
   }
-  return out;
+  // A spreadsheet shows 0.05 as 5 %: the sign counts, not the title, unless that is of no ratio at all.
+  if (column.unit.empty() || known_unit(column.unit) == "1" || known_unit(column.unit) == "%") column.unit = "%";
 }
 
-/// "Strain [%]", "Stress (MPa)", "force/N" and "Dehnung in %" name their unit.
-std::pair<std::string, std::string> name_and_unit(std::string_view header) {
-  for (const auto& [open, close] : {std::pair('[', ']'), std::pair('(', ')')}) {
-    const auto begin = header.rfind(open);
-    if (begin == std::string_view::npos) continue;
-    const auto end = header.find(close, begin);
-    if (end == std::string_view::npos) continue;
-    return {as_utf8(trimmed(header.substr(0, begin))), as_utf8(trimmed(header.substr(begin + 1, end - begin - 1)))};
+std::string remarks_above(std::span<const std::string_view> above, const TableHeader& header) {
+  std::string remarks;
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    if (std::find(header.lines.begin(), header.lines.end(), i) != header.lines.end()) continue;
+    if (remarks.size() + above[i].size() > max_remark_bytes) break;
+    remarks.append(above[i]).append("\n");
   }
-  for (const std::string_view word : {" in ", " / ", "/"}) {
-    const auto at = header.rfind(word);
-    // "N/mm^2" alone, or the slash within a unit, is no name of a quantity and its unit.
-    if (at == std::string_view::npos || at == 0 || header.find('/') != header.rfind('/')) continue;
-    return {as_utf8(trimmed(header.substr(0, at))), as_utf8(trimmed(header.substr(at + word.size())))};
-  }
-  return {as_utf8(header), {}};
-}
-
-bool is_bracketed(std::string_view cell) {
-  return cell.size() > 1 &&
-         ((cell.front() == '[' && cell.back() == ']') || (cell.front() == '(' && cell.back() == ')'));
-}
-
-std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
-  std::vector<std::string_view> cells;
-  for_each_cell(line, delimiter, [&](std::string_view cell) { cells.push_back(cell); });
-  return cells;
-}
-
-/// Whether a line may be the header of a table of as many columns. Blanks separate words of names too, so that there
-/// any line with as many cells will do.
-bool is_header(std::string_view line, Format format, std::size_t columns) {
-  const LineShape shape = shape_of(line, format);
-  return shape.cells == columns && shape.numbers == 0 && !trimmed(line).empty();
-}
-
-/// Names and units from the one or two lines before the first row; returns how many they are.
-std::size_t read_header(const std::vector<std::string_view>& lines, std::size_t first_row, Format format,
-                        MeasuredTable& table) {
-  const std::size_t columns = table.columns.size();
-  if (first_row == 0 || !is_header(lines[first_row - 1], format, columns)) return 0;
-  const auto last = cells_of(lines[first_row - 1], format.delimiter);
-  const bool two = first_row > 1 && is_header(lines[first_row - 2], format, columns) &&
-                   std::any_of(last.begin(), last.end(), is_bracketed) &&
-                   std::all_of(last.begin(), last.end(), [](auto cell) { return cell.empty() || is_bracketed(cell); });
-  const auto names = two ? cells_of(lines[first_row - 2], format.delimiter) : last;
-  for (std::size_t c = 0; c < columns; ++c) {
-    std::tie(table.columns[c].name, table.columns[c].unit) = name_and_unit(names[c]);
-    if (two && !last[c].empty()) table.columns[c].unit = as_utf8(trimmed(last[c].substr(1, last[c].size() - 2)));
-  }
-  return two ? 2 : 1;
-}
-
-[[noreturn]] void refuse_table(const std::string& message) {
-  throw Error("design.unreadable_table", message, {{"text", message}});
+  return remarks;
 }
 
 }  // namespace
 
-MeasuredTable read_table(std::string_view text, const CancellationToken& cancellation) {
-  const auto lines = lines_of(text);
-  Format format = formats[0];
-  Reading best;
-  const auto told_by = std::span(lines).first(std::min(lines.size(), most_told_by));
-  for (const Format candidate : formats) {
-    cancellation.throw_if_requested();
-    const Reading reading = reading_of(told_by, candidate);
-    if (reading.rows == 0 || (best.rows > 0 && reading.score <= best.score)) continue;
-    format = candidate;
-    best = reading;
+std::size_t MeasuredTable::Column::numbers() const {
+  return static_cast<std::size_t>(
+      std::count_if(values.begin(), values.end(), [](double value) { return !std::isnan(value); }));
+}
+
+MeasuredTable read_table(std::string_view text, const TableOptions& options, const CancellationToken& cancellation) {
+  std::string owned(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text);
+  std::replace_if(
+      owned.begin(), owned.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r'; }, ' ');
+  const auto lines = lines_of(owned);
+  const TableFormat format = format_of(lines, options.decimal_separator, cancellation);
+  std::vector<std::string> shapes;
+  shapes.reserve(lines.size());
+  for (const auto line : lines) {
+    if (shapes.size() % lines_between_checks == 0) cancellation.throw_if_requested();
+    shapes.push_back(shape_of(line, format));
   }
-  const std::size_t columns = best.cells;
-  if (best.rows == 0) {
-    refuse_table(
-        "No line of the text holds two numbers: a table has columns that commas, semicolons, tabs or blanks separate, "
-        "one "
-        "row in a line.");
+  const RowShape row = usual_shape(shapes);
+  if (row.columns == 0) refuse_table("No line of the text holds two numbers with this decimal separator.");
+  if (row.columns > max_columns) {
+    refuse_table("The table has " + std::to_string(row.columns) + " columns, the limit is " +
+                 std::to_string(max_columns) + ".");
   }
-  if (columns > most_columns) {
-    refuse_table("The table has " + std::to_string(columns) + " columns, the limit is " + std::to_string(most_columns) +
-                 ".");
-  }
+  BlockReader reader(lines, shapes, format, row);
+  reader.read(cancellation);
+  const auto& blocks = reader.blocks();
   MeasuredTable table;
+  table.block = chosen_block(blocks, options.block);
+  table.blocks = blocks.size();
   table.delimiter = format.delimiter;
   table.decimal_separator = format.decimal;
-  table.columns.resize(columns);
-  std::optional<std::size_t> first_row;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (i % lines_between_checks == 0) cancellation.throw_if_requested();
-    const LineShape shape = shape_of(lines[i], format);
-    if (!shape.is_row() || shape.cells != columns) {
-      if (!trimmed(lines[i]).empty()) ++table.skipped_lines;
-      continue;
-    }
-    if (!first_row) first_row = i;
-    if (table.rows() == most_rows)
-      refuse_table("The table has more than " + std::to_string(most_rows) + " rows, which is the limit.");
-    std::size_t c = 0;
-    for_each_cell(lines[i], format.delimiter, [&](std::string_view cell) {
-      table.columns[c++].values.push_back(number_in(cell, format.decimal).value_or(missing));
-    });
+  const Block& block = blocks[table.block];
+  table.odd_lines = block.odd_lines;
+  // Lines of numbers next to the block's rows were meant as rows.
+  for (std::size_t i = block.last_line + 1; i < lines.size() && count_kind(shapes[i], 'N') >= 2 && !row.fits(shapes[i]);
+       ++i)
+    ++table.odd_lines;
+  for (std::size_t i = block.first_line;
+       i-- > block.above && count_kind(shapes[i], 'N') >= 2 && count_kind(shapes[i], 'T') == 0;)
+    ++table.odd_lines;
+  if (table.odd_lines >= block.rows) {
+    refuse_table("Lines with numbers have different numbers of cells: " + std::to_string(block.rows) + " have " +
+                 std::to_string(row.columns) + ", " + std::to_string(table.odd_lines) +
+                 " others do not. Decimal commas may stand between the same commas that separate the columns.");
   }
-  table.skipped_lines -= read_header(lines, *first_row, format, table);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!row.fits(shapes[i]) && !trimmed(lines[i]).empty()) ++table.skipped_lines;
+  }
+  const auto above = std::span(lines).subspan(block.above, block.first_line - block.above);
+  TableHeader header = read_header(above, format, row.is_numeric);
+  // A program may write titles once, above all blocks.
+  for (std::size_t b = table.block; b-- > 0 && header.lines.empty();) {
+    const auto earlier = std::span(lines).subspan(blocks[b].above, blocks[b].first_line - blocks[b].above);
+    header = read_header(earlier, format, row.is_numeric);
+  }
+  const bool all_whole = std::all_of(reader.values().begin(), reader.values().end(), [](const auto& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v) || v == std::floor(v); });
+  });
+  if (format.delimiter == ',' && header.crowded > 0 && all_whole) {
+    refuse_table(
+        "The rows have twice as many cells as there are titles: decimal commas stand between the same commas "
+        "that separate the columns. Separate these by semicolons, or write decimal points.");
+  }
+  table.skipped_lines -= header.lines.size();
+  table.unread_titles = header.unread;
+  table.remarks = remarks_above(above, header);
+  table.columns.resize(row.columns);
+  for (std::size_t c = 0; c < row.columns; ++c) {
+    auto& column = table.columns[c];
+    if (!header.titles.empty()) {
+      column.title = header.titles[c];
+      column.name = header.names[c];
+    }
+    column.unit = header.units[c];
+    const auto begin = reader.values()[c].begin() + static_cast<std::ptrdiff_t>(block.first_row);
+    column.values.assign(begin, begin + static_cast<std::ptrdiff_t>(block.rows));
+    take_percent_signs(column, reader.percents()[c], block.first_row);
+  }
+  // Commas at the ends of rows make no columns.
+  while (table.columns.size() > 2 && table.columns.back().title.empty() && table.columns.back().numbers() == 0)
+    table.columns.pop_back();
   return table;
 }
 

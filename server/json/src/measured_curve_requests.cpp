@@ -1,7 +1,11 @@
 #include "supple/json/measured_curve_requests.h"
 
+#include <algorithm>
+#include <array>
+
 #include "document.h"
 #include "request_parts.h"
+#include "supple/design/measured_text.h"
 
 namespace supple::json {
 namespace {
@@ -12,6 +16,7 @@ constexpr std::size_t longest_column_name = 200;
 constexpr std::size_t longest_unit = 40;
 constexpr int most_table_columns = 256;
 constexpr double largest_specimen_length = 1e6;
+constexpr int most_blocks = 10'000;
 
 std::optional<std::string> read_text(Fields& fields, std::string_view name, std::size_t longest) {
   const auto* value = fields.optional(name);
@@ -21,6 +26,49 @@ std::optional<std::string> read_text(Fields& fields, std::string_view name, std:
     return std::nullopt;
   }
   return value->get<std::string>();
+}
+
+/// The bytes of base64 with or without line ends; nothing where it is none.
+std::optional<std::string> decoded_base64(std::string_view text) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::array<int, 256> values{};
+  values.fill(-1);
+  for (std::size_t i = 0; i < alphabet.size(); ++i)
+    values[static_cast<unsigned char>(alphabet[i])] = static_cast<int>(i);
+  std::string out;
+  out.reserve(text.size() / 4 * 3);
+  unsigned bits = 0;
+  int count = 0;
+  std::size_t digits = 0, padding = 0;
+  for (const char c : text) {
+    if (c == '\n' || c == '\r') continue;
+    if (c == '=') {
+      ++padding;
+      continue;
+    }
+    const int value = values[static_cast<unsigned char>(c)];
+    if (value < 0 || padding > 0) return std::nullopt;
+    ++digits;
+    bits = (bits << 6) | static_cast<unsigned>(value);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    out += static_cast<char>((bits >> count) & 0xFF);
+  }
+  if (digits % 4 == 1 || padding > 2 || (padding > 0 && (digits + padding) % 4 != 0)) return std::nullopt;
+  return out;
+}
+
+/// The text of the bytes of a file.
+void read_content(Fields& fields, std::size_t longest, MeasuredCurveRequest& request) {
+  const auto content = read_text(fields, "content", longest);
+  if (!content) return;
+  const auto bytes = decoded_base64(*content);
+  if (!bytes) return fields.faults().add(fields.at("content"), "must be the bytes of a file in base64");
+  auto [text, encoding] = design::decode_text(*bytes);
+  request.measurements.text = std::move(text);
+  request.encoding = std::move(encoding);
+  request.text_field = "/content";
 }
 
 void read_column(Fields& fields, std::string_view name, design::ColumnChoice& out) {
@@ -51,6 +99,20 @@ void read_length(Fields& fields, std::string_view name, std::optional<double>& o
   if (value > 0) out = value;
 }
 
+/// How a table is to be read.
+void read_table_fields(Fields& fields, design::MeasurementRequest& measurements) {
+  int decimal = 0;
+  fields.choice("decimal_separator", decimal, {"automatic", "point", "comma"});
+  if (decimal != 0) measurements.table.decimal_separator = decimal == 1 ? '.' : ',';
+  int block = -1;
+  fields.integer("block", block, 0, most_blocks - 1);
+  if (block >= 0) measurements.table.block = static_cast<std::size_t>(block);
+  for (const char* const name : {"columns", "decimal_separator", "block"}) {
+    if (fields.present("points") && fields.present(name))
+      fields.faults().add(fields.at(name), "must not stand beside \"points\", which are no table");
+  }
+}
+
 void read_range(Fields& fields, design::ReductionOptions& options) {
   const auto* value = fields.optional("range");
   if (!value) return;
@@ -70,26 +132,32 @@ MeasuredCurveRequest parse_measured_curve(std::string_view body, const Limits& l
   MeasuredCurveRequest request;
   Faults faults;
   Fields fields(document, "", faults);
-  fields.choice("task", request.task, {"stress_strain", "stiffness", "poisson"});
-  request.text = read_text(fields, "text", body.size());
-  read_points(fields, request.points);
-  if (document.is_object() && fields.present("text") == fields.present("points")) {
-    faults.add("", "must have exactly one of \"text\" and \"points\"");
-  }
+  design::MeasurementRequest& measurements = request.measurements;
+  fields.choice("task", measurements.task, {"stress_strain", "stiffness", "poisson"});
+  measurements.text = read_text(fields, "text", body.size());
+  read_content(fields, body.size(), request);
+  read_points(fields, measurements.points);
+  const int given =
+      (fields.present("text") ? 1 : 0) + (fields.present("content") ? 1 : 0) + (fields.present("points") ? 1 : 0);
+  if (document.is_object() && given != 1)
+    faults.add("", "must have exactly one of \"text\", \"content\" and \"points\"");
   nested(fields, "columns", [&](Fields& columns) {
-    if (fields.present("points"))
-      faults.add(fields.at("columns"), "must not stand beside \"points\", which have x and y");
-    read_column(columns, "x", request.x);
-    read_column(columns, "y", request.y);
+    read_column(columns, "x", measurements.x);
+    read_column(columns, "y", measurements.y);
   });
   nested(fields, "units", [&](Fields& units) {
-    request.x_unit = read_text(units, "x", longest_unit);
-    request.y_unit = read_text(units, "y", longest_unit);
+    measurements.x_unit = read_text(units, "x", longest_unit);
+    measurements.y_unit = read_text(units, "y", longest_unit);
   });
   nested(fields, "specimen", [&](Fields& specimen) {
-    read_length(specimen, "gauge_length", request.specimen.gauge_length);
-    read_length(specimen, "area", request.specimen.area);
+    read_length(specimen, "gauge_length", measurements.specimen.gauge_length);
+    read_length(specimen, "area", measurements.specimen.area);
   });
+  read_table_fields(fields, measurements);
+  fields.choice("sense", measurements.sense, {"automatic", "tension", "compression"});
+  fields.choice("zero", measurements.zero, {"automatic", "first", "as_written"});
+  if (measurements.task != design::Task::stress_strain && measurements.sense != design::Sense::automatic)
+    faults.add(fields.at("sense"), "must not be given over directions: it belongs to stress over strain");
   read_range(fields, request.options);
   fields.choice("interpolation", request.options.interpolation, {"cubic", "monotone", "linear"});
   nested(fields, "accuracy", [&](Fields& accuracy) {
@@ -99,6 +167,7 @@ MeasuredCurveRequest parse_measured_curve(std::string_view body, const Limits& l
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("origin", request.options.origin, switch_names);
     effects.choice("loading", request.options.loading, switch_names);
+    effects.choice("rupture", request.options.rupture, switch_names);
   });
   request.deadline = read_deadline(fields, limits);
   fields.finish();

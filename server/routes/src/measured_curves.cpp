@@ -1,5 +1,5 @@
-#include <optional>
-#include <tuple>
+#include <string>
+#include <utility>
 
 #include "computation_route.h"
 #include "handlers.h"
@@ -9,66 +9,27 @@
 namespace supple::routes {
 namespace {
 
-using Column = design::MeasuredTable::Column;
-
-/// The request's unit, else the header's where it is one of the table of units, else the profile's own.
-std::string unit_of(const std::optional<std::string>& asked, const Column* column, const char* usual) {
-  if (asked) {
-    std::string known = design::known_unit(*asked);
-    return known.empty() ? *asked : known;
-  }
-  if (column && !column->unit.empty()) {
-    std::string known = design::known_unit(column->unit);
-    if (!known.empty()) return known;
-  }
-  return usual;
-}
-
-design::MeasuredCurve measured(const json::MeasuredCurveRequest& request, json::MeasuredCurveAnswer& answer,
-                               const Execution& execution) {
-  const StageTimer timer(execution.cost, "reading");
-  const bool strains = request.task == design::Task::stress_strain;
-  const Column* x_column = nullptr;
-  const Column* y_column = nullptr;
-  if (request.text) {
-    answer.table = design::read_table(*request.text, execution.cancellation);
-    std::tie(answer.x, answer.y) = design::choose_columns(*answer.table, request.x, request.y);
-    x_column = &answer.table->columns[answer.x];
-    y_column = &answer.table->columns[answer.y];
-  }
-  answer.x_unit = unit_of(request.x_unit, x_column, strains ? "1" : "rad");
-  answer.y_unit = unit_of(request.y_unit, y_column, request.task == design::Task::poisson ? "1" : "MPa");
-  const auto x = design::conversion_of_x(request.task, answer.x_unit, request.specimen);
-  const auto y = design::conversion_of_y(request.task, answer.y_unit, request.specimen);
-  design::MeasuredCurve curve;
-  curve.task = request.task;
-  const std::size_t count = answer.table ? answer.table->rows() : request.points.size();
-  curve.points.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector2d raw =
-        x_column ? Eigen::Vector2d(x_column->values[i], y_column->values[i]) : request.points[i];
-    curve.points.emplace_back(raw.x() * x.factor + x.offset, raw.y() * y.factor + y.offset);
-  }
-  return curve;
+/// Pointer into the request for a place that the engine names.
+std::string pointer_of(const std::string& where, const json::MeasuredCurveRequest& request) {
+  if (where == "points" && request.measurements.text) return request.text_field;
+  if (where == "text") return request.text_field;
+  return where.starts_with('/') ? where : "/" + where;
 }
 
 store::Result compute(const json::MeasuredCurveRequest& request, const Execution& outer) {
   json::MeasuredCurveAnswer answer;
-  answer.task = request.task;
+  answer.task = request.measurements.task;
   answer.options = request.options;
+  answer.encoding = request.encoding;
   const auto bill = billed(outer, [&](const Execution& execution) {
     execution.checkpoint(0, "reading");
     try {
-      answer.curve = design::reduce(measured(request, answer, execution), request.options, execution);
+      answer.measurements = design::read_measurements(request.measurements, execution);
+      answer.curve = design::reduce(answer.measurements.curve, request.options, execution);
     } catch (const Error& error) {
-      // Places of the engine become pointers into the request.
       if (error.code() != "design.invalid_measurement" && error.code() != "design.unreadable_table") throw;
       auto details = error.details();
-      for (auto& detail : details) {
-        if (!request.text && detail.where == "points") detail.where = "/points";
-        if (request.text && detail.where == "points") detail.where = "/text";
-        if (!detail.where.starts_with('/')) detail.where.insert(0, "/");
-      }
+      for (auto& detail : details) detail.where = pointer_of(detail.where, request);
       throw Error(error.code(), error.what(), std::move(details));
     }
   });

@@ -136,7 +136,7 @@ TEST(HardCurves, ASensorThatDropsOut) {
   curve.points[200].y() = std::numeric_limits<double>::quiet_NaN();
   curve.points[300].y() = 0;
   const ReducedCurve reduced = expect_sense(curve, 0.05);
-  EXPECT_EQ(reduced.set_aside, 2U);
+  EXPECT_EQ(reduced.set_aside.total(), 2U);
   EXPECT_LE(reduced.relative_rms, 0.1);
   EXPECT_NEAR(reduced.max_at, curve.points[300].x(), 1e-12) << "the point that is off is told";
 }

@@ -3,7 +3,7 @@ import { h } from "../base/dom";
 import { textOf } from "../base/text_file";
 
 /** What a dropped file is for; ends with why it was refused, or with "". */
-export type Take = (text: string, name: string) => Promise<string>;
+export type Take = (text: string, name: string, bytes: ArrayBuffer) => Promise<string>;
 
 /** A refusal stands beside the place where the file was dropped, which is what a person looks at then. */
 export function takeDrops(page: HTMLElement, take: Take): void {
@@ -34,7 +34,7 @@ export function takeDrops(page: HTMLElement, take: Take): void {
     event.preventDefault();
     const card = cardOf(event);
     note.hidden = true;
-    void file.arrayBuffer().then((bytes) => take(textOf(bytes), file.name)).then((problem) => {
+    void file.arrayBuffer().then((bytes) => take(textOf(bytes), file.name, bytes)).then((problem) => {
       if (problem === "") return;
       note.textContent = `${file.name}: ${problem}`;
       if (card) card.after(note);

@@ -6,10 +6,17 @@ import type { MeasuredCurve, MeasuredCurveRequest } from "../contract/types";
 import type { DesignSession } from "./session";
 import type { ControlPoint, DesignState, ProfileKind } from "./state";
 
+/** A table as a request holds it: its text, or the bytes of a file in base64, whose encoding the server recognizes. */
+export type MeasuredTable = { readonly text: string } | { readonly content: string };
+
 export interface MeasuredSettings {
-  readonly columns: { readonly x?: number; readonly y?: number };
+  readonly columns: { readonly x?: number | string; readonly y?: number | string };
   readonly units: { readonly x?: string; readonly y?: string };
   readonly specimen: { readonly gauge_length?: number; readonly area?: number };
+  readonly sense?: MeasuredCurveRequest["sense"];
+  readonly decimalSeparator?: MeasuredCurveRequest["decimal_separator"];
+  readonly zero?: MeasuredCurveRequest["zero"];
+  readonly block?: number;
   /** At most so many control points. */
   readonly controlPoints: number;
 }
@@ -18,7 +25,7 @@ export const FIRST_SETTINGS: MeasuredSettings = { columns: {}, units: {}, specim
 
 export interface MeasuredData {
   readonly name: string;
-  readonly text: string;
+  readonly table: MeasuredTable;
   readonly settings: MeasuredSettings;
   /** Null while the settings do not do; then `problem` says why and `places` which fields. */
   readonly curve: MeasuredCurve | null;
@@ -31,15 +38,32 @@ export interface MeasuredData {
 /** Without the places of a target and a region: of whichever is in sight. */
 export type MeasuredKind = Pick<ProfileKind, "task" | "measure"> & Partial<Pick<DesignState, "at" | "regionAt">>;
 
-export function measuredRequest(text: string, task: ProfileKind["task"], settings: MeasuredSettings): MeasuredCurveRequest {
+/** The table of a file. Text that is UTF-8 goes as it is. */
+export function tableOf(bytes: ArrayBuffer): MeasuredTable {
+  try {
+    const text = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
+    if (!text.includes("\0")) return { text };
+  } catch {
+    // Some other encoding.
+  }
+  let binary = "";
+  for (const byte of new Uint8Array(bytes)) binary += String.fromCharCode(byte);
+  return { content: btoa(binary) };
+}
+
+export function measuredRequest(table: MeasuredTable, task: ProfileKind["task"], settings: MeasuredSettings): MeasuredCurveRequest {
   return {
     task,
-    text,
+    ...table,
     columns: { ...settings.columns },
     units: { ...settings.units },
     specimen: { ...settings.specimen },
+    ...(settings.sense && task === "stress_strain" ? { sense: settings.sense } : {}),
+    ...(settings.decimalSeparator ? { decimal_separator: settings.decimalSeparator } : {}),
+    ...(settings.zero ? { zero: settings.zero } : {}),
+    ...(settings.block === undefined ? {} : { block: settings.block }),
     accuracy: { max_control_points: settings.controlPoints },
-  };
+  } as MeasuredCurveRequest;
 }
 
 /** The points that may be drawn behind a profile: those of its task and measure, behind the target that they became. */
@@ -49,13 +73,19 @@ export function drawnBehind(data: MeasuredData | null, kind: MeasuredKind): read
   return data.curve.points.map(([x, y]): ControlPoint => [x, y]);
 }
 
-/** What the reduction did, in a sentence or two. */
+/** The fields that somebody is asked for: without them the file cannot be read, or something about it was assumed. */
+export function askedFor(data: MeasuredData): ReadonlySet<string> {
+  const assumed = (data.curve?.notes ?? []).map((note) => note.pointer).filter((pointer) => pointer !== "");
+  return new Set(data.problem ? data.places : assumed);
+}
+
+/** What the reduction did and what is to be known about it; warnings stand by themselves. */
 export function reductionSentence(curve: MeasuredCurve, number: (value: number) => string, percent: (share: number) => string): string {
-  const { error, target, point_count: count, message } = curve;
+  const { error, target, point_count: count } = curve;
   const points = target.control_points.length;
   const unit = curve.task === "poisson" ? "" : " MPa";
   const follows = `${points} control points follow ${count.toLocaleString("en")} measured ones within ${percent(error.relative_rms)}, at most ${number(error.max)}${unit} apart.`;
-  return message ? `${follows} ${message}` : follows;
+  return [follows, ...curve.notes.filter((note) => note.level === "note").map((note) => note.text)].join(" ");
 }
 
 export class Measured {
@@ -68,8 +98,8 @@ export class Measured {
   ) {}
 
   /** Data from a file, the clipboard or a drop: what the server reads becomes the target. Ends with why it was refused, or with "". */
-  read(text: string, name: string): Promise<string> {
-    return new Promise((done) => this.ask(text, name, FIRST_SETTINGS, done));
+  read(table: MeasuredTable, name: string): Promise<string> {
+    return new Promise((done) => this.ask(table, name, FIRST_SETTINGS, done));
   }
 
   change(settings: Partial<MeasuredSettings>): void {
@@ -79,7 +109,7 @@ export class Measured {
     const { at, regionAt } = data.kind;
     if (regionAt !== undefined) this.session.selectRegion(regionAt);
     if (at !== undefined) this.session.select(at);
-    this.ask(data.text, data.name, { ...data.settings, ...settings });
+    this.ask(data.table, data.name, { ...data.settings, ...settings });
   }
 
   remove(): void {
@@ -87,16 +117,16 @@ export class Measured {
     this.data.set(null);
   }
 
-  private ask(text: string, name: string, settings: MeasuredSettings, done: (problem: string) => void = () => {}): void {
+  private ask(table: MeasuredTable, name: string, settings: MeasuredSettings, done: (problem: string) => void = () => {}): void {
     const { task } = this.session.state.get();
     // Instruments measure stretch and force over rest width; directions have no such choice.
     const kind = { task, measure: task === "stress_strain" ? ("engineering" as const) : this.session.state.get().measure };
     this.requests.submit(async (signal) => {
       try {
-        const curve = await this.client.post<MeasuredCurve>("/v1/measured-curves", measuredRequest(text, task, settings), { signal });
+        const curve = await this.client.post<MeasuredCurve>("/v1/measured-curves", measuredRequest(table, task, settings), { signal });
         if (signal.aborted) return;
         const { at, regionAt } = this.session.state.get();
-        this.data.set({ name, text, settings, curve, problem: "", places: [], kind: { ...kind, at, regionAt } });
+        this.data.set({ name, table, settings, curve, problem: "", places: [], kind: { ...kind, at, regionAt } });
         const { control_points: points, interpolation } = curve.target;
         this.session.apply({ points: points.map(([x, y]): ControlPoint => [x, y]), interpolation, measure: kind.measure, byHand: false });
         done("");
@@ -104,8 +134,8 @@ export class Measured {
         if (signal.aborted || isAbort(error)) return;
         const places = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
         const known = this.data.get();
-        const same = known?.text === text ? known : null;
-        this.data.set({ name, text, settings, curve: same?.curve ?? null, problem: explainFile(error), places, kind: { ...same?.kind, ...kind } });
+        const same = known?.table === table ? known : null;
+        this.data.set({ name, table, settings, curve: same?.curve ?? null, problem: explainFile(error), places, kind: { ...same?.kind, ...kind } });
         done(explainFile(error));
       }
     }, true);

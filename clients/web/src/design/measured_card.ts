@@ -2,29 +2,39 @@
 import { button, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
-import { textOf } from "../base/text_file";
 import type { MeasuredCurve } from "../contract/types";
-import { type Measured, type MeasuredData, reductionSentence } from "./measured";
+import { askedFor, type Measured, type MeasuredData, type MeasuredSettings, reductionSentence, tableOf } from "./measured";
 import { isPolar } from "./state";
 
 const FILE_TYPES = ".csv,.tsv,.txt,.dat,text/csv,text/plain,text/tab-separated-values";
 const STRAIN_UNITS = ["1", "%", "permille", "microstrain", "stretch", "um", "mm", "cm", "m", "in"];
 const STRESS_UNITS = ["Pa", "kPa", "MPa", "GPa", "N/mm^2", "psi", "ksi", "bar", "mN", "N", "kN", "lbf", "kgf", "gf"];
+const QUESTIONS = ["/units/x", "/units/y", "/specimen/gauge_length", "/specimen/area", "/columns/x", "/columns/y", "/decimal_separator", "/sense", "/zero", "/block"];
 const LENGTHS = ["um", "mm", "cm", "m", "in"];
 const FORCES = ["mN", "N", "kN", "lbf", "kgf", "gf"];
+
+const DECIMALS = [{ value: "point", words: "Points: 1.234" }, { value: "comma", words: "Commas: 1,234" }];
+const ZEROS = [{ value: "first", words: "The first one" }, { value: "as_written", words: "Zero" }];
+const SENSES = [{ value: "tension", words: "Tension" }, { value: "compression", words: "Compression" }];
 
 export function measuredCard(measured: Measured): HTMLElement {
   const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
     const chosen = file.files?.[0];
-    if (chosen) void chosen.arrayBuffer().then((bytes) => measured.read(textOf(bytes), chosen.name));
+    if (chosen) void chosen.arrayBuffer().then((bytes) => measured.read(tableOf(bytes), chosen.name));
     file.value = "";
   } });
   const note = h("p", { class: "muted" }, "CSV or text with two columns or more; or drop a file onto the page.");
+  const warnings = h("div", { class: "warnings", role: "status" });
   const settings = h("div", { class: "measured-settings" });
   const paste = button("Paste", () => void pasteFrom(measured, note), { title: "Take the table that is in the clipboard" });
   const remove = button("Remove", () => measured.remove(), { title: "Forget the measured data; the target stays" });
+  const card = h("details", { class: "card controls measured", "aria-label": "Measured data" },
+    h("summary", {}, "Measured data"),
+    h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a file"), file, paste, remove),
+    note, warnings, settings);
   measured.data.watch((data) => {
     remove.hidden = !data;
+    replace(warnings, ...(data?.problem ? [] : data?.curve?.notes ?? []).filter(({ level }) => level === "warning").map(({ text }) => h("p", {}, text)));
     if (!data) {
       replace(settings);
       note.textContent = "CSV or text with two columns or more; or drop a file onto the page.";
@@ -32,17 +42,22 @@ export function measuredCard(measured: Measured): HTMLElement {
     }
     note.textContent = data.problem ? `${data.name}: ${data.problem}` : `${data.name}: ${data.curve ? reductionSentence(data.curve, digits, percent) : ""}`;
     note.classList.toggle("problem", data.problem !== "");
-    replace(settings, ...fields(measured, data));
+    const render = () => replace(settings, ...fields(measured, measured.data.get() ?? data));
+    // An answer that comes while somebody writes into a field leaves the field alone until that is done.
+    const field = document.activeElement;
+    const isWritten = field instanceof HTMLInputElement && field.type !== "range" && settings.contains(field) && field.value !== field.defaultValue;
+    if (isWritten) field.addEventListener("blur", render, { once: true });
+    else render();
+    // What the file does not tell is asked for here, where it is seen.
+    const isAsked = data.problem ? QUESTIONS.some((place) => data.places.includes(place)) : data.curve?.sense?.told_by === "nothing";
+    if (isAsked) card.setAttribute("open", "");
   });
-  return h("details", { class: "card controls measured", "aria-label": "Measured data" },
-    h("summary", {}, "Measured data"),
-    h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a file"), file, paste, remove),
-    note, settings);
+  return card;
 }
 
 async function pasteFrom(measured: Measured, note: HTMLElement): Promise<void> {
   try {
-    measured.read(await navigator.clipboard.readText(), "Clipboard");
+    void measured.read({ text: await navigator.clipboard.readText() }, "Clipboard");
   } catch {
     note.textContent = "The browser does not let this page read the clipboard; open a file or drop it onto the page.";
   }
@@ -53,25 +68,44 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
   const polar = isPolar(data.kind.task);
   const x = settings.units.x ?? curve?.units.x ?? "";
   const y = settings.units.y ?? curve?.units.y ?? "";
-  const unit = (label: string, units: readonly string[], value: string, chosen: (value: string) => void) => {
-    const list = new Select<string>(label, units.map((words) => ({ value: words, words })), chosen);
+  const choice = (label: string, choices: readonly { value: string; words: string }[], value: string, chosen: (value: string) => void) => {
+    // Nothing is chosen until somebody does.
+    const unset = value === "" ? [{ value: "", words: "Choose …" }] : [];
+    const list = new Select<string>(label, [...unset, ...choices], (picked) => picked !== "" && chosen(picked));
     list.value = value;
     return list.element;
   };
+  const unit = (label: string, units: readonly string[], value: string, chosen: (value: string) => void) =>
+    choice(label, units.map((words) => ({ value: words, words })), value, chosen);
   const points = new Slider({
     label: "Control points at most", lower: 3, upper: 32, step: 1, digits: 0,
     changed: (value, done) => done && measured.change({ controlPoints: Math.round(value) }),
   });
   points.value = settings.controlPoints;
-  const needs = (place: string) => data.places.includes(place);
+  const asked = askedFor(data);
+  const needs = (place: string) => asked.has(place);
+  const columns = (change: MeasuredSettings["columns"]) => measured.change({ columns: { ...settings.columns, ...change } });
+  const units = (change: MeasuredSettings["units"]) => measured.change({ units: { ...settings.units, ...change } });
+  const specimen = (change: MeasuredSettings["specimen"]) => measured.change({ specimen: { ...settings.specimen, ...change } });
+  const blocks = curve?.table?.blocks ?? 1;
   return [
-    curve?.table !== undefined && column("x from", curve, curve.columns?.x ?? 0, (index) => measured.change({ columns: { ...settings.columns, x: index } })),
-    curve?.table !== undefined && column("y from", curve, curve.columns?.y ?? 1, (index) => measured.change({ columns: { ...settings.columns, y: index } })),
-    !polar && unit("Unit of strain", STRAIN_UNITS, x, (value) => measured.change({ units: { ...settings.units, x: value } })),
-    polar && unit("Unit of direction", ["rad", "deg"], x, (value) => measured.change({ units: { ...settings.units, x: value } })),
-    data.kind.task !== "poisson" && unit(polar ? "Unit of stiffness" : "Unit of stress", polar ? STRESS_UNITS.slice(0, 8) : STRESS_UNITS, y, (value) => measured.change({ units: { ...settings.units, y: value } })),
-    (LENGTHS.includes(x) || needs("/specimen/gauge_length")) && length("Gauge length, mm", settings.specimen.gauge_length, (value) => measured.change({ specimen: { ...settings.specimen, gauge_length: value } })),
-    (FORCES.includes(y) || needs("/specimen/area")) && length("Cross-section, mm²", settings.specimen.area, (value) => measured.change({ specimen: { ...settings.specimen, area: value } })),
+    curve?.table !== undefined && column("x from", curve, curve.columns?.x ?? 0, (x) => columns({ x })),
+    curve?.table !== undefined && column("y from", curve, curve.columns?.y ?? 1, (y) => columns({ y })),
+    !curve && needs("/columns/x") && title("x from the column (number from 0, or title)", settings.columns.x, (x) => columns({ x })),
+    !curve && needs("/columns/y") && title("y from the column (number from 0, or title)", settings.columns.y, (y) => columns({ y })),
+    blocks > 1 && choice("Block of rows", Array.from({ length: blocks }, (_, k) => ({ value: String(k), words: `${k + 1} of ${blocks}` })),
+      String(curve?.table?.block ?? 0), (value) => measured.change({ block: Number(value) })),
+    (needs("/decimal_separator") || settings.decimalSeparator !== undefined) && choice("Decimals", DECIMALS, settings.decimalSeparator ?? "",
+      (value) => measured.change({ decimalSeparator: value as MeasuredSettings["decimalSeparator"] })),
+    !polar && unit("Unit of strain", STRAIN_UNITS, x, (value) => units({ x: value })),
+    polar && unit("Unit of direction", ["rad", "deg"], x, (value) => units({ x: value })),
+    data.kind.task !== "poisson" && unit(polar ? "Unit of stiffness" : "Unit of stress", polar ? STRESS_UNITS.slice(0, 8) : STRESS_UNITS, y, (value) => units({ y: value })),
+    (LENGTHS.includes(x) || needs("/specimen/gauge_length")) && length("Gauge length, mm", settings.specimen.gauge_length, (value) => specimen({ gauge_length: value })),
+    (FORCES.includes(y) || needs("/specimen/area")) && length("Cross-section, mm²", settings.specimen.area, (value) => specimen({ area: value })),
+    (needs("/zero") || settings.zero !== undefined) && choice("Displacements count from", ZEROS, settings.zero ?? "",
+      (value) => measured.change({ zero: value as MeasuredSettings["zero"] })),
+    !polar && (needs("/sense") || settings.sense !== undefined) && choice("What was measured", SENSES, settings.sense ?? (curve?.sense?.told_by === "nothing" ? "" : curve?.sense?.used ?? ""),
+      (value) => measured.change({ sense: value as MeasuredSettings["sense"] })),
     points.element,
   ];
 }
@@ -82,6 +116,15 @@ function column(label: string, curve: MeasuredCurve, index: number, chosen: (ind
   const list = new Select<string>(label, columns.map((_, k) => ({ value: String(k), words: words(k) })), (value) => chosen(Number(value)));
   list.value = String(index);
   return list.element;
+}
+
+/** A column by its number or its title, while the server has not told the titles. */
+function title(label: string, value: number | string | undefined, changed: (value: number | string) => void): HTMLElement {
+  const id = uniqueId("title");
+  const input = h("input", { type: "text", id, value: value === undefined ? null : String(value), onchange: () => {
+    if (input.value !== "") changed(/^\d+$/.test(input.value) ? Number(input.value) : input.value);
+  } });
+  return h("div", { class: "field" }, h("label", { for: id }, label), input);
 }
 
 function length(label: string, value: number | undefined, changed: (value: number) => void): HTMLElement {

@@ -12,7 +12,7 @@ import { isDrawing } from "./drawing";
 import { takeDrops } from "./drops";
 import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
-import { Measured } from "./measured";
+import { Measured, tableOf } from "./measured";
 import { madeCard } from "./made_card";
 import { measuredCard } from "./measured_card";
 import { Overlays } from "./overlays";
@@ -63,7 +63,7 @@ export function designPage({ client, link }: Surroundings): Page {
     h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
   );
 
-  takeDrops(element, (text, name) => (isDrawing(name, text) ? part.open(text, name) : measured.read(text, name)));
+  takeDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
 
   // All that is of an earlier decision is dimmed as one, until the answer to this one has come.
   for (const part of [session.shown, session.state]) {

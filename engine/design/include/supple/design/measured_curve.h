@@ -27,9 +27,9 @@ struct UnitConversion {
 /// Units of x: "1", "%", "permille", "microstrain" and "stretch" (length over rest length) for strains; "mm", "cm",
 /// "m", "um" and "in" for displacements, which need a gauge length; "rad" and "deg" for directions. Units of y: "Pa",
 /// "kPa", "MPa", "GPa", "N/mm^2", "psi", "ksi" and "bar"; "N", "mN", "kN", "lbf", "kgf" and "gf" for forces, which need
-/// an area; "1" and "%" for Poisson's ratio. Other ways to write them (N/mm², °, mm/mm) count as the same. Throws
-/// "design.invalid_measurement" that lists the units, with the place "units/x", "units/y", "specimen/gauge_length" or
-/// "specimen/area".
+/// an area; "1" and "%" for Poisson's ratio. Other ways to write them (N/mm², °, mm/mm, KN, kpa, lbs) count as the
+/// same, unless the case of a letter decides (mPa, MN). Throws "design.invalid_measurement" that lists the units, with
+/// the place "units/x", "units/y", "specimen/gauge_length" or "specimen/area".
 UnitConversion conversion_of_x(Task task, const std::string& unit, const Specimen& specimen);
 UnitConversion conversion_of_y(Task task, const std::string& unit, const Specimen& specimen);
 /// The common way to write a unit; empty where nobody knows it.
@@ -49,10 +49,22 @@ struct ReductionOptions {
   /// Whether the curve passes through (0, 0). Automatic: where stress over strain begins within 5 % of the strains'
   /// range of zero, or passes it.
   Switch origin = Switch::automatic;
-  /// Whether only the first loading counts, up to the greatest strain. Automatic: where the strain turns back by more
-  /// than 5 % of its range.
+  /// Whether only first loadings count: points beyond all strains that were reached before the strain last turned back.
+  /// Automatic: where the strain turns back by more than 5 % of its range.
   Switch loading = Switch::automatic;
+  /// Whether what follows a break is left out: the stress falls within four points below a fifth of its greatest value
+  /// and stays below half of it. On and automatic are the same.
+  Switch rupture = Switch::automatic;
   std::optional<double> lower, upper;  ///< the part of x that counts
+};
+
+/// Points that did not count, by the reason.
+struct SetAside {
+  std::size_t no_number = 0;          ///< not finite
+  std::size_t out_of_range = 0;       ///< outside of the bounds
+  std::size_t not_first_loading = 0;  ///< unloadings, and strains that were reached before
+  std::size_t after_rupture = 0;
+  std::size_t total() const { return no_number + out_of_range + not_first_loading + after_rupture; }
 };
 
 /// A measured curve as the few control points that a target has.
@@ -63,9 +75,10 @@ struct ReducedCurve {
   double relative_rms = 0;              ///< deviation of the curve from them over their root mean square
   double max_deviation = 0;             ///< largest, in the unit of y
   double max_at = 0;                    ///< x of it
-  double noise = 0;           ///< relative root mean square of the points' scatter about their neighbours, estimated
-  double offset = 0;          ///< y that was measured at x = 0 where the curve was made to pass through the origin
-  std::size_t set_aside = 0;  ///< points that did not count: not finite, beyond the bounds, after the first loading
+  double noise = 0;   ///< relative root mean square of the points' scatter about their neighbours, estimated
+  double offset = 0;  ///< y that was measured at x = 0 where the curve was made to pass through the origin
+  SetAside set_aside;
+  std::optional<double> rupture_at;  ///< the last strain before a rupture
   bool through_origin = false;
   bool first_loading = false;
 };
@@ -74,9 +87,9 @@ struct ReducedCurve {
 /// the squared deviation is largest until the deviation is within the tolerance or one more follows nothing but the
 /// points' scatter, moved to where they serve best, and left out again where they are not needed. Of many points
 /// averages of neighbours are fitted, 400 or 16 for each control point; deviations are those of all points. Directions
-/// are taken modulo pi. The bill has the effects "origin" and "loading". Throws "design.invalid_measurement" where
-/// fewer than two points of different x remain. Some 20 ms for
-/// 500 points and 12 control points, seconds for 64 control points or a million points.
+/// are taken modulo pi. The bill has the effects "origin", "loading" and "rupture". Throws "design.invalid_measurement"
+/// where fewer than two points of different x remain. Some 20 ms for 500 points and 12 control points, seconds for 64
+/// control points or a million points.
 ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options, const Execution& execution = {});
 
 }  // namespace supple::design

@@ -1,19 +1,16 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
-#include "supple/design/measured_curve.h"
-#include "supple/design/measured_table.h"
+#include "supple/design/measurements.h"
 #include "supple/json/answers.h"
 
 namespace supple::json {
 
 /// A measured curve that has become control points, and where it came from.
 struct MeasuredCurveAnswer {
-  std::optional<design::MeasuredTable> table;  ///< of a text
-  std::size_t x = 0, y = 1;                    ///< columns of the table
-  std::string x_unit, y_unit;                  ///< as they were understood
+  design::Measurements measurements;  ///< whose points are not used
+  std::string encoding;               ///< of the table's text
   design::Task task = design::Task::stress_strain;
   design::ReductionOptions options;
   design::ReducedCurve curve;

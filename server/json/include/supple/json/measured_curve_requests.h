@@ -3,10 +3,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "supple/design/measured_curve.h"
-#include "supple/design/measured_table.h"
+#include "supple/design/measurements.h"
 #include "supple/json/limits.h"
 
 /// Measured curves that become targets; the request is read like those of requests.h and throws the same. Whether the
@@ -14,12 +12,9 @@
 namespace supple::json {
 
 struct MeasuredCurveRequest {
-  design::Task task = design::Task::stress_strain;
-  std::optional<std::string> text;  ///< exactly one of text and points is given
-  std::vector<Eigen::Vector2d> points;
-  design::ColumnChoice x, y;
-  std::optional<std::string> x_unit, y_unit;
-  design::Specimen specimen;
+  design::MeasurementRequest measurements;  ///< with the text of "text", or of "content" in UTF-8
+  std::string encoding = "utf-8";           ///< of "content"
+  const char* text_field = "/text";         ///< pointer to the field that the text comes from
   design::ReductionOptions options;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
