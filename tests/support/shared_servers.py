@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import stat
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import List
 
@@ -22,11 +23,9 @@ class Replicas:
     """A database, a folder and the servers over them. None of the servers has started yet."""
 
     def __init__(self, folder: Path, count: int, *arguments: str) -> None:
-        for place in (folder, *folder.parents):  # the database's user has to enter it
-            mode = place.stat().st_mode
-            if not mode & stat.S_IXOTH:
-                place.chmod(mode | stat.S_IXOTH)
-        self._postgres = folder / "postgres"
+        # The database's user has to enter its folder. Those of pytest are closed to others again by each further run of pytest.
+        self._postgres = Path(tempfile.mkdtemp(prefix="supple-postgres-"))
+        self._postgres.chmod(0o711)
         self.database = self._run("start")
         self.servers: List[ServerProcess] = []
         for number in range(count):
@@ -53,3 +52,4 @@ class Replicas:
         for server in self.servers:
             server.stop()
         self._run("stop")
+        shutil.rmtree(self._postgres, ignore_errors=True)
