@@ -12,7 +12,7 @@ namespace supple::surface {
 namespace {
 
 SearchState state_of(const WindowSearch& search) {
-  return {&search.mesh(), search.trails(), search.records(), search.sources()};
+  return {&search.mesh(), search.trails(), search.records(), search.sources(), search.ties()};
 }
 
 void bill(const WindowSearch& search, const Execution& execution) {
@@ -166,6 +166,7 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   if (options.keep_windows) {
     search->take_kept(data->records, data->windows, data->first);
     data->trails.assign(search->trails().begin(), search->trails().end());
+    data->ties.assign(search->ties().begin(), search->ties().end());
     data->sort_sources();
     data->follow_records();
   }

@@ -7,8 +7,6 @@ namespace {
 /// for a pair goes through the whole bucket that the target's distance lies in.
 constexpr double kFieldBucket = 0.5;
 constexpr double kGoalBucket = 0.03;
-/// The search goes on past the best known length by this much, relative, so that ties are seen.
-constexpr double kTieTolerance = 1e-9;
 /// How many queue entries ahead memory is asked for.
 constexpr std::size_t kPrefetchFar = 6;
 constexpr std::size_t kPrefetchNear = 2;
@@ -288,7 +286,7 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma,
     replaces = straighter || (improves && along >= 0 && record.along >= 0);
   }
   bool to_send = false;
-  if (record.emits && !record.everywhere && within_cut(distance, known)) {
+  if (record.emits && !record.everywhere && both_shortest(distance, known)) {
     const VertexRecord path{.sigma = sigma, .source_x = source_x, .depth = depth, .halfedge = halfedge, .along = along};
     to_send = note_tie(v, path, distance, replaces);
     if (distance < known * (1 - kSentAgain)) {
@@ -347,7 +345,7 @@ bool WindowSearch::note_tie(std::int32_t v, const VertexRecord& path, double len
     record.ties = static_cast<std::int32_t>(ties_.size()) - 1;
   }
   if (replaces) record.sent = false;
-  return replaces || !known;
+  return replaces || (!known && within_cut(length, distances_[v].value));
 }
 
 void WindowSearch::become_source(std::int32_t v) {

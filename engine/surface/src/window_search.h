@@ -37,8 +37,9 @@ struct alignas(64) VertexRecord {
 };
 static_assert(sizeof(VertexRecord) == 64);
 
-/// Another path to a vertex than the recorded one, from another direction and as short up to the tolerance by which
-/// windows are dropped. WindowSearch::note_tie says why the vertex continues it too.
+/// Another path to a vertex that sends out windows than the recorded one, from another direction and about as short: it
+/// tells whether paths by the vertex are unique. WindowSearch::note_tie says why the vertex may have to continue it
+/// too.
 struct TiedArrival {
   double angle;       ///< under which it arrives, counted as SearchMesh::polar_angle
   double length;      ///< of the path
@@ -63,6 +64,8 @@ struct Arrival {
   /// The unfolded pseudo-source relative to the target: in the planar frame of side 0 of the target's face, or, for a
   /// target at a vertex, in polar coordinates whose full turn is the vertex's total angle.
   Eigen::Vector2d image = Eigen::Vector2d::Zero();
+  /// Of a path that is bent at a vertex which can hold it: that vertex, as `image` gives the source; else zero.
+  Eigen::Vector2d bend = Eigen::Vector2d::Zero();
 };
 
 /// A point whose distance is wanted, and what the search finds of it.
@@ -96,6 +99,8 @@ void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoi
 /// is then known without a search, the target's best and returns true. Of several sources the nearest is taken, if none
 /// further from the vertex can be nearer to the target.
 bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target);
+/// Length of the last straight piece of the recorded path.
+double last_piece(const SearchMesh& mesh, const VertexRecord& record);
 /// Offers an arrival whose image is set.
 void offer(SearchTarget& target, const Arrival& arrival);
 
@@ -125,6 +130,9 @@ inline constexpr std::size_t kMostKept = std::size_t{4} << 20;
 /// too, so that nothing is lost between them and the windows that pass by. A sector of no more than that on both sides
 /// is none: the path goes straight on, in a window of its own.
 inline constexpr double kSectorTolerance = 1e-13;
+
+/// The search goes on past the best known length by this much, relative, so that ties are seen.
+inline constexpr double kTieTolerance = 1e-9;
 
 /// One continuous-Dijkstra search with all its state, reusable: a search marks what it touches with its number, so that
 /// starting one clears nothing.
@@ -157,6 +165,8 @@ class WindowSearch {
   const VertexRecord* records() const { return vertices_.data(); }
   /// The full trails that those of windows and records refer to.
   std::span<const Trail> trails() const { return trails_; }
+  /// Those that records refer to.
+  std::span<const TiedArrival> ties() const { return ties_; }
   /// What point queries need: records of all vertices, the kept windows with true lengths, and per halfedge where its
   /// windows begin (they end where the next one's begin). Hands the windows over: only the first call gets them.
   void take_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows, std::vector<std::int32_t>& first);
@@ -287,6 +297,8 @@ class WindowSearch {
   double allowed(std::int32_t vertex, double length) const {
     return distance(vertex) * (1 + kDropTolerance) + kEdgeRounding * length;
   }
+  /// Whether lengths of paths to a vertex are so close that both count as shortest.
+  bool both_shortest(double a, double b) const { return std::abs(a - b) <= kTieTolerance * a + edge_rounding_; }
   /// Whether lengths of paths to a vertex are equal up to what windows may be longer before they are dropped for it.
   bool within_cut(double a, double b) const { return std::abs(a - b) <= kDropTolerance * a + edge_rounding_; }
   /// Vector from a vertex to the goal. A goal next to the vertex keeps its digits, which its coordinates do not have.
