@@ -1,7 +1,8 @@
 // Exact geodesics against CGAL's in one run: times, memory, accuracy. Writes geodesics.md and CSV files. What the
-// mollifier costs in accuracy is a page of its own, geodesics-mollifier.md.
+// mollifier costs in accuracy is a page of its own, geodesics-mollifier.md, and so are parts from CAD programs,
+// geodesics-parts.md.
 //
-//   bench_geodesics [--short] [--out DIR] [geodesics] [mollifier]      default DIR: docs/bench
+//   bench_geodesics [--short] [--out DIR] [geodesics] [mollifier] [parts]      default DIR: docs/bench
 #include "geodesic_bench.h"
 
 #include <filesystem>
@@ -51,13 +52,25 @@ void run_mollifier(const std::filesystem::path& folder, const supple::bench::Set
                (settings.brief ? "\n\n**A short run: it shows that the program works, no more.**" : ""));
 }
 
+void run_parts(const std::filesystem::path& folder, const supple::bench::Settings& settings) {
+  using namespace supple::bench;
+  Report report(folder, "geodesics-parts", "Geodesics on parts from CAD programs");
+  measure_parts(report, settings);
+  report.write("This page is generated; how the method works is in [geodesics](../geodesics.md). Measured on: " +
+               machine_line() +
+               ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target bench_geodesics\n"
+               "build/bench/tests/bench/bench_geodesics parts --out docs/bench\n```" +
+               (settings.brief ? "\n\n**A short run: it shows that the program works, no more.**" : ""));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace supple::bench;
   Settings settings;
   std::filesystem::path folder = "docs/bench";
-  return run_program(
-      argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)},
-      {{"geodesics", [&] { run(folder, settings); }}, {"mollifier", [&] { run_mollifier(folder, settings); }}});
+  return run_program(argc, argv, {flag("--short", settings.brief), folder_option("--out", folder)},
+                     {{"geodesics", [&] { run(folder, settings); }},
+                      {"mollifier", [&] { run_mollifier(folder, settings); }},
+                      {"parts", [&] { run_parts(folder, settings); }}});
 }

@@ -44,7 +44,8 @@ void measure_order(Report& report, const Settings& settings);
 void measure_throughput(Report& report, const Settings& settings);
 void measure_accuracy(Report& report, const Settings& settings);
 void measure_effects(Report& report, const Settings& settings);
-/// A page of its own.
+/// Pages of their own.
+void measure_parts(Report& report, const Settings& settings);
 void measure_mollifier(Report& report, const Settings& settings);
 
 }  // namespace supple::bench

@@ -21,6 +21,7 @@ struct GeodesicField::Data {
   std::vector<VertexRecord> records;  ///< per vertex; empty unless kept
   LargeVector<Window> windows;        ///< empty unless kept
   std::vector<Trail> trails;          ///< the full ones that others refer to; empty unless kept
+  std::vector<TiedArrival> ties;      ///< that records refer to; empty unless kept
   std::vector<std::int32_t> first;    ///< per halfedge, where the windows that enter its face begin, and the end
   std::vector<std::int32_t>
       vertex_sources;  ///< per vertex the source, -1 if unreached; empty unless kept or edge_graph
@@ -41,7 +42,7 @@ struct GeodesicField::Data {
     for (; place != sources_in_faces.end() && place->first == face; ++place) visit(place->second);
   }
 
-  SearchState state() const { return {mesh.get(), trails, records.data(), sources}; }
+  SearchState state() const { return {mesh.get(), trails, records.data(), sources, ties}; }
   /// The target with its best arrival.
   SearchTarget query(const SurfacePoint& point) const;
 };

@@ -125,6 +125,7 @@ std::int64_t GeodesicField::memory_bytes() const {
   return static_cast<std::int64_t>(
       sizeof(Data) + data_->distances.capacity() * sizeof(double) + data_->records.capacity() * sizeof(VertexRecord) +
       data_->windows.capacity() * sizeof(Window) + data_->trails.capacity() * sizeof(Trail) +
+      data_->ties.capacity() * sizeof(TiedArrival) +
       (data_->first.capacity() + data_->vertex_sources.capacity()) * sizeof(std::int32_t) +
       data_->sources_in_faces.capacity() * sizeof(data_->sources_in_faces[0]));
 }

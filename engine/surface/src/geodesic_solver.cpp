@@ -1,5 +1,6 @@
 #include "supple/surface/geodesic_solver.h"
 
+#include "distance_check.h"
 #include "edge_graph.h"
 #include "field_data.h"
 #include "path_assembly.h"
@@ -11,7 +12,7 @@ namespace supple::surface {
 namespace {
 
 SearchState state_of(const WindowSearch& search) {
-  return {&search.mesh(), search.trails(), search.records(), search.sources()};
+  return {&search.mesh(), search.trails(), search.records(), search.sources(), search.ties()};
 }
 
 void bill(const WindowSearch& search, const Execution& execution) {
@@ -82,6 +83,7 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfaceP
     search->run({&from, 1}, {&target, 1}, settings, execution);
   }
   bill(*search, execution);
+  check_target(*search, target);
   const StageTimer timer(execution.cost, "assembly");
   return assemble(state_of(*search), target, options);
 }
@@ -117,6 +119,7 @@ std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, 
   const SearchState state = state_of(*search);
   for (std::size_t i = 0; i < targets.size(); ++i) {
     execution.cancellation.throw_if_requested();
+    check_target(*search, targets[i]);
     results[places[i]] = assemble(state, targets[i], options);
   }
   return results;
@@ -157,9 +160,13 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
     const double distance = search->distance(vertex) < kInfinity ? search->length_of_path(vertex) : kInfinity;
     data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
   }
+  // Known distances stop paths, so that vertices behind them may stay unreached.
+  check_distances(mesh(), data->distances, options.relative_error, options.max_distance,
+                  !options.known_distances.empty());
   if (options.keep_windows) {
     search->take_kept(data->records, data->windows, data->first);
     data->trails.assign(search->trails().begin(), search->trails().end());
+    data->ties.assign(search->ties().begin(), search->ties().end());
     data->sort_sources();
     data->follow_records();
   }

@@ -18,6 +18,9 @@ using Eigen::Vector3d;
 constexpr double kVertexSnap = 1e-12;
 /// Paths whose lengths differ by less, relative, are both shortest.
 constexpr double kTie = 1e-9;
+/// Two arrivals at a vertex whose directions differ by less (radians) are one path that is bent a little: a chord past
+/// a bend of that angle saves more than paths may differ by that are both shortest.
+constexpr double kOnePath = 1e-4;
 /// Points of a path a few edges long, for which memory is asked once.
 constexpr std::size_t kShortPath = 10;
 
@@ -392,6 +395,26 @@ Vector2d arrival_direction(const SearchState& state, const SearchTarget& target)
   return -direction_at_vertex(mesh, corner_halfedge(target.point, corner_of(target.point)), angle * turn);
 }
 
+/// By how much the best other path to a vertex, from another direction, is longer than the recorded one; infinity if no
+/// path of about that length has arrived.
+double competing_excess_at(const SearchState& state, std::int32_t v) {
+  const SearchMesh& mesh = *state.mesh;
+  const VertexRecord& record = state.records[v];
+  double least = kInfinity;
+  if (record.ties < 0) return least;
+  const double angle = arrival_angle(mesh, record, v);
+  const double total = mesh.mesh->is_boundary(v) ? kInfinity : mesh.mesh->vertex_angle(v);
+  const double length = record.sigma + last_piece(mesh, record);
+  for (std::int32_t i = record.ties; i >= 0; i = state.ties[i].next) {
+    const double turn = std::abs(state.ties[i].angle - angle);
+    if (std::min(turn, total - turn) < kOnePath) continue;
+    // Paths that tied with an earlier one, which has been improved on since, are longer than the tolerance.
+    const double excess = std::max(0.0, state.ties[i].length - length);
+    if (excess <= kTie * length) least = std::min(least, excess);
+  }
+  return least;
+}
+
 }  // namespace
 
 int source_of(const SearchState& state, const SearchTarget& target) {
@@ -417,12 +440,16 @@ Geodesic assemble(const SearchState& state, const SearchTarget& target, const Ge
   if (best.kind == Arrival::Kind::none) return result;
   result.unreachable = false;
   result.distance = best.length;
-  result.competing_excess = target.competing_length - best.length;
-  result.unique = result.competing_excess > kTie * best.length;
+  result.competing_excess = std::max(0.0, target.competing_length - best.length);
   const bool general = options.mollifier > 0 && options.derivatives > 0;
   Backtrace trace(state, options.path || general);
   trace.from_target(target);
-  for (const std::int32_t v : trace.pins()) result.pinned_at.push_back(VertexId(v));
+  for (const std::int32_t v : trace.pins()) {
+    result.pinned_at.push_back(VertexId(v));
+    // Paths may differ up to a vertex and arrive at the target as one.
+    if (state.records) result.competing_excess = std::min(result.competing_excess, competing_excess_at(state, v));
+  }
+  result.unique = result.competing_excess > kTie * best.length;
   std::reverse(result.pinned_at.begin(), result.pinned_at.end());
   std::reverse(trace.points().begin(), trace.points().end());
   if (best.length > 0 && options.derivatives > 0) {

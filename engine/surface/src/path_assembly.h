@@ -15,6 +15,7 @@ struct SearchState {
   std::span<const Trail> trails;  ///< the full ones that others refer to
   const VertexRecord* records;
   std::span<const SurfacePoint> sources;
+  std::span<const TiedArrival> ties = {};
 };
 
 /// The straight pieces at both ends of a shortest path, in the tangent frames of the ends' faces.

@@ -18,11 +18,19 @@ constexpr double kElsewhere = 0.1;
 /// How far outside its window, relative to the coordinates, a straight line may cross and still count as straight.
 constexpr double kStraightTolerance = 1e-13;
 
-bool same_direction(const Arrival& a, const Arrival& b) {
-  const double scale = a.image.norm() * b.image.norm();
-  const double tolerance = std::max(a.rank, b.rank) > 1 ? kElsewhere : kSameDirection;
-  return scale == 0 || (a.image.dot(b.image) > 0 &&
-                        std::abs(a.image.x() * b.image.y() - a.image.y() * b.image.x()) < tolerance * scale);
+bool same_direction(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double tolerance) {
+  const double scale = a.norm() * b.norm();
+  return scale == 0 || (a.dot(b) > 0 && std::abs(a.x() * b.y() - a.y() * b.x()) < tolerance * scale);
+}
+
+/// Whether both are one path, or as good as one.
+bool same_path(const Arrival& a, const Arrival& b) {
+  if (same_direction(a.image, b.image, std::max(a.rank, b.rank) > 1 ? kElsewhere : kSameDirection)) return true;
+  // A path that is bent at a vertex is the one that the vertex offers, if it is as long: a vertex that holds the path
+  // is an end of windows that come by it. If it is longer, it stands for another one.
+  const auto last = [](const Arrival& x) { return x.bend.isZero(0) ? x.image : x.bend; };
+  return !(a.bend.isZero(0) && b.bend.isZero(0)) && std::abs(a.length - b.length) <= kTieTolerance * a.length &&
+         same_direction(last(a), last(b), kSameDirection);
 }
 
 Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target, int side,
@@ -75,6 +83,19 @@ double across_edge(const SearchMesh& mesh, const SurfacePoint& source, const Sur
     return frame.length * (target_tail - source_tail) - source_apex * behind.apex_x() + target_apex * frame.right_x();
   }
   return frame.length * (source_head - target_head) + source_apex * behind.right_x() - target_apex * frame.apex_x();
+}
+
+/// A bend this close to an end of the edge, relative to it, is the vertex there.
+constexpr double kBentAtVertex = 1e-9;
+
+/// Whether a path through a window's end is bent at a vertex that can hold it: at the edge's tail, at its head, or
+/// (none) at neither.
+enum class BentAt { none, tail, head };
+BentAt bent_at(const SearchMesh& mesh, const EdgeFrame& frame, const Arrival& arrival) {
+  if (arrival.rank == 0) return BentAt::none;
+  if (arrival.crossing <= kBentAtVertex * frame.length) return mesh.pins(frame.tail) ? BentAt::tail : BentAt::none;
+  const bool at_head = arrival.crossing >= (1 - kBentAtVertex) * frame.length;
+  return at_head && mesh.pins(frame.head) ? BentAt::head : BentAt::none;
 }
 
 /// Arrivals longer than this change nothing.
@@ -155,6 +176,12 @@ double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::in
          angle_at_apex(mesh.frames[record.halfedge], record.source_x, record.depth);
 }
 
+double last_piece(const SearchMesh& mesh, const VertexRecord& record) {
+  if (record.along >= 0) return mesh.mesh->edge_length(record.along);
+  const EdgeFrame& frame = mesh.frames[record.halfedge];
+  return hypotenuse(record.source_x - frame.apex_x(), record.depth + frame.apex_y);
+}
+
 void offer(SearchTarget& target, const Arrival& arrival) {
   const Arrival previous = target.best;
   const double tie = kDropTolerance * arrival.length;
@@ -170,7 +197,7 @@ void offer(SearchTarget& target, const Arrival& arrival) {
   if (previous.kind == Arrival::Kind::none) return;
   if (wins) target.best.length = std::min(arrival.length, previous.length);
   const Arrival& other = wins ? previous : arrival;
-  if (!same_direction(target.best, other)) {
+  if (!same_path(target.best, other)) {
     // A displaced best may come from where the new one comes from, and then says nothing of competitors.
     target.competing_length = wins ? other.length : std::min(target.competing_length, other.length);
   }
@@ -195,16 +222,25 @@ void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources,
       if (arrival.rank == 0) arrival.length = window.sigma + relative.norm();
     }
     arrival.image = to_side_zero(mesh, target, side, relative);
+    if (const BentAt bend = bent_at(mesh, mesh.frames[h], arrival); bend != BentAt::none) {
+      const Eigen::Vector2d vertex(bend == BentAt::head ? mesh.frames[h].length : 0, 0);
+      arrival.bend = to_side_zero(mesh, target, side, vertex - p);
+    }
   } else {
     const EdgeFrame& frame = mesh.frames[h];
     if (frame.apex != target.vertex) return;
     arrival.length = length_to(window, frame.apex_x(), frame.apex_y, arrival.crossing);
     if (arrival.length > worst_of_use(target)) return;
     arrival.rank = rank_of(window, frame.apex_x(), frame.apex_y);
-    const double angle =
-        mesh.polar_angle(TriangleMesh::previous(h)) + angle_at_apex(frame, window.source_x, window.depth);
+    const double corner = mesh.polar_angle(TriangleMesh::previous(h));
+    const double angle = corner + angle_at_apex(frame, window.source_x, window.depth);
     arrival.image = polar_image(mesh, target.vertex, angle,
                                 hypotenuse(window.source_x - frame.apex_x(), window.depth + frame.apex_y));
+    if (const BentAt bend = bent_at(mesh, frame, arrival); bend != BentAt::none) {
+      const double turn = bend == BentAt::head ? mesh.mesh->corner_angle(TriangleMesh::previous(h)) : 0;
+      const double reach = bend == BentAt::head ? frame.right_length : frame.left_length;
+      arrival.bend = polar_image(mesh, target.vertex, corner + turn, reach);
+    }
   }
   offer(target, arrival);
 }
@@ -267,10 +303,7 @@ void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, doub
     if (!(arrival.length < kInfinity)) return;
     arrival.rank = 0;  // whatever its last piece is, the record has it
     if (record.along >= 0 || record.halfedge >= 0) {
-      const double reach = record.along >= 0 ? mesh.mesh->edge_length(record.along)
-                                             : hypotenuse(record.source_x - mesh.frames[record.halfedge].apex_x(),
-                                                          record.depth + mesh.frames[record.halfedge].apex_y);
-      arrival.image = polar_image(mesh, v, arrival_angle(mesh, record, v), reach);
+      arrival.image = polar_image(mesh, v, arrival_angle(mesh, record, v), last_piece(mesh, record));
     }
   } else {
     // In the frame of side `corner` this corner is the origin.

@@ -49,7 +49,14 @@ void trim_by_ends(Window& p, Window& w, const Crossing& equal, double a, double 
       std::abs(length_at(p, crossing) - length_at(w, crossing)) > kDropTolerance * length_at(p, crossing)) {
     crossing = bisect(p, w, a, b);  // cancellation has spoiled the closed form
   }
-  share(at_a < 0 ? p : w, at_a < 0 ? w : p, crossing, a, b);
+  Window& left = at_a < 0 ? p : w;
+  Window& right = at_a < 0 ? w : p;
+  // Beyond the edge their rays have to cross each other, or a gap would open between them.
+  if ((crossing - left.source_x) * hypotenuse(crossing - right.source_x, right.depth) <
+      (crossing - right.source_x) * hypotenuse(crossing - left.source_x, left.depth)) {
+    return;
+  }
+  share(left, right, crossing, a, b);
 }
 
 }  // namespace supple::surface

@@ -6,11 +6,6 @@
 namespace supple::surface {
 namespace {
 
-/// A path may turn at a saddle vertex if both sides measure pi; rays within this angle (radians) of the limit are sent
-/// too, so that nothing is lost between them and the windows that pass by. A sector of no more than that on both sides
-/// is none: the path goes straight on, in a window of its own.
-constexpr double kSectorTolerance = 1e-13;
-
 /// A point p of the frame's face, and its apex, as the face on the other side of the frame's edge sees them.
 WindowSource across_from(const EdgeFrame& frame, const Eigen::Vector2d& p) {
   return {frame.length - p.x(), std::max(0.0, p.y())};
@@ -80,65 +75,98 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
 }
 
 void WindowSearch::emit_from_vertex(std::int32_t v) {
-  const TriangleMesh& mesh = *mesh_->mesh;
-  const VertexRecord record = vertices_[v];
-  const double sigma = distances_[v].value;
-  const double total = mesh.vertex_angle(v);
+  VertexRecord& record = vertices_[v];
   const bool is_source = record.halfedge < 0 && record.along < 0;
-  const bool everywhere = is_source || record.everywhere;
-  const bool boundary = mesh.is_boundary(v);
-  const double arrival = everywhere ? 0 : arrival_angle(*mesh_, record, v);
+  if (is_source || record.everywhere) {
+    for (const FanCorner& corner : mesh_->fan(v)) emit_through(v, corner, 0, corner.angle);
+    return;
+  }
+  const double recorded = arrival_angle(*mesh_, record, v);
+  if (!record.sent) emit_behind(v, recorded, recorded);
+  record.sent = true;
+  for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) {
+    if (ties_[i].sent || !within_cut(ties_[i].length, distances_[v].value)) continue;
+    emit_behind(v, ties_[i].angle, recorded);
+    ties_[i].sent = true;
+  }
+}
+
+void WindowSearch::emit_behind(std::int32_t v, double arrival, double recorded) {
+  const VertexRecord& record = vertices_[v];
+  const double total = mesh_->mesh->vertex_angle(v);
+  const bool boundary = mesh_->mesh->is_boundary(v);
   using std::numbers::pi;
   const double first = pi - kSectorTolerance;
   const double last = total - pi + kSectorTolerance;
-
-  // Sends a window through the part [low, high] of the corner's angle, and distances along the edges that bound it.
-  const auto send = [&](const FanCorner& corner, double low, double high) {
-    const EdgeFrame& frame = mesh_->frames[TriangleMesh::next(corner.halfedge)];  // v is its apex
-    const double angle = corner.angle;
-    if (low <= 0) {
-      improve_vertex(frame.tail, sigma + frame.left_length, sigma, 0, 0, -1, Trail::none(), v, corner.halfedge);
-    }
-    if (high >= angle) {
-      improve_vertex(frame.head, sigma + frame.right_length, sigma, 0, 0, -1, Trail::none(), v,
-                     TriangleMesh::previous(corner.halfedge));
-    }
-    low = std::max(low, 0.0);
-    high = std::min(high, angle);
-    if (corner.across < 0 || high - low <= 3 * kSectorTolerance) return;
-    // Rays in the frame of the opposite edge: angles turn from the direction apex -> tail.
-    const auto meets = [&](double turn) {
-      const double c = std::cos(turn);
-      const double s = std::sin(turn);
-      const double dx = -frame.apex_x() * c + frame.apex_y * s;
-      const double dy = -frame.apex_x() * s - frame.apex_y * c;
-      return std::clamp(frame.apex_x() - frame.apex_y * dx / dy, 0.0, frame.length);
-    };
-    const double from = low <= 0 ? 0 : meets(low);
-    const double to = high >= angle ? frame.length : meets(high);
-    const WindowSource behind = across_from_apex(frame);
-    Window window{frame.length - to, frame.length - from, behind.x, behind.depth, sigma, Trail::start(), -1, v};
-    admit_first(window, corner.across);
+  // How far off, on either side, the next arrivals are that have been sent.
+  double below = kInfinity;
+  double above = kInfinity;
+  const auto leave_out = [&](double other) {
+    double turn = other - arrival;
+    if (!boundary && turn > 0.5 * total) turn -= total;
+    if (!boundary && turn < -0.5 * total) turn += total;
+    if (turn <= 0) below = std::min(below, -turn);
+    if (turn >= 0) above = std::min(above, turn);
   };
-
-  for (const FanCorner& corner : mesh_->fan(v)) {
-    const double angle = corner.angle;
-    if (everywhere) {
-      send(corner, 0, angle);
-    } else if (boundary) {
-      // Either side of the arriving path, as far as it is at least a straight angle away.
-      const double after = arrival + first - corner.polar_angle;
-      if (after <= angle) send(corner, after, angle);
-      const double before = arrival - first - corner.polar_angle;
-      if (before >= 0) send(corner, 0, before);
-    } else {
-      double relative = corner.polar_angle - arrival;
-      if (relative < 0) relative += total;
-      const double low = first - relative;
-      const double high = last - relative;
-      if (low <= angle && high >= 0) send(corner, low, high);
-    }
+  if (record.sent) leave_out(recorded);
+  for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) {
+    if (ties_[i].sent) leave_out(ties_[i].angle);
   }
+  if (boundary) {
+    // Either side of the arriving path, as far as it is at least a straight angle away.
+    const bool after_sent = below < kInfinity;
+    const bool before_sent = above < kInfinity;
+    for (const FanCorner& corner : mesh_->fan(v)) {
+      const double after = arrival + first - corner.polar_angle;
+      if (!after_sent && after <= corner.angle && after + above >= 0) {
+        emit_through(v, corner, after, std::min(corner.angle, after + above));
+      }
+      const double before = arrival - first - corner.polar_angle;
+      if (!before_sent && before >= 0 && before - below <= corner.angle) {
+        emit_through(v, corner, std::max(0.0, before - below), before);
+      }
+    }
+    return;
+  }
+  const double from = std::max(first, last - below);
+  const double to = std::min(last, first + above);
+  if (!(to >= from)) return;
+  for (const FanCorner& corner : mesh_->fan(v)) {
+    double relative = corner.polar_angle - arrival;
+    if (relative < 0) relative += total;
+    const double low = from - relative;
+    const double high = to - relative;
+    if (low <= corner.angle && high >= 0) emit_through(v, corner, low, high);
+  }
+}
+
+void WindowSearch::emit_through(std::int32_t v, const FanCorner& corner, double low, double high) {
+  const EdgeFrame& frame = mesh_->frames[TriangleMesh::next(corner.halfedge)];  // v is its apex
+  const double sigma = distances_[v].value;
+  const double angle = corner.angle;
+  if (low <= 0) {
+    improve_vertex(frame.tail, sigma + frame.left_length, sigma, 0, 0, -1, Trail::none(), v, corner.halfedge);
+  }
+  if (high >= angle) {
+    improve_vertex(frame.head, sigma + frame.right_length, sigma, 0, 0, -1, Trail::none(), v,
+                   TriangleMesh::previous(corner.halfedge));
+  }
+  low = std::max(low, 0.0);
+  high = std::min(high, angle);
+  if (corner.across < 0 || high - low <= 3 * kSectorTolerance) return;
+  // Rays in the frame of the opposite edge: angles turn from the direction apex -> tail.
+  const auto meets = [&](double turn) {
+    const double c = std::cos(turn);
+    const double s = std::sin(turn);
+    const double dx = -frame.apex_x() * c + frame.apex_y * s;
+    const double dy = -frame.apex_x() * s - frame.apex_y * c;
+    return std::clamp(frame.apex_x() - frame.apex_y * dx / dy, 0.0, frame.length);
+  };
+  const double from = low <= 0 ? 0 : meets(low);
+  const double to = high >= angle ? frame.length : meets(high);
+  const WindowSource behind = across_from_apex(frame);
+  Window window{frame.length - to, frame.length - from, behind.x, behind.depth, sigma, Trail::start(), -1, v};
+  admit_first(window, corner.across);
 }
 
 }  // namespace supple::surface

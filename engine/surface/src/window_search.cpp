@@ -7,13 +7,14 @@ namespace {
 /// for a pair goes through the whole bucket that the target's distance lies in.
 constexpr double kFieldBucket = 0.5;
 constexpr double kGoalBucket = 0.03;
-/// The search goes on past the best known length by this much, relative, so that ties are seen.
-constexpr double kTieTolerance = 1e-9;
 /// How many queue entries ahead memory is asked for.
 constexpr std::size_t kPrefetchFar = 6;
 constexpr std::size_t kPrefetchNear = 2;
 /// Smallest relative improvement of a vertex: less is rounding.
 constexpr double kImprovement = 4e-16;
+/// A vertex that improves by this much, relative, sends its windows again: what they are too long by has to stay well
+/// below kDropTolerance.
+constexpr double kSentAgain = 1e-13;
 /// Batches between looks at the cancellation flag (well under a millisecond).
 constexpr std::int64_t kBatchesPerCheckpoint = 2048;
 /// No buffer holds more than this for each window that a search has made, spare room included.
@@ -66,6 +67,7 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   free_ = -1;
   trails_.clear();
   hooks_.clear();
+  ties_.clear();
   windows_created_ = 0;
   batches_ = 0;
   vertices_reached_ = 0;
@@ -74,6 +76,7 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   settings_ = settings;
   follows_paths_ = settings.keep_windows || !targets.empty();
   bound_ = settings.limit;
+  edge_rounding_ = kEdgeRounding * mesh_->longest_edge;
   close_ = mesh_->has_needles;
   for (const SurfacePoint& source : sources_) {
     close_ = close_ || (corner_of(source) < 0 && source.barycentric.maxCoeff() > 1 - kShortSide);
@@ -275,15 +278,30 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma,
   double& known = distances_[v].value;
   const bool improves = distance < known * (1 - kImprovement);
   const bool ties = distance < known * (1 + kDropTolerance) && distance > known * (1 - kDropTolerance);
+  bool replaces = improves;
   if (ties && known > 0) {
     // Of ways of equal length the one that has been straight for longest is kept: a vertex on it then does not seem to
     // pin the path.
     const bool straighter = along < 0 && straight && (record.along >= 0 || sigma < record.sigma * (1 - kDropTolerance));
-    if (!straighter && !(improves && along >= 0 && record.along >= 0)) {
-      if (improves) known = distance;
-      return false;
+    replaces = straighter || (improves && along >= 0 && record.along >= 0);
+  }
+  bool to_send = false;
+  if (record.emits && !record.everywhere && both_shortest(distance, known)) {
+    const VertexRecord path{.sigma = sigma, .source_x = source_x, .depth = depth, .halfedge = halfedge, .along = along};
+    to_send = note_tie(v, path, distance, replaces);
+    if (distance < known * (1 - kSentAgain)) {
+      record.sent = false;
+      for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) ties_[i].sent = false;
+      to_send = true;
     }
-  } else if (!improves) {
+  } else if (improves) {
+    record.sent = false;
+    record.ties = -1;
+    to_send = record.emits && replaces;
+  }
+  if (!replaces) {
+    if (improves) known = distance;
+    if (to_send) queue_vertex(v, record);
     return false;
   }
   known = std::min(known, distance);
@@ -296,8 +314,38 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma,
   record.origin = origin;
   record.along = along;
   if (improves && record.everywhere) become_source(v);
-  if (improves && record.emits) queue_vertex(v, record);
+  if (to_send) queue_vertex(v, record);
   return improves;
+}
+
+bool WindowSearch::note_tie(std::int32_t v, const VertexRecord& path, double length, bool replaces) {
+  VertexRecord& record = vertices_[v];
+  const bool is_source = record.halfedge < 0 && record.along < 0;
+  if (is_source) return false;
+  if (path.along >= 0 ? path.along == record.along
+                      : path.halfedge == record.halfedge &&
+                            std::abs(path.source_x - record.source_x) + std::abs(path.depth - record.depth) <=
+                                kSectorTolerance * path.depth) {
+    return false;
+  }
+  const double total = mesh_->mesh->vertex_angle(v);
+  const double whole = mesh_->mesh->is_boundary(v) ? kInfinity : total;
+  const auto apart = [&](double a, double b) {
+    const double turn = std::abs(a - b);
+    return std::min(turn, whole - turn) > kSectorTolerance;
+  };
+  const double recorded = arrival_angle(*mesh_, record, v);
+  const double angle = arrival_angle(*mesh_, path, v);
+  if (!apart(angle, recorded)) return false;
+  const double noted = replaces ? recorded : angle;
+  bool known = false;
+  for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) known = known || !apart(ties_[i].angle, noted);
+  if (!known) {
+    ties_.push_back({noted, replaces ? distances_[v].value : length, replaces && record.sent, record.ties});
+    record.ties = static_cast<std::int32_t>(ties_.size()) - 1;
+  }
+  if (replaces) record.sent = false;
+  return replaces || (!known && within_cut(length, distances_[v].value));
 }
 
 void WindowSearch::become_source(std::int32_t v) {

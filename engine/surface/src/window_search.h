@@ -32,6 +32,19 @@ struct alignas(64) VertexRecord {
   BucketQueue::Bucket queued = BucketQueue::kNotQueued;
   bool emits = false;  ///< sends out windows: pins paths, or stands in for windows that an allowed error has dropped
   bool everywhere = false;  ///< does so in all directions
+  bool sent = false;        ///< the windows that continue this path are on their way
+  std::int32_t ties = -1;   ///< first TiedArrival of a vertex that sends out windows; -1 for none
+};
+static_assert(sizeof(VertexRecord) == 64);
+
+/// Another path to a vertex that sends out windows than the recorded one, from another direction and about as short: it
+/// tells whether paths by the vertex are unique. WindowSearch::note_tie says why the vertex may have to continue it
+/// too.
+struct TiedArrival {
+  double angle;       ///< under which it arrives, counted as SearchMesh::polar_angle
+  double length;      ///< of the path
+  bool sent;          ///< the windows that continue it are on their way
+  std::int32_t next;  ///< of the same vertex, -1 for none
 };
 
 /// How a path reaches a target.
@@ -51,6 +64,8 @@ struct Arrival {
   /// The unfolded pseudo-source relative to the target: in the planar frame of side 0 of the target's face, or, for a
   /// target at a vertex, in polar coordinates whose full turn is the vertex's total angle.
   Eigen::Vector2d image = Eigen::Vector2d::Zero();
+  /// Of a path that is bent at a vertex which can hold it: that vertex, as `image` gives the source; else zero.
+  Eigen::Vector2d bend = Eigen::Vector2d::Zero();
 };
 
 /// A point whose distance is wanted, and what the search finds of it.
@@ -84,6 +99,8 @@ void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoi
 /// is then known without a search, the target's best and returns true. Of several sources the nearest is taken, if none
 /// further from the vertex can be nearer to the target.
 bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target);
+/// Length of the last straight piece of the recorded path.
+double last_piece(const SearchMesh& mesh, const VertexRecord& record);
 /// Offers an arrival whose image is set.
 void offer(SearchTarget& target, const Arrival& arrival);
 
@@ -108,6 +125,14 @@ struct SearchSettings {
 /// trails, windows on their way into a field, queue): enough for whatever takes a few milliseconds, so that short
 /// searches, of which there are many, allocate nothing.
 inline constexpr std::size_t kMostKept = std::size_t{4} << 20;
+
+/// A path may turn at a saddle vertex if both sides measure pi; rays within this angle (radians) of the limit are sent
+/// too, so that nothing is lost between them and the windows that pass by. A sector of no more than that on both sides
+/// is none: the path goes straight on, in a window of its own.
+inline constexpr double kSectorTolerance = 1e-13;
+
+/// The search goes on past the best known length by this much, relative, so that ties are seen.
+inline constexpr double kTieTolerance = 1e-9;
 
 /// One continuous-Dijkstra search with all its state, reusable: a search marks what it touches with its number, so that
 /// starting one clears nothing.
@@ -140,6 +165,8 @@ class WindowSearch {
   const VertexRecord* records() const { return vertices_.data(); }
   /// The full trails that those of windows and records refer to.
   std::span<const Trail> trails() const { return trails_; }
+  /// Those that records refer to.
+  std::span<const TiedArrival> ties() const { return ties_; }
   /// What point queries need: records of all vertices, the kept windows with true lengths, and per halfedge where its
   /// windows begin (they end where the next one's begin). Hands the windows over: only the first call gets them.
   void take_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows, std::vector<std::int32_t>& first);
@@ -188,6 +215,11 @@ class WindowSearch {
 
   void emit_from_source(std::int32_t index);
   void emit_from_vertex(std::int32_t v);
+  /// Sends windows to where a path may go that arrives at the vertex under that angle, but for the parts that have been
+  /// sent behind other arrivals; `recorded` is the angle of the recorded path.
+  void emit_behind(std::int32_t v, double arrival, double recorded);
+  /// Sends a window through the part [low, high] of a corner's angle, and distances along the edges that bound it.
+  void emit_through(std::int32_t v, const FanCorner& corner, double low, double high);
   /// Distance to the source point and a window across each side of the face; the face's frame sees the source at
   /// `planar` (per side). `entered_through` is skipped: the side that the source lies on.
   void emit_into_face(std::int32_t face, const std::array<Eigen::Vector2d, 3>& planar, std::int32_t origin,
@@ -199,6 +231,30 @@ class WindowSearch {
   /// that restarts there has not been charged for the error that it may still make, so errors do not add up:
   /// D(x) = (1 + e) sigma + |S - x| <= (1 + e) (sigma + |S - x|), which the search makes least.
   void become_source(std::int32_t v);
+  /// Where `path` is as short as the recorded path to a vertex that sends out windows, and comes from another
+  /// direction: notes whichever is not going to be the recorded one (`replaces`: the present one), so that the vertex
+  /// continues both. Returns whether there is something to send.
+  ///
+  /// Why no shortest path is lost, although lengths are rounded: let P be a shortest path to a point y.
+  ///
+  /// 1. A window is cut in favour of a vertex only if the way by the vertex is shorter by kDropTolerance, which is far
+  ///    more than the rounding of lengths. P would then not be shortest. So no cut takes P away.
+  /// 2. A window w that holds P may be trimmed in favour of another, c, where both are equal up to rounding. A path
+  /// that
+  ///    goes on by c as far as P does is as long as P up to rounding, and its rays go nearly the same way. Where w and
+  ///    c share an edge, their rays cross beyond it, so that no gap opens between them. c therefore holds a way to y
+  ///    that is as short, or one end of c lies between. If that end is where c has been trimmed, the same holds for the
+  ///    window that it was trimmed for. If it is where c has passed beside a vertex v, what lies beyond is what v sends
+  ///    behind the path that has come to v by c.
+  /// 3. This path is not longer than the recorded one by more than kDropTolerance: otherwise v would have cut c,
+  /// against
+  ///    1. But it need not be the recorded one. Paths whose lengths differ by one part in 10^12 may come from
+  ///    directions that differ by 10^-6, because a chord past a corner saves only the square of the angle. Behind the
+  ///    recorded path v then has nothing to send into the part where y lies: there the angle falls short of pi.
+  ///
+  /// So v sends windows behind every path that ties with the recorded one, by the tolerance of cuts. Each of these
+  /// paths has a sector behind it, and only what the sectors of the others leave out is sent.
+  bool note_tie(std::int32_t v, const VertexRecord& path, double length, bool replaces);
   void queue_vertex(std::int32_t v, VertexRecord& record);
   void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
 
@@ -241,6 +297,10 @@ class WindowSearch {
   double allowed(std::int32_t vertex, double length) const {
     return distance(vertex) * (1 + kDropTolerance) + kEdgeRounding * length;
   }
+  /// Whether lengths of paths to a vertex are so close that both count as shortest.
+  bool both_shortest(double a, double b) const { return std::abs(a - b) <= kTieTolerance * a + edge_rounding_; }
+  /// Whether lengths of paths to a vertex are equal up to what windows may be longer before they are dropped for it.
+  bool within_cut(double a, double b) const { return std::abs(a - b) <= kDropTolerance * a + edge_rounding_; }
   /// Vector from a vertex to the goal. A goal next to the vertex keeps its digits, which its coordinates do not have.
   Eigen::Vector3d goal_from(std::int32_t vertex) const {
     return (goal_corner_ - mesh_->mesh->positions()[vertex]) + goal_offset_;
@@ -276,10 +336,12 @@ class WindowSearch {
   std::vector<SurfacePoint> sources_;
   std::span<SearchTarget> targets_;
   std::vector<Hook> hooks_;
+  std::vector<TiedArrival> ties_;
   SearchSettings settings_;
   bool plain_ = true;
   bool follows_paths_ = false;  ///< somebody will ask how a place was reached, not only how far it is
   bool close_ = false;  ///< some sources or turning vertices may be much closer to a vertex than their edges are long
+  double edge_rounding_ = 0;                               ///< kEdgeRounding of the longest edge
   double bound_ = kInfinity;                               ///< keys beyond this are of no use
   std::size_t uncertain_ = 0;                              ///< the targets before this one are certain
   Eigen::Vector3d goal_corner_ = Eigen::Vector3d::Zero();  ///< the corner of its face that the goal lies nearest to

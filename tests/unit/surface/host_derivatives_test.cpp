@@ -101,7 +101,8 @@ std::vector<std::int32_t> crossed(const TriangleMesh& mesh, const Geodesic& geod
 }
 
 /// Compares gradient and Hessian along the motion with fourth-order finite differences: central ones, or ones to one
-/// side for ends that can move to one side only. Returns false where the path changes its strip on the way.
+/// side for ends that can move to one side only. Returns false where the path changes its strip on the way, or other
+/// vertices come to hold it.
 bool expect_host_derivatives(const HostScene& scene, const HostMotion& motion, bool central, double h,
                              double tolerance) {
   const std::vector<double> steps = central ? std::vector{-2., -1., 1., 2.} : std::vector{0., 1., 2., 3., 4.};
@@ -116,6 +117,7 @@ bool expect_host_derivatives(const HostScene& scene, const HostMotion& motion, b
     const HostScene at = moved(scene, motion, steps[i] * h);
     const Geodesic g = solved(at);
     if (central && crossed(*at.mesh, g) != crossed(*scene.mesh, geodesic)) return false;
+    if (g.pinned_at != geodesic.pinned_at) return false;
     first += weights[i] * g.distance / h;
     second += weights[i] / h * spread(at, host_derivatives(*at.mesh, g.path, 1));
   }
@@ -238,7 +240,7 @@ TEST(HostDerivatives, AtEdgesAndVerticesAreThoseIntoTheFaceThatTheEndNames) {
       motion.to = inward(scene.to, stream);
       // Off its edge, into the face that it names, an end unfolds into the same plane; off a vertex it does not.
       if (corner_of(scene.from) >= 0) motion.from.setZero();
-      ASSERT_TRUE(expect_host_derivatives(scene, motion, false, 2e-4, 1e-5)) << i;
+      if (!expect_host_derivatives(scene, motion, false, 2e-4, 1e-5)) continue;
       ++checked;
       const Geodesic g = solved(scene);
       turned += index(g.path[1].point.face) != index(scene.from.face);
