@@ -16,7 +16,8 @@ bool has_open_quote(std::string_view line) { return std::count(line.begin(), lin
 std::vector<std::string_view> lines_of(std::string& text) {
   std::vector<std::pair<std::size_t, std::size_t>> ranges;
   for (std::size_t at = 0; at < text.size();) {
-    const auto end = std::min(text.find_first_of("\r\n", at), text.size());
+    std::size_t end = at;
+    while (end < text.size() && text[end] != '\n' && text[end] != '\r') ++end;
     ranges.emplace_back(at, end);
     // Some programs end a line with two carriage returns and a line feed.
     at = end;
@@ -24,11 +25,13 @@ std::vector<std::string_view> lines_of(std::string& text) {
     const bool has_feed = at < text.size() && text[at] == '\n';
     at = has_feed ? at + 1 : std::min(end + 1, text.size());
   }
+  const bool has_quotes = text.find('"') != std::string::npos;
   std::vector<std::string_view> lines;
+  lines.reserve(ranges.size());
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const auto [begin, end] = ranges[i];
     const std::string_view line = std::string_view(text).substr(begin, end - begin);
-    if (!has_open_quote(line)) {
+    if (!has_quotes || !has_open_quote(line)) {
       lines.push_back(line);
       continue;
     }

@@ -27,6 +27,34 @@ constexpr std::size_t max_remark_bytes = 20'000;
 constexpr std::size_t rows_of_longest_to_shortest = 10;
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
+/// All cells of a file, each read once.
+struct ParsedLines {
+  std::vector<std::string> shapes;       ///< the kinds of each line's cells
+  std::vector<std::size_t> first_cells;  ///< index of each line's first cell among all
+  std::vector<double> values;            ///< of all cells; NaN where there is no number
+  std::vector<std::size_t> percents;     ///< cells whose number ends with "%", in increasing order
+
+  ParsedLines(std::span<const std::string_view> lines, TableFormat format, const CancellationToken& cancellation) {
+    shapes.reserve(lines.size());
+    first_cells.reserve(lines.size());
+    for (const auto line : lines) {
+      if (shapes.size() % lines_between_checks == 0) cancellation.throw_if_requested();
+      first_cells.push_back(values.size());
+      std::string& shape = shapes.emplace_back();
+      for_each_cell(line, format.delimiter, [&](std::string_view cell) {
+        const auto number = number_in(cell, format.decimal, format.blanks());
+        if (number && number->has_percent) percents.push_back(values.size());
+        values.push_back(number ? number->value : missing);
+        shape += number ? 'N' : cell_kind(cell, format);
+      });
+    }
+  }
+
+  bool has_percent(std::size_t cell) const {
+    return !percents.empty() && std::binary_search(percents.begin(), percents.end(), cell);
+  }
+};
+
 /// How many cells rows have, and in which columns most of them have numbers.
 struct RowShape {
   std::size_t columns = 0;
@@ -75,10 +103,10 @@ struct Block {
 /// Reads the rows and finds where blocks end.
 class BlockReader {
  public:
-  BlockReader(std::span<const std::string_view> lines, const std::vector<std::string>& shapes, TableFormat format,
-              RowShape row)
+  BlockReader(std::span<const std::string_view> lines, const ParsedLines& parsed, TableFormat format, RowShape row)
       : lines_(lines),
-        shapes_(shapes),
+        parsed_(parsed),
+        shapes_(parsed.shapes),
         format_(format),
         row_(std::move(row)),
         values_(row_.columns),
@@ -102,12 +130,11 @@ class BlockReader {
 
  private:
   void add_row(std::size_t line) {
-    std::size_t c = 0;
-    for_each_cell(lines_[line], format_.delimiter, [&](std::string_view cell) {
-      const auto number = number_in(cell, format_.decimal, format_.blanks());
-      values_[c].push_back(number ? number->value : missing);
-      percents_[c++].push_back(number && number->has_percent);
-    });
+    for (std::size_t c = 0; c < row_.columns; ++c) {
+      const std::size_t cell = parsed_.first_cells[line] + c;
+      values_[c].push_back(parsed_.values[cell]);
+      percents_[c].push_back(parsed_.has_percent(cell));
+    }
     if (blocks_.empty() || ends_before(line)) {
       Block block;
       block.above = blocks_.empty() ? 0 : blocks_.back().last_line + 1;
@@ -181,6 +208,7 @@ class BlockReader {
   }
 
   std::span<const std::string_view> lines_;
+  const ParsedLines& parsed_;
   const std::vector<std::string>& shapes_;
   TableFormat format_;
   RowShape row_;
@@ -241,19 +269,15 @@ MeasuredTable read_table(std::string_view text, const TableOptions& options, con
       [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r'; }, ' ');
   const auto lines = lines_of(owned);
   const TableFormat format = format_of(lines, options.decimal_separator, cancellation);
-  std::vector<std::string> shapes;
-  shapes.reserve(lines.size());
-  for (const auto line : lines) {
-    if (shapes.size() % lines_between_checks == 0) cancellation.throw_if_requested();
-    shapes.push_back(shape_of(line, format));
-  }
+  const ParsedLines parsed(lines, format, cancellation);
+  const auto& shapes = parsed.shapes;
   const RowShape row = usual_shape(shapes);
   if (row.columns == 0) refuse_table("No line of the text holds two numbers with this decimal separator.");
   if (row.columns > max_columns) {
     refuse_table("The table has " + std::to_string(row.columns) + " columns, the limit is " +
                  std::to_string(max_columns) + ".");
   }
-  BlockReader reader(lines, shapes, format, row);
+  BlockReader reader(lines, parsed, format, row);
   reader.read(cancellation);
   const auto& blocks = reader.blocks();
   MeasuredTable table;
