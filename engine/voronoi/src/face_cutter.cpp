@@ -9,6 +9,7 @@
 
 #include "bisector_borders.h"
 #include "planar_cross.h"
+#include "planar_face.h"
 #include "polygon_sides.h"
 #include "quadrature.h"
 
@@ -78,6 +79,7 @@ class Cutter {
   Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples, CutterRoom& room,
          CutFace& result)
       : distances_(distances),
+        corners_(corners),
         samples_(samples),
         result_(result),
         room_(room),
@@ -149,6 +151,19 @@ class Cutter {
   const Vector2d& place_of(std::int32_t cut) const {
     return cut < 0 ? cut_places_[static_cast<std::size_t>(-1 - cut)]
                    : result_.points[static_cast<std::size_t>(cut)].place;
+  }
+
+  /// A place that is outside the face by rounding, as where sites are so near to each other that their border is known
+  /// to few digits, on its boundary.
+  Vector2d within_face(const Vector2d& place) const {
+    const bool inside = [&] {
+      for (std::size_t i = 0; i < 3; ++i)
+        if (cross(corners_[(i + 1) % 3] - corners_[i], place - corners_[i]) < 0) return false;
+      return true;
+    }();
+    if (inside) return place;
+    const Eigen::Vector3d weights = barycentric(corners_, place);
+    return weights[0] * corners_[0] + weights[1] * corners_[1] + weights[2] * corners_[2];
   }
 
   /// Whether a site lies in the triangle whose cell does not show on the sides.
@@ -223,7 +238,7 @@ class Cutter {
       if (cross(along, x - side.from) < -outside * along.norm() * longest) return false;
     }
     if (distances_.nearest(active, x).distance < distance - 4 * equidistance * distance) return false;
-    place = x;
+    place = within_face(x);
     return true;
   }
 
@@ -462,7 +477,7 @@ class Cutter {
         at_high = crosses ? std::max(gap(point), tiny_gap) : 0;
       }
     }
-    bends.push_back(after.place);
+    bends.push_back(within_face(after.place));
     find_bends(curve, high, after, end, last, changes - 1, bends);
   }
 
@@ -548,6 +563,7 @@ class Cutter {
   }
 
   const FaceDistances& distances_;
+  std::array<Vector2d, 3> corners_;
   bool samples_;
   CutFace& result_;
   std::vector<InnerSite> sites_;
