@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "equal_length_roots.h"
 #include "planar_cross.h"
 
 namespace supple::voronoi {
@@ -208,38 +209,15 @@ class Labeller {
     }
   }
 
-  /// Two arrivals: |x - A| - |x - B| = c on a line, where squaring twice leaves a quadratic equation of the share.
+  /// Where two arrivals of different sites are equally long in a part.
   template <std::size_t size>
   std::size_t add_roots(const StraightArrival& a, const StraightArrival& b, double begin, double end,
                         std::array<double, size>& cuts, std::size_t count) const {
     if (a.source == b.source) return count;
-    const double c = b.sigma - a.sigma;
-    const Vector2d unit = way_ / length_;
-    const Vector2d to_a = a.image - from_;
-    const Vector2d to_b = b.image - from_;
-    const double along_b = to_b.dot(unit);
-    // |x - A|^2 - |x - B|^2 - c^2 = p t + q with t the way along the segment.
-    const Vector2d between = a.image - b.image;
-    const double p = -2 * between.dot(unit);
-    const double q = between.dot(to_a + to_b) - c * c;
-    std::array<double, 2> roots{};
-    std::size_t found = 0;
-    if (c == 0) {
-      if (p != 0) roots[found++] = -q / p;
-    } else {
-      const double qa = p * p - 4 * c * c;
-      const double half = p * q + 4 * c * c * along_b;
-      const double qc = q * q - 4 * c * c * to_b.squaredNorm();
-      const double square = half * half - qa * qc;
-      if (square >= 0) {
-        const double big = -(half + std::copysign(std::sqrt(square), half));
-        if (qa != 0) roots[found++] = big / qa;
-        if (big != 0) roots[found++] = qc / big;
-      }
-    }
-    for (std::size_t i = 0; i < found; ++i) {
-      const double share = roots[i] / length_;
-      if (share > begin && share < end) cuts[count++] = polished(a, b, share, begin, end);
+    const LineRoots roots = equal_length_roots(a.image, b.image, b.sigma - a.sigma, from_, way_);
+    for (std::size_t i = 0; i < roots.count; ++i) {
+      const double fraction = roots.fractions[i];
+      if (fraction > begin && fraction < end) cuts[count++] = polished(a, b, fraction, begin, end);
     }
     return count;
   }

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
+#include "supple/base/random.h"
 #include "supple/voronoi/diagram.h"
 #include "support/shapes.h"
 #include "support/symmetric_shapes.h"
@@ -34,6 +36,27 @@ TEST(SymmetricShapes, OppositeSitesOfAnExportedRingHaveHalfOfItEach) {
   }
   EXPECT_EQ(found.edges.size(), 2U);
   EXPECT_TRUE(found.vertices.empty());
+}
+
+void expect_symmetric_diagram(const testing::SymmetricSites& drawn) {
+  SCOPED_TRACE(drawn.name);
+  const Diagram found = diagram(GeodesicSolver(testing::share(drawn.mesh)), drawn.sites);
+  testing::expect_valid_diagram(drawn.mesh, found);
+  const double whole = testing::area_of(drawn.mesh);
+  for (std::size_t i = 0; i < found.cells.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (drawn.orbits[i] == drawn.orbits[j])
+        EXPECT_NEAR(found.cells[i].area, found.cells[j].area, 1e-9 * whole) << "sites " << i << " and " << j;
+}
+
+TEST(SymmetricShapes, HaveEqualCellsForEqualSites) {
+  for (int family = 0; family < testing::symmetric_families; ++family) {
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+      SCOPED_TRACE("family " + std::to_string(family) + ", seed " + std::to_string(seed));
+      RandomStream stream("symmetric_sites", 1000 * static_cast<std::uint64_t>(family) + seed);
+      expect_symmetric_diagram(testing::random_symmetric_sites(family, stream));
+    }
+  }
 }
 
 }  // namespace
