@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "equal_length_roots.h"
 #include "planar_cross.h"
 
 namespace supple::voronoi {
@@ -23,20 +24,9 @@ constexpr double narrowest_gap = 1e-11;
 
 /// Whether |x - far| - |x - near| falls below -least, least > 0, between two places where it does not.
 bool falls_below(const Vector2d& far, const Vector2d& near, double least, const Vector2d& from, const Vector2d& to) {
-  // |x - near| - |x - far| = least: squaring twice leaves a quadratic equation of the share t of the way.
-  const Vector2d way = to - from;
-  const Vector2d to_far = far - from;
-  const Vector2d between = near - far;
-  const double p = -2 * way.dot(between);
-  const double q = between.dot(near - from + to_far) - least * least;
-  const double qa = p * p - 4 * least * least * way.squaredNorm();
-  const double half = p * q + 4 * least * least * to_far.dot(way);
-  const double qc = q * q - 4 * least * least * to_far.squaredNorm();
-  const double square = half * half - qa * qc;
-  if (!(square >= 0)) return false;
-  const double big = -(half + std::copysign(std::sqrt(square), half));
-  const auto is_root = [&](double share) { return share > 0 && share < 1 && p * share + q >= 0; };
-  return (qa != 0 && is_root(big / qa)) || (big != 0 && is_root(qc / big));
+  const LineRoots roots = equal_length_roots(near, far, least, from, to - from);
+  return std::any_of(roots.fractions.begin(), roots.fractions.begin() + static_cast<std::ptrdiff_t>(roots.count),
+                     [](double fraction) { return fraction > 0 && fraction < 1; });
 }
 
 }  // namespace

@@ -22,6 +22,11 @@ using surface::TriangleMesh;
 
 /// Relative: an angle round a vertex that is larger than a flat one by no more is flat.
 constexpr double flat_angle = 1e-12;
+/// Fraction of the mesh's area: what quadrature may leave beside one part of a border on a mesh of a few faces. It may
+/// leave more in proportion to the number of faces, up to a limit: locating every bend costs as much as all else there.
+constexpr double area_rounding = 1e-12;
+constexpr double faces_of_rounding = 20;
+constexpr double most_area_rounding = 1e-10;
 /// Most faces of one task: each takes some microseconds.
 constexpr std::int32_t most_faces_of_a_task = 256;
 /// As many tasks keep all threads busy where faces are few.
@@ -80,7 +85,7 @@ class DiagramFaces::Task {
     if (wants_pulls()) pulls_.start(face);
     if (whole) return add_moments(face, site, corners, corners);
     CutFace result = voronoi::cut_face(work_.distances, corners, {&sides[0], &sides[1], &sides[2]},
-                                       faces_.options_.border_samples || wants_moments());
+                                       faces_.options_.border_samples || wants_moments(), faces_.area_tolerance_);
     if (wants_moments()) add_moments(face, result, corners);
     if (result.borders.empty() && result.pieces.size() == 1) {
       site = result.pieces.front().site;
@@ -230,6 +235,12 @@ DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& optio
       sides_(static_cast<std::size_t>(mesh.halfedge_count())),
       cut_faces_(face_sites_.size()),
       moments_(options.cell_moments && options.method != DiagramMethod::edges ? face_sites_.size() : 0) {
+  const double rounding =
+      std::clamp(area_rounding * mesh.face_count() / faces_of_rounding, area_rounding, most_area_rounding);
+  for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
+    const std::array<Vector2d, 3> corners = planar_corners(mesh, face);
+    area_tolerance_ += rounding * 0.5 * corners[1].x() * corners[2].y();
+  }
   if (options_.method == DiagramMethod::edges) options_.vertex_pulls = options_.border_samples = false;
   if (moments_.empty()) return;
   bends_paths_.resize(vertex_sites_.size());

@@ -9,6 +9,7 @@
 
 #include "bisector_borders.h"
 #include "planar_cross.h"
+#include "planar_face.h"
 #include "polygon_sides.h"
 #include "quadrature.h"
 
@@ -33,21 +34,30 @@ constexpr int most_newton_steps = 30;
 constexpr double shortest_curve = 1e-9;
 constexpr double curve_rounding = 1e-13;
 constexpr int most_curve_steps = 60;
+constexpr int most_curve_halvings = 8;
+/// How far, at the outer ones of three points, cubic and quartic terms take a curve from its parabola, as fractions of
+/// the bulge for a series whose terms are all equal; and what fraction of the sixth term three points miss.
+constexpr double cubic_part = 0.156;
+constexpr double quartic_part = 0.06;
+constexpr double quadrature_error = 1.4e-3;
+/// What a curvature that is gone before the first or after the last of three points changes in the area, as a fraction
+/// of the bulge.
+constexpr double end_error = 2e-3;
 /// Relative to the face: images closer than this are one.
 constexpr double same_image = 1e-9;
-/// Bends are found to this part of a border; places where paths only begin to turn, where the border is smooth but for
-/// its curvature, to that one.
-constexpr double bend_width = 1e-12;
-constexpr double turn_width = 1e-7;
+/// Fractions of a border to which its bends are found, and the places where paths only begin to turn, where the border
+/// is smooth but for its curvature. Areas need less than derivatives do, because bends lie on the border all the same.
+struct BendWidths {
+  double bend, turn;
+};
+constexpr BendWidths widths_for_derivatives{1e-12, 1e-7};
+constexpr BendWidths widths_for_areas{1e-10, 1e-3};
 /// Relative to the face: lengths that differ by less do not say which is shorter.
 constexpr double tie_gap = 1e-12;
 constexpr double tiny_gap = 1e-300;
 /// Bends this near to an end are none: there it is not sure which way paths come.
 constexpr double bend_margin = 1e-7;
 constexpr int most_bend_samples = 8;
-/// Where paths come from more images besides one for each site, bends are many and faint: they are looked for
-/// only where derivatives need them.
-constexpr int most_images = 4;
 constexpr int most_changes = 12;  // of the ways along one part
 
 /// Room that a thread keeps from face to face, so that cutting one asks for little memory.
@@ -75,10 +85,12 @@ struct CutterRoom {
 
 class Cutter {
  public:
-  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples, CutterRoom& room,
-         CutFace& result)
+  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples, double area_tolerance,
+         CutterRoom& room, CutFace& result)
       : distances_(distances),
+        corners_(corners),
         samples_(samples),
+        area_tolerance_(area_tolerance),
         result_(result),
         room_(room),
         cut_places_(room.cut_places),
@@ -149,6 +161,19 @@ class Cutter {
   const Vector2d& place_of(std::int32_t cut) const {
     return cut < 0 ? cut_places_[static_cast<std::size_t>(-1 - cut)]
                    : result_.points[static_cast<std::size_t>(cut)].place;
+  }
+
+  /// A place that is outside the face by rounding, as where sites are so near to each other that their border is known
+  /// to few digits, on its boundary.
+  Vector2d within_face(const Vector2d& place) const {
+    const bool inside = [&] {
+      for (std::size_t i = 0; i < 3; ++i)
+        if (cross(corners_[(i + 1) % 3] - corners_[i], place - corners_[i]) < 0) return false;
+      return true;
+    }();
+    if (inside) return place;
+    const Eigen::Vector3d weights = barycentric(corners_, place);
+    return weights[0] * corners_[0] + weights[1] * corners_[1] + weights[2] * corners_[2];
   }
 
   /// Whether a site lies in the triangle whose cell does not show on the sides.
@@ -223,7 +248,7 @@ class Cutter {
       if (cross(along, x - side.from) < -outside * along.norm() * longest) return false;
     }
     if (distances_.nearest(active, x).distance < distance - 4 * equidistance * distance) return false;
-    place = x;
+    place = within_face(x);
     return true;
   }
 
@@ -329,6 +354,12 @@ class Cutter {
     Slope left{}, right{};
   };
 
+  /// A point of quadrature on a border, and the fraction of the straight line that it stands for.
+  struct CurveNode {
+    CurvePoint point;
+    double weight = 0;
+  };
+
   double sigma_of(const Active& active) const {
     return active.empty() ? 0 : distances_.arrivals()[static_cast<std::size_t>(active.front())].sigma;
   }
@@ -371,7 +402,7 @@ class Cutter {
     std::vector<Vector2d> bends;
     Curve& curve = curve_;
     lay_curve(from, to, left, right, active, curve);
-    if (curve.other_images == 0 || (curve.other_images > most_images && !samples_)) {
+    if (curve.other_images == 0 || (!samples_ && bends_are_faint(curve))) {
       add_smooth_border(from, to, curve);
       return bends;
     }
@@ -389,6 +420,14 @@ class Cutter {
     return bends;
   }
 
+  /// Whether three points of quadrature say that a border has no bends that its area shows. Derivatives are of its
+  /// parts, and see all of them.
+  bool bends_are_faint(const Curve& curve) {
+    curve_nodes_.clear();
+    probes_ = {};
+    return curve.length > shortest_curve * size_ && find_nodes(curve, 0, 0, 1, 0, -1);
+  }
+
   bool same_ways(const CurvePoint& a, const CurvePoint& b) const {
     const double tolerance = same_image * size_;
     return distances_.same_paths(a.left.arrival, a.place, b.left.arrival, b.place, tolerance) &&
@@ -399,11 +438,18 @@ class Cutter {
     CurvePoint before;
     double begin = bend_margin;
     if (!on_curve(curve, begin, before)) return;
-    const int samples = std::min(2 * curve.other_images, most_bend_samples);
-    for (int i = 1; i <= samples; ++i) {
-      const double end = i == samples ? 1 - bend_margin : static_cast<double>(i) / samples;
+    const bool probed = !samples_ && probes_.front().left.arrival >= 0;
+    const int parts =
+        probed ? 1 + static_cast<int>(probes_.size()) : std::min(2 * curve.other_images, most_bend_samples);
+    for (int i = 1; i <= parts; ++i) {
+      double end = i == parts ? 1 - bend_margin : static_cast<double>(i) / parts;
       CurvePoint after;
-      if (!on_curve(curve, end, after)) return;
+      if (probed && i < parts) {
+        end = three_nodes[static_cast<std::size_t>(i - 1)];
+        after = probes_[static_cast<std::size_t>(i - 1)];
+      } else if (!on_curve(curve, end, after)) {
+        return;
+      }
       find_bends(curve, begin, before, end, after, most_changes, bends);
       begin = end;
       before = after;
@@ -431,7 +477,8 @@ class Cutter {
     double height_at_low = first.height;
     double height_at_high = last.height;
     const bool crosses = at_low < -tie_gap * size_ && at_high > tie_gap * size_;
-    const double width = crosses ? bend_width : turn_width;
+    const BendWidths& widths = samples_ ? widths_for_derivatives : widths_for_areas;
+    const double width = crosses ? widths.bend : widths.turn;
     CurvePoint after = last;
     // As many steps as halving and one more at most.
     double reach = high - low;
@@ -462,31 +509,32 @@ class Cutter {
         at_high = crosses ? std::max(gap(point), tiny_gap) : 0;
       }
     }
-    bends.push_back(after.place);
+    bends.push_back(within_face(after.place));
     find_bends(curve, high, after, end, last, changes - 1, bends);
   }
 
   /// A part of a border without bends: the area between it and the straight line, its length, points of quadrature.
   void add_smooth_border(std::int32_t from, std::int32_t to, const Curve& curve) {
-    std::array<CurvePoint, three_nodes.size()> points;
-    bool curved = curve.length > shortest_curve * size_ && !curve.bisects;
-    for (std::size_t i = 0; i < three_nodes.size() && curved; ++i) {
-      // Through the ends and the nodes before goes a parabola, and then a cubic.
-      if (i == 1) points[1].height = 2.5 * points[0].height;
-      if (i == 2) points[2].height = 0.8 * points[1].height - points[0].height;
-      curved = on_curve(curve, three_nodes[i], points[i]) && std::abs(points[i].height) < curve.length;
+    curve_nodes_.clear();
+    if (!(curve.length > shortest_curve * size_) || curve.bisects ||
+        !find_nodes(curve, 0, 0, 1, 0, most_curve_halvings)) {
+      curve_nodes_.clear();
+      for (std::size_t i = 0; i < three_nodes.size(); ++i) {
+        CurvePoint point;
+        point.place = curve.begin + three_nodes[i] * curve.way;
+        curve_nodes_.push_back({point, three_weights[i]});
+      }
     }
     double area = 0;
     double along = 0;
-    for (std::size_t i = 0; i < three_nodes.size(); ++i) {
-      if (!curved) points[i] = {curve.begin + three_nodes[i] * curve.way};
-      const double part = three_weights[i] * points[i].stretch * curve.length;
-      const double beside = three_weights[i] * points[i].height * curve.length;
+    for (const CurveNode& node : curve_nodes_) {
+      const double part = node.weight * node.point.stretch * curve.length;
+      const double beside = node.weight * node.point.height * curve.length;
       area += beside;
       along += part;
       if (samples_)
-        result_.samples.push_back({curve.left, curve.right, points[i].place, part,
-                                   points[i].place - 0.5 * points[i].height * curve.normal, beside});
+        result_.samples.push_back({curve.left, curve.right, node.point.place, part,
+                                   node.point.place - 0.5 * node.point.height * curve.normal, beside});
     }
     // A border that lies on the left of its straight line takes from the cell there.
     areas_.emplace_back(curve.left, -area);
@@ -494,12 +542,87 @@ class Cutter {
     result_.borders.push_back({from, to, curve.left, curve.right, along});
   }
 
+  /// Points of quadrature along a border between two fractions of its straight line, over which it has these heights.
+  /// Three suffice where the border is all but a parabola; it is halved where it is not, as next to the focus of its
+  /// hyperbola. False where the border is not found.
+  bool find_nodes(const Curve& curve, double begin, double height_at_begin, double end, double height_at_end,
+                  int halvings) {
+    std::array<CurvePoint, three_nodes.size()> points;
+    std::array<double, three_nodes.size()> bulges{};  // over the chord of this part, in units of its length
+    const double length = (end - begin) * curve.length;
+    for (const std::size_t i : {1, 0, 2}) {
+      const double along = three_nodes[i];
+      const double chord = (1 - along) * height_at_begin + along * height_at_end;
+      // Through the ends and the middle goes a parabola, where the search begins.
+      points[i].height = chord + (i == 1 ? 0 : 4 * along * (1 - along) * bulges[1] * length);
+      if (!on_curve(curve, begin + along * (end - begin), points[i])) return false;
+      if (!(std::abs(points[i].height) < curve.length)) return false;
+      bulges[i] = (points[i].height - chord) / length;
+    }
+    const double parabola = 4 * three_nodes[0] * (1 - three_nodes[0]) * bulges[1];
+    const double cubic = 0.5 * std::abs(bulges[0] - bulges[2]);
+    const double quartic = 0.5 * std::abs(bulges[0] + bulges[2] - 2 * parabola);
+    const double bulge = std::max({std::abs(bulges[1]), cubic, quartic});
+    // In a series in the distance along the chord: the square of the ratio of successive terms. The sixth power is what
+    // three points miss.
+    const double square = bulge > 0 ? std::max(cubic * cubic / (cubic_part * cubic_part * bulge * bulge),
+                                               quartic / (quartic_part * bulge))
+                                    : 0;
+    double left = quadrature_error * bulge * square * square * length * length;
+    if (halvings < 0 && turns_near_ends(curve, points)) left += end_error * bulge * length * length;
+    if (left > area_tolerance_) {
+      probes_ = points;
+      if (halvings < 0) return false;
+      if (halvings == 0) return take_nodes(points, begin, end);
+      const double middle = 0.5 * (begin + end);
+      const double height = points[1].height;
+      return find_nodes(curve, begin, height_at_begin, middle, height, halvings - 1) &&
+             find_nodes(curve, middle, height, end, height_at_end, halvings - 1);
+    }
+    return take_nodes(points, begin, end);
+  }
+
+  /// Whether paths come other ways to an end of a border than to the point of quadrature next to it.
+  bool turns_near_ends(const Curve& curve, const std::array<CurvePoint, three_nodes.size()>& points) const {
+    for (const bool at_end : {false, true}) {
+      CurvePoint end;
+      end.place = at_end ? Vector2d(curve.begin + curve.way) : curve.begin;
+      end.left = distances_.from_site(curve.from_left, curve.left, end.place);
+      end.right = distances_.from_site(curve.from_right, curve.right, end.place);
+      if (!same_ways(at_end ? points.back() : points.front(), end)) return true;
+    }
+    return false;
+  }
+
+  bool take_nodes(const std::array<CurvePoint, three_nodes.size()>& points, double begin, double end) {
+    for (std::size_t i = 0; i < three_nodes.size(); ++i)
+      curve_nodes_.push_back({points[i], three_weights[i] * (end - begin)});
+    return true;
+  }
+
+  /// How far a line that leaves a place of the face runs in it, backwards and forwards, and a little beyond.
+  std::pair<double, double> heights_within_face(const Vector2d& base, const Vector2d& direction) const {
+    double backwards = -std::numeric_limits<double>::infinity();
+    double forwards = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector2d side = corners_[(i + 1) % 3] - corners_[i];
+      const double inwards = cross(side, direction);
+      if (inwards == 0) continue;
+      const double height = -std::max(cross(side, base - corners_[i]), 0.0) / inwards;
+      if (inwards > 0)
+        backwards = std::max(backwards, height);
+      else
+        forwards = std::min(forwards, height);
+    }
+    return {backwards - shortest_curve * size_, forwards + shortest_curve * size_};
+  }
+
   /// The border over a point of its straight line: Newton's method from the height that `point` has, within a bracket
   /// once there is one, because it may go back and forth about a bend.
   bool on_curve(const Curve& curve, double share, CurvePoint& point) const {
     const Vector2d base = curve.begin + share * curve.way;
-    double below = -std::numeric_limits<double>::infinity();
-    double above = std::numeric_limits<double>::infinity();
+    // Beyond the face lengths of arrivals go on, and may be equal at other places.
+    auto [below, above] = heights_within_face(base, curve.normal);
     for (int step = 0; step < most_curve_steps; ++step) {
       point.place = base + point.height * curve.normal;
       point.left = distances_.from_site(curve.from_left, curve.left, point.place);
@@ -548,11 +671,15 @@ class Cutter {
   }
 
   const FaceDistances& distances_;
+  std::array<Vector2d, 3> corners_;
   bool samples_;
+  double area_tolerance_;  ///< what quadrature may leave of the area beside a part of a border
   CutFace& result_;
   std::vector<InnerSite> sites_;
   double size_ = 0;
   Curve curve_;
+  std::vector<CurveNode> curve_nodes_;
+  std::array<CurvePoint, three_nodes.size()> probes_;  ///< where bends_are_faint() has looked
   CutterRoom& room_;
   // Parts of it:
   std::vector<Vector2d>& cut_places_;
@@ -562,10 +689,10 @@ class Cutter {
 }  // namespace
 
 CutFace cut_face(const FaceDistances& distances, const std::array<Vector2d, 3>& corners,
-                 const std::array<const LabelledSegment*, 3>& sides, bool samples) {
+                 const std::array<const LabelledSegment*, 3>& sides, bool samples, double area_tolerance) {
   CutFace result;
   static thread_local CutterRoom room;
-  Cutter cutter(distances, corners, samples, room, result);
+  Cutter cutter(distances, corners, samples, area_tolerance, room, result);
   Sides whole(3);
   std::int32_t number = 0;
   for (int i = 0; i < 3; ++i) {

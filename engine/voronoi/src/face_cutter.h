@@ -69,7 +69,10 @@ struct CutFace {
 /// one point of it: cells are star-shaped round their sites, so that a cell without a site in the polygon shows on its
 /// sides. Any other polygon is divided along a straight line. Polygons below 1e-12 of the face that are still not
 /// simple are a Voronoi vertex of all cells that show on their sides.
+///
+/// The area between a part of a border and the straight line between its ends is right to about `area_tolerance`, in
+/// squared mesh units. Bends of borders that make no such difference are located only with `samples`.
 CutFace cut_face(const FaceDistances& distances, const std::array<Eigen::Vector2d, 3>& corners,
-                 const std::array<const LabelledSegment*, 3>& sides, bool samples = false);
+                 const std::array<const LabelledSegment*, 3>& sides, bool samples, double area_tolerance);
 
 }  // namespace supple::voronoi

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+
+#include "equal_length_roots.h"
+#include "planar_cross.h"
 
 namespace supple::voronoi {
 namespace {
@@ -14,8 +18,10 @@ using surface::FaceArrival;
 constexpr double shortest_part = 1e-13;
 /// Relative to the distance: sites this close to each other are equally near.
 constexpr double tie = 1e-12;
-/// Relative to the distance: lengths that differ by less differ by rounding.
-constexpr double length_rounding = 4e-16;
+/// Relative to the distance: a part in which another site is nearer by no more than this is the present site's. It is
+/// some hundred times what rounding does to lengths, so that along a border that coincides with the segment sites do
+/// not take turns by their last digits.
+constexpr double indistinguishable = 1e-13;
 /// As many arrivals are told apart by all roots of their differences.
 constexpr std::size_t most_straight = 24;
 /// Of a segment: what is not told apart by then are many sites almost in one place, which are equally near.
@@ -36,12 +42,16 @@ class Labeller {
     const double radius = 0.5 * (end - begin) * length_;
     const Nearest nearest = distances_.prune(active, at(middle), radius, kept);
     if (kept.size() > 2) drop_longer(kept, begin, end);
-    if (distances_.of_one_site(kept)) return append(begin, nearest.site);
-    if (kept.size() <= most_straight && straight(kept, begin) && straight(kept, end))
-      return label_straight(kept, begin, end);
-    if (!(end - begin > shortest_part) || ++divisions_ > most_parts) return append(begin, nearest.site);
+    if (distances_.of_one_site(kept)) return change_to(nearest.site, begin);
+    if (kept.size() <= most_straight) {
+      const double turning = turning_fraction(kept, begin, end);
+      if (turning == end) return label_straight(kept, begin, end);
+      label(kept, begin, turning, depth + 1);
+      return label(kept, turning, end, depth + 1);
+    }
+    if (!(end - begin > shortest_part) || ++divisions_ > most_parts) return change_to(nearest.site, begin);
     if (depth >= tie_depth && tied(kept, {begin, middle, end})) {
-      if (!has(kept, result_.sites.back())) append(begin, nearest.site);
+      if (!has(kept, result_.sites.back())) change_to(nearest.site, begin);
       return;
     }
     if (depth >= deep && two_sites(kept)) return label_deep(kept, begin, end);
@@ -49,13 +59,31 @@ class Labeller {
     label(kept, middle, end, depth + 1);
   }
 
-  /// From `share` on the nearest site is this one.
+  /// The part up to the end is the site's that the end is given.
+  void end_with(std::int32_t site) { change_to(site, 1); }
+
+ private:
+  /// What an arrival is where its paths turn nowhere or all at one place.
+  struct StraightArrival {
+    Vector2d image;
+    double sigma;
+    std::int32_t source;
+
+    double length_to(const Vector2d& point) const { return sigma + (point - image).norm(); }
+  };
+
+  /// From `fraction` on the nearest site is this one, or from where it has been so by no more than rounding.
+  void change_to(std::int32_t site, double fraction) {
+    append(pending_site_ == site ? pending_fraction_ : fraction, site);
+    pending_site_ = -1;
+  }
+
   void append(double share, std::int32_t site) {
     if (result_.sites.back() == site) return;
     if (!result_.cuts.empty() && !(share > result_.cuts.back())) {
       // The part before has no length.
       result_.sites.back() = site;
-      if (result_.sites.size() > 1 && result_.sites[result_.sites.size() - 2] == site && result_.cuts.size() > 0) {
+      if (result_.sites[result_.sites.size() - 2] == site) {
         result_.sites.pop_back();
         result_.cuts.pop_back();
       }
@@ -65,7 +93,6 @@ class Labeller {
     result_.sites.push_back(site);
   }
 
- private:
   Vector2d at(double share) const { return from_ + share * way_; }
 
   bool has(const Active& active, std::int32_t site) const {
@@ -107,13 +134,23 @@ class Labeller {
     }
   }
 
-  /// Whether each arrival comes straight from its image.
-  bool straight(const Active& active, double share) const {
-    const Vector2d point = at(share);
-    return std::all_of(active.begin(), active.end(), [&](std::int32_t i) {
+  /// Where in a part paths of an arrival begin to turn at an end of their bundle or cease to: of several such places
+  /// the one nearest to the middle, `end` where there is none.
+  double turning_fraction(const Active& active, double begin, double end) const {
+    const double middle = 0.5 * (begin + end);
+    double least = 0.5 * (end - begin) - shortest_part;  // not at an end
+    double found = end;
+    for (const std::int32_t i : active) {
       const FaceArrival& arrival = distances_.arrivals()[i];
-      return &arrival.turns_at(point) == &arrival.image;
-    });
+      if (arrival.everywhere) continue;
+      for (const Vector2d& edge : {Vector2d(arrival.begin - arrival.image), Vector2d(arrival.end - arrival.image)}) {
+        const double fraction = cross(edge, arrival.image - from_) / cross(edge, way_);
+        if (!(std::abs(fraction - middle) < least)) continue;
+        least = std::abs(fraction - middle);
+        found = fraction;
+      }
+    }
+    return found;
   }
 
   bool tied(const Active& active, const std::array<double, 3>& shares) const {
@@ -128,82 +165,72 @@ class Labeller {
     return true;
   }
 
-  double gap(const FaceArrival& a, const FaceArrival& b, double share) const {
-    const Vector2d point = at(share);
-    return a.length_to(point) - b.length_to(point);
-  }
-
-  /// Arrivals that are straight all along: between two successive roots of their differences one site is the nearest.
+  /// Arrivals that turn at one place all along or nowhere: between two successive roots of their differences one site
+  /// is the nearest.
   void label_straight(const Active& active, double begin, double end) {
-    std::array<double, most_straight*(most_straight - 1) + 1> cuts{};
+    straight_.clear();
+    const Vector2d middle = at(0.5 * (begin + end));
+    for (const std::int32_t i : active) {
+      const FaceArrival& arrival = distances_.arrivals()[i];
+      const Vector2d& turn = arrival.turns_at(middle);
+      straight_.push_back({turn, arrival.sigma + (turn - arrival.image).norm(), arrival.source});
+    }
+    std::array<double, most_straight*(most_straight - 1) + 1> cuts;
     std::size_t count = 0;
-    for (std::size_t i = 1; i < active.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j)
-        count = add_roots(distances_.arrivals()[active[i]], distances_.arrivals()[active[j]], begin, end, cuts, count);
+    for (std::size_t i = 1; i < straight_.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) count = add_roots(straight_[i], straight_[j], begin, end, cuts, count);
     std::sort(cuts.begin(), cuts.begin() + static_cast<std::ptrdiff_t>(count));
     cuts[count] = end;
     double before = begin;
     for (std::size_t i = 0; i <= count; ++i) {
-      if (cuts[i] > before) append(before, site_between(active, 0.5 * (before + cuts[i])));
+      if (cuts[i] > before) label_between(before, cuts[i]);
       before = std::max(before, cuts[i]);
     }
   }
 
-  /// The nearest site, the present one where it is as near up to rounding.
-  std::int32_t site_between(const Active& active, double share) const {
-    const Vector2d point = at(share);
-    const Nearest nearest = distances_.nearest(active, point);
+  /// A part along which one site is the nearest: it stays the present one's where that is as near up to rounding.
+  void label_between(double begin, double end) {
+    const Vector2d point = at(0.5 * (begin + end));
     const std::int32_t present = result_.sites.back();
-    if (nearest.site == present) return present;
-    const double own = distances_.from_site(active, present, point).distance;
-    return own - nearest.distance <= length_rounding * nearest.distance ? present : nearest.site;
+    Nearest nearest{std::numeric_limits<double>::infinity(), -1};
+    double own = std::numeric_limits<double>::infinity();
+    for (const StraightArrival& arrival : straight_) {
+      const double length = arrival.length_to(point);
+      if (length < nearest.distance) nearest = {length, arrival.source};
+      if (arrival.source == present) own = std::min(own, length);
+    }
+    if (nearest.site == present) {
+      pending_site_ = -1;
+    } else if (own - nearest.distance > indistinguishable * nearest.distance) {
+      change_to(nearest.site, begin);
+    } else if (pending_site_ != nearest.site) {
+      pending_site_ = nearest.site;
+      pending_fraction_ = begin;
+    }
   }
 
-  /// Two arrivals: |x - A| - |x - B| = c on a line, where squaring twice leaves a quadratic equation of the share.
+  /// Where two arrivals of different sites are equally long in a part.
   template <std::size_t size>
-  std::size_t add_roots(const FaceArrival& a, const FaceArrival& b, double begin, double end,
+  std::size_t add_roots(const StraightArrival& a, const StraightArrival& b, double begin, double end,
                         std::array<double, size>& cuts, std::size_t count) const {
     if (a.source == b.source) return count;
-    const double c = b.sigma - a.sigma;
-    const Vector2d unit = way_ / length_;
-    const Vector2d to_a = a.image - from_;
-    const Vector2d to_b = b.image - from_;
-    const double along_b = to_b.dot(unit);
-    // |x - A|^2 - |x - B|^2 - c^2 = p t + q with t the way along the segment.
-    const Vector2d between = a.image - b.image;
-    const double p = -2 * between.dot(unit);
-    const double q = between.dot(to_a + to_b) - c * c;
-    std::array<double, 2> roots{};
-    std::size_t found = 0;
-    if (c == 0) {
-      if (p != 0) roots[found++] = -q / p;
-    } else {
-      const double qa = p * p - 4 * c * c;
-      const double half = p * q + 4 * c * c * along_b;
-      const double qc = q * q - 4 * c * c * to_b.squaredNorm();
-      const double square = half * half - qa * qc;
-      if (square >= 0) {
-        const double big = -(half + std::copysign(std::sqrt(square), half));
-        if (qa != 0) roots[found++] = big / qa;
-        if (big != 0) roots[found++] = qc / big;
-      }
-    }
-    for (std::size_t i = 0; i < found; ++i) {
-      const double share = roots[i] / length_;
-      if (share > begin && share < end) cuts[count++] = polished(a, b, share, begin, end);
+    const LineRoots roots = equal_length_roots(a.image, b.image, b.sigma - a.sigma, from_, way_);
+    for (std::size_t i = 0; i < roots.count; ++i) {
+      const double fraction = roots.fractions[i];
+      if (fraction > begin && fraction < end) cuts[count++] = polished(a, b, fraction, begin, end);
     }
     return count;
   }
 
   /// A root with the digits that its closed form has lost.
-  double polished(const FaceArrival& a, const FaceArrival& b, double share, double begin, double end) const {
+  double polished(const StraightArrival& a, const StraightArrival& b, double share, double begin, double end) const {
     const Vector2d unit = way_ / length_;
     for (int i = 0; i < 3; ++i) {
       const Vector2d point = at(share);
       const Vector2d from_a = point - a.image;
       const Vector2d from_b = point - b.image;
       const double slope = (from_a.dot(unit) / from_a.norm() - from_b.dot(unit) / from_b.norm()) * length_;
-      const double next = share - gap(a, b, share) / slope;
+      const double next = share - (a.length_to(point) - b.length_to(point)) / slope;
       if (!(next > begin && next < end) || !(std::abs(next - share) < 1e-3 * (end - begin))) break;
       share = next;
     }
@@ -214,14 +241,14 @@ class Labeller {
   void label_deep(const Active& kept, double begin, double end) {
     const std::int32_t first = distances_.nearest(kept, at(begin)).site;
     const std::int32_t last = distances_.nearest(kept, at(end)).site;
-    append(begin, first);
+    change_to(first, begin);
     if (first == last) return;
     for (int i = 0; i < most_root_steps && end - begin > 1e-16; ++i) {
       const double middle = 0.5 * (begin + end);
       if (!(middle > begin && middle < end)) break;
       (distances_.nearest(kept, at(middle)).site == first ? begin : end) = middle;
     }
-    append(end, last);
+    change_to(last, end);
   }
 
   const FaceDistances& distances_;
@@ -229,6 +256,10 @@ class Labeller {
   Vector2d way_;
   double length_;
   LabelledSegment& result_;
+  std::vector<StraightArrival> straight_;
+  /// The site that has been nearest since some place, by no more than rounding; -1 where the present one is nearest.
+  std::int32_t pending_site_ = -1;
+  double pending_fraction_ = 0;
   int divisions_ = 0;
 };
 
@@ -240,7 +271,7 @@ LabelledSegment label_segment(const FaceDistances& distances, const Active& acti
   result.sites.push_back(site_at_from);
   Labeller labeller(distances, from, to, result);
   labeller.label(active, 0, 1, 0);
-  labeller.append(1, site_at_to);
+  labeller.end_with(site_at_to);
   for (const double share : result.cuts)
     result.distances.push_back(distances.nearest(active, from + share * (to - from)).distance);
   return result;

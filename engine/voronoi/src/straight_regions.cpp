@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "equal_length_roots.h"
 #include "planar_cross.h"
 #include "quadrature.h"
 
@@ -22,41 +23,26 @@ constexpr int most_halvings = 32;
 constexpr double flat_bulge = 0.03;
 constexpr int most_sliver_steps = 20;
 
-/// Where |x - a| - |x - b| = c, c > 0, on the way from `from` to `to`: shares in (0, 1), ascending.
-struct Roots {
-  std::array<double, 2> shares{};
-  std::size_t count = 0;
-};
-Roots roots_between(const Vector2d& a, const Vector2d& b, double c, const Vector2d& from, const Vector2d& to) {
+/// Where |x - a| - |x - b| = c, c > 0, on the way from `from` to `to`: fractions in (0, 1), ascending.
+LineRoots roots_between(const Vector2d& a, const Vector2d& b, double c, const Vector2d& from, const Vector2d& to) {
   const Vector2d way = to - from;
-  const Vector2d to_a = a - from;
-  const Vector2d to_b = b - from;
-  // |x - a|^2 - |x - b|^2 - c^2 = p t + q, which is 2 c |x - b|.
-  const double p = -2 * way.dot(a - b);
-  const double q = to_a.squaredNorm() - to_b.squaredNorm() - c * c;
-  const double qa = p * p - 4 * c * c * way.squaredNorm();
-  const double half = p * q + 4 * c * c * to_b.dot(way);
-  const double qc = q * q - 4 * c * c * to_b.squaredNorm();
-  const double square = half * half - qa * qc;
-  Roots roots;
-  if (!(square >= 0)) return roots;
-  const double big = -(half + std::copysign(std::sqrt(square), half));
-  const auto offer = [&](double share) {
-    if (!(share > 0 && share < 1) || p * share + q < 0) return;
+  LineRoots roots;
+  const LineRoots candidates = equal_length_roots(a, b, c, from, way);
+  for (std::size_t k = 0; k < candidates.count; ++k) {
+    double fraction = candidates.fractions[k];
+    if (!(fraction > 0 && fraction < 1)) continue;
     // Newton's method brings back the digits that squaring has lost.
     for (int i = 0; i < 2; ++i) {
-      const Vector2d from_a = from + share * way - a;
-      const Vector2d from_b = from + share * way - b;
+      const Vector2d from_a = from + fraction * way - a;
+      const Vector2d from_b = from + fraction * way - b;
       const double slope = from_a.dot(way) / from_a.norm() - from_b.dot(way) / from_b.norm();
-      const double next = share - (from_a.norm() - from_b.norm() - c) / slope;
-      if (!(next > 0 && next < 1) || !(std::abs(next - share) < 1e-3)) break;
-      share = next;
+      const double next = fraction - (from_a.norm() - from_b.norm() - c) / slope;
+      if (!(next > 0 && next < 1) || !(std::abs(next - fraction) < 1e-3)) break;
+      fraction = next;
     }
-    roots.shares[roots.count++] = share;
-  };
-  if (qa != 0) offer(big / qa);
-  if (big != 0) offer(qc / big);
-  if (roots.count == 2 && roots.shares[1] < roots.shares[0]) std::swap(roots.shares[0], roots.shares[1]);
+    roots.fractions[roots.count++] = fraction;
+  }
+  if (roots.count == 2 && roots.fractions[1] < roots.fractions[0]) std::swap(roots.fractions[0], roots.fractions[1]);
   return roots;
 }
 
@@ -255,10 +241,10 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
     const Vector2d& from = polygon[i];
     const Vector2d& to = polygon[(i + 1) % polygon.size()];
     round.push_back(from);
-    const Roots roots = roots_between(a, b, c, from, to);
+    const LineRoots roots = roots_between(a, b, c, from, to);
     for (std::size_t k = 0; k < roots.count; ++k) {
       cuts.push_back(round.size());
-      round.push_back(from + roots.shares[k] * (to - from));
+      round.push_back(from + roots.fractions[k] * (to - from));
     }
   }
   const auto part_between = [&](std::size_t begin, std::size_t end) {
@@ -268,17 +254,26 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
       if (i == end) return part;
     }
   };
-  // The corner or the middle that tells most surely whose a part is.
-  const auto winner = [&](const Polygon& part) {
+  // The difference of lengths at the corner that tells most surely whose a part is.
+  const auto surest_gap = [&](const Polygon& part) {
     double surest = 0;
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const double at = gap(part[i]);
+    for (const Vector2d& corner : part) {
+      const double at = gap(corner);
       if (std::abs(at) > std::abs(surest)) surest = at;
     }
-    return surest > 0 ? other : one;
+    return surest;
   };
+  const auto winner = [&](double at) { return at > 0 ? other : one; };
   if (cuts.size() < 2) {
-    add(polygon, winner(polygon));
+    // Where the border passes through a corner, a side may have lost its cut there.
+    double least = 0;
+    double greatest = 0;
+    for (const Vector2d& corner : polygon) {
+      least = std::min(least, gap(corner));
+      greatest = std::max(greatest, gap(corner));
+    }
+    if (cuts.size() == 1 && least < -same_region * size_ && greatest > same_region * size_) return false;
+    add(polygon, winner(surest_gap(polygon)));
     return true;
   }
   if (cuts.size() > 2) return false;
@@ -289,7 +284,10 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
   const Vector2d way = round[cuts[0]] - begin;
   const double length = way.norm();
   const bool short_chord = !(length > 1e-9 * size_);
-  const std::int32_t left = first.size() > 2 ? winner(first) : (winner(second) == one ? other : one);
+  // A part next to a corner through which the border passes is too small to tell.
+  const double at_first = surest_gap(first);
+  const double at_second = surest_gap(second);
+  const std::int32_t left = std::abs(at_first) > std::abs(at_second) ? winner(at_first) : winner(-at_second);
   const std::int32_t right = left == one ? other : one;
   std::array<Sliver, three_nodes.size()> slivers;
   if (!short_chord) {
