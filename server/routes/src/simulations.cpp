@@ -58,7 +58,8 @@ Outcome on_one_mesh(const json::SimulationRequest& request, const tiling::Struct
 Outcome within_error(json::SimulationRequest& request, const tiling::Structure& structure, const json::Limits& limits,
                      const Execution& execution) {
   try {
-    auto found = microscale::simulate_within(structure, request.load, request.options, *request.accepted_error, execution);
+    auto found =
+        microscale::simulate_within(structure, request.load, request.options, *request.accepted_error, execution);
     request.options.mesh = found.mesh;
     check_deformed(request, found.simulator.mesh(), limits);
     return {std::move(found.simulator), std::move(found.result)};
