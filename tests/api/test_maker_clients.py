@@ -111,7 +111,7 @@ def test_points_set_aside_are_a_warning_in_colour(designs: Api, tmp_path: Path) 
     file = tmp_path / "cycle.csv"
     file.write_text("Strain (%),Stress (kPa)\n" + "".join(f"{e},{9 * e}\n" for e in [*range(20), *range(18, 0, -1)]))
     shown = cli(designs, "curve", str(file))
-    assert "Warning: 18 points were set aside: 18 no part of a first loading" in shown.stderr and "\x1b" not in shown.stderr
+    assert "Warning: 18 points were set aside: 18 that belong to no first loading" in shown.stderr and "\x1b" not in shown.stderr
     with supple.Client(designs.server.url) as client, pytest.warns(UserWarning, match="set aside"):
         assert client.measured_curve(file).set_aside_reasons == {"not_first_loading": 18}
 

@@ -99,7 +99,8 @@ std::string column_list(const std::vector<Column>& columns) {
 
 [[noreturn]] void refuse_columns(std::vector<Error::Detail> faults) {
   std::string sentence;
-  for (const auto& [place, text] : faults) sentence += (sentence.empty() ? "" : " ") + place + ": " + text + ".";
+  for (const auto& [place, text] : faults)
+    sentence.append(sentence.empty() ? "" : " ").append(place).append(": ").append(text).append(".");
   throw Error("design.invalid_measurement", sentence, std::move(faults));
 }
 

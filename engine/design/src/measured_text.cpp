@@ -132,7 +132,7 @@ std::string from_gbk(std::string_view bytes) {
   };
   const iconv_t opened = iconv_open("UTF-8", "GBK");
   // The C library has no such table on every machine. The digits can be read all the same.
-  if (opened == reinterpret_cast<iconv_t>(-1)) return unknown();
+  if (opened == reinterpret_cast<iconv_t>(-1)) return unknown();  // NOLINT(performance-no-int-to-ptr): its own value
   const std::unique_ptr<void, CloseConverter> converter(opened);
   std::string source(bytes);
   char* from = source.data();

@@ -68,7 +68,7 @@ std::vector<AsideReason> aside_reasons(const MeasuredCurveAnswer& answer) {
            {{"no_row", "lines among the rows that do not read like them", table ? table->odd_lines : 0},
             {"no_number", "without a number", aside.no_number},
             {"out_of_range", "outside of the range asked for", aside.out_of_range},
-            {"not_first_loading", "no part of a first loading, which alone counts", aside.not_first_loading},
+            {"not_first_loading", "that belong to no first loading, which alone counts", aside.not_first_loading},
             {"after_rupture", "after the break", aside.after_rupture}}}) {
     if (reason.count > 0) reasons.push_back(reason);
   }

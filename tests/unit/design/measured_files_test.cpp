@@ -137,7 +137,7 @@ struct WrittenFile {
 
 std::string encoded(const std::string& text, const char* encoding) {
   const iconv_t converter = iconv_open(encoding, "UTF-8");
-  if (converter == reinterpret_cast<iconv_t>(-1)) return {};
+  if (converter == reinterpret_cast<iconv_t>(-1)) return {};  // NOLINT(performance-no-int-to-ptr): its own value
   std::string source = text, out(4 * text.size() + 16, '\0');
   char *from = source.data(), *to = out.data();
   std::size_t left = source.size(), room = out.size();
