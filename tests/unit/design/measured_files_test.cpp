@@ -263,9 +263,10 @@ WrittenFile random_file(RandomStream& random) {
   if (chance(random, 0.6)) add(language.time, "s", [](std::size_t i) { return 0.5 * static_cast<double>(i); });
   if (chance(random, 0.2)) add("No.", "", [](std::size_t i) { return static_cast<double>(i + 1); });
   if (chance(random, 0.2)) add("Temperature", "°C", [](std::size_t) { return 23.4; });
-  if (!raw && chance(random, 0.3)) add(language.force, "N", [&](std::size_t i) { return other_area * points[i].y(); });
   if (!raw && chance(random, 0.3))
-    add(language.displacement, "mm", [&](std::size_t i) { return other_length * points[i].x(); });
+    add(language.force, "N", [&](std::size_t i) { return sign * other_area * points[i].y(); });
+  if (!raw && chance(random, 0.3))
+    add(language.displacement, "mm", [&](std::size_t i) { return sign * other_length * points[i].x(); });
   const bool has_titles = chance(random, 0.93);
   const bool has_units = has_titles && place != UnitPlace::missing && place != UnitPlace::unknown;
   // Where neither titles nor units tell, positions do: x is the first of two columns.
