@@ -63,7 +63,7 @@ LIBRARIES = {
     "gmsh.h": ("engine/meshing", "tests/unit/tiling"),
     "pugixml.hpp": ("engine/outlines",),
     "polyclipping/": ("engine/outlines", "engine/tiling"),
-    "clipper.hpp": ("engine/outlines", "engine/tiling"),
+    "clipper.hpp": ("engine/tiling",),
     "cholmod.h": ("engine/numerics",),
     "tbb/": ("engine/base", "tests/unit/base"),
     "oneapi/": ("engine/base",),

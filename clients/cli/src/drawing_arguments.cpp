@@ -103,7 +103,8 @@ nlohmann::json region_of(const std::string& text) {
 /// UTF-8 of the text of a drawing in another character set; what is no character of it becomes '?'.
 std::string utf8_of(const std::string& bytes, const std::string& character_set) {
   const iconv_t converter = iconv_open("UTF-8", character_set.c_str());
-  if (converter == reinterpret_cast<iconv_t>(-1)) return {};
+  // This is how iconv says that it does not know a character set.
+  if (converter == reinterpret_cast<iconv_t>(-1)) return {};  // NOLINT(performance-no-int-to-ptr)
   std::string source = bytes, result;
   char* in = source.data();
   std::size_t left = source.size();

@@ -1,7 +1,7 @@
 #include "areas.h"
 
 #include <algorithm>
-#include <clipper.hpp>
+#include <polyclipping/clipper.hpp>
 #include <cmath>
 
 #include "polygon_measures.h"

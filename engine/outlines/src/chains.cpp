@@ -236,10 +236,11 @@ class Graph {
         } while (half != start);
         if (is_simple_cycle) {
           // Both directions are the same curve; it keeps that of its first piece.
-          for (std::size_t back = start, first = true; first || back != start; first = false) {
+          std::size_t back = start;
+          do {
             walked[back ^ 1U] = true;
             back = next.at(back);
-          }
+          } while (back != start);
         } else if (area_of(chain.points) <= 0) {
           continue;  // the outside
         }

@@ -94,7 +94,7 @@ class SvgReader {
     int depth = 1;
   };
 
-  void read_styles(const pugi::xml_document& document) {
+  void read_styles(pugi::xml_document& document) {
     for (const pugi::xml_node& node : document.children()) {
       if (node.type() == pugi::node_pi && std::string_view(node.name()) == "xml-stylesheet")
         drawing_.warnings.emplace_back("The style sheet that the file refers to is not opened: it may hide shapes.");
@@ -106,8 +106,7 @@ class SvgReader {
         return true;
       }
     } walker;
-    pugi::xml_document& walked = const_cast<pugi::xml_document&>(document);
-    walked.traverse(walker);
+    document.traverse(walker);
     for (const pugi::xml_node& node : walker.styles) {
       const std::string_view media = node.attribute("media").value();
       if (!media.empty() && media != "all" && media != "screen") continue;

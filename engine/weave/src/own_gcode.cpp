@@ -7,7 +7,7 @@
 namespace supple::weave {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_decimal(char c) { return c >= '0' && c <= '9'; }
 
 /// Where the comment of a line begins, or its end.
 std::size_t code_length(std::string_view line) { return std::min(line.find(';'), line.size()); }
@@ -16,7 +16,7 @@ std::string_view without_line_number(std::string_view line) {
   std::size_t at = line.find_first_not_of(" \t");
   if (at == std::string_view::npos || (line[at] != 'N' && line[at] != 'n')) return line;
   const std::size_t digits = ++at;
-  while (at < line.size() && is_digit(line[at])) ++at;
+  while (at < line.size() && is_decimal(line[at])) ++at;
   if (at == digits) return line;
   at = std::min(line.find_first_not_of(" \t", at), line.size());
   return line.substr(at);
@@ -30,7 +30,7 @@ std::string without_checksum(std::string_view line) {
   if (star == std::string_view::npos || code.substr(0, star).find('"') != std::string_view::npos)
     return std::string(line);
   const std::string_view sum = code.substr(star + 1);
-  const auto is_sum = [](char c) { return is_digit(c) || c == ' ' || c == '\t'; };
+  const auto is_sum = [](char c) { return is_decimal(c) || c == ' ' || c == '\t'; };
   if (sum.empty() || !std::all_of(sum.begin(), sum.end(), is_sum)) return std::string(line);
   return std::string(code.substr(0, star)) + std::string(line.substr(length));
 }

@@ -17,7 +17,7 @@ using testing::even_odd_area;
 using testing::pi;
 using testing::warns_of;
 
-const std::string square = "<rect x='10' y='10' width='40' height='40'/>";
+const std::string shown_square = "<rect x='10' y='10' width='40' height='40'/>";
 
 std::string sheet(const std::string& content, const std::string& head = {}) {
   return head + "<svg width='60mm' height='60mm' viewBox='0 0 60 60'>" + content + "</svg>";
@@ -55,9 +55,9 @@ TEST(ShownShapes, AreThoseThatABrowserShows) {
         inner + " fill='none' stroke='red' stroke-opacity='0'/>",
         "<g fill='none'>" + small + "</g>",
         "<g style='fill:none;stroke:none'>" + small + "</g>",
-        "<switch><foreignObject requiredExtensions='x'/><g>" + square + "</g><g>" + small + "</g></switch>"}) {
+        "<switch><foreignObject requiredExtensions='x'/><g>" + shown_square + "</g><g>" + small + "</g></switch>"}) {
     SCOPED_TRACE(hidden);
-    const Drawing drawing = read_sheet(hidden + square);
+    const Drawing drawing = read_sheet(hidden + shown_square);
     ASSERT_EQ(drawing.outlines.size(), 1U);
     EXPECT_NEAR(even_odd_area(drawing), 1600, 1e-9);
     if (hidden.find("switch") != std::string::npos) continue;
@@ -86,18 +86,18 @@ TEST(ShownShapes, WhatIsShownInSpiteOfItsGroupIsShown) {
 
 TEST(ShownShapes, WhatDecidesAndCannotBeKnownIsRefusedOrTold) {
   const auto message = [](const std::string& content) {
-    return std::string(expect_error("outline.unreadable", [&] { read_sheet(content + square); }).what());
+    return std::string(expect_error("outline.unreadable", [&] { read_sheet(content + shown_square); }).what());
   };
   EXPECT_NE(message("<rect width='5' height='5' style='fill:var(--ink)'/>").find("var(--ink)"), std::string::npos);
   EXPECT_NE(message("<rect width='5' height='5' style='transform:rotate(3deg)'/>").find("transform"),
             std::string::npos);
   EXPECT_NE(message("<mask id='m'/><rect width='5' height='5' mask='url(#m)'/>").find("mask"), std::string::npos);
-  EXPECT_TRUE(warns_of(read_sheet("<style>@import url(x.css);</style>" + square), "@import"));
-  EXPECT_TRUE(warns_of(read_sheet("<style>rect:nth-child(2){display:none}</style>" + square), "nth-child"));
+  EXPECT_TRUE(warns_of(read_sheet("<style>@import url(x.css);</style>" + shown_square), "@import"));
+  EXPECT_TRUE(warns_of(read_sheet("<style>rect:nth-child(2){display:none}</style>" + shown_square), "nth-child"));
 }
 
 TEST(ShownShapes, PercentagesAreOfThePage) {
-  const Drawing background = read_sheet("<rect width='100%' height='100%' fill='#fff'/>" + square);
+  const Drawing background = read_sheet("<rect width='100%' height='100%' fill='#fff'/>" + shown_square);
   EXPECT_NEAR(even_odd_area(background), 1600, 1e-9);
   EXPECT_EQ(background.left_out.at(0).reason, "it is a white background of the whole page");
   EXPECT_NEAR(even_odd_area(read_sheet("<rect x='25%' y='10%' width='50%' height='25%'/>")), 450, 1e-9);
@@ -157,32 +157,33 @@ TEST(ShownShapes, TheSameCurveTwiceCountsOnce) {
 TEST(ShownShapes, ClipPathsCut) {
   const std::string clip = "<clipPath id='c'><rect x='10' y='10' width='20' height='40'/></clipPath>";
   const auto cut = [&](const std::string& content) { return read_sheet(clip + content); };
-  EXPECT_NEAR(even_odd_area(cut("<g clip-path='url(#c)'>" + square + "</g>")), 800, 1e-6);
-  EXPECT_EQ(cut("<g clip-path='url(#c)'>" + square + "</g>").clipped, 1U);
-  EXPECT_NEAR(even_odd_area(cut("<g style='clip-path: url(\"#c\")'>" + square + "</g>")), 800, 1e-6);
-  EXPECT_NEAR(even_odd_area(cut("<style>.k{clip-path:url(#c)}</style><g class='k'>" + square + "</g>")), 800, 1e-6);
+  EXPECT_NEAR(even_odd_area(cut("<g clip-path='url(#c)'>" + shown_square + "</g>")), 800, 1e-6);
+  EXPECT_EQ(cut("<g clip-path='url(#c)'>" + shown_square + "</g>").clipped, 1U);
+  EXPECT_NEAR(even_odd_area(cut("<g style='clip-path: url(\"#c\")'>" + shown_square + "</g>")), 800, 1e-6);
+  EXPECT_NEAR(even_odd_area(cut("<style>.k{clip-path:url(#c)}</style><g class='k'>" + shown_square + "</g>")), 800,
+              1e-6);
   // It lies in the coordinates of what it cuts, and clips within clips cut both.
-  EXPECT_NEAR(even_odd_area(cut("<g transform='scale(.5)' clip-path='url(#c)'>" + square + "</g>")), 200, 1e-6);
+  EXPECT_NEAR(even_odd_area(cut("<g transform='scale(.5)' clip-path='url(#c)'>" + shown_square + "</g>")), 200, 1e-6);
   EXPECT_NEAR(even_odd_area(read_sheet(clip +
                                        "<clipPath id='d'><rect y='30' width='60' height='9'/></clipPath>"
                                        "<g clip-path='url(#d)'><g clip-path='url(#c)'>" +
-                                       square + "</g></g>")),
+                                       shown_square + "</g></g>")),
               180, 1e-6);
   // A page around everything leaves all corners as they are.
-  const Drawing page =
-      read_sheet("<clipPath id='p'><path d='M0 0H60V60H0Z'/></clipPath><g clip-path='url(#p)'>" + square + "</g>");
+  const Drawing page = read_sheet("<clipPath id='p'><path d='M0 0H60V60H0Z'/></clipPath><g clip-path='url(#p)'>" +
+                                  shown_square + "</g>");
   EXPECT_EQ(page.clipped, 0U);
   EXPECT_EQ(page.outlines.at(0).corners.size(), 4U);
   // What is cut off as a whole is told.
-  EXPECT_EQ(cut("<rect x='40' y='10' width='5' height='5' clip-path='url(#c)'/>" + square).left_out.at(0).reason,
+  EXPECT_EQ(cut("<rect x='40' y='10' width='5' height='5' clip-path='url(#c)'/>" + shown_square).left_out.at(0).reason,
             "a clip path hides all of it");
   expect_error("outline.unreadable", [&] {
     read_sheet(
         "<clipPath id='b' clipPathUnits='objectBoundingBox'><rect width='1' height='1'/></clipPath>"
         "<g clip-path='url(#b)'>" +
-        square + "</g>");
+        shown_square + "</g>");
   });
-  expect_error("outline.unreadable", [&] { cut("<g style='clip-path:circle(5px)'>" + square + "</g>"); });
+  expect_error("outline.unreadable", [&] { cut("<g style='clip-path:circle(5px)'>" + shown_square + "</g>"); });
 }
 
 TEST(ShownShapes, NestedDrawingsHaveTheirOwnCoordinates) {
@@ -192,9 +193,10 @@ TEST(ShownShapes, NestedDrawingsHaveTheirOwnCoordinates) {
   EXPECT_NEAR(even_odd_area(drawing), 100, 1e-9);
   EXPECT_LT((drawing.upper - Eigen::Vector2d(20, 50)).norm(), 1e-9);
   // What lies beyond its edge is cut off.
-  EXPECT_NEAR(even_odd_area(read_sheet("<svg x='10' y='10' width='20' height='20'>" + square + "</svg>")), 100, 1e-6);
-  EXPECT_NEAR(even_odd_area(read_sheet("<svg width='20' height='20' overflow='visible'>" + square + "</svg>")), 1600,
+  EXPECT_NEAR(even_odd_area(read_sheet("<svg x='10' y='10' width='20' height='20'>" + shown_square + "</svg>")), 100,
               1e-6);
+  EXPECT_NEAR(even_odd_area(read_sheet("<svg width='20' height='20' overflow='visible'>" + shown_square + "</svg>")),
+              1600, 1e-6);
 }
 
 TEST(ShownShapes, TracedOutlinesAreSimplifiedWithinTheTolerance) {
