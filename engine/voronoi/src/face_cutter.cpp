@@ -51,7 +51,11 @@ struct BendWidths {
   double bend, turn;
 };
 constexpr BendWidths widths_for_derivatives{1e-12, 1e-7};
-constexpr BendWidths widths_for_areas{1e-10, 1e-3};
+/// The same by the area that a part may leave, as a fraction of the face's square: a bend that is missed by w takes an
+/// area of the order of w from a piece, a place where paths begin to turn one of the order of w^3.
+BendWidths widths_for_areas(double area) {
+  return {std::clamp(1e2 * area, 1e-10, 1e-5), std::clamp(std::cbrt(area), 1e-4, 1e-2)};
+}
 /// Relative to the face: lengths that differ by less do not say which is shorter.
 constexpr double tie_gap = 1e-12;
 constexpr double tiny_gap = 1e-300;
@@ -477,7 +481,7 @@ class Cutter {
     double height_at_low = first.height;
     double height_at_high = last.height;
     const bool crosses = at_low < -tie_gap * size_ && at_high > tie_gap * size_;
-    const BendWidths& widths = samples_ ? widths_for_derivatives : widths_for_areas;
+    const BendWidths widths = samples_ ? widths_for_derivatives : widths_for_areas(area_tolerance_ / (size_ * size_));
     const double width = crosses ? widths.bend : widths.turn;
     CurvePoint after = last;
     // As many steps as halving and one more at most.
