@@ -60,3 +60,16 @@ def obj_text(mesh: Mesh) -> str:
     vertices, faces = mesh
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
     return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.tolist()]) + "\n"
+
+def exported_ring() -> Mesh:
+    """A ring of 8 x 4 trapezoids in coordinates of four decimals, as CAD programs export them: vertex 4 i + j lies at angle i round it."""
+    i, j = (axis.ravel() for axis in np.meshgrid(np.arange(8), np.arange(4), indexing="ij"))
+    radius = 2 + 0.4 * np.cos(np.pi * j / 2)
+    angle = np.pi * i / 4
+    vertices = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0.4 * np.sin(np.pi * j / 2)], axis=1).round(4)
+
+    def vertex(across: int, along: int) -> np.ndarray:
+        return (i + across) % 8 * 4 + (j + along) % 4
+
+    a, b, c, d = vertex(0, 0), vertex(1, 0), vertex(1, 1), vertex(0, 1)
+    return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])

@@ -13,7 +13,7 @@ import pytest
 
 from contract import Contract
 from harness import Api, ServerProcess, pointers, problem_code
-from shapes import bumpy_sphere, flat_grid, sphere, two_triangles_apart
+from shapes import bumpy_sphere, exported_ring, flat_grid, sphere, two_triangles_apart
 from working_time import WorkingTime
 from test_jobs import events, start_job
 
@@ -99,6 +99,28 @@ def test_surface_points_pieces_and_statistics_come_where_they_are_asked_for(api:
                                     for k in range(1, len(corners) - 1))
     # Borders are curves, pieces are polygons.
     np.testing.assert_allclose(areas, [cell["area"] for cell in full["cells"]], rtol=0.02)
+
+
+def test_opposite_sites_of_a_symmetric_ring_have_half_of_it_each(api: Api) -> None:
+    """Their borders run along edges of the mesh, where distances differ by rounding only."""
+    vertices, faces = exported_ring()
+    answer = api.ok(DIAGRAMS, {"mesh": api.upload(vertices, faces), "sites": at_vertices(0, 16), "pieces": True})
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    face_areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    areas = [cell["area"] for cell in answer["cells"]]
+    assert areas == pytest.approx([face_areas.sum() / 2] * 2, rel=1e-9)
+    assert [len(cell["boundary"]) for cell in answer["cells"]] == [2, 2], "a piece of a tube ends twice"
+    assert len(answer["edges"]) == 2 and answer["vertices"] == [] and answer["warnings"] == []
+    pieces = answer["pieces"]
+    by_pieces = np.zeros(2)
+    for face, site in enumerate(pieces["face_sites"]):
+        if site is not None:
+            by_pieces[site] += face_areas[face]
+    for piece in pieces["cut_faces"]:
+        corners = np.asarray(piece["corners"])
+        by_pieces[piece["site"]] += sum(np.linalg.norm(np.cross(corners[k] - corners[0], corners[k + 1] - corners[0])) / 2
+                                        for k in range(1, len(corners) - 1))
+    np.testing.assert_allclose(by_pieces, areas, rtol=1e-8)
 
 
 def test_vertices_are_equally_far_from_their_sites(api: Api, sphere_mesh: str) -> None:

@@ -25,7 +25,7 @@ BisectorBorders::Meeting BisectorBorders::meeting(std::size_t image, std::int32_
   return result;
 }
 
-bool BisectorBorders::find_crossings(std::span<const Vector2d> polygon, std::span<const Stop> round,
+bool BisectorBorders::find_crossings(std::span<const Vector2d> polygon, std::span<const BoundaryVertex> boundary,
                                      std::span<const std::size_t> cuts, double size) {
   const auto images = cells_.images();
   const auto cells = cells_.cells();
@@ -59,8 +59,8 @@ bool BisectorBorders::find_crossings(std::span<const Vector2d> polygon, std::spa
     const Arc& after = arcs[k];
     if (site_of(before.image) == site_of(after.image)) continue;
     if (before.side != after.side || next == cuts.size()) return false;
-    const Stop& cut = round[cuts[next]];
-    const Stop& ahead = round[cuts[next] - 1];
+    const BoundaryVertex& cut = boundary[cuts[next]];
+    const BoundaryVertex& ahead = boundary[cuts[next] - 1];
     if (cut.site != site_of(after.image) || ahead.site != site_of(before.image) ||
         !((cut.place - after.begin).norm() <= same_crossing * size))
       return false;
@@ -110,14 +110,14 @@ std::int32_t BisectorBorders::known_end(const Meeting& meeting) const {
 }
 
 bool BisectorBorders::find(const FaceDistances& distances, const Active& kept, std::span<const Vector2d> polygon,
-                           std::span<const Stop> round, std::span<const std::size_t> cuts, std::int32_t first_point,
-                           double size) {
+                           std::span<const BoundaryVertex> boundary, std::span<const std::size_t> cuts,
+                           std::int32_t first_point, double size) {
   first_point_ = first_point;
-  seen_.clear();
+  half_borders_.clear();
   ends_.clear();
   points_.clear();
   borders_.clear();
-  if (!cells_.find(distances, kept, polygon, size) || !find_crossings(polygon, round, cuts, size)) return false;
+  if (!cells_.find(distances, kept, polygon, size) || !find_crossings(polygon, boundary, cuts, size)) return false;
   const auto images = cells_.images();
   const auto cells = cells_.cells();
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -128,19 +128,21 @@ bool BisectorBorders::find(const FaceDistances& distances, const Active& kept, s
       const Meeting from = meeting(i, cells[i].before(k).beyond, other);
       const Meeting to = meeting(i, other, cells[i].after(k).beyond);
       if (image < other) {
-        seen_.push_back({image, other, from, to, cells[i].corner(k).place, cells[i].after(k).place, false});
+        half_borders_.push_back({image, other, from, to, cells[i].corner(k).place, cells[i].after(k).place, false});
         continue;
       }
-      const auto same = std::find_if(seen_.begin(), seen_.end(),
-                                     [&](const Seen& border) { return border.left == other && border.right == image; });
-      if (same == seen_.end() || same->from != to || same->to != from) return false;
+      const auto same = std::find_if(half_borders_.begin(), half_borders_.end(), [&](const HalfBorder& border) {
+        return border.left == other && border.right == image;
+      });
+      if (same == half_borders_.end() || same->from != to || same->to != from) return false;
       same->twice = true;
     }
   }
   // In the order of images, which does not depend on where cells begin.
-  std::sort(seen_.begin(), seen_.end(),
-            [](const Seen& a, const Seen& b) { return a.left != b.left ? a.left < b.left : a.right < b.right; });
-  for (const Seen& border : seen_) {
+  std::sort(half_borders_.begin(), half_borders_.end(), [](const HalfBorder& a, const HalfBorder& b) {
+    return a.left != b.left ? a.left < b.left : a.right < b.right;
+  });
+  for (const HalfBorder& border : half_borders_) {
     if (!border.twice || !add_end(border.from, border.begin, size) || !add_end(border.to, border.end, size))
       return false;
     borders_.push_back({known_end(border.from), known_end(border.to),

@@ -18,11 +18,12 @@ namespace supple::voronoi {
 /// cuts of the polygon's sides, which have been found by themselves.
 class BisectorBorders {
  public:
-  /// `round` are the stops on the way round the polygon, of which `cuts` are no corners; points get numbers from
-  /// `first_point` on. False where the envelope is
-  /// none of bisectors, or cells and cuts do not fit together because places are the same but for rounding.
+  /// `boundary` has the polygon's corners and the cuts of its sides in their order; `cuts` are the indices of the cuts
+  /// in it. Points get numbers from `first_point` on. False where the envelope does not consist of bisectors, or where
+  /// cells and cuts do not fit together because places are the same but for rounding.
   bool find(const FaceDistances& distances, const Active& kept, std::span<const Eigen::Vector2d> polygon,
-            std::span<const Stop> round, std::span<const std::size_t> cuts, std::int32_t first_point, double size);
+            std::span<const BoundaryVertex> boundary, std::span<const std::size_t> cuts, std::int32_t first_point,
+            double size);
 
   /// Where three images meet: Voronoi vertices, and bends of borders where two of these are one site's.
   const std::vector<FacePoint>& points() const { return points_; }
@@ -52,8 +53,8 @@ class BisectorBorders {
     std::int32_t one, other;  ///< images
     std::int32_t cut;
   };
-  /// A border as the cells on both sides see it.
-  struct Seen {
+  /// A border that one cell has found, and whether (`twice`) the cell on its other side has found the same.
+  struct HalfBorder {
     std::int32_t left, right;  ///< images
     Meeting from, to;
     Eigen::Vector2d begin, end;
@@ -62,7 +63,7 @@ class BisectorBorders {
   static constexpr std::int32_t no_end = std::numeric_limits<std::int32_t>::min();
 
   static Meeting meeting(std::size_t image, std::int32_t before, std::int32_t after);
-  bool find_crossings(std::span<const Eigen::Vector2d> polygon, std::span<const Stop> round,
+  bool find_crossings(std::span<const Eigen::Vector2d> polygon, std::span<const BoundaryVertex> boundary,
                       std::span<const std::size_t> cuts, double size);
   /// Adds the point or names the cut at which borders end; false where it is not sure.
   bool add_end(const Meeting& meeting, const Eigen::Vector2d& about, double size);
@@ -71,7 +72,7 @@ class BisectorBorders {
   BisectorCells cells_;
   std::int32_t first_point_ = 0;
   std::vector<Crossing> crossings_;
-  std::vector<Seen> seen_;
+  std::vector<HalfBorder> half_borders_;
   std::vector<std::pair<Meeting, std::int32_t>> ends_;  ///< as in FaceBorder
   std::vector<FacePoint> points_;
   std::vector<FaceBorder> borders_;

@@ -26,7 +26,7 @@ constexpr double flat_angle = 1e-12;
 /// leave more in proportion to the number of faces, up to a limit: locating every bend costs as much as all else there.
 constexpr double area_rounding = 1e-12;
 constexpr double faces_of_rounding = 20;
-constexpr double most_area_rounding = 1e-10;
+constexpr double most_area_rounding = 2e-10;
 /// Most faces of one task: each takes some microseconds.
 constexpr std::int32_t most_faces_of_a_task = 256;
 /// As many tasks keep all threads busy where faces are few.

@@ -23,7 +23,7 @@ constexpr double smallest_triangle = 1e-12;
 /// Lines between parts of cells are tried this often in a row: after that polygons are halved, because that makes them
 /// smaller for sure.
 constexpr int most_chords = 24;
-/// Of a face: what is not simple by then is told apart by rounding only.
+/// Divisions of a face: polygons that are not simple by then are told apart by rounding only.
 constexpr std::int64_t most_divisions = 1500;
 /// Relative to the triangle: a Voronoi vertex may be this far outside.
 constexpr double outside = 1e-9;
@@ -51,21 +51,25 @@ struct BendWidths {
   double bend, turn;
 };
 constexpr BendWidths widths_for_derivatives{1e-12, 1e-7};
-constexpr BendWidths widths_for_areas{1e-10, 1e-3};
+/// The same by the area that a part may leave, as a fraction of the face's square: a bend that is missed by w takes an
+/// area of the order of w from a piece, a place where paths begin to turn one of the order of w^3.
+BendWidths widths_for_areas(double area) {
+  return {std::clamp(1e2 * area, 1e-10, 1e-5), std::clamp(std::cbrt(area), 1e-4, 1e-2)};
+}
 /// Relative to the face: lengths that differ by less do not say which is shorter.
 constexpr double tie_gap = 1e-12;
 constexpr double tiny_gap = 1e-300;
-/// Bends this near to an end are none: there it is not sure which way paths come.
+/// Bends this near to an end do not count: there it is not sure which way paths come.
 constexpr double bend_margin = 1e-7;
 constexpr int most_bend_samples = 8;
-constexpr int most_changes = 12;  // of the ways along one part
+constexpr int most_changes = 12;  // of paths along one part of a border
 
 /// Room that a thread keeps from face to face, so that cutting one asks for little memory.
 struct CutterRoom {
-  /// Of each polygon that is being divided.
+  /// What a polygon that is being divided needs.
   struct Level {
-    std::vector<Stop> round;
-    std::vector<std::size_t> cuts;  ///< stops that are none of its corners
+    std::vector<BoundaryVertex> boundary;
+    std::vector<std::size_t> cuts;  ///< indices of those that are cuts and not corners
     Active kept;
   };
   std::deque<Level> levels;
@@ -77,7 +81,7 @@ struct CutterRoom {
   Level& level(int depth) {
     while (levels.size() <= static_cast<std::size_t>(depth)) levels.emplace_back();
     Level& found = levels[static_cast<std::size_t>(depth)];
-    found.round.clear();
+    found.boundary.clear();
     found.cuts.clear();
     return found;
   }
@@ -102,7 +106,7 @@ class Cutter {
     for (int i = 0; i < 3; ++i) size_ = std::max(size_, (corners[(i + 1) % 3] - corners[i]).norm());
   }
 
-  /// Of a cut of a side of the face.
+  /// Adds the place of the next cut of a side of the face.
   void add_cut(const Vector2d& place) { cut_places_.push_back(place); }
 
   void cut(const Sides& sides, const Active& active, int depth) {
@@ -114,28 +118,28 @@ class Cutter {
       radius = std::max(radius, (side.from - centre).norm());
       longest = std::max(longest, (side.to - side.from).norm());
     }
-    auto& [round, cuts, kept] = room_.level(depth);
+    auto& [boundary, cuts, kept] = room_.level(depth);
     for (const Side& side : sides) {
-      round.push_back({side.from, Stop::corner, side.sites.front()});
+      boundary.push_back({side.from, BoundaryVertex::corner, side.sites.front()});
       for (std::size_t i = 0; i < side.cuts.size(); ++i) {
-        cuts.push_back(round.size());
-        round.push_back({place_of(side.cuts[i]), side.cuts[i], side.sites[i + 1]});
+        cuts.push_back(boundary.size());
+        boundary.push_back({place_of(side.cuts[i]), side.cuts[i], side.sites[i + 1]});
       }
     }
-    const bool hidden = has_hidden_site(sides, round);
-    if (!hidden && cuts.empty()) return add_piece(round.front().site, round, 0, round.size(), {});
+    const bool hidden = has_hidden_site(sides, boundary);
+    if (!hidden && cuts.empty()) return add_piece(boundary.front().site, boundary, 0, boundary.size(), {});
     distances_.prune(active, centre, radius, kept);
-    if (cut_by_bisectors(sides, round, cuts, kept)) return;
-    if (!hidden && cuts.size() == 2) return cut_in_two(round, cuts, kept);
+    if (cut_by_bisectors(sides, boundary, cuts, kept)) return;
+    if (!hidden && cuts.size() == 2) return cut_in_two(boundary, cuts, kept);
     const bool small = !(longest > smallest_triangle * size_) || result_.subdivisions >= most_divisions;
-    if (!hidden && cuts.size() >= 3 && all_differ(round, cuts)) {
+    if (!hidden && cuts.size() >= 3 && all_differ(boundary, cuts)) {
       Vector2d place = centre;
-      if (meet(sides, round, cuts, kept, longest, place)) return cut_at_vertex(round, cuts, place, kept);
+      if (meet(sides, boundary, cuts, kept, longest, place)) return cut_at_vertex(boundary, cuts, place, kept);
     }
     if (result_.subdivisions >= most_divisions) result_.resolved = false;
     if (small)
-      return cuts.empty() ? add_piece(round.front().site, round, 0, round.size(), {})
-                          : cut_at_vertex(round, cuts, centre, kept);
+      return cuts.empty() ? add_piece(boundary.front().site, boundary, 0, boundary.size(), {})
+                          : cut_at_vertex(boundary, cuts, centre, kept);
     BorderPlace begin;
     BorderPlace end;
     if (hidden || depth >= most_chords || !choose_chord(sides, begin, end)) choose_middle(sides, longest, begin, end);
@@ -177,9 +181,11 @@ class Cutter {
   }
 
   /// Whether a site lies in the triangle whose cell does not show on the sides.
-  bool has_hidden_site(const Sides& sides, const std::vector<Stop>& round) const {
+  bool has_hidden_site(const Sides& sides, const std::vector<BoundaryVertex>& boundary) const {
     for (const InnerSite& inner : sites_) {
-      if (std::any_of(round.begin(), round.end(), [&](const Stop& stop) { return stop.site == inner.site; })) continue;
+      if (std::any_of(boundary.begin(), boundary.end(),
+                      [&](const BoundaryVertex& stop) { return stop.site == inner.site; }))
+        continue;
       bool inside = true;
       for (const Side& side : sides) inside = inside && cross(side.to - side.from, inner.place - side.from) >= 0;
       if (inside) return true;
@@ -187,23 +193,23 @@ class Cutter {
     return false;
   }
 
-  static bool all_differ(const std::vector<Stop>& round, const std::vector<std::size_t>& cuts) {
+  static bool all_differ(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts) {
     for (std::size_t i = 0; i < cuts.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
-        if (round[cuts[i]].site == round[cuts[j]].site) return false;
+        if (boundary[cuts[i]].site == boundary[cuts[j]].site) return false;
     return true;
   }
 
   /// Newton's method for the point at one distance from the sites of all cuts (thesis eq. 3.25). True if it lies in the
   /// triangle and no other site is nearer.
-  bool meet(const Sides& sides, const std::vector<Stop>& round, const std::vector<std::size_t>& cuts,
+  bool meet(const Sides& sides, const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
             const Active& active, double longest, Vector2d& place) const {
     Vector2d x = place;
     double distance = 0;
     double error = std::numeric_limits<double>::infinity();
     const auto count = static_cast<Eigen::Index>(cuts.size());
     for (int step = 0; step < most_newton_steps; ++step) {
-      const Slope first = distances_.from_site(active, round[cuts[0]].site, x);
+      const Slope first = distances_.from_site(active, boundary[cuts[0]].site, x);
       if (!std::isfinite(first.distance)) return false;
       distance = first.distance;
       double worst = 0;
@@ -212,7 +218,7 @@ class Cutter {
       Eigen::Matrix2d two = Eigen::Matrix2d::Zero();
       Vector2d gaps = Vector2d::Zero();
       for (Eigen::Index k = 1; k < count; ++k) {
-        const Slope other = distances_.from_site(active, round[cuts[static_cast<std::size_t>(k)]].site, x);
+        const Slope other = distances_.from_site(active, boundary[cuts[static_cast<std::size_t>(k)]].site, x);
         if (!std::isfinite(other.distance)) return false;
         const double gap = first.distance - other.distance;
         const Vector2d slope = first.gradient - other.gradient;
@@ -252,12 +258,12 @@ class Cutter {
     return true;
   }
 
-  /// The polygon of what lies between two stops of the way round, and then `beyond`.
-  void add_piece(std::int32_t site, const std::vector<Stop>& round, std::size_t begin, std::size_t end,
+  /// Adds the polygon of the boundary between two of its vertices and of the places `beyond`.
+  void add_piece(std::int32_t site, const std::vector<BoundaryVertex>& boundary, std::size_t begin, std::size_t end,
                  const std::vector<Vector2d>& beyond) {
     FacePiece piece{site, {}};
     piece.corners.reserve(end - begin + beyond.size());
-    for (std::size_t i = begin; i < end; ++i) piece.corners.push_back(round[i % round.size()].place);
+    for (std::size_t i = begin; i < end; ++i) piece.corners.push_back(boundary[i % boundary.size()].place);
     piece.corners.insert(piece.corners.end(), beyond.begin(), beyond.end());
     add_piece(std::move(piece));
   }
@@ -271,48 +277,50 @@ class Cutter {
   }
 
   /// The piece between two neighbouring cuts, and what is beyond.
-  void add_piece_between(const std::vector<Stop>& round, const std::vector<std::size_t>& cuts, std::size_t i,
-                         const std::vector<Vector2d>& beyond) {
+  void add_piece_between(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
+                         std::size_t i, const std::vector<Vector2d>& beyond) {
     const std::size_t begin = cuts[i];
-    const std::size_t end = i + 1 < cuts.size() ? cuts[i + 1] : cuts[0] + round.size();
-    add_piece(round[begin].site, round, begin, end + 1, beyond);
+    const std::size_t end = i + 1 < cuts.size() ? cuts[i + 1] : cuts[0] + boundary.size();
+    add_piece(boundary[begin].site, boundary, begin, end + 1, beyond);
   }
 
-  void cut_in_two(const std::vector<Stop>& round, const std::vector<std::size_t>& cuts, const Active& active) {
+  void cut_in_two(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
+                  const Active& active) {
     // What follows the first cut lies on the left of the way from the second cut to the first.
-    std::vector<Vector2d> bends =
-        add_border(round[cuts[1]].cut, round[cuts[0]].cut, round[cuts[0]].site, round[cuts[1]].site, active);
-    add_piece_between(round, cuts, 0, bends);
+    std::vector<Vector2d> bends = add_border(boundary[cuts[1]].cut, boundary[cuts[0]].cut, boundary[cuts[0]].site,
+                                             boundary[cuts[1]].site, active);
+    add_piece_between(boundary, cuts, 0, bends);
     std::reverse(bends.begin(), bends.end());
-    add_piece_between(round, cuts, 1, bends);
+    add_piece_between(boundary, cuts, 1, bends);
   }
 
-  void cut_at_vertex(const std::vector<Stop>& round, const std::vector<std::size_t>& cuts, const Vector2d& place,
-                     const Active& active) {
+  void cut_at_vertex(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
+                     const Vector2d& place, const Active& active) {
     const auto vertex = static_cast<std::int32_t>(result_.points.size());
     result_.points.push_back({place, distances_.nearest(active, place).distance, true});
     std::vector<std::vector<Vector2d>> bends;  // from the vertex to each cut
     for (std::size_t i = 0; i < cuts.size(); ++i) {
       const std::size_t before = (i + cuts.size() - 1) % cuts.size();
-      bends.push_back(add_border(vertex, round[cuts[i]].cut, round[cuts[i]].site, round[cuts[before]].site, active));
+      bends.push_back(
+          add_border(vertex, boundary[cuts[i]].cut, boundary[cuts[i]].site, boundary[cuts[before]].site, active));
     }
     for (std::size_t i = 0; i < cuts.size(); ++i) {
       const std::vector<Vector2d>& next = bends[(i + 1) % cuts.size()];
       std::vector<Vector2d> beyond(next.rbegin(), next.rend());
       beyond.push_back(place);
       beyond.insert(beyond.end(), bends[i].begin(), bends[i].end());
-      add_piece_between(round, cuts, i, beyond);
+      add_piece_between(boundary, cuts, i, beyond);
     }
   }
 
   /// Where all borders in the polygon are bisectors, and meet its sides where these are cut.
-  bool cut_by_bisectors(const Sides& sides, const std::vector<Stop>& round, const std::vector<std::size_t>& cuts,
-                        const Active& active) {
+  bool cut_by_bisectors(const Sides& sides, const std::vector<BoundaryVertex>& boundary,
+                        const std::vector<std::size_t>& cuts, const Active& active) {
     room_.polygon.clear();
     for (const Side& side : sides) room_.polygon.push_back(side.from);
     BisectorBorders& found = room_.bisectors;
     const auto first = static_cast<std::int32_t>(result_.points.size());
-    if (!found.find(distances_, active, room_.polygon, round, cuts, first, size_)) return false;
+    if (!found.find(distances_, active, room_.polygon, boundary, cuts, first, size_)) return false;
     result_.points.insert(result_.points.end(), found.points().begin(), found.points().end());
     for (const FaceBorder& border : found.borders())
       add_straight_border(border.from, border.to, border.left, border.right);
@@ -477,7 +485,7 @@ class Cutter {
     double height_at_low = first.height;
     double height_at_high = last.height;
     const bool crosses = at_low < -tie_gap * size_ && at_high > tie_gap * size_;
-    const BendWidths& widths = samples_ ? widths_for_derivatives : widths_for_areas;
+    const BendWidths widths = samples_ ? widths_for_derivatives : widths_for_areas(area_tolerance_ / (size_ * size_));
     const double width = crosses ? widths.bend : widths.turn;
     CurvePoint after = last;
     // As many steps as halving and one more at most.

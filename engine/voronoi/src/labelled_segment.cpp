@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using surface::FaceArrival;
 
-/// Of the segment: shorter parts are not looked for.
+/// Fraction of the segment: shorter parts are not looked for.
 constexpr double shortest_part = 1e-13;
 /// Relative to the distance: sites this close to each other are equally near.
 constexpr double tie = 1e-12;
@@ -24,7 +24,7 @@ constexpr double tie = 1e-12;
 constexpr double indistinguishable = 1e-13;
 /// As many arrivals are told apart by all roots of their differences.
 constexpr std::size_t most_straight = 24;
-/// Of a segment: what is not told apart by then are many sites almost in one place, which are equally near.
+/// Divisions of a segment: sites that are not told apart by then lie almost in one place and are equally near.
 constexpr int most_parts = 1024;
 /// Halvings after which equal labels at both ends of a part are believed, and after which ties are looked for.
 constexpr int deep = 12;

@@ -46,7 +46,7 @@ class EdgesOfPoints {
     }
     return -1;
   }
-  /// Of how many edges a point is.
+  /// The number of edges that meet in each point.
   std::size_t count(std::int32_t point) const {
     const auto found = edges_.find(point);
     return found == edges_.end() ? 0 : found->second.size();

@@ -25,11 +25,11 @@ struct BorderPlace {
   double share = 0;
 };
 
-/// What one meets on the way round a polygon: corners and cuts.
-struct Stop {
+/// A corner of a polygon, or a cut of one of its sides.
+struct BoundaryVertex {
   Eigen::Vector2d place;
   std::int32_t cut = 0;    ///< number of the cut, `corner` for a corner
-  std::int32_t site = -1;  ///< of what follows
+  std::int32_t site = -1;  ///< the site that the boundary after it belongs to
   static constexpr std::int32_t corner = std::numeric_limits<std::int32_t>::min();
 };
 

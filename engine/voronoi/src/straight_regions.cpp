@@ -235,22 +235,22 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
   const Vector2d& b = arrivals[static_cast<std::size_t>(other)].image;
   const double c = arrivals[static_cast<std::size_t>(other)].sigma - arrivals[static_cast<std::size_t>(one)].sigma;
   const auto gap = [&](const Vector2d& x) { return (x - a).norm() - (x - b).norm() - c; };
-  Polygon round;
+  Polygon boundary;
   std::vector<std::size_t> cuts;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d& from = polygon[i];
     const Vector2d& to = polygon[(i + 1) % polygon.size()];
-    round.push_back(from);
+    boundary.push_back(from);
     const LineRoots roots = roots_between(a, b, c, from, to);
     for (std::size_t k = 0; k < roots.count; ++k) {
-      cuts.push_back(round.size());
-      round.push_back(from + roots.fractions[k] * (to - from));
+      cuts.push_back(boundary.size());
+      boundary.push_back(from + roots.fractions[k] * (to - from));
     }
   }
   const auto part_between = [&](std::size_t begin, std::size_t end) {
     Polygon part;
-    for (std::size_t i = begin;; i = (i + 1) % round.size()) {
-      part.push_back(round[i]);
+    for (std::size_t i = begin;; i = (i + 1) % boundary.size()) {
+      part.push_back(boundary[i]);
       if (i == end) return part;
     }
   };
@@ -280,8 +280,8 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
   const Polygon first = part_between(cuts[0], cuts[1]);
   const Polygon second = part_between(cuts[1], cuts[0]);
   // The chord leads from the second cut to the first, with `first` on its left.
-  const Vector2d& begin = round[cuts[1]];
-  const Vector2d way = round[cuts[0]] - begin;
+  const Vector2d& begin = boundary[cuts[1]];
+  const Vector2d way = boundary[cuts[0]] - begin;
   const double length = way.norm();
   const bool short_chord = !(length > 1e-9 * size_);
   // A part next to a corner through which the border passes is too small to tell.

@@ -56,9 +56,9 @@ void expect_same_after_moves(const TriangleMesh& mesh, int count, Place place, i
     SCOPED_TRACE("move " + std::to_string(i) + " of seed " + std::to_string(seed));
     EXPECT_TRUE(moving.last_rebuild().local);
     const Diagram wanted = diagram(solver, sites);
-    if (place == Place::near_vertex) {
+    if (place == Place::near_vertex || place == Place::edge) {
       // Windows from a site next to a vertex overlap all over the mesh by what its directions have lost, and rounding
-      // finds other bends in all borders.
+      // finds other bends in all borders. From a site on an edge of a sliver it does so in some.
       testing::expect_same_diagram(testing::without_bends(moving.diagram()), testing::without_bends(wanted),
                                    1e-12 * mesh.diagonal());
     } else {

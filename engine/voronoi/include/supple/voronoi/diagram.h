@@ -40,7 +40,8 @@ struct SitePull {
   Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
 };
 
-/// A point of a border for integrals along it: three for each part of a border within a face (Gauss and Legendre's).
+/// A point of a border for integrals along it: three for each part of a border within a face (Gauss and Legendre's), and
+/// more where it is strongly curved.
 struct BorderSample {
   std::array<SitePull, 2> pulls;  ///< of the sites on the left and on the right
   double weight = 0;              ///< length of the border that it stands for
@@ -135,7 +136,8 @@ struct Diagram {
 
 /// The diagram of one or more sites. One propagation from all sites at once, in which the windows of each die soon
 /// after they have left its cell; then each face is cut along the lower envelope of the distances that reach it, in
-/// parallel. Equidistance holds to rounding (1e-12 of the mesh's size; `exact`).
+/// parallel. Equidistance holds to rounding (1e-12 of the mesh's size; `exact`). Along a segment a site does not take
+/// over from another where it is nearer by no more than 1e-13 of the distance.
 ///
 /// Where several sites are in one place, the first has the cell and the others' are empty. Where whole regions are
 /// equally near to two sites (behind a saddle vertex that lies on a border), one of them has the region.
