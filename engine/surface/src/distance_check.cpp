@@ -12,7 +12,7 @@ namespace {
 /// Distances that contradict each other by less, relative, differ by rounding.
 constexpr double kConsistent = 1e-9;
 
-std::string number(double x) {
+std::string in_digits(double x) {
   std::ostringstream text;
   text.precision(15);
   text << x;
@@ -21,23 +21,22 @@ std::string number(double x) {
 
 std::string distance_of(std::int32_t v, double distance) {
   const std::string vertex = "vertex " + std::to_string(v);
-  return distance < kInfinity ? "the distance of " + vertex + " is " + number(distance) : vertex + " is not reached";
+  return distance < kInfinity ? "the distance of " + vertex + " is " + in_digits(distance) : vertex + " is not reached";
 }
 
 [[noreturn]] void contradict(std::int32_t v, double found, std::int32_t neighbour, double known, double edge) {
   std::string subject = distance_of(v, found);
   subject[0] = subject[0] == 't' ? 'T' : 'V';
   throw Error("geodesic.inconsistent",
-              subject + ", but " + distance_of(neighbour, known) + ", and the edge between the two is " + number(edge) +
-                  " long. The distances are therefore not given.",
-              {{"vertex " + std::to_string(v), "is at most " + number(known + edge) + " from the source"},
+              subject + ", but " + distance_of(neighbour, known) + ", and the edge between the two is " +
+                  in_digits(edge) + " long. The distances are therefore not given.",
+              {{"vertex " + std::to_string(v), "is at most " + in_digits(known + edge) + " from the source"},
                {"vertex " + std::to_string(neighbour), "is its neighbour"}});
 }
 
 }  // namespace
 
-void check_distances(const TriangleMesh& mesh, std::span<const double> distances, double relative_error, double limit,
-                     bool partial) {
+void check_distances(const TriangleMesh& mesh, std::span<const double> distances, double relative_error, double limit) {
   const double factor = (1 + relative_error) * (1 + kConsistent);
   const double* const d = distances.data();
   std::int32_t h = 0;
@@ -49,7 +48,7 @@ void check_distances(const TriangleMesh& mesh, std::span<const double> distances
       const double far = std::max(a, b);
       const double most = (near + mesh.edge_length(h)) * factor;
       if (far <= most) continue;
-      if (far == kInfinity && (partial || most > limit)) continue;
+      if (far == kInfinity && most > limit) continue;
       const std::int32_t tail = face[i];
       const std::int32_t head = face[i == 2 ? 0 : i + 1];
       contradict(a > b ? tail : head, far, a > b ? head : tail, near, mesh.edge_length(h));

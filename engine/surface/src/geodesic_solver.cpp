@@ -160,9 +160,10 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
     const double distance = search->distance(vertex) < kInfinity ? search->length_of_path(vertex) : kInfinity;
     data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
   }
-  // Known distances stop paths, so that vertices behind them may stay unreached.
-  check_distances(mesh(), data->distances, options.relative_error, options.max_distance,
-                  !options.known_distances.empty());
+  // Known distances stop paths, and the field is right only where the given sources are the nearest.
+  if (options.known_distances.empty()) {
+    check_distances(mesh(), data->distances, options.relative_error, options.max_distance);
+  }
   if (options.keep_windows) {
     search->take_kept(data->records, data->windows, data->first);
     data->trails.assign(search->trails().begin(), search->trails().end());

@@ -132,9 +132,6 @@ inline constexpr double kOneCrossing = 1e-6;
 /// Of two lengths that differ by less, relative, the one of smaller sigma counts as the shorter.
 inline constexpr double kTieBias = 1e-13;
 
-/// What the squared distance of an unfolded source is known to, relative: it has been turned from edge to edge.
-inline constexpr double kSquareRounding = 2e-15;
-
 /// Where |P - x| - |W - x| = c: with u = x - a, squaring once gives alpha u + beta = 2 c |W - x|, and twice a quadratic
 /// qa u^2 + 2 (alpha beta + 4 c^2 wx) u + ... = 0, whose discriminant factors into (2 c root)^2 and does not cancel.
 struct Crossing {
@@ -147,10 +144,7 @@ struct Crossing {
     const double px = p.source_x - a;
     wx = w.source_x - a;
     alpha = 2 * (wx - px);
-    const double to_p = px * px + p.depth * p.depth;
-    const double to_w = wx * wx + w.depth * w.depth;
-    beta = to_p - to_w - c * c;
-    rounding = kSquareRounding * (to_p + to_w);
+    beta = (px * px + p.depth * p.depth) - (wx * wx + w.depth * w.depth) - c * c;
     qa = alpha * alpha - 4 * c * c;
     const double middle = beta + alpha * wx;
     square = middle * middle + qa * w.depth * w.depth;
@@ -159,7 +153,6 @@ struct Crossing {
   double solution(double sign) const { return (sign * 2 * c * std::sqrt(square) - alpha * beta - 4 * c * c * wx) / qa; }
 
   double c, wx, alpha, beta, qa, square;
-  double rounding;  ///< of beta
 };
 
 /// The less common case: tells by the lengths at the ends of the overlap.
@@ -167,7 +160,7 @@ void trim_by_ends(Window& p, Window& w, const Crossing& equal, double a, double 
 
 /// Trims p and w to their lower envelope (b0 and b1 only) where they overlap; where that would split one of them in
 /// two, leaves the overlap. A trimmed-away window gets b1 <= b0. Never drops a part that the other does not cover with
-/// a shorter length, or with one that is equal up to rounding.
+/// a shorter length.
 inline void trim_to_envelope(Window& p, Window& w) {
   const double a = std::max(p.b0, w.b0);
   const double b = std::min(p.b1, w.b1);
@@ -176,35 +169,16 @@ inline void trim_to_envelope(Window& p, Window& w) {
   if (!(equal.qa > kOneCrossing * equal.alpha * equal.alpha)) return trim_by_ends(p, w, equal, a, b);
   // The offset of the sources outweighs their sigmas: p and w are equal exactly once on the whole line, and the source
   // further left wins left of it.
+  const double u = equal.c == 0 ? -equal.beta / equal.alpha : equal.solution(std::copysign(1.0, equal.alpha));
+  const double crossing = a + u;
   Window& left = equal.alpha > 0 ? p : w;
   Window& right = equal.alpha > 0 ? w : p;
-  double crossing = 0;
-  double doubt = 0;
-  if (equal.c == 0) {
-    // One source, seen past both sides of a vertex: where that is nearly flat, rounding moves the crossing far.
-    const double inverse = 1 / equal.alpha;
-    crossing = a - equal.beta * inverse;
-    doubt = equal.rounding * std::abs(inverse);
-    // If nothing tells the two apart, the wider one stays. Each might otherwise lose to the other beside the vertex, on
-    // an edge of its own, and nobody would go on behind the vertex.
-    if (doubt > b - a && crossing > a - doubt && crossing < b + doubt) {
-      if (w.b0 >= p.b0 && w.b1 <= p.b1)
-        w.b1 = w.b0;
-      else if (p.b0 >= w.b0 && p.b1 <= w.b1)
-        p.b1 = p.b0;
-      return;
-    }
-  } else {
-    crossing = a + equal.solution(std::copysign(1.0, equal.alpha));
-  }
-  if (crossing + doubt <= a) {
+  if (crossing <= a)
     give_up(left, a, b);
-  } else if (crossing - doubt >= b) {
+  else if (crossing >= b)
     give_up(right, a, b);
-  } else {
-    left.b1 = left.b1 <= b ? std::min(left.b1, crossing + doubt) : left.b1;
-    right.b0 = right.b0 >= a ? std::max(right.b0, crossing - doubt) : right.b0;
-  }
+  else
+    share(left, right, crossing, a, b);
 }
 
 }  // namespace supple::surface

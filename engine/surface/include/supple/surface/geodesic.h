@@ -34,8 +34,8 @@ struct GeodesicDerivatives {
 struct Geodesic {
   double distance = std::numeric_limits<double>::infinity();
   bool unreachable = true;  ///< the ends lie on different components
-  /// Whether no other shortest path was found. Another one arrives at the second end from a different direction, and
-  /// its relative difference in length is at most 1e-9.
+  /// Whether no other shortest path was found. Another one arrives from a different direction at the second end, or at
+  /// a vertex that holds the path, and its relative difference in length is at most 1e-9.
   bool unique = true;
   /// The length by which the best competing path (one that arrives from another direction) exceeds the distance. It is
   /// near 0 at the cut locus, where the distance has no derivative. Infinity if the search met no competitor.
