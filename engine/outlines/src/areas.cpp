@@ -1,8 +1,8 @@
 #include "areas.h"
 
 #include <algorithm>
-#include <polyclipping/clipper.hpp>
 #include <cmath>
+#include <polyclipping/clipper.hpp>
 
 #include "polygon_measures.h"
 

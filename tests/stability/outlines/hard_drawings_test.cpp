@@ -161,8 +161,8 @@ TEST(HardDrawings, EndsThatMeetAtTheToleranceAndBeyond) {
   const auto open_of = [](double gap) {
     DrawingOptions options;
     options.tolerance = 0.05;
-    const std::string text =
-        page("<rect width='3' height='3'/><path fill='none' stroke='red' d='M10 10H30V30H10V" + std::to_string(10 + gap) + "'/>");
+    const std::string text = page("<rect width='3' height='3'/><path fill='none' stroke='red' d='M10 10H30V30H10V" +
+                                  std::to_string(10 + gap) + "'/>");
     return read_drawing(text, options).open_curves;
   };
   EXPECT_EQ(open_of(0), 0U);
