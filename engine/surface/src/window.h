@@ -132,6 +132,9 @@ inline constexpr double kOneCrossing = 1e-6;
 /// Of two lengths that differ by less, relative, the one of smaller sigma counts as the shorter.
 inline constexpr double kTieBias = 1e-13;
 
+/// What the squared distance of an unfolded source is known to, relative: it has been turned from edge to edge.
+inline constexpr double kSquareRounding = 2e-15;
+
 /// Where |P - x| - |W - x| = c: with u = x - a, squaring once gives alpha u + beta = 2 c |W - x|, and twice a quadratic
 /// qa u^2 + 2 (alpha beta + 4 c^2 wx) u + ... = 0, whose discriminant factors into (2 c root)^2 and does not cancel.
 struct Crossing {
@@ -144,7 +147,10 @@ struct Crossing {
     const double px = p.source_x - a;
     wx = w.source_x - a;
     alpha = 2 * (wx - px);
-    beta = (px * px + p.depth * p.depth) - (wx * wx + w.depth * w.depth) - c * c;
+    const double to_p = px * px + p.depth * p.depth;
+    const double to_w = wx * wx + w.depth * w.depth;
+    beta = to_p - to_w - c * c;
+    rounding = kSquareRounding * (to_p + to_w);
     qa = alpha * alpha - 4 * c * c;
     const double middle = beta + alpha * wx;
     square = middle * middle + qa * w.depth * w.depth;
@@ -153,6 +159,7 @@ struct Crossing {
   double solution(double sign) const { return (sign * 2 * c * std::sqrt(square) - alpha * beta - 4 * c * c * wx) / qa; }
 
   double c, wx, alpha, beta, qa, square;
+  double rounding;  ///< of beta
 };
 
 /// The less common case: tells by the lengths at the ends of the overlap.
@@ -173,6 +180,20 @@ inline void trim_to_envelope(Window& p, Window& w) {
   const double crossing = a + u;
   Window& left = equal.alpha > 0 ? p : w;
   Window& right = equal.alpha > 0 ? w : p;
+  // One source, seen past both sides of a vertex that is nearly flat: if nothing but rounding tells the two apart, the
+  // wider one stays. Each might otherwise lose to the other beside the vertex, on an edge of its own, and nobody would
+  // go on behind the vertex.
+  if (p.origin == w.origin && equal.rounding > std::abs(equal.alpha) * (b - a) &&
+      std::abs(equal.beta) < 2 * equal.rounding) {
+    if (w.b0 >= p.b0 && w.b1 <= p.b1) {
+      w.b1 = w.b0;
+      return;
+    }
+    if (p.b0 >= w.b0 && p.b1 <= w.b1) {
+      p.b1 = p.b0;
+      return;
+    }
+  }
   if (crossing <= a)
     give_up(left, a, b);
   else if (crossing >= b)

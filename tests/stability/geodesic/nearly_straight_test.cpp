@@ -7,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "supple/base/error.h"
 #include "supple/surface/geodesic_solver.h"
 #include "support/cad_parts.h"
 #include "support/parametric.h"
@@ -95,7 +94,7 @@ TEST(NearlyStraight, FansAroundTheRimOfAHoleInSinglePrecisionKeepTheirDistances)
   }
 }
 
-TEST(NearlyStraight, ConesOfNearlyTwoPiAreNearlyFlatOrRefused) {
+TEST(NearlyStraight, ConesOfNearlyTwoPiAreNearlyFlat) {
   constexpr int n = 12;
   constexpr int rings = 3;
   for (int digits = 6; digits <= 13; ++digits) {
@@ -103,15 +102,7 @@ TEST(NearlyStraight, ConesOfNearlyTwoPiAreNearlyFlatOrRefused) {
       const double total = 2 * std::numbers::pi + factor * std::pow(10, -digits);
       SCOPED_TRACE("2 pi plus " + std::to_string(factor) + " times 1e-" + std::to_string(digits));
       const auto mesh = testing::share(testing::cone(n, total, rings));
-      std::vector<std::vector<double>> found;
-      try {
-        found = all_distances(mesh);
-      } catch (const Error& error) {
-        // Between 2 pi - 1e-7 and 2 pi - 1e-9 rounding may lose the vertex behind the apex. It is refused, not wrong.
-        EXPECT_EQ(error.code(), "geodesic.inconsistent");
-        EXPECT_LT(factor, 0);
-        continue;
-      }
+      const auto found = all_distances(mesh);
       // Vertex 0 is the apex, then come rings of n vertices.
       const auto radius = [&](std::int32_t v) { return v == 0 ? 0.0 : static_cast<double>((v - 1) / n + 1) / rings; };
       for (std::int32_t a = 0; a < mesh->vertex_count(); ++a) {
