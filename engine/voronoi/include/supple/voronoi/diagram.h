@@ -40,8 +40,8 @@ struct SitePull {
   Eigen::Vector2d by_site = Eigen::Vector2d::Zero();
 };
 
-/// A point of a border for integrals along it: three for each part of a border within a face (Gauss and Legendre's), and
-/// more where it is strongly curved.
+/// A point of a border for integrals along it: three for each part of a border within a face (Gauss and Legendre's),
+/// and more where it is strongly curved.
 struct BorderSample {
   std::array<SitePull, 2> pulls;  ///< of the sites on the left and on the right
   double weight = 0;              ///< length of the border that it stands for
