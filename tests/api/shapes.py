@@ -68,8 +68,5 @@ def exported_ring() -> Mesh:
     angle = np.pi * i / 4
     vertices = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0.4 * np.sin(np.pi * j / 2)], axis=1).round(4)
 
-    def vertex(across: int, along: int) -> np.ndarray:
-        return (i + across) % 8 * 4 + (j + along) % 4
-
-    a, b, c, d = vertex(0, 0), vertex(1, 0), vertex(1, 1), vertex(0, 1)
+    a, b, c, d = ((i + across) % 8 * 4 + (j + along) % 4 for across, along in [(0, 0), (1, 0), (1, 1), (0, 1)])
     return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])

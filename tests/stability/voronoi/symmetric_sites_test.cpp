@@ -36,9 +36,10 @@ void expect_valid(const testing::Disturbance& disturbance, int draws, bool symme
       EXPECT_TRUE(found.warnings.empty());
       const double areas = 1e-9 * testing::area_of(drawn.mesh);
       for (std::size_t i = 0; i < found.cells.size() && symmetric; ++i)
-        for (std::size_t j = 0; j < i; ++j)
-          if (drawn.orbits[i] == drawn.orbits[j])
-            EXPECT_NEAR(found.cells[i].area, found.cells[j].area, areas) << "sites " << i << " and " << j;
+        for (std::size_t j = 0; j < i; ++j) {
+          if (drawn.orbits[i] != drawn.orbits[j]) continue;
+          EXPECT_NEAR(found.cells[i].area, found.cells[j].area, areas) << "sites " << i << " and " << j;
+        }
       if (::testing::Test::HasFailure()) return;
     }
   }

@@ -44,9 +44,10 @@ void expect_symmetric_diagram(const testing::SymmetricSites& drawn) {
   testing::expect_valid_diagram(drawn.mesh, found);
   const double whole = testing::area_of(drawn.mesh);
   for (std::size_t i = 0; i < found.cells.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (drawn.orbits[i] == drawn.orbits[j])
-        EXPECT_NEAR(found.cells[i].area, found.cells[j].area, 1e-9 * whole) << "sites " << i << " and " << j;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (drawn.orbits[i] != drawn.orbits[j]) continue;
+      EXPECT_NEAR(found.cells[i].area, found.cells[j].area, 1e-9 * whole) << "sites " << i << " and " << j;
+    }
 }
 
 TEST(SymmetricShapes, HaveEqualCellsForEqualSites) {
