@@ -24,6 +24,23 @@ constexpr double least_refinement = 0.8;
 constexpr double most_refinement = 0.4;
 constexpr int most_meshes = 5;
 
+/// Where a first mesh is too large, the next one has sides this many times as long.
+constexpr double coarser = 1.4;
+
+/// The mesh, if the one with every triangle divided in four keeps to the limit of nodes too. Throws the limit's error
+/// if even the coarsest mesh is too large.
+std::optional<tiling::PeriodicMesh> mesh_with_room(const tiling::Structure& structure, tiling::MeshOptions options,
+                                                   const Execution& execution) {
+  const StageTimer timer(execution.cost, "meshing");
+  options.max_nodes = std::max(1, options.max_nodes / 4);
+  try {
+    return tiling::mesh_structure(structure, options, execution);
+  } catch (const Error& error) {
+    if (error.code() != "tiling.mesh_too_large" || options.mesh_size > coarsest) throw;
+    return std::nullopt;
+  }
+}
+
 /// The size at which an error becomes another one.
 double size_for(double size, double error, double wanted) { return size * std::pow(wanted / error, 1 / rate); }
 
@@ -51,19 +68,22 @@ AccurateSimulation simulate_within(const tiling::Structure& structure, const Loa
   attempt.mesh.corner_size = usual.corner_size;
   attempt.mesh.mesh_size = std::clamp(size_for(usual.mesh_size, usual_error, accepted), finest, coarsest);
   std::optional<AccurateSimulation> best;
-  for (int k = 0; k < most_meshes; ++k) {
-    try {
-      Simulator simulator(structure, attempt, execution);
-      SimulationResult result = simulator.run(load, execution);
-      best.emplace(AccurateSimulation{std::move(simulator), std::move(result), attempt.mesh});
-    } catch (const Error& error) {
-      // A finer mesh than the limit allows: what was found before stands.
-      if (!best || error.code() != "tiling.mesh_too_large") throw;
-      break;
-    }
-    const auto error = discretization_error(best->result.states);
-    if (!error || error->stress <= accepted || attempt.mesh.mesh_size <= finest) break;
+  bool finer_fits = true;
+  for (int k = 0; k < most_meshes || !best; ++k) {
+    std::optional<tiling::PeriodicMesh> mesh = mesh_with_room(structure, attempt.mesh, execution);
     const double size = attempt.mesh.mesh_size;
+    if (!mesh) {
+      // What was found before stands; without that, a coarser mesh is the best that fits.
+      if (best) break;
+      finer_fits = false;
+      attempt.mesh.mesh_size = size * coarser;
+      continue;
+    }
+    Simulator simulator(std::move(*mesh), attempt, execution);
+    SimulationResult result = simulator.run(load, execution);
+    best.emplace(AccurateSimulation{std::move(simulator), std::move(result), attempt.mesh});
+    const auto error = discretization_error(best->result.states);
+    if (!error || error->stress <= accepted || size <= finest || !finer_fits) break;
     attempt.mesh.mesh_size = std::max(finest, std::clamp(size_for(size, error->stress, aimed_share * accepted),
                                                          most_refinement * size, least_refinement * size));
   }

@@ -104,7 +104,8 @@ TEST(DiscretizationError, LeavesFreeSidesFreeAndPrescribedStretchesExact) {
   const auto states = run(preset_of("IH22"), accurate_options(), UniaxialLoad{0, {1.03, 0.98}}).states;
   for (const State& state : states) {
     EXPECT_NEAR(state.deformation_gradient(0, 0), state.green_strain[0] > 0 ? 1.03 : 0.98, 1e-12);
-    EXPECT_LT(std::abs(state.stress[1]) + std::abs(state.stress[2]), 1e-5 * std::abs(state.stress[0]));
+    // Free of force exactly; the stress is that force over the extrapolated area, up to products of small changes.
+    EXPECT_LT(std::abs(state.stress[1]) + std::abs(state.stress[2]), 1e-4 * std::abs(state.stress[0]));
   }
 }
 
@@ -127,8 +128,10 @@ TEST(SimulateWithin, KeepsTheFinestMeshThatTheLimitOfNodesAllows) {
   options.mesh.max_nodes = 8000;
   const auto found = simulate_within(structure, stretched, options, 1e-5);
   EXPECT_EQ(found.result.states.size(), 2u);
+  EXPECT_LE(4 * found.result.nodes, options.mesh.max_nodes);
   const auto error = discretization_error(found.result.states);
-  EXPECT_TRUE(!error || error->stress > 1e-5);
+  ASSERT_TRUE(error);
+  EXPECT_GT(error->stress, 1e-5);
 }
 
 }  // namespace
