@@ -26,13 +26,14 @@ struct StructureArguments {
 };
 
 nlohmann::json parse_cells(const std::string& text) {
-  const std::size_t cross = text.find('x');
-  const auto first = integer_in(std::string_view(text).substr(0, cross));
-  const auto second = cross == std::string::npos ? std::nullopt : integer_in(std::string_view(text).substr(cross + 1));
-  if (!first || !second || *first < 1 || *second < 1) {
+  const std::string_view all = text;
+  const std::size_t cross = all.find('x');
+  const auto first = integer_in(all.substr(0, cross)).value_or(0);
+  const auto second = cross == std::string::npos ? 0 : integer_in(all.substr(cross + 1)).value_or(0);
+  if (first < 1 || second < 1) {
     throw Failure(ExitCode::usage, fmt::format("'{}' is no number of cells: write for example 4x3", text));
   }
-  return {*first, *second};
+  return {first, second};
 }
 
 void print_structure(const nlohmann::json& answer) {
