@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "supple/microscale/accurate_simulation.h"
 #include "supple/tiling/structure.h"
 
 namespace supple::design {
