@@ -60,13 +60,14 @@ def test_lists_and_series_of_angles_may_have_units(supple: Program) -> None:
 
 
 def test_control_points_over_directions_may_be_in_degrees(supple: Program) -> None:
-    wanted = ("design", "--task", "poisson", "--family", "IH67", "--starts", "1", "--target")
-    assert supple.json(*wanted, "0deg,0.1;90deg,0.1")["profile"]["target"]
+    wanted = ("design", "--task", "poisson", "--family", "IH67", "--starts", "1")
+    assert supple.json(*wanted, "--target", "0deg,0.1;90deg,0.1")["profile"]["target"]
     (supple.folder / "target.csv").write_text("direction,ratio\n0deg,0.1\n90deg,0.1\n")
-    assert supple.json(*wanted, "target.csv")["profile"]["target"] == supple.json(*wanted, f"0,0.1;{math.pi / 2!r},0.1")["profile"]["target"]
+    read = supple.json(*wanted, "--target-points", "target.csv")
+    assert read["profile"]["target"] == supple.json(*wanted, "--target", f"0,0.1;{math.pi / 2!r},0.1")["profile"]["target"]
     # A heading begins with a word: a first row with a cell too many is no heading, and is not left out.
     (supple.folder / "long.csv").write_text("0deg,0.1,1,0.1,7\n0deg,0.1\n90deg,0.1\n")
-    refused = supple.run(*wanted, "long.csv")
+    refused = supple.run(*wanted, "--target-points", "long.csv")
     assert refused.returncode == 5 and "'0deg,0.1,1,0.1,7' is no control point" in refused.stderr
     # Strains have no unit.
     refused = supple.run("design", "--task", "stress_strain", "--family", "IH67", "--target", "0deg,0;1deg,1")
