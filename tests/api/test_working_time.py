@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -21,12 +23,12 @@ def start() -> Iterator[Start]:
     started = []
 
     def run(line: str) -> int:
-        started.append(subprocess.Popen([sys.executable, "-c", line]))
+        started.append(subprocess.Popen([sys.executable, "-c", line], start_new_session=True))
         return started[-1].pid
 
     yield run
     for process in started:
-        process.kill()
+        os.killpg(process.pid, signal.SIGKILL)  # with what it has started itself
         process.wait()
 
 
