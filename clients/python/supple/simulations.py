@@ -105,8 +105,8 @@ class State(Drawn):
         return None if self.deformed is None else self.deformed._drawing()
 
 
-@dataclass(frozen=True)
-class DiscretizationError:
+@dataclass(frozen=True, repr=False)
+class DiscretizationError(Shown):
     """Estimated errors that a mesh makes, relative, as root mean squares over the states of a path."""
 
     stress: float
