@@ -211,6 +211,7 @@ class Graph {
     for (const auto& [node, unused] : at_node_) {
       std::vector<std::pair<double, std::size_t>> around;
       const auto halves = core_at(node);
+      around.reserve(halves.size());
       for (const std::size_t half : halves) around.emplace_back(angle_of(half), half);
       std::sort(around.begin(), around.end());
       // What comes in along the reverse of a half-edge leaves by the one before it counterclockwise.

@@ -202,6 +202,7 @@ class ShapeMaker {
 
   static std::vector<const Points*> pointers(const std::vector<Points>& polygons) {
     std::vector<const Points*> result;
+    result.reserve(polygons.size());
     for (const Points& points : polygons) result.push_back(&points);
     return result;
   }

@@ -102,7 +102,7 @@ RepairOutcome repair_automatically(TriangleSoup& soup, const MeshLimits& limits,
   return repair_mesh(soup, {}, limits, execution);
 }
 
-TriangleMesh build_with_advice(TriangleSoup soup, const MeshLimits& limits, const Execution& execution) {
+TriangleMesh build_with_advice(const TriangleSoup& soup, const MeshLimits& limits, const Execution& execution) {
   try {
     // The soup stays, for the repairs that a fault calls for.
     return TriangleMesh::build(soup.positions, soup.faces, soup.warnings, execution);

@@ -81,6 +81,7 @@ void require_no_self_crossings(const TriangleMesh& mesh, const Execution& execut
   const auto crossings = find_self_crossings(mesh, named, execution);
   if (crossings.empty()) return;
   std::vector<Error::Detail> details;
+  details.reserve(crossings.size());
   for (const SelfCrossing& crossing : crossings) {
     details.push_back({"face " + std::to_string(crossing.face),
                        "crosses face " + std::to_string(crossing.crossed) + " at " + place_text(crossing.place)});

@@ -93,12 +93,12 @@ class Cutter {
          CutterRoom& room, CutFace& result)
       : distances_(distances),
         corners_(corners),
-        samples_(samples),
         area_tolerance_(area_tolerance),
         result_(result),
         room_(room),
         cut_places_(room.cut_places),
-        areas_(room.areas) {
+        areas_(room.areas),
+        samples_(samples) {
     cut_places_.clear();
     areas_.clear();
     for (const surface::FaceArrival& arrival : distances.arrivals())
@@ -680,7 +680,6 @@ class Cutter {
 
   const FaceDistances& distances_;
   std::array<Vector2d, 3> corners_;
-  bool samples_;
   double area_tolerance_;  ///< what quadrature may leave of the area beside a part of a border
   CutFace& result_;
   std::vector<InnerSite> sites_;
@@ -692,6 +691,7 @@ class Cutter {
   // Parts of it:
   std::vector<Vector2d>& cut_places_;
   std::vector<std::pair<std::int32_t, double>>& areas_;
+  bool samples_;
 };
 
 }  // namespace

@@ -61,8 +61,8 @@ http::Response store_mesh(Services& services, const http::Request& request, cons
   if (asked)
     repair = asked->automatic ? surface::repair_automatically(soup, limits, execution)
                               : surface::repair_mesh(soup, *asked, limits, execution);
-  const auto mesh =
-      std::make_shared<const surface::TriangleMesh>(surface::build_with_advice(std::move(soup), limits, execution));
+  const auto mesh = std::make_shared<const surface::TriangleMesh>(surface::build_with_advice(soup, limits, execution));
+  soup = {};  // the mesh and its file need the memory
   auto report = surface::report(*mesh, execution);
   const auto cracks = surface::crack_warnings(*mesh, execution);
   report.warnings.insert(report.warnings.end(), cracks.begin(), cracks.end());

@@ -95,7 +95,8 @@ RepairOutcome repair_automatically(TriangleSoup& soup, const MeshLimits& limits 
 
 /// Builds the mesh. Throws what TriangleMesh::build throws; the sentence then names the repairs that remove the fault,
 /// if there are any: those that repair_automatically makes.
-TriangleMesh build_with_advice(TriangleSoup soup, const MeshLimits& limits = {}, const Execution& execution = {});
+TriangleMesh build_with_advice(const TriangleSoup& soup, const MeshLimits& limits = {},
+                               const Execution& execution = {});
 
 /// A sentence that counts the corners of cracks and names the repair weld if it closes them; none for a mesh without
 /// cracks. Where more than two edges meet, none are counted. O(n), plus O(b log b) for the b edges with one face.
