@@ -37,7 +37,7 @@ def peak_bytes(pid: int) -> int:
 
 def sent_request(server: ServerProcess, request: Costly) -> socket.socket:
     connection = socket.create_connection(("127.0.0.1", server.port))
-    connection.settimeout(120)
+    connection.settimeout(600)
     head = (f"{request.method} {request.path} HTTP/1.1\r\nHost: localhost\r\nAccept: {request.accept}\r\nContent-Length: {len(request.body)}\r\n"
             f"Content-Type: {request.content_type}\r\n\r\n")
     try:
