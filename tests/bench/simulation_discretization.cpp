@@ -44,20 +44,18 @@ std::vector<Way> ways(const std::string& family, bool brief) {
           {"default", microscale::extrapolated_mesh(), Refinement::extrapolated}};
 }
 
-struct StudiedLoad {
+struct NamedPath {
   std::string name;
   Load load;
 };
 
-std::vector<StudiedLoad> loads(RandomStream& random) {
+std::vector<NamedPath> uniaxial_paths(RandomStream& random) {
   const double direction = random.uniform(0, std::numbers::pi);
   return {{"tension", UniaxialLoad{direction, {1.02, 1.05, 1.1}}},
           {"compression", UniaxialLoad{direction, {0.99, 0.975, 0.95}}}};
 }
 
-double frobenius(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
-
-void write_rows(std::ostream& out, const std::string& family, int design, const StudiedLoad& load, const Way& way,
+void write_rows(std::ostream& out, const std::string& family, int design, const NamedPath& load, const Way& way,
                 const TimedPath& path, double meshing, int nodes, const std::vector<State>& reference) {
   for (std::size_t i = 0; i < reference.size(); ++i) {
     if (i >= path.result.states.size()) break;
@@ -76,7 +74,7 @@ void write_rows(std::ostream& out, const std::string& family, int design, const 
 }
 
 void study_design(std::ostream& out, const std::string& family, int design, const tiling::Structure& structure,
-                  const std::vector<StudiedLoad>& studied, const std::vector<Way>& studied_ways) {
+                  const std::vector<NamedPath>& studied, const std::vector<Way>& studied_ways) {
   std::map<std::string, std::vector<State>> reference;
   for (const Way& way : studied_ways) {
     microscale::SimulationOptions options;
@@ -85,7 +83,7 @@ void study_design(std::ostream& out, const std::string& family, int design, cons
     std::optional<Simulator> simulator;
     const double meshing = cpu_time([&] { simulator.emplace(structure, options); });
     const int nodes = static_cast<int>(simulator->mesh().nodes.cols());
-    for (const StudiedLoad& load : studied) {
+    for (const NamedPath& load : studied) {
       const TimedPath path = run_timed(*simulator, load.load);
       if (way.name == "reference") reference[load.name] = path.result.states;
       write_rows(out, family, design, load, way, path, meshing, nodes, reference[load.name]);
@@ -242,7 +240,7 @@ void study_discretization(const SimulationSettings& settings) {
       const std::vector<tiling::Structure> structures = random_structures(family, design + 1);
       // All rows of a design at once, so that what is on disk is whole designs.
       std::ostringstream rows;
-      study_design(rows, family, design, structures.back(), loads(random), ways(family, settings.brief));
+      study_design(rows, family, design, structures.back(), uniaxial_paths(random), ways(family, settings.brief));
       out << rows.str() << std::flush;
     }
   }

@@ -9,11 +9,7 @@
 #include "supple/base/random.h"
 
 namespace supple::bench {
-namespace {
-
 double frobenius(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
-
-}  // namespace
 
 std::string simulation_introduction(const SimulationSettings& settings, const std::string& study,
                                     const std::string& conditions) {
