@@ -49,9 +49,9 @@ std::string mesh_name(const tiling::MeshOptions& mesh);
 using TimedPath = Billed<microscale::SimulationResult>;
 TimedPath run_timed(microscale::Simulator& simulator, const microscale::Load& load);
 
-/// |S - S_ref| / |S_ref| in the Frobenius norm.
 /// The Frobenius norm of a symmetric tensor (xx, yy, xy).
 double frobenius(const Eigen::Vector3d& t);
+/// |S - S_ref| / |S_ref| in the Frobenius norm.
 double stress_error(const microscale::State& state, const microscale::State& reference);
 /// Whether the state is stable and on the branch that begins at rest.
 bool before_buckling(const microscale::State& state);
