@@ -68,10 +68,9 @@ Node crossing_node(const TriangleMesh& mesh, const PathPoint& point) {
 using Jacobian = Eigen::Matrix<double, 2, 4>;  // of a point of the plane by the ends' tangent coordinates
 using Row = Eigen::RowVector4d;
 
-using surface::cross;
 /// The derivatives of cross(a, b) by a, and by b.
-Row cross(const Jacobian& a, const Vector2d& b) { return a.row(0) * b.y() - a.row(1) * b.x(); }
-Row cross(const Vector2d& a, const Jacobian& b) { return a.x() * b.row(1) - a.y() * b.row(0); }
+Row derivative_of_cross(const Jacobian& a, const Vector2d& b) { return a.row(0) * b.y() - a.row(1) * b.x(); }
+Row derivative_of_cross(const Vector2d& a, const Jacobian& b) { return a.x() * b.row(1) - a.y() * b.row(0); }
 
 /// A straight part of a path, from one end or vertex to the next, with its faces laid into one plane.
 struct StraightPart {
@@ -196,8 +195,9 @@ MovingPoint mollified_crossing(const StraightPart& part, const StraightPart::Cro
   const Jacobian line_moves = part.end_moves - part.begin_moves;
   const double w = -cross(line, edge);
   if (w == 0) return point;
-  const Row w1 = -cross(line_moves, edge);
-  const Row n1 = cross(line_moves, Vector2d(crossing.tail - part.begin)) - cross(line, part.begin_moves);
+  const Row w1 = -derivative_of_cross(line_moves, edge);
+  const Row n1 = derivative_of_cross(line_moves, Vector2d(crossing.tail - part.begin)) -
+                 derivative_of_cross(line, part.begin_moves);
   const Row t1 = (n1 - crossing.t * w1) / w;
   const Eigen::Matrix4d n2 =
       line_moves.row(1).transpose() * part.begin_moves.row(0) - line_moves.row(0).transpose() * part.begin_moves.row(1);
@@ -216,7 +216,7 @@ void add_segment(const MovingPoint& from, const MovingPoint& to, PathLength& sum
   if (length == 0) return;
   const Vector2d u = segment / length;
   const Jacobian moves = to.jacobian - from.jacobian;
-  const Row turns = cross(u, moves);
+  const Row turns = derivative_of_cross(u, moves);
   sum.length += length;
   sum.derivatives.tangent_gradient += moves.transpose() * u;
   sum.derivatives.tangent_hessian += turns.transpose() * turns / length +
