@@ -47,6 +47,7 @@ void require(bool condition) {
 void check_point(const json::PointSpec& point) {
   require(point.index >= 0);
   require(point.barycentric.allFinite());
+  if (point.position) require(point.position->allFinite());
 }
 
 void check_deadline(double deadline) { require(deadline > 0 && deadline <= limits().max_deadline); }
@@ -212,7 +213,8 @@ void parse(unsigned which, std::string_view body) {
     case 4: {
       const auto upload = json::parse_mesh_arrays(body, limits(), mesh_limits);
       const auto& soup = upload.soup;
-      if (upload.repair) require(upload.repair->weld_tolerance >= 0 && upload.repair->weld_tolerance <= 0.01);
+      if (upload.repair && upload.repair->weld_tolerance)
+        require(*upload.repair->weld_tolerance >= 0 && *upload.repair->weld_tolerance <= 0.01);
       require(soup.positions.size() <= 50 && soup.faces.size() <= 50);
       for (const auto& position : soup.positions) require(position.allFinite());
       for (const auto& face : soup.faces) {
