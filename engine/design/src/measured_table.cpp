@@ -280,6 +280,9 @@ MeasuredTable read_table(std::string_view text, const TableOptions& options, con
   BlockReader reader(lines, parsed, format, row);
   reader.read(cancellation);
   const auto& blocks = reader.blocks();
+  if (blocks.empty()) {
+    refuse_table("Each line with two numbers or more has words in a column where most lines have numbers.");
+  }
   MeasuredTable table;
   table.block = chosen_block(blocks, options.block);
   table.blocks = blocks.size();

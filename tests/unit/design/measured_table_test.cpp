@@ -297,7 +297,7 @@ TEST(MeasuredColumns, AreNeverTimesIndicesOrOtherThings) {
 }
 
 TEST(MeasuredTable, RefusesTextWithoutRows) {
-  for (const char* text : {"", "hello\nworld\n", "1\n2\n3\n", "a,b\nc,d\n"}) {
+  for (const char* text : {"", "hello\nworld\n", "1\n2\n3\n", "a,b\nc,d\n", "1,2,x\nx,1,2\n1,x,2\n"}) {
     try {
       read_table(text);
       ADD_FAILURE() << text;
