@@ -29,7 +29,7 @@ def command_of(entry: Dict[str, str]) -> List[str]:
         word = words.pop(0)
         if word in ("-o", "-MF", "-MT"):
             words.pop(0)
-        elif word not in ("-c", "-MD") and not word.startswith("-O"):
+        elif word not in ("-c", "-MD") and not word.startswith(("-O", "--param=")):  # clang has no such parameters
             kept.append(word)
     return kept
 
