@@ -20,7 +20,7 @@ namespace supple::cli {
 namespace {
 
 /// Longer lists help nobody.
-constexpr std::size_t most_listed_names = 12;
+constexpr std::size_t max_listed_names = 12;
 
 bool is_called(const nlohmann::json& polygon, const std::string& name) {
   const auto& names = polygon.at("names");
@@ -36,7 +36,7 @@ std::string known_names(const nlohmann::json& drawing) {
   std::string words = "its names are ";
   std::size_t listed = 0;
   for (const std::string& name : names) {
-    if (listed == most_listed_names) return words + ", ...";
+    if (listed == max_listed_names) return words + ", ...";
     if (listed > 0) words += ", ";
     words += name;
     ++listed;

@@ -17,8 +17,8 @@
 namespace supple::cli {
 namespace {
 
-constexpr int most_control_points = 64;
-constexpr int most_blocks = 10'000;
+constexpr int max_control_points = 64;
+constexpr int max_blocks = 10'000;
 
 std::string text_of(const std::string& file) {
   if (file != "-") return read_file(file);
@@ -98,7 +98,7 @@ void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& argum
           "Where displacements count from: first, the first one, or as_written, zero (zero, if they begin there)")
       ->check(CLI::IsMember({"automatic", "first", "as_written"}));
   command.add_option("--block", arguments.block, "Which of several blocks of rows is read, from 0 (the first)")
-      ->check(CLI::Range(0, most_blocks - 1));
+      ->check(CLI::Range(0, max_blocks - 1));
   const auto switches = CLI::IsMember({"automatic", "on", "off"});
   command
       .add_option("--loading", arguments.loading,
@@ -114,7 +114,7 @@ void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& argum
                   "Whether the measured curve passes through zero (automatic: where it begins near it)")
       ->check(switches);
   command.add_option("--control-points", arguments.control_points, "Control points of a measured curve, at most (12)")
-      ->check(CLI::Range(2, most_control_points));
+      ->check(CLI::Range(2, max_control_points));
 }
 
 bool is_measured(const std::string& target) {

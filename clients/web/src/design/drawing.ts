@@ -42,9 +42,9 @@ export function curveWords({ names }: Outlines["polygons"][number], place: Place
 }
 
 /**
- * Which curves bound the part and where its regions lie. By itself a region lies within the curve of its name; the first other one
- * fills the rest, and the following ones lie within the further curves beside the largest. Of the curves that are left the largest bounds
- * the part, with those inside of it as holes: one that crosses it is a region that nobody has named yet.
+ * Chooses the curves that bound the part and the curve of each region. A region lies within the curve that has its name. The first
+ * region without such a curve fills the rest, and the next ones lie within the other curves beside the largest. The largest curve that
+ * is left bounds the part, and the curves inside of it are holes. A curve that crosses it is a region that has no name yet.
  */
 export function layoutOf(drawing: Drawing, names: readonly string[], choices: Choices): Layout {
   const { polygons } = drawing.curves;

@@ -29,7 +29,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
     if (state.kind === "done" || state.kind === "failed") announce(words.textContent ?? "");
     show();
   });
-  // Of each target the simulation says something else.
+  // The simulation has a result for each target, and the card shows that of the target in view.
   session.shown.watch(() => tell(verification.state.get()));
   verification.patch.watch((state) => {
     if (state.kind === "done") {

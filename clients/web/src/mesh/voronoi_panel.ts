@@ -1,4 +1,4 @@
-// Which Voronoi diagram: its sites, how exact it is, and what is to be small.
+// The panel in which a Voronoi diagram is set up: its sites, its accuracy, and the objective that is minimized.
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
 import { digits } from "../base/format";
 import { h, uniqueId } from "../base/dom";
