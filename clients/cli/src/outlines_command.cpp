@@ -45,12 +45,12 @@ void run(const GlobalOptions& options, const OutlinesArguments& arguments) {
   for (const auto& polygon : answer.at("polygons")) print_polygon(polygon);
   const auto count = answer.at("left_out_count").get<std::size_t>();
   if (count == 0) return;
-  constexpr std::size_t most_listed = 20;
+  constexpr std::size_t max_listed = 20;
   fmt::print("left out:\n");
   const auto& left_out = answer.at("left_out");
-  for (std::size_t k = 0; k < std::min(left_out.size(), most_listed); ++k)
+  for (std::size_t k = 0; k < std::min(left_out.size(), max_listed); ++k)
     fmt::print("  {}: {}\n", left_out[k].at("element").get<std::string>(), left_out[k].at("reason").get<std::string>());
-  if (count > most_listed) fmt::print("  and {} more\n", count - most_listed);
+  if (count > max_listed) fmt::print("  and {} more\n", count - max_listed);
 }
 
 }  // namespace

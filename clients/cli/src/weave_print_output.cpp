@@ -42,13 +42,13 @@ void print_violation_count(const nlohmann::json& report) {
   fmt::print("violations  {}\n", report.at("violation_count").get<long>());
   const auto& unchecked = report.at("unchecked");
   if (unchecked.empty()) return;
-  constexpr std::size_t most_listed = 12;
+  constexpr std::size_t max_listed = 12;
   std::string commands;
-  for (std::size_t k = 0; k < std::min(unchecked.size(), most_listed); ++k)
+  for (std::size_t k = 0; k < std::min(unchecked.size(), max_listed); ++k)
     commands += (k == 0 ? "" : ", ") + unchecked[k].at("command").get<std::string>();
   const auto count = report.at("unchecked_count").get<long>();
   fmt::print("passed on   {}: {}{}; what they do was not followed\n", count, commands,
-             count > static_cast<long>(most_listed) ? ", ..." : "");
+             count > static_cast<long>(max_listed) ? ", ..." : "");
 }
 
 }  // namespace
