@@ -27,8 +27,8 @@ SLOWNESS = float(os.environ.get("SUPPLE_TEST_SLOWNESS", "1"))
 """How many times as long as an optimized one the server of SUPPLE_BUILD takes: 40 under the sanitizers."""
 SANITIZED = os.environ.get("SUPPLE_TEST_SANITIZED") == "1"
 """Whether the server of SUPPLE_BUILD is under the address sanitizer, which has its own use of memory and its own end."""
-START_SECONDS = 60.0 * SLOWNESS
-STOP_SECONDS = 60.0 * SLOWNESS
+START_SECONDS = 300.0 * SLOWNESS
+STOP_SECONDS = 300.0 * SLOWNESS
 """Long: on a busy machine a server is slow, and one that hangs is found all the same."""
 FINDINGS = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:")
 """What sanitizers write, of the server or of a helper process."""
@@ -128,7 +128,7 @@ class ServerProcess:
     def metrics(self) -> Dict[str, float]:
         """Every sample of /metrics by its full name, labels included."""
         samples: Dict[str, float] = {}
-        for line in requests.get(self.url + "/metrics", timeout=10).text.splitlines():
+        for line in requests.get(self.url + "/metrics", timeout=60).text.splitlines():
             if line and not line.startswith("#"):
                 name, value = line.rsplit(" ", 1)
                 samples[name] = float(value)
@@ -160,7 +160,7 @@ def servers_of_a_test(folder: Path) -> "Iterator[Callable[..., ServerProcess]]":
 
 def keys_command(data: Path, *arguments: str) -> str:
     """What `supple-server keys ...` prints for a data folder: for add and rotate the key."""
-    done = subprocess.run([str(SERVER), "--data", str(data), "keys", *arguments], capture_output=True, text=True, timeout=20)
+    done = subprocess.run([str(SERVER), "--data", str(data), "keys", *arguments], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
@@ -222,7 +222,7 @@ class Api:
                     or self.server.metrics()["supple_immediate_computations"])
 
     def wait_for_job(self, job: str, states: "tuple[str, ...]" = ("successful", "failed", "dismissed"),
-                     seconds: float = 60) -> Any:
+                     seconds: float = 300) -> Any:
         """Polls until the job is in one of the states and returns its document."""
         deadline = time.monotonic() + seconds
         while True:

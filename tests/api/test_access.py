@@ -136,7 +136,7 @@ def test_a_wrong_secret_is_answered_like_an_unknown_key(nobody: Api, keys: Dict[
 
 def test_a_key_is_asked_for_before_a_body_is_read(server: ServerProcess) -> None:
     import socket
-    with socket.create_connection(("127.0.0.1", server.port), timeout=10) as connection:
+    with socket.create_connection(("127.0.0.1", server.port), timeout=60) as connection:
         connection.sendall(b"POST /v1/meshes HTTP/1.1\r\nHost: localhost\r\nContent-Type: model/obj\r\n"
                            b"Content-Length: 400000000\r\n\r\n")
         assert connection.recv(100).startswith(b"HTTP/1.1 401")
@@ -440,7 +440,7 @@ def test_the_key_file_holds_no_secret_and_is_its_users_alone(tmp_path: Path) -> 
     ([], "subcommand is required"),
 ])
 def test_a_mistake_in_a_command_is_told(tmp_path: Path, arguments: "list[str]", said: str) -> None:
-    done = subprocess.run([str(SERVER), "--data", str(tmp_path), "keys", *arguments], capture_output=True, text=True, timeout=20)
+    done = subprocess.run([str(SERVER), "--data", str(tmp_path), "keys", *arguments], capture_output=True, text=True, timeout=60)
     assert done.returncode != 0 and said in done.stderr and done.stdout == ""
     assert not (tmp_path / "keys").exists()
 
@@ -449,7 +449,7 @@ def test_a_mistake_in_a_command_is_told(tmp_path: Path, arguments: "list[str]", 
 
 
 def start_and_see(*arguments: str) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([str(SERVER), "--port", str(free_port()), *arguments], capture_output=True, text=True, timeout=20)
+    return subprocess.run([str(SERVER), "--port", str(free_port()), *arguments], capture_output=True, text=True, timeout=60)
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.0.2.1"])
@@ -563,8 +563,8 @@ def test_the_page_itself_needs_no_key(new_server: NewServer, tmp_path: Path) -> 
     add_key(tmp_path / "data", "x", "read")
     server = new_server("--web", str(web))
     for path in ("/", "/index.html", "/assets/page-1234.js"):
-        assert requests.get(server.url + path, timeout=10).status_code == 200
-    assert requests.get(server.url + "/v1/meshes", timeout=10).status_code == 401
+        assert requests.get(server.url + path, timeout=60).status_code == 200
+    assert requests.get(server.url + "/v1/meshes", timeout=60).status_code == 401
 
 
 # --- the log ---------------------------------------------------------------------------------------------------------
@@ -611,7 +611,7 @@ def test_the_command_line_client_sends_its_key(server: ServerProcess, keys: Dict
 
     def run(*arguments: str, **environment: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run([str(CLI), "--server", server.url, *arguments, "mesh", "list"], env=environment,
-                              capture_output=True, text=True, timeout=30)
+                              capture_output=True, text=True, timeout=60)
 
     refused = run()
     assert refused.returncode == 2 and "access.key_required" in refused.stderr and "supple-server keys add" in refused.stderr

@@ -173,7 +173,7 @@ def test_a_compressed_body_is_refused_rather_than_unpacked(api: Api, grid_mesh: 
     assert response.status_code in (400, 415)
 
 
-def raw_exchange(api: Api, message: bytes, seconds: float = 10) -> bytes:
+def raw_exchange(api: Api, message: bytes, seconds: float = 60) -> bytes:
     """Sends bytes as they are and returns what comes back until the server closes or falls silent."""
     with socket.create_connection(("127.0.0.1", api.server.port), timeout=seconds) as connection:
         connection.sendall(message)

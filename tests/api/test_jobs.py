@@ -157,7 +157,7 @@ def test_a_client_that_hangs_up_cancels_its_computation(api: Api, large_mesh: st
 
 def test_a_client_that_hangs_up_leaves_a_job_running(api: Api, large_mesh: str) -> None:
     job = start_job(api, FIELDS, long_request(large_mesh))
-    stream = requests.get(f"{api.server.url}/v1/jobs/{job}/events", stream=True, timeout=10)
+    stream = requests.get(f"{api.server.url}/v1/jobs/{job}/events", stream=True, timeout=60)
     next(stream.iter_lines())
     stream.close()
     assert api.wait_for_job(job)["state"] == "successful"

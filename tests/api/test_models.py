@@ -33,7 +33,7 @@ def answers(document: Dict[str, Any]) -> Dict[str, Any]:
     return {name: value for name, value in document.items() if name != "cost"}
 
 
-def soon(condition: Callable[[], bool], seconds: float = 60) -> bool:
+def soon(condition: Callable[[], bool], seconds: float = 300) -> bool:
     """Waits for what the server's next look at its folder brings."""
     end = time.monotonic() + seconds
     while not condition():

@@ -87,7 +87,7 @@ def test_kill_9_during_uploads_leaves_only_whole_meshes(new_server: NewServer, c
     def upload_all() -> None:
         for body in bodies:
             try:
-                response = requests.post(server.url + "/v1/meshes", body, headers={"Content-Type": "application/json"}, timeout=30)
+                response = requests.post(server.url + "/v1/meshes", body, headers={"Content-Type": "application/json"}, timeout=60)
                 acknowledged.append(response.json()["id"])
             except requests.RequestException:
                 return

@@ -112,13 +112,13 @@ def test_an_id_of_another_form_is_no_mesh(api: Api, path: str) -> None:
 
 def test_head_answers_like_get_without_the_body(api: Api, grid_mesh: str) -> None:
     for path in ("/healthz", f"/v1/meshes/{grid_mesh}"):
-        response = requests.head(api.server.url + path, timeout=5)
+        response = requests.head(api.server.url + path, timeout=60)
         assert response.status_code == 200 and response.content == b""
 
 
 def test_one_connection_serves_many_requests(api: Api) -> None:
     request = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
-    with socket.create_connection(("127.0.0.1", api.server.port), timeout=10) as connection:
+    with socket.create_connection(("127.0.0.1", api.server.port), timeout=60) as connection:
         reader = connection.makefile("rb")
         for number in range(200):
             connection.sendall(request)

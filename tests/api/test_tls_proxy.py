@@ -75,7 +75,7 @@ class Proxy:
         headers = dict(more.pop("headers", {}))
         if key:
             headers["Authorization"] = f"Bearer {key}"
-        return requests.request(method, self.url + path, headers=headers, verify=str(self.certificate), timeout=30, **more)
+        return requests.request(method, self.url + path, headers=headers, verify=str(self.certificate), timeout=60, **more)
 
     def stop(self) -> None:
         self._process.terminate()
@@ -119,17 +119,17 @@ def test_a_browser_signs_in_through_it_and_its_cookie_stays_with_tls(proxied: An
     browser = requests.Session()
     browser.verify = str(proxy.certificate)
     browser.trust_env = False  # which would name other certificates
-    signed_in = browser.post(proxy.url + "/v1/session", json={"key": key}, headers=own, timeout=30)
+    signed_in = browser.post(proxy.url + "/v1/session", json={"key": key}, headers=own, timeout=60)
     assert signed_in.status_code == 200 and signed_in.headers["Set-Cookie"].endswith("; Secure")
     assert signed_in.headers["Strict-Transport-Security"]
-    assert browser.get(proxy.url + "/v1/meshes", timeout=30).status_code == 200
-    assert browser.delete(proxy.url + "/v1/session", headers=own, timeout=30).status_code == 204
-    assert browser.get(proxy.url + "/v1/meshes", timeout=30).status_code == 401
+    assert browser.get(proxy.url + "/v1/meshes", timeout=60).status_code == 200
+    assert browser.delete(proxy.url + "/v1/session", headers=own, timeout=60).status_code == 204
+    assert browser.get(proxy.url + "/v1/meshes", timeout=60).status_code == 401
 
 
 def test_without_tls_it_only_says_where_to_go(proxied: Any) -> None:
     proxy, _ = proxied
-    answer = requests.get(f"http://localhost:{proxy.plain_port}/v1/meshes", timeout=10, allow_redirects=False)
+    answer = requests.get(f"http://localhost:{proxy.plain_port}/v1/meshes", timeout=60, allow_redirects=False)
     assert answer.status_code == 301 and answer.headers["Location"].startswith("https://localhost/v1/meshes")
 
 
@@ -140,8 +140,8 @@ def test_the_command_line_client_speaks_to_it(proxied: Any, tmp_path: Path) -> N
     path.write_text(key + "\n")
     path.chmod(0o600)
     environment = {"SSL_CERT_FILE": str(proxy.certificate), "SUPPLE_KEY_FILE": str(path), "SUPPLE_SERVER": proxy.url}
-    done = subprocess.run([str(CLI), "mesh", "list"], env=environment, capture_output=True, text=True, timeout=30)
+    done = subprocess.run([str(CLI), "mesh", "list"], env=environment, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     del environment["SUPPLE_KEY_FILE"]
-    refused = subprocess.run([str(CLI), "mesh", "list"], env=environment, capture_output=True, text=True, timeout=30)
+    refused = subprocess.run([str(CLI), "mesh", "list"], env=environment, capture_output=True, text=True, timeout=60)
     assert refused.returncode == 2 and "access.key_required" in refused.stderr

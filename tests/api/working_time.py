@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Callable, Dict, List
 
 TICKS = float(os.sysconf("SC_CLK_TCK"))
-PATIENCE_SECONDS = 60.0
+PATIENCE_SECONDS = 300.0
 """After so long on the wall's clock something does not work slowly: it hangs."""
 
 

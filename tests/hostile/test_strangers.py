@@ -19,7 +19,7 @@ from shapes import flat_grid
 JSON = {"Content-Type": "application/json"}
 
 
-def exchange(server: ServerProcess, message: bytes, seconds: float = 10) -> bytes:
+def exchange(server: ServerProcess, message: bytes, seconds: float = 60) -> bytes:
     """Sends bytes as they are and returns all that comes back."""
     with socket.create_connection(("127.0.0.1", server.port), timeout=seconds) as connection:
         connection.sendall(message)
@@ -106,20 +106,20 @@ def test_many_half_sent_requests_keep_nobody_from_being_answered(new_server: Cal
     server = new_server("--max-connections", "300")
     with ExitStack() as stack:
         for _ in range(400):
-            connection = stack.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=10))
+            connection = stack.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=60))
             try:
                 connection.sendall(HALF[part])
             except ConnectionError:
                 pass  # closed already to make room for a later one
         for path in ("/healthz", "/readyz", "/metrics", "/v1/meshes"):
-            assert requests.get(server.url + path, timeout=10).status_code == 200
+            assert requests.get(server.url + path, timeout=60).status_code == 200
     assert server.metrics()["supple_connections_evicted"] > 0
 
 
 def test_slow_bodies_take_no_thread(new_server: Callable[..., ServerProcess]) -> None:
     server = new_server("--max-requests", "2", "--request-timeout", "5")
     with ExitStack() as stack:
-        slow = [stack.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=10)) for _ in range(20)]
+        slow = [stack.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=60)) for _ in range(20)]
         for connection in slow:
             connection.sendall(HALF["body"])
         for _ in range(10):
