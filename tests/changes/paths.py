@@ -65,6 +65,7 @@ TABLE: List[Tuple[str, Set[str]]] = [
     (r"tests/bench/.*\.py", {"bench", "api:test_load.py", "hostile:test_soak.py"}),
     (r"tests/fuzz/corpus/.*", {"fuzz"}),
 
+    (r"(engine/training/pytorch|tests/unit/training)/.*\.py", {"unit:unit_training"}),
     (r"(engine|server|clients/cli|tests/(unit|stability|examples|bench|fuzz|support))/.*", {TARGETS}),
 ]
 

@@ -56,6 +56,8 @@ struct TrainArguments {
   std::filesystem::path start;
   std::filesystem::path out;
   std::filesystem::path log;
+  std::filesystem::path exported;
+  std::filesystem::path imported;
   std::string form = "sum_of_squares";
   std::string activation = "swish";
   std::string optimizer = "soap";
@@ -110,6 +112,13 @@ void keep_freed_memory() {
 #endif
 }
 
+void finish(const training::ModelResult& result, const std::filesystem::path& out) {
+  neural::write_model(out, result.model);
+  fmt::print("{} holds the model {}, {} weights\n", out.string(), result.model.id, result.model.network.weights());
+  print_errors("design split", *result.model.design_split);
+  print_errors("row split", *result.model.row_split);
+}
+
 void train(TrainArguments& arguments, const StopSignals& signals, bool& interrupted) {
   keep_freed_memory();
   auto& training = arguments.options.training;
@@ -128,6 +137,21 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
                 fmt::format("The data set is of the family {}, not {}.", family, arguments.family),
                 {{"family", family}});
   if (!arguments.start.empty()) arguments.options.start = neural::read_model(arguments.start);
+  const auto report_stiffness = [&](const training::StiffnessReport& r) {
+    if (!arguments.quiet) print_stiffness(r, training.stiffness_steps);
+  };
+  if (!arguments.exported.empty()) {
+    interrupted = !training::export_model_training(data, arguments.options, arguments.exported, signals.cancellation(),
+                                                   report_stiffness);
+    if (!interrupted) fmt::print("{} holds the training for another trainer\n", arguments.exported.string());
+    return;
+  }
+  if (!arguments.imported.empty()) {
+    finish(training::import_model_training(data, names_of(arguments.data), engine_version(), arguments.options,
+                                           arguments.imported),
+           arguments.out);
+    return;
+  }
   const auto checkpoint = checkpoint_path(arguments.out);
   if (const auto device = training::usable_device(training.device); !arguments.quiet)
     fmt::print(stderr, "training on {}\n", to_string(device));
@@ -139,9 +163,6 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
         r.epoch, training.epochs, r.loss, 100 * r.validation_gradient, 100 * r.validation_energy,
         100 * r.validation_stiffness, r.seconds);
   };
-  const auto report_stiffness = [&](const training::StiffnessReport& r) {
-    if (!arguments.quiet) print_stiffness(r, training.stiffness_steps);
-  };
   const auto result = training::train_model(data, names_of(arguments.data), engine_version(), arguments.options,
                                             checkpoint, signals.cancellation(), report, report_stiffness);
   if (!arguments.log.empty()) write_log(arguments.log, result.history);
@@ -151,12 +172,9 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
                result.history.size());
     return;
   }
-  neural::write_model(arguments.out, result.model);
+  finish(result, arguments.out);
   std::filesystem::remove(checkpoint);
-  fmt::print("{} holds the model {} (epoch {} of {}), {} weights\n", arguments.out.string(), result.model.id,
-             result.best_epoch, result.history.size(), result.model.network.weights());
-  print_errors("design split", *result.model.design_split);
-  print_errors("row split", *result.model.row_split);
+  fmt::print("epoch {} of {} was the best\n", result.best_epoch, result.history.size());
 }
 
 void add_options(CLI::App& command, TrainArguments& arguments) {
@@ -175,6 +193,12 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   command.add_option("--family", arguments.family, "Refuses data of another");
   command.add_option("--id", options.id, "Of the model; the family's unless given");
   command.add_option("--log", arguments.log, "CSV file of losses and validation errors");
+  auto* exported = command.add_option("--export", arguments.exported,
+                                      "Write the training for another trainer, as on a GPU, and train nothing");
+  command
+      .add_option("--import", arguments.imported,
+                  "Take the network that it made, and write the model OUT; same options")
+      ->excludes(exported);
   command.add_option("--threads", arguments.threads, "0: one for each core")->capture_default_str();
   command
       .add_option("--device", arguments.device,

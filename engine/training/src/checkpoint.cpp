@@ -33,6 +33,8 @@ std::vector<EpochReport> history_of(const std::vector<double>& table) {
   return history;
 }
 
+}  // namespace
+
 void write_tensors(files::Hdf5Writer& file, const std::string& group, const Checkpoint::Tensors& tensors) {
   file.group(group);
   std::vector<std::string> names;
@@ -61,8 +63,6 @@ Checkpoint::Tensors read_tensors(const files::Hdf5Reader& file, const std::strin
   }
   return tensors;
 }
-
-}  // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
   auto unfinished = path;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "supple/files/hdf5_file.h"
 #include "supple/training/trainer.h"
 
 namespace supple::training {
@@ -25,6 +26,10 @@ struct Checkpoint {
   double seconds = 0;
   std::vector<EpochReport> history;
 };
+
+/// A group of tensors in single precision: members 0, 1, ..., and `names`, each with " matrix" or " vector" behind it.
+void write_tensors(files::Hdf5Writer& file, const std::string& group, const Checkpoint::Tensors& tensors);
+Checkpoint::Tensors read_tensors(const files::Hdf5Reader& file, const std::string& group);
 
 /// The file appears whole or not at all. Throws "file.write_failed".
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);

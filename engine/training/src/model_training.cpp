@@ -13,6 +13,7 @@
 #include "supple/tiling/symmetry.h"
 #include "supple/training/model_errors.h"
 #include "supple/training/tile_geometry.h"
+#include "training_set.h"
 
 namespace supple::training {
 namespace {
@@ -108,6 +109,73 @@ void start_from(const ModelOptions& given, const ModelData& data, const std::str
   options.geometry = start.network.geometry;
 }
 
+/// What the data make of a model's options.
+struct Prepared {
+  const tiling::Family& family;
+  Samples samples;
+  Split parts;
+  TrainingOptions training;
+  std::vector<RestStiffness> rest;
+};
+
+Prepared prepared(const ModelData& data, const ModelOptions& options) {
+  const auto& family = tiling::family(data.data.recipe.text("family"));
+  Prepared made{family, read_samples(data, options.samples), {}, options.training, {}};
+  made.parts = split(made.samples, options.split);
+  auto& training = made.training;
+  training.shape.parameters = static_cast<int>(made.samples.lower.size());
+  if (options.start) {
+    start_from(options, data, family.id, made.samples, made.parts, training);
+  } else if (options.use_features) {
+    training.geometry = tile_geometry(family);
+    training.shape.features = static_cast<int>(training.geometry.features.size());
+  }
+  if (options.use_symmetry) training.symmetries = energy_symmetries(family);
+  made.rest = read_rest(data);
+  return made;
+}
+
+/// The model of a trained network without the provenance of its training: its id, bounds and measured errors.
+neural::Model model_of(const Prepared& from, const ModelOptions& options, const neural::Network& network) {
+  neural::Model model;
+  model.id = options.id;
+  if (model.id.empty())
+    std::transform(from.family.id.begin(), from.family.id.end(), std::back_inserter(model.id),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  model.family = from.family.id;
+  model.network = narrowed(network, from.samples);
+  model.strain_range = strain_range(model.network, from.samples, from.parts.training);
+  model.design_split = split_errors(model.network, from.samples, from.parts.test);
+  model.row_split = split_errors(model.network, from.samples, from.parts.row_test);
+  return model;
+}
+
+/// Says where a finished model comes from.
+void describe_origin(neural::Provenance& provenance, const Prepared& from, const ModelOptions& options,
+                     const ModelData& data, double seconds) {
+  provenance.data_engine = engines_of(data);
+  provenance.rows = static_cast<std::int64_t>(from.parts.training.size());
+  provenance.seed = from.training.seed;
+  auto described = options;
+  described.training = from.training;
+  provenance.options = describe(described);
+  provenance.training_seconds = seconds;
+  if (const auto& start = options.start) {
+    provenance.training_seconds += start->provenance.training_seconds;
+    int epochs = 0;  // of all trainings before this one
+    for (const auto& [name, value] : start->provenance.options)
+      if (name == "epochs" || name == "start_epochs") epochs += std::atoi(value.c_str());
+    provenance.options.emplace_back("start_epochs", std::to_string(epochs));
+    if (options.start_is_foreign) {
+      provenance.options.emplace_back("start_model", start->id);
+      provenance.options.emplace_back("start_data", start->provenance.data_set);
+    }
+  }
+  if (!from.rest.empty()) provenance.options.emplace_back("rest_designs", std::to_string(from.rest.size()));
+  provenance.youngs_modulus = data.data.recipe.number("youngs_modulus");
+  provenance.poisson_ratio = data.data.recipe.number("poisson_ratio");
+}
+
 }  // namespace
 
 std::vector<EnergySymmetry> energy_symmetries(const tiling::Family& family) {
@@ -186,65 +254,52 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report,
                         const std::function<void(const StiffnessReport&)>& stiffness_report) {
-  const auto& family = tiling::family(data.data.recipe.text("family"));
-  const auto samples = read_samples(data, options.samples);
-  const auto parts = split(samples, options.split);
-  auto training_options = options.training;
-  training_options.shape.parameters = static_cast<int>(samples.lower.size());
-  if (options.start) {
-    start_from(options, data, family.id, samples, parts, training_options);
-  } else if (options.use_features) {
-    training_options.geometry = tile_geometry(family);
-    training_options.shape.features = static_cast<int>(training_options.geometry.features.size());
-  }
-  if (options.use_symmetry) training_options.symmetries = energy_symmetries(family);
-  const auto rest = read_rest(data);
+  const auto from = prepared(data, options);
   const auto trained =
-      train(samples, parts, training_options, checkpoint, cancellation, report, rest, stiffness_report);
-
+      train(from.samples, from.parts, from.training, checkpoint, cancellation, report, from.rest, stiffness_report);
   ModelResult result;
   result.history = trained.history;
   result.stiffness = trained.stiffness;
   result.best_epoch = trained.best_epoch;
   result.finished = trained.finished;
-  auto& model = result.model;
-  model.id = options.id;
-  if (model.id.empty())
-    std::transform(family.id.begin(), family.id.end(), std::back_inserter(model.id),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  model.family = family.id;
-  model.network = trained.network;
   if (!trained.finished) return result;
-  model.network = narrowed(std::move(model.network), samples);
-  model.strain_range = strain_range(model.network, samples, parts.training);
-  model.design_split = split_errors(model.network, samples, parts.test);
-  model.row_split = split_errors(model.network, samples, parts.row_test);
-  auto& provenance = model.provenance;
+  result.model = model_of(from, options, trained.network);
+  auto& provenance = result.model.provenance;
   provenance.data_set = data_name;
-  provenance.data_engine = engines_of(data);
   provenance.engine = engine;
-  provenance.designs = static_cast<std::int64_t>(samples.designs.size()) - model.design_split->designs;
-  provenance.rows = static_cast<std::int64_t>(parts.training.size());
-  provenance.seed = training_options.seed;
-  auto described = options;
-  described.training = training_options;
-  provenance.options = describe(described);
-  provenance.training_seconds = trained.history.empty() ? 0 : trained.history.back().seconds;
-  if (const auto& start = options.start) {
-    provenance.training_seconds += start->provenance.training_seconds;
-    int epochs = 0;  // of all trainings before this one
-    for (const auto& [name, value] : start->provenance.options)
-      if (name == "epochs" || name == "start_epochs") epochs += std::atoi(value.c_str());
-    provenance.options.emplace_back("start_epochs", std::to_string(epochs));
-    if (options.start_is_foreign) {
-      provenance.options.emplace_back("start_model", start->id);
-      provenance.options.emplace_back("start_data", start->provenance.data_set);
-    }
-  }
+  provenance.designs = static_cast<std::int64_t>(from.samples.designs.size()) - result.model.design_split->designs;
+  describe_origin(provenance, from, options, data, trained.history.empty() ? 0 : trained.history.back().seconds);
   provenance.options.emplace_back("device", to_string(trained.device));
-  if (!rest.empty()) provenance.options.emplace_back("rest_designs", std::to_string(rest.size()));
-  provenance.youngs_modulus = data.data.recipe.number("youngs_modulus");
-  provenance.poisson_ratio = data.data.recipe.number("poisson_ratio");
+  return result;
+}
+
+bool export_model_training(const ModelData& data, const ModelOptions& options, const std::filesystem::path& path,
+                           const CancellationToken& cancellation,
+                           const std::function<void(const StiffnessReport&)>& stiffness_report) {
+  const auto from = prepared(data, options);
+  return export_training(path, from.samples, from.parts, from.training, from.rest, cancellation, stiffness_report);
+}
+
+ModelResult import_model_training(const ModelData& data, const std::string& data_name, const std::string& engine,
+                                  const ModelOptions& options, const std::filesystem::path& path) {
+  const auto from = prepared(data, options);
+  check(from.training, from.samples);
+  const auto trained = read_trained(path, from.samples, from.parts, from.training, from.rest);
+  ModelResult result;
+  result.finished = true;
+  result.model = model_of(from, options, trained.network);
+  auto& provenance = result.model.provenance;
+  provenance.data_set = data_name;
+  provenance.engine = engine;
+  provenance.designs = static_cast<std::int64_t>(from.samples.designs.size()) - result.model.design_split->designs;
+  describe_origin(provenance, from, options, data, trained.seconds);
+  for (const auto& [name, value] : trained.options) {
+    const auto same = std::ranges::find(provenance.options, name, &std::pair<std::string, std::string>::first);
+    if (same == provenance.options.end())
+      provenance.options.emplace_back(name, value);
+    else
+      same->second = value;
+  }
   return result;
 }
 

@@ -26,6 +26,7 @@
 #include "supple/training/model_errors.h"
 #include "torch_network.h"
 #include "training_batches.h"
+#include "training_set.h"
 
 namespace supple::training {
 namespace {
@@ -107,6 +108,14 @@ class Training {
       if (cancellation.requested() && epochs_ < options_.epochs) return result(false);
     }
     return result(true);
+  }
+
+  /// The network with which training begins; empty if it was cancelled.
+  std::optional<neural::Network> first(const CancellationToken& cancellation,
+                                       const std::function<void(const StiffnessReport&)>& report) {
+    if (!fit_stiffness(cancellation, report)) return std::nullopt;
+    assign(network_, parameters_);
+    return network_;
   }
 
  private:
@@ -297,17 +306,7 @@ class Training {
 
   /// What must agree for a checkpoint to be taken up: the options and the rows.
   std::vector<std::pair<std::string, std::string>> identity() const {
-    auto all = describe(options_);
-    const auto number = [](double value) { return fmt::format("{}", value); };
-    double sum = 0;
-    for (const int row : split_.training) sum += samples_.energy[row] * (1 + row % 7);
-    double stiffnesses = 0;
-    for (const auto& [parameters, tangent] : rest_) stiffnesses += tangent.trace();
-    all.emplace_back("rest_designs", std::to_string(rest_.size()));
-    all.emplace_back("rest_stiffnesses", number(stiffnesses));
-    all.emplace_back("training_rows", std::to_string(split_.training.size()));
-    all.emplace_back("training_energies", number(sum));
-    return all;
+    return training::identity(samples_, split_, options_, rest_);
   }
 
   Checkpoint checkpoint() const {
@@ -322,13 +321,7 @@ class Training {
   }
 
   void restore(const Checkpoint& from, const std::filesystem::path& file) {
-    const auto mine = identity();
-    for (std::size_t i = 0; i < mine.size(); ++i)
-      if (i >= from.options.size() || from.options[i] != mine[i])
-        throw Error("training.different_options",
-                    fmt::format("{} was begun with {} = {}, not {}.", file.string(), mine[i].first,
-                                i < from.options.size() ? from.options[i].second : "nothing", mine[i].second),
-                    {{mine[i].first, "as in the checkpoint, or another file"}});
+    require_same(identity(), from.options, file);
     const auto copy = [&](const Checkpoint::Tensors& tensors, Parameters& to) {
       if (tensors.size() != to.size())
         throw Error("file.unreadable", file.string() + ": its network has another shape.");
@@ -393,6 +386,17 @@ TrainingResult train(const Samples& samples, const Split& split, const TrainingO
   // LibTorch's own threads would compete with ours.
   at::set_num_threads(1);
   return Training(samples, split, options, rest).run(checkpoint, cancellation, report, stiffness_report);
+}
+
+bool export_training(const std::filesystem::path& path, const Samples& samples, const Split& split,
+                     const TrainingOptions& options, const std::vector<RestStiffness>& rest,
+                     const CancellationToken& cancellation,
+                     const std::function<void(const StiffnessReport&)>& stiffness_report) {
+  check(options, samples);
+  at::set_num_threads(1);
+  const auto first = Training(samples, split, options, rest).first(cancellation, stiffness_report);
+  if (first) write_training_set(path, samples, split, options, rest, *first);
+  return first.has_value();
 }
 
 }  // namespace supple::training

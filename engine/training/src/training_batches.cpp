@@ -172,6 +172,21 @@ Tensor TrainingData::parameters(std::span<const SeenDesign> designs) const {
   return p_.index_select(0, torch::tensor(rows).to(p_.device()));
 }
 
+std::vector<std::pair<std::string, Tensor>> TrainingData::tables() const {
+  const auto symmetries = strain_maps_.size(0);
+  auto usable = torch::zeros({designs_, symmetries});
+  for (std::size_t d = 0; d < usable_.size(); ++d)
+    for (const int symmetry : usable_[d]) usable.index_put_({static_cast<std::int64_t>(d), symmetry}, 1);
+  return {{"inputs", p_},
+          {"usable", usable},
+          {"strain", strain_},
+          {"stress", stress_},
+          {"energy", energy_.unsqueeze(1)},
+          {"tangent", tangent_},
+          {"whitening", whitening_},
+          {"strain_maps", strain_maps_.reshape({symmetries, 9})}};
+}
+
 LabelledBatch TrainingData::labelled(std::span<const Chunk> chunks, std::span<const int> symmetry) const {
   std::vector<std::int64_t> rows;
   std::vector<std::int64_t> of;

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "supple/base/random.h"
@@ -77,6 +79,11 @@ class TrainingData {
   }
   /// Type and device of the tensors.
   torch::TensorOptions tensor_options() const { return strain_.options(); }
+
+  /// All of it as tables for another trainer, by name: "inputs" (designs under the first symmetry, the second, ...),
+  /// "usable" (designs x symmetries, 1 where a design may be seen through it), "strain", "stress", "energy", "tangent"
+  /// and "whitening" of each row, and "strain_maps" (A of each symmetry, a row of 9).
+  std::vector<std::pair<std::string, torch::Tensor>> tables() const;
 
   /// The rows of the chunks, each chunk seen through the symmetry of its number: e -> A e, S -> A^-T S, C -> A^-T C
   /// A^-1, W -> A W. About 150 flops a row.

@@ -73,4 +73,17 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report,
                         const std::function<void(const StiffnessReport&)>& stiffness_report = {});
 
+/// Writes the training of a model as a file for another trainer, `engine/training/pytorch` for example. False if it was
+/// cancelled. Throws what `train_model` throws.
+bool export_model_training(const ModelData& data, const ModelOptions& options, const std::filesystem::path& path,
+                           const CancellationToken& cancellation,
+                           const std::function<void(const StiffnessReport&)>& stiffness_report = {});
+
+/// The model of a network that another trainer made of that file: what `train_model` would return if it had trained
+/// the network itself. The options that the trainer names replace those of the same name in the provenance, because
+/// they say how it was trained. Throws what `train_model` throws, "file.unreadable" if `path` is no such network, and
+/// "training.different_options" if it was made of other options or data.
+ModelResult import_model_training(const ModelData& data, const std::string& data_name, const std::string& engine,
+                                  const ModelOptions& options, const std::filesystem::path& path);
+
 }  // namespace supple::training

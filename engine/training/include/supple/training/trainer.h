@@ -139,4 +139,11 @@ TrainingResult train(const Samples& samples, const Split& split, const TrainingO
                      const std::function<void(const EpochReport&)>& report, const std::vector<RestStiffness>& rest = {},
                      const std::function<void(const StiffnessReport&)>& stiffness_report = {});
 
+/// Fits the stiffness branch as `train` does, and writes the network with which training begins and the rows as a file
+/// for another trainer (docs/models.md lists what it holds). False if it was cancelled. Throws what `train` throws.
+bool export_training(const std::filesystem::path& path, const Samples& samples, const Split& split,
+                     const TrainingOptions& options, const std::vector<RestStiffness>& rest,
+                     const CancellationToken& cancellation,
+                     const std::function<void(const StiffnessReport&)>& stiffness_report = {});
+
 }  // namespace supple::training
