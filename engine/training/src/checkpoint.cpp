@@ -11,8 +11,8 @@
 namespace supple::training {
 namespace {
 
-constexpr const char* layout_name = "supple training checkpoint";
-constexpr std::int64_t layout_version = 2;
+constexpr const char* checkpoint_layout = "supple training checkpoint";
+constexpr std::int64_t checkpoint_version = 2;
 
 /// The reports as a table.
 constexpr int report_columns = 7;
@@ -69,8 +69,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
   unfinished += ".writing";
   {
     files::Hdf5Writer file(unfinished);
-    file.attribute("/", "layout", layout_name);
-    file.attribute("/", "version", layout_version);
+    file.attribute("/", "layout", checkpoint_layout);
+    file.attribute("/", "version", checkpoint_version);
     std::vector<std::string> options;
     for (const auto& [name, value] : checkpoint.options) options.push_back(name + "=" + value);
     file.column("options", options);
@@ -90,7 +90,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 
 Checkpoint read_checkpoint(const std::filesystem::path& path) {
   const files::Hdf5Reader file(path);
-  if (file.text_attribute("/", "layout") != layout_name || file.integer_attribute("/", "version") != layout_version)
+  if (file.text_attribute("/", "layout") != checkpoint_layout ||
+      file.integer_attribute("/", "version") != checkpoint_version)
     throw Error("file.unreadable", path.string() + ": it is no checkpoint of a training, or one of another version.");
   Checkpoint checkpoint;
   for (const auto& option : file.text_column("options")) {

@@ -19,7 +19,7 @@ using Named = std::vector<std::pair<std::string, std::string>>;
 
 constexpr const char* set_layout = "supple training set";
 constexpr const char* trained_layout = "supple trained network";
-constexpr std::int64_t layout_version = 1;
+constexpr std::int64_t set_version = 1;
 
 /// Numbers that tell the parts of the split in the file.
 enum Part : std::int64_t { training_part, validation_part, test_part, row_test_part };
@@ -88,7 +88,7 @@ void write_training_set(const std::filesystem::path& path, const Samples& sample
   {
     files::Hdf5Writer file(unfinished);
     file.attribute("/", "layout", set_layout);
-    file.attribute("/", "version", layout_version);
+    file.attribute("/", "version", set_version);
     std::vector<std::string> lines;
     for (const auto& [name, value] : identity(samples, split, options, rest)) lines.push_back(name + "=" + value);
     file.column("options", lines);
@@ -113,7 +113,7 @@ void write_training_set(const std::filesystem::path& path, const Samples& sample
 TrainedElsewhere read_trained(const std::filesystem::path& path, const Samples& samples, const Split& split,
                               const TrainingOptions& options, const std::vector<RestStiffness>& rest) {
   const files::Hdf5Reader file(path);
-  if (file.text_attribute("/", "layout") != trained_layout || file.integer_attribute("/", "version") != layout_version)
+  if (file.text_attribute("/", "layout") != trained_layout || file.integer_attribute("/", "version") != set_version)
     throw Error("file.unreadable", path.string() + ": it is no trained network, or one of another version.");
   require_same(identity(samples, split, options, rest), named_texts(file, "options"), path);
   TrainedElsewhere trained;
