@@ -22,6 +22,14 @@ MeshError scaled(const MeshError& error, double factor) {
   return {factor * error.stress, factor * error.energy_density};
 }
 
+/// Of stress and energy density, for a patch of the rest area `area`.
+MeshError difference(const PatchResponse& a, const PatchResponse& b, double area) {
+  const auto stress = [&](const PatchResponse& response) {
+    return second_piola_kirchhoff(response.deformation_gradient, response.strain_gradient, area);
+  };
+  return {frobenius(stress(a) - stress(b)), std::abs(a.energy - b.energy) / area};
+}
+
 }  // namespace
 
 PatchResponse extrapolate(const PatchResponse& coarse, const PatchResponse& fine) {
@@ -29,13 +37,6 @@ PatchResponse extrapolate(const PatchResponse& coarse, const PatchResponse& fine
   return {beyond(coarse.deformation_gradient, fine.deformation_gradient),
           beyond(coarse.strain_gradient, fine.strain_gradient), beyond(coarse.condensed, fine.condensed),
           fine.energy + remaining_share * (fine.energy - coarse.energy)};
-}
-
-MeshError difference(const PatchResponse& a, const PatchResponse& b, double area) {
-  const auto stress = [&](const PatchResponse& response) {
-    return second_piola_kirchhoff(response.deformation_gradient, response.strain_gradient, area);
-  };
-  return {frobenius(stress(a) - stress(b)), std::abs(a.energy - b.energy) / area};
 }
 
 MeshError extrapolation_error(const PatchResponse& coarse, const PatchResponse& fine, double area) {

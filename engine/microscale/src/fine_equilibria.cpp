@@ -136,6 +136,7 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
   CellSystem system = cell_system(model_, x, free, execution);
   system.look_around();
   numerics::ShiftedCholesky& cholesky = model_.workspace().cholesky;
+  cholesky.stop_with(execution.cancellation);
   system.evaluate(2);
   if (!std::isfinite(system.energy())) return std::nullopt;
   const auto linearized = Linearized::at(system, cholesky);
