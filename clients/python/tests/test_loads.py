@@ -41,7 +41,7 @@ def state(**more: Any) -> Dict[str, Any]:
 
 def answer(**more: Any) -> Dict[str, Any]:
     return {"family": "IH01", "parameters": [0.1], "states": [state(), state(tangent=np.eye(3).tolist())], "message": "",
-            "accuracy": {"tolerance": 1e-8, "residual": 1e-9, "nodes": 7, "triangles": 3, "unknowns": 18, "mesh_size": 0.9,
+            "accuracy": {"tolerance": 1e-8, "residual": 1e-9, "nodes": 7, "triangles": 3, "unknowns": 18, "mesh_size": 1.0,
                          "discretization_error": {"stress": 0.003, "energy": 0.002}, "accepted_error": 0.004,
                          "error_accepted": True, "extrapolated": True}, "effects": [],
             "cost": {"seconds": 1, "stages": [], "quantities": {}}, **more}
@@ -57,7 +57,7 @@ def test_the_states_are_arrays_with_nan_where_there_is_no_tangent() -> None:
 def test_what_is_known_of_the_meshs_error_is_told() -> None:
     result = simulation_from_wire(answer())
     assert result.discretization_error == supple.DiscretizationError(0.003, 0.002)
-    assert result.error_accepted and result.extrapolated and result.mesh_size == 0.9
+    assert result.error_accepted and result.extrapolated and result.mesh_size == 1.0
     assert (result.states[0].stress_error, result.states[0].energy_density_error) == (0.01, 0.002)
     unknown = {**answer()["accuracy"], "discretization_error": None, "error_accepted": None}
     assert simulation_from_wire(answer(accuracy=unknown)).discretization_error is None

@@ -48,7 +48,7 @@ double size_for(double size, double error, double wanted) { return size * std::p
 
 tiling::MeshOptions extrapolated_mesh() {
   tiling::MeshOptions mesh;
-  mesh.mesh_size = 0.9;
+  mesh.mesh_size = 1.0;
   mesh.corner_size = 0.05;
   return mesh;
 }

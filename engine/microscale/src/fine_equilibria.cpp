@@ -16,7 +16,7 @@ constexpr double loosest_tolerance = 1e-6;
 /// Newton steps with one factorization. They have converged once the square of a step, measured by the energy, is this
 /// share of the first one's: what it still changes is added to first order.
 constexpr int most_steps = 4;
-constexpr double converged_share = 1e-4;
+constexpr double converged_share = 1e-3;
 
 SimulationOptions options_for(const SimulationOptions& options) {
   SimulationOptions fine = options;
@@ -101,7 +101,10 @@ class Linearized {
 FineEquilibria::FineEquilibria(const CellModel& coarse, const SimulationOptions& options)
     : options_(options_for(options)),
       refined_(tiling::refine(*coarse.mesh())),
-      model_(refined_.mesh, options.material, options.contact != Switch::off, CellModel::Motion::straight) {}
+      model_(refined_.mesh, options.material, options.contact != Switch::off, CellModel::Motion::straight) {
+  // A state takes one factorization, and a path has a few states.
+  model_.workspace().cholesky.order_quickly();
+}
 
 std::optional<FineEquilibria::Found> FineEquilibria::find(const CellPath& coarse, const FreeStrains& free,
                                                           const Execution& execution) {
@@ -133,6 +136,7 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
   CellSystem system = cell_system(model_, x, free, execution);
   system.look_around();
   numerics::ShiftedCholesky& cholesky = model_.workspace().cholesky;
+  cholesky.stop_with(execution.cancellation);
   system.evaluate(2);
   if (!std::isfinite(system.energy())) return std::nullopt;
   const auto linearized = Linearized::at(system, cholesky);
@@ -148,7 +152,7 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
     if (system.look_ahead(from, to) < 1) return std::nullopt;
     system.set_state(to);
     system.look_around();
-    system.evaluate(options_.tangents ? 2 : 1);
+    system.evaluate(1);
     if (!std::isfinite(system.energy())) return std::nullopt;
     step = linearized->step();
     if (step.decrease <= converged_share * first || step.forces <= model_.elastic().force_rounding()) {
@@ -158,7 +162,10 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
           (Eigen::Matrix2d() << step.strain[0], step.strain[1], step.strain[2], step.strain[3]).finished();
       response.strain_gradient = step.strain_gradient;
       response.energy = system.energy() - step.decrease / 2;
-      if (options_.tangents) response.condensed = linearized->condensed_here();
+      if (options_.tangents) {
+        system.evaluate(2);
+        response.condensed = linearized->condensed_here();
+      }
       return response;
     }
     if (step.decrease > before) return std::nullopt;

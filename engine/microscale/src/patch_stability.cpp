@@ -15,6 +15,7 @@ std::optional<PatchStability::Instability> PatchStability::find(const CellModel&
   cell.add_alternating_hessians(x, entries_);
   const numerics::Hessian hessian = std::shared_ptr<const numerics::BorderedMatrix>(matrix_);
   std::optional<Instability> worst;
+  cholesky_.stop_with(execution.cancellation);
   for (std::size_t a = 0; a < alternations.size(); ++a) {
     execution.cancellation.throw_if_requested();
     entries_[a].assemble(n, *matrix_);

@@ -204,9 +204,10 @@ class Run {
     refinement_seconds_ += cost.total_seconds();
     if (!found) return std::nullopt;
     const PatchResponse coarse = response;
-    // Two branches have no common limit.
-    if (!found->same_branch) return difference(coarse, found->response, area);
-    if (refinement() == Refinement::estimated) return coarse_error(coarse, found->response, area);
+    // Where one mesh buckles and the other does not yet, the change does not fall with the mesh's size as elsewhere, so
+    // that nothing is extrapolated.
+    if (!found->same_branch || refinement() == Refinement::estimated)
+      return coarse_error(coarse, found->response, area);
     response = extrapolate(coarse, found->response);
     return extrapolation_error(coarse, found->response, area);
   }

@@ -58,9 +58,9 @@ void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
   }
   std::vector<int> known;
   if (n_ == matrix.rows()) known = old_index_;
-  SymbolicAnalysis analysis = analyse(matrix, known, cancellation_);
+  SymbolicAnalysis analysis = analyse(matrix, known, cancellation_, search_);
   if (!known.empty() && analysis.entries > worth_reordering * best_entries_)
-    analysis = analyse(matrix, {}, cancellation_);
+    analysis = analyse(matrix, {}, cancellation_, search_);
   if (known.empty() || analysis.entries < best_entries_) best_entries_ = analysis.entries;
   n_ = static_cast<int>(matrix.rows());
   set_order(std::move(analysis.old_index));

@@ -7,6 +7,7 @@
 
 #include "supple/base/cancellation.h"
 #include "supple/numerics/objective.h"
+#include "symbolic_analysis.h"
 #include "unset_numbers.h"
 
 namespace supple::numerics {
@@ -14,14 +15,17 @@ namespace supple::numerics {
 /// Cholesky factorization of a sparse symmetric matrix, P A P^T = L L^T, by the multifrontal method (Duff and Reid
 /// 1983; Liu 1992).
 ///
-/// CHOLMOD finds the ordering (the better of approximate minimum degree and METIS' nested dissection) and the
-/// supernodes. The numerical part is ours: it maps every entry of A to its place in a front once, and works on fronts
-/// of some dozen rows, as thin structures have them, at several times CHOLMOD's rate. Threads take subtrees of
-/// supernodes, and share the large fronts above them; the results have the same bits for any number of threads.
+/// CHOLMOD finds the ordering (see OrderingSearch) and the supernodes. The numerical part is ours: it maps every entry
+/// of A to its place in a front once, and works on fronts of some dozen rows, as thin structures have them, at several
+/// times CHOLMOD's rate. Threads take subtrees of supernodes, and share the large fronts above them; the results have
+/// the same bits for any number of threads.
 class MultifrontalCholesky {
  public:
   /// From now on `analyze` and `factorize` throw what the token throws.
   void stop_with(const CancellationToken& cancellation) { cancellation_ = cancellation; }
+
+  /// How orderings are looked for from now on.
+  void search_orderings(OrderingSearch search) { search_ = search; }
 
   /// Orders and analyses the pattern of the lower triangle of `matrix` (entries above the diagonal are ignored). A
   /// pattern of the size of the last one keeps its supernodes, then its ordering, as long as these serve it well.
@@ -99,6 +103,7 @@ class MultifrontalCholesky {
   void extend_add(const Supernode& child, const double* update, const Supernode& parent, double* front) const;
 
   CancellationToken cancellation_;
+  OrderingSearch search_ = OrderingSearch::thorough;
   int n_ = 0;
   double best_entries_ = 0;         ///< of the factor, with the ordering's own pattern
   std::int64_t front_entries_ = 0;  ///< of the fronts' columns, with the pattern of which CHOLMOD made the supernodes

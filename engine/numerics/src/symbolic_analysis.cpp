@@ -21,13 +21,18 @@ constexpr Eigen::Index many_entries = 500'000;
 /// CHOLMOD's workspace and the analysis it makes, released together.
 class Analysis {
  public:
-  Analysis(int n, const int* columns, const int* rows, std::vector<int> known) {
+  Analysis(int n, const int* columns, const int* rows, std::vector<int> known, OrderingSearch search) {
     cholmod_start(&common_);
     common_.print = 0;
     common_.supernodal = CHOLMOD_SUPERNODAL;
-    common_.nmethods = known.empty() ? 2 : 1;
-    common_.method[0].ordering = known.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-    common_.method[1].ordering = CHOLMOD_METIS;
+    if (!known.empty()) {
+      common_.nmethods = 1;
+      common_.method[0].ordering = CHOLMOD_GIVEN;
+    } else if (search == OrderingSearch::thorough) {
+      common_.nmethods = 2;
+      common_.method[0].ordering = CHOLMOD_AMD;
+      common_.method[1].ordering = CHOLMOD_METIS;
+    }  // else CHOLMOD's own strategy
     cholmod_sparse view{};
     view.nrow = view.ncol = static_cast<std::size_t>(n);
     view.nzmax = static_cast<std::size_t>(columns[n]);
@@ -80,8 +85,9 @@ std::string analysed(std::string_view request) {
   const std::vector<int> columns = read_integers(reader);
   const std::vector<int> rows = read_integers(reader);
   const std::vector<int> known = read_integers(reader);
+  const auto search = static_cast<OrderingSearch>(reader.number<std::int32_t>());
   const SymbolicAnalysis analysis =
-      analyse_here(static_cast<int>(columns.size()) - 1, columns.data(), rows.data(), known);
+      analyse_here(static_cast<int>(columns.size()) - 1, columns.data(), rows.data(), known, search);
   ByteWriter answer;
   for (const auto* values : {&analysis.old_index, &analysis.first, &analysis.row_begin, &analysis.rows})
     write_integers(answer, *values);
@@ -90,8 +96,9 @@ std::string analysed(std::string_view request) {
 
 }  // namespace
 
-SymbolicAnalysis analyse_here(int n, const int* columns, const int* rows, const std::vector<int>& known) {
-  const Analysis analysis(n, columns, rows, known);
+SymbolicAnalysis analyse_here(int n, const int* columns, const int* rows, const std::vector<int>& known,
+                              OrderingSearch search) {
+  const Analysis analysis(n, columns, rows, known, search);
   const cholmod_factor& l = analysis.factor();
   const auto list = [](const void* begin, std::size_t count) {
     const auto* const integers = static_cast<const int*>(begin);
@@ -107,15 +114,16 @@ SymbolicAnalysis analyse_here(int n, const int* columns, const int* rows, const 
 }
 
 SymbolicAnalysis analyse(const SparseMatrix& matrix, const std::vector<int>& known,
-                         const CancellationToken& cancellation) {
+                         const CancellationToken& cancellation, OrderingSearch search) {
   cancellation.throw_if_requested();
   const auto n = static_cast<int>(matrix.rows());
   const auto helpers = matrix.nonZeros() >= many_entries ? helper_processes() : nullptr;
-  if (!helpers) return analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), known);
+  if (!helpers) return analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), known, search);
   ByteWriter request;
   write_integers(request, {matrix.outerIndexPtr(), static_cast<std::size_t>(n) + 1});
   write_integers(request, {matrix.innerIndexPtr(), static_cast<std::size_t>(matrix.nonZeros())});
   write_integers(request, known);
+  request.number(static_cast<std::int32_t>(search));
   Execution execution;
   execution.cancellation = cancellation;
   const std::string answer = helpers->run(analysis_task, request.take(), execution);

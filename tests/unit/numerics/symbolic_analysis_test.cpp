@@ -39,15 +39,46 @@ TEST(SymbolicAnalysis, OfALargePatternIsTheSameInAHelperProcess) {
   const SymbolicAnalysis here = analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), {});
   use_helper_processes(std::make_shared<HelperProcesses>(HelperOptions{SUPPLE_HELPER, 1, 0}));
   const SymbolicAnalysis there = analyse(matrix, {}, {});
+  const SymbolicAnalysis quick = analyse(matrix, {}, {}, OrderingSearch::quick);
   CancellationToken stopped;
   stopped.request(StopReason::cancelled);
   ::supple::testing::expect_error("job.cancelled", [&] { analyse(matrix, {}, stopped); });
   use_helper_processes(nullptr);
+  EXPECT_EQ(quick.old_index,
+            analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), {}, OrderingSearch::quick).old_index);
   EXPECT_EQ(here.old_index, there.old_index);
   EXPECT_EQ(here.first, there.first);
   EXPECT_EQ(here.row_begin, there.row_begin);
   EXPECT_EQ(here.rows, there.rows);
   EXPECT_EQ(here.entries, there.entries);
+}
+
+// Nested dissection orders a large grid with a sparser factor, which the quick search does not look for while the
+// factor fills little.
+TEST(SymbolicAnalysis, OfAQuickSearchOrdersByMinimumDegreeWhereTheFactorFillsLittle) {
+  const SparseMatrix matrix = grid_matrix(60);
+  const int n = static_cast<int>(matrix.rows());
+  const auto by = [&](OrderingSearch search) {
+    return analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), {}, search);
+  };
+  const SymbolicAnalysis quick = by(OrderingSearch::quick);
+  const SymbolicAnalysis thorough = by(OrderingSearch::thorough);
+  std::vector<int> sorted = quick.old_index;
+  std::sort(sorted.begin(), sorted.end());
+  for (int i = 0; i < n; ++i) ASSERT_EQ(sorted[static_cast<std::size_t>(i)], i);
+  EXPECT_GT(quick.entries, thorough.entries) << "both searches found the same ordering";
+  EXPECT_LT(quick.entries, 2 * thorough.entries);
+}
+
+TEST(ShiftedCholesky, SolvesAlikeByAQuickOrdering) {
+  const SparseMatrix matrix = grid_matrix(60);
+  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.rows(), -1, 1);
+  ShiftedCholesky thorough;
+  ShiftedCholesky quick;
+  quick.order_quickly();
+  ASSERT_TRUE(thorough.factorize(matrix, 0));
+  ASSERT_TRUE(quick.factorize(matrix, 0));
+  EXPECT_LT((thorough.solve(right) - quick.solve(right)).norm(), 1e-12);
 }
 
 TEST(ShiftedCholesky, StopsBetweenFrontsAndWithinThem) {

@@ -6,9 +6,10 @@
 
 namespace supple::microscale {
 
-/// The mesh whose states are extrapolated unless a caller wants another one: sides of 0.9 beam widths, and of a
-/// twentieth of that at corners. Extrapolated from it, stress errs by less than half a per cent (see
-/// docs/bench/simulations-discretization.md), in less than twice the time of the data sets' mesh.
+/// The mesh whose states are extrapolated unless a caller wants another one: sides of a beam width, and of a twentieth
+/// of that at corners. Extrapolated from it, stress errs by less than half a per cent, in about one and a half times
+/// the time of the data sets' mesh at the median (see docs/bench/simulations-discretization.md). With longer sides
+/// single designs err by more than that, and with shorter ones the time grows faster than the error falls.
 tiling::MeshOptions extrapolated_mesh();
 
 /// Options for simulations whose results are meant to be true, rather than comparable with a data set:

@@ -1,0 +1,156 @@
+// Simulations that say their mesh's error where the coarse and the fine mesh have little in common.
+#include "simulation_case.h"
+#include "supple/microscale/accurate_simulation.h"
+#include "support/drawn_meshes.h"
+#include "support/expect_error.h"
+
+namespace supple::microscale {
+namespace {
+
+SimulationOptions saying_options(Refinement refinement = Refinement::extrapolated) {
+  SimulationOptions options = accurate_options();
+  options.refinement = refinement;
+  options.tolerance = 1e-7;
+  options.deformed_meshes = true;
+  return options;
+}
+
+/// An error is said of all states together where it is said of each, and is a finite number.
+void expect_honest(const SimulationResult& result) {
+  bool all = true;
+  for (const State& state : result.states) {
+    EXPECT_TRUE(state.stress.allFinite());
+    if (state.stopped != Stop::converged) continue;
+    all = all && state.mesh_error.has_value();
+    if (!state.mesh_error) continue;
+    EXPECT_TRUE(std::isfinite(state.mesh_error->stress));
+    EXPECT_TRUE(std::isfinite(state.mesh_error->energy_density));
+    EXPECT_GE(state.mesh_error->stress, 0);
+    EXPECT_GE(state.mesh_error->energy_density, 0);
+  }
+  const auto error = discretization_error(result.states);
+  EXPECT_EQ(error.has_value(), all);
+  if (!error) return;
+  EXPECT_TRUE(std::isfinite(error->stress));
+  EXPECT_TRUE(std::isfinite(error->energy_density));
+}
+
+const std::vector<double> folded{0.2399, 0.5547, 0.0665, 0.4047};
+const std::vector<double> touching{0.1191, 0.3178, 0.1199, 0.6276};
+
+double norm_of(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
+
+// Hard: a folded tile is meshed by cells, with slivers between beams that start close to each other.
+TEST(MeshErrorCases, AFoldedTileSaysItsError) {
+  for (const Refinement refinement : {Refinement::extrapolated, Refinement::estimated})
+    expect_honest(follow("IH01", folded, BiaxialLoad{2.304, {{1.001, 0.939}}}, saying_options(refinement)));
+}
+
+// Hard: the path buckles over two cells, and dozens of pairs of boundary points press on each other on either mesh.
+TEST(MeshErrorCases, BeamsThatBuckleAndTouchSayTheirError) {
+  const UniaxialLoad load{2.094, {0.95, 0.9, 0.839}};
+  const SimulationResult result = follow("IH01", touching, load, saying_options());
+  expect_honest(result);
+  EXPECT_EQ(result.states.back().cells, 2) << "the case does not buckle over two cells";
+  EXPECT_GT(result.states.back().contacts, 0) << "the case does not touch";
+}
+
+// Hard: close to the load at which beams buckle, one mesh finds them buckled on a path that the other leaves.
+TEST(MeshErrorCases, NearBucklingTheErrorOfEitherBranchIsSaid) {
+  UniaxialLoad load{2.094, {}};
+  for (int k = 0; k <= 30; ++k) load.stretches.push_back(0.987 - 0.0001 * k);
+  const SimulationResult result = follow("IH01", touching, load, saying_options());
+  expect_honest(result);
+  EXPECT_EQ(result.states.front().cells, 1);
+  EXPECT_EQ(result.states.back().cells, 2) << "the case does not buckle";
+  // Just after buckling the fine mesh is farther along the new branch: the states there are not extrapolated, as those
+  // after them are, and say an error that covers the jump between the two.
+  double largest_jump = 0;
+  for (std::size_t k = 0; k + 1 < result.states.size(); ++k) {
+    const State& state = result.states[k];
+    if (state.cells == 1) continue;
+    ASSERT_TRUE(state.mesh_error) << "stretch " << load.stretches[k];
+    const double jump = norm_of(state.stress - result.states[k + 1].stress);
+    largest_jump = std::max(largest_jump, jump / norm_of(state.stress));
+    EXPECT_LT(jump, state.mesh_error->stress) << "stretch " << load.stretches[k];
+  }
+  EXPECT_GT(largest_jump, 0.01) << "no state lies between the two meshes' buckling";
+}
+
+// Hard: without a load there is nothing that an error could be relative to.
+TEST(MeshErrorCases, RestHasNoError) {
+  for (const Refinement refinement : {Refinement::extrapolated, Refinement::estimated}) {
+    const GreenStrainLoad load{{Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, 1e-14), Eigen::Vector3d(1e-9, 0, 0)}};
+    const SimulationResult result = follow("IH22", preset("IH22"), load, saying_options(refinement));
+    expect_honest(result);
+    ASSERT_TRUE(result.states[0].mesh_error);
+    EXPECT_LT(result.states[0].mesh_error->stress, 1e-10);
+    // The error of a small strain is as large a share as that of any other.
+    const auto error = discretization_error({result.states[2]});
+    ASSERT_TRUE(error);
+    EXPECT_LT(error->stress, 0.1);
+  }
+}
+
+// Hard: a free wall has no stress and no scale of forces until it touches its image.
+TEST(MeshErrorCases, AFreeWallThatClosesAGapSaysItsError) {
+  SimulationOptions options = saying_options();
+  Simulator simulator(testing::wall(0.05, 4), options);
+  const SimulationResult result = simulator.run(BiaxialLoad{0, {{0.99, 1}, {0.97, 1}, {0.94, 1}}});
+  ASSERT_EQ(result.states.size(), 3U) << result.message;
+  expect_honest(result);
+  EXPECT_GT(result.states[2].contacts, 0);
+}
+
+// Hard: the limit of nodes leaves room for the mesh, but for no finer one; or not even for the coarsest.
+TEST(MeshErrorCases, AMeshAtItsLimitSaysNothingRatherThanSomethingWrong) {
+  const tiling::Structure structure = tiling::make_structure(tiling::family("IH22"), preset("IH22"));
+  SimulationOptions options = saying_options();
+  options.mesh.max_nodes = 2 * static_cast<int>(Simulator(structure, options).mesh().nodes.cols());
+  const Load load = UniaxialLoad{0.3, {1.02, 1.05}};
+  const SimulationResult result = Simulator(structure, options).run(load);
+  expect_honest(result);
+  EXPECT_FALSE(result.extrapolated);
+  EXPECT_FALSE(discretization_error(result.states));
+  options.mesh.max_nodes = 40;
+  ::supple::testing::expect_error("tiling.mesh_too_large", [&] { simulate_within(structure, load, options, 0.01); });
+}
+
+/// Requests a stop when it has been told so many times how far a path is.
+class StopAt : public ProgressSink {
+ public:
+  StopAt(CancellationToken token, int reports) : token_(std::move(token)), left_(reports) {}
+  void report(double /*fraction*/, std::string_view /*stage*/) override {
+    if (--left_ == 0) token_.request(StopReason::cancelled);
+  }
+
+ private:
+  CancellationToken token_;
+  int left_;
+};
+
+// Hard: a stop leaves the fine mesh's contacts and factors as they were in the middle of a path that touches.
+TEST(MeshErrorCases, ACancelledPathLeavesNothingBehind) {
+  const tiling::Structure structure = tiling::make_structure(tiling::family("IH01"), touching);
+  const Load load = UniaxialLoad{2.094, {0.95, 0.9}};
+  const SimulationResult wanted = Simulator(structure, saying_options()).run(load);
+  Simulator simulator(structure, saying_options());
+  for (const int reports : {1, 2}) {
+    Execution execution;
+    StopAt stop(execution.cancellation, reports);
+    execution.progress = &stop;
+    ::supple::testing::expect_error("job.cancelled", [&] { simulator.run(load, execution); });
+  }
+  const SimulationResult found = simulator.run(load);
+  ASSERT_EQ(found.states.size(), wanted.states.size());
+  for (std::size_t k = 0; k < found.states.size(); ++k) {
+    EXPECT_LT(norm_of(found.states[k].stress - wanted.states[k].stress), 1e-9 * norm_of(wanted.states[k].stress));
+    ASSERT_EQ(found.states[k].mesh_error.has_value(), wanted.states[k].mesh_error.has_value());
+    if (wanted.states[k].mesh_error)
+      EXPECT_NEAR(found.states[k].mesh_error->stress, wanted.states[k].mesh_error->stress,
+                  1e-4 * wanted.states[k].mesh_error->stress);
+  }
+}
+
+}  // namespace
+}  // namespace supple::microscale
