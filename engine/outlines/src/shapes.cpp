@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -334,7 +335,7 @@ class ShapeMaker {
         into[std::max(root(i), root(j))] = std::min(root(i), root(j));
         crossing.push_back(i);
         crossing.push_back(j);
-      } else {
+      } else if (!is_region(shapes[i]) && !is_region(shapes[j])) {
         apart.push_back(shapes[i].curve->what + " and " + shapes[j].curve->what);
       }
     }
@@ -362,6 +363,16 @@ class ShapeMaker {
       if (!shape.polygons.empty()) drop_tiny(shape);
     }
     std::erase_if(shapes, [](const Shape& shape) { return shape.polygons.empty(); });
+  }
+
+  /// Whether a shape stands in a group or layer called "regions", in small letters or capitals: such a shape may cross
+  /// the part of which it is a region.
+  static bool is_region(const Shape& shape) {
+    constexpr std::string_view regions = "regions";
+    const auto is_same_letter = [](char a, char small) { return a == small || (a >= 'A' && a - 'A' + 'a' == small); };
+    return std::any_of(shape.curve->names.begin(), shape.curve->names.end(), [&](const std::string& name) {
+      return std::equal(name.begin(), name.end(), regions.begin(), regions.end(), is_same_letter);
+    });
   }
 
   /// Whether two areas have one in common that is neither of them.
