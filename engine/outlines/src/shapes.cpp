@@ -389,6 +389,7 @@ class ShapeMaker {
     // one cell is looked at.
     const double size = 16 * tolerance_;
     std::unordered_map<GridCell, std::vector<const Points*>, GridCell::Hash> cells;
+    cells.reserve(result_.shapes.size());
     for (Shape& shape : result_.shapes) {
       std::vector<Points> kept;
       kept.reserve(shape.polygons.size());

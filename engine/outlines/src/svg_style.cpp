@@ -411,15 +411,14 @@ Declarations StyleSheet::declared(const pugi::xml_node& node) const {
   const auto take = [&result](const Declarations& from) {
     for (const auto& [name, value] : from) result[name] = value;
   };
-  Declarations own, own_important;
-  for_each_declaration(node.attribute("style").value(),
-                       [&](const std::string& name, std::string_view value, bool important) {
-                         (important ? own_important : own)[name] = value;
-                       });
   for (const Rule* rule : matched) take(rule->normal);
-  take(own);
+  Declarations important;
+  for_each_declaration(node.attribute("style").value(),
+                       [&](const std::string& name, std::string_view value, bool is_important) {
+                         (is_important ? important : result)[name] = value;
+                       });
   for (const Rule* rule : matched) take(rule->important);
-  take(own_important);
+  take(important);
   return result;
 }
 
