@@ -37,7 +37,9 @@ std::string text_or_places(Read&& read, const std::string& code = {}) {
   try {
     return std::forward<Read>(read)();
   } catch (const Error& error) {
-    if (!code.empty()) EXPECT_EQ(error.code(), code) << error.what();
+    if (!code.empty()) {
+      EXPECT_EQ(error.code(), code) << error.what();
+    }
     std::string result;
     for (const std::string& place : places(error)) result += (result.empty() ? "" : " ") + place;
     return result;
