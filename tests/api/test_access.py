@@ -8,8 +8,9 @@ import shutil
 import stat
 import subprocess
 import time
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Dict, Tuple
+from typing import Any, Callable, Dict, Iterator, Tuple
 
 import pytest
 import requests
@@ -38,9 +39,20 @@ def secret_of(key: str) -> str:
     return key.split("_")[2]
 
 
-def wait_for_look_at_keys() -> None:
-    """The server looks at its key file once a second."""
-    time.sleep(1.2)
+def looks_at_keys(server: ServerProcess) -> int:
+    """How often the server has found other keys in its file."""
+    return len(re.findall(r"keys: \d+ are in ", server.log_text()))
+
+
+@contextmanager
+def seen_by(server: ServerProcess) -> Iterator[None]:
+    """One change of the key file, which the server has seen at the end: at a request, up to a second later."""
+    before, end = looks_at_keys(server), time.monotonic() + 60
+    yield
+    while looks_at_keys(server) == before:
+        assert time.monotonic() < end
+        requests.get(f"{server.url}/v1/meshes", timeout=60)
+        time.sleep(0.02)
 
 
 @pytest.fixture(scope="module")
@@ -234,8 +246,8 @@ def test_the_bytes_that_a_key_stores_are_bounded(new_server: NewServer, tmp_path
     assert len(jobs_of(many)) == 1, "nobody else's go"
 
     bytes_of_mesh = (data / "meshes" / f"{mesh}.ply").stat().st_size
-    tiny = Api(server, contract, add_key(data, "tiny", "read,compute", "--max-stored", str(bytes_of_mesh + 4000)))
-    wait_for_look_at_keys()
+    with seen_by(server):
+        tiny = Api(server, contract, add_key(data, "tiny", "read,compute", "--max-stored", str(bytes_of_mesh + 4000)))
     assert tiny.upload(*flat_grid(30)) == mesh
     failed = field(tiny, mesh, 0)
     assert (failed["state"], failed["error"]["code"]) == ("failed", "store.key_quota")
@@ -347,8 +359,12 @@ def test_one_keys_session_of_designs_replaces_nothing_of_anothers(new_server: Ne
     job = start_named_job(first, "/v1/designs", long_design(session="drag"))
     first.wait_for_job(job, states=("running",))
     second.ok("/v1/designs", quick_design(session="drag"))
-    time.sleep(1)  # in which a computation that is to stop does
-    assert first.get(f"/v1/jobs/{job}").json()["state"] == "running"
+    # Where it tells how far it is, it would hear of a stop.
+    progress, end = first.get(f"/v1/jobs/{job}").json()["progress"], time.monotonic() + 60
+    while (document := first.get(f"/v1/jobs/{job}").json())["progress"] == progress:
+        assert document["state"] == "running" and time.monotonic() < end
+        time.sleep(0.02)
+    assert document["state"] == "running"
     first.ok("/v1/designs", quick_design(session="drag"))
     assert first.wait_for_job(job)["error"]["code"] == "design.superseded"
 
@@ -386,23 +402,23 @@ def test_keys_are_added_rotated_and_revoked_without_a_restart(new_server: NewSer
     data = tmp_path / "data"
     server = new_server()
     assert Api(server, contract).get("/v1/meshes").status_code == 200
-    first = add_key(data, "lab", "read,compute")
-    wait_for_look_at_keys()
+    with seen_by(server):
+        first = add_key(data, "lab", "read,compute")
     assert problem_code(Api(server, contract).get("/v1/meshes")) == "access.key_required"
     mesh = Api(server, contract, first).upload(*flat_grid(3))
 
-    second = keys_command(data, "rotate", id_of(first), "--overlap", "1h")
-    wait_for_look_at_keys()
+    with seen_by(server):
+        second = keys_command(data, "rotate", id_of(first), "--overlap", "1h")
     for key in (first, second):
         assert Api(server, contract, key).get(f"/v1/meshes/{mesh}").status_code == 200
-    third = keys_command(data, "rotate", id_of(first), "--overlap", "0")
-    wait_for_look_at_keys()
+    with seen_by(server):
+        third = keys_command(data, "rotate", id_of(first), "--overlap", "0")
     for key in (first, second):
         assert problem_code(Api(server, contract, key).get("/v1/meshes")) == "access.key_invalid"
     assert Api(server, contract, third).get(f"/v1/meshes/{mesh}").status_code == 200
 
-    keys_command(data, "revoke", id_of(first))
-    wait_for_look_at_keys()
+    with seen_by(server):
+        keys_command(data, "revoke", id_of(first))
     assert problem_code(Api(server, contract, third).get("/v1/meshes")) == "access.key_invalid"
     assert problem_code(Api(server, contract).get("/v1/meshes")) == "access.key_required"
 
@@ -411,8 +427,8 @@ def test_a_key_expires(new_server: NewServer, tmp_path: Path, contract: Contract
     add_key(tmp_path / "data", "long", "read")
     server = new_server()
     begin = time.time()
-    api = Api(server, contract, add_key(tmp_path / "data", "short", "read", "--expires", "6s"))
-    wait_for_look_at_keys()
+    with seen_by(server):
+        api = Api(server, contract, add_key(tmp_path / "data", "short", "read", "--expires", "6s"))
     assert api.get("/v1/meshes").status_code == 200
     while (response := api.get("/v1/meshes")).status_code == 200:
         assert time.time() < begin + 60
@@ -550,8 +566,8 @@ def test_a_session_ends_with_its_key(new_server: NewServer, tmp_path: Path, cont
     server = new_server()
     api, _ = sign_in(server, contract, key)
     assert api.get("/v1/meshes").status_code == 200
-    keys_command(data, "revoke", id_of(key))
-    wait_for_look_at_keys()
+    with seen_by(server):
+        keys_command(data, "revoke", id_of(key))
     assert problem_code(api.get("/v1/meshes")) == "access.key_invalid"
 
 

@@ -88,6 +88,29 @@ def test_a_design_reads_a_file_as_the_curve_does(designs: Api, tmp_path: Path) -
     assert both.returncode == 1
 
 
+def test_control_points_in_the_place_of_measurements_are_told_the_option_that_reads_them(designs: Api, tmp_path: Path) -> None:
+    file = tmp_path / "points.csv"
+    advice = f"give --target-points {file}"
+    for task, points in (("stress_strain", "0,0\n0.1,0.05\n0.15,0.11\n"), ("poisson", "0,0.3\n45deg,-0.1\n"),
+                         ("poisson", "0,0.3\n0.8,-0.1\n"), ("stiffness", "direction,stiffness\n0,1,1\n0.8,2,3\n"),
+                         ("stress_strain", "x,y,weight,band\n0,0,1,0.1\n0.1,0.05,1,0.1\n")):
+        file.write_text(points)
+        refused = cli(designs, "design", "--task", task, "--family", "IH67", "--target", str(file))
+        assert refused.returncode == 2 and advice in refused.stderr, refused.stderr
+        piped = cli(designs, "design", "--task", task, "--family", "IH67", "--target", "-", text=points)
+        assert piped.returncode == 2 and "give --target-points FILE" in piped.stderr, piped.stderr
+    # What no control points can be is measurements alone.
+    file.write_text("Time,Load,Extension,Strain,Stress\n0,0,0,0,0\n1,2,3,4,5\n")
+    refused = cli(designs, "design", "--task", "stress_strain", "--family", "IH67", "--target", str(file))
+    assert refused.returncode == 2 and "--target-points" not in refused.stderr, refused.stderr
+    # A fault of a control point names the option that it came by.
+    file.write_text("0,0\n0.1,0.05\n0.05,0.11\n")
+    refused = cli(designs, "design", "--task", "stress_strain", "--family", "IH67", "--target-points", str(file))
+    assert refused.returncode == 2 and "--target-points" in refused.stderr, refused.stderr
+    with supple.Client(designs.server.url) as client, pytest.raises(supple.InvalidRequest, match=r"give them to supple\.Target"):
+        supple.Target.from_csv(file, client)
+
+
 def test_the_command_line_says_which_option_answers(designs: Api, tmp_path: Path) -> None:
     file = tmp_path / "file.csv"
     for text, options, answer in (

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import http.client
+import json
 import os
 import subprocess
+import time
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Callable, Dict, List
 
 import numpy as np
 import pytest
 
 import supple
-from harness import CLI, Api, pointers, problem_code
-from shapes import flat_grid, obj_text
+from contract import Contract
+from harness import CLI, Api, ServerProcess, pointers, problem_code, slow_relaxation
+from shapes import bumpy_sphere, flat_grid, obj_text
 
 # On the grid of side 1 in the plane z = 0: above the middle of a face, beyond a corner, and on a vertex.
 ABOVE = {"position": [0.3, 0.1, 0.25]}
@@ -164,3 +168,24 @@ def test_the_python_package_takes_points_in_space(api: Api, grid: Any) -> None:
         assert mesh.exponential_map(above, (0.1, 0, 0)).points_in_space[0].point.face == placed.point.face
         with pytest.raises(ValueError):
             mesh.field([supple.SpacePoint(0, float("nan"), 0)])
+
+
+def test_the_search_of_a_large_mesh_waits_for_its_turn_and_its_deadline(new_server: Callable[..., ServerProcess], contract: Contract) -> None:
+    server = new_server("--immediate", "1")
+    api = Api(server, contract)
+    large, small = api.upload(*flat_grid(110)), api.upload(*flat_grid(4))
+    respond_async = {"Prefer": "respond-async"}
+    late = {"mesh": small, "sources": [{"vertex": 0}], "deadline": 0.5}
+    computing = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+    body = json.dumps(slow_relaxation(api.upload(*bumpy_sphere(3)), 100_000))
+    computing.request("POST", "/v1/embedded-systems", body, {"Content-Type": "application/json"})
+    end = time.monotonic() + 60
+    while api.post("/v1/geodesic-fields", late).status_code != 504:  # until that computes
+        assert time.monotonic() < end
+    late["sources"] = [ABOVE]
+    waited = api.post("/v1/geodesic-fields", {**late, "mesh": large}, headers=respond_async)
+    assert (waited.status_code, problem_code(waited)) == (504, "job.deadline_exceeded")
+    assert api.post("/v1/geodesic-fields", late, headers=respond_async).status_code == 202, "it takes no time worth waiting for"
+    computing.close()
+    answer = api.ok("/v1/geodesic-fields", {"mesh": large, "sources": [ABOVE]})
+    assert answer["points_in_space"][0]["distance"] == pytest.approx(0.25)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import time
-from datetime import datetime, timezone
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any, Callable, Dict, List
 
@@ -33,6 +33,10 @@ def submit(api: Api, request: Dict[str, Any], **headers: str) -> str:
     response = api.post(FIELDS if "sources" in request else NETWORKS, request, headers={**ASYNC, **headers})
     assert response.status_code == 202, response.text
     return str(response.json()["id"])
+
+
+def moment(text: str) -> datetime:
+    return datetime.fromisoformat(text.replace("Z", "+00:00"))
 
 
 def kill_while_it_runs(server: ServerProcess, contract: Contract, job: str) -> None:
@@ -173,14 +177,16 @@ def test_the_deadline_of_a_resumed_job_counts_from_the_start_of_its_server(new_s
     running, waiting = deadlines
     created = api.get(f"/v1/jobs/{running}").json()["created"]
     kill_while_it_runs(server, contract, running)
-    time.sleep(3)
+    # What counted from the creation would end by so much too early.
+    while datetime.now(timezone.utc) < moment(created) + timedelta(seconds=1):
+        time.sleep(0.02)
     begin = datetime.now(timezone.utc)
     server.start()
     api = Api(server, contract)
     for job in (waiting, running):
         document = api.wait_for_job(job)
         assert (document["error"]["code"], document["deadline"]) == ("job.deadline_exceeded", deadlines[job])
-        lasted = datetime.fromisoformat(document["finished"].replace("Z", "+00:00")) - begin
+        lasted = moment(document["finished"]) - begin
         assert lasted.total_seconds() >= deadlines[job], "the time before the start does not count"
     assert api.get(f"/v1/jobs/{running}").json()["created"] == created
 

@@ -170,12 +170,13 @@ def test_meshes_are_limited_in_bytes_and_go_when_nobody_uses_them(new_server: Ne
     assert Api(server, contract).get(f"/v1/meshes/{mesh}").status_code == 200
     assert server.terminate() == 0
     server.arguments = ("--mesh-retention", "0.5")
-    time.sleep(1)
     server.start()
     deadline = time.monotonic() + PATIENCE_SECONDS
-    while Api(server, contract).get(f"/v1/meshes/{mesh}").status_code == 200:
+    # To ask for the mesh would be a use of it.
+    while (server.data / "meshes" / f"{mesh}.ply").exists():
         assert time.monotonic() < deadline
         time.sleep(0.05)
+    assert Api(server, contract).get(f"/v1/meshes/{mesh}").status_code == 404
     assert "--mesh-retention" in server.log_text()
 
 

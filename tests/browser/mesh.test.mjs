@@ -148,6 +148,29 @@ describe("the mesh page", () => {
     await closePage(page);
   });
 
+  it("repairs a cracked mesh by one click, whether it was just uploaded or opened from the list", async () => {
+    const page = await open();
+    const cracked = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 1 1 2e-7\nv 0 1 0\nv 0 0 2e-7\nf 1 2 3\nf 6 4 5\n";
+    const notes = page.locator('[aria-label="Surface"] .note');
+    const repair = page.getByRole("button", { name: "Repair the mesh" });
+    await upload(page, "cracked.obj", cracked);
+    await repair.waitFor();
+    await picture(page, "mesh-cracked");
+    const id = await page.getByLabel("Meshes on the server").inputValue();
+    for (const again of [false, true]) {
+      if (again) {
+        await page.getByLabel("Meshes on the server").selectOption(id);
+        await notes.filter({ hasText: "open along cracks" }).waitFor();
+      }
+      await repair.click();
+      await notes.filter({ hasText: "Repaired: 6 vertices and 2 faces became 4 vertices and 2 faces." }).waitFor();
+      assert.equal(await notes.filter({ hasText: "cracks" }).count(), 0);
+      assert.equal(await repair.count(), 0);
+      assert.equal(await page.getByLabel("Whatever the mesh needs").isChecked(), false, "the next file is not repaired unasked");
+    }
+    await closePage(page);
+  });
+
   it("offers the repairs that mend a file, makes them, and tells what they changed", async () => {
     const page = await open();
     await upload(page, "doubled.obj", `${TETRAHEDRON}v 0 1.5 0\nv 0 0 3\nf 1 2 3\nf 1 2 1\n`);

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "supple/base/error.h"
 
@@ -27,6 +28,22 @@ inline std::vector<std::string> places(const Error& error) {
   std::vector<std::string> result;
   for (const Error::Detail& detail : error.details()) result.push_back(detail.where);
   return result;
+}
+
+/// The text that `read` returns; where it throws an Error, of that code if one is given, the places of its details,
+/// separated by blanks.
+template <typename Read>
+std::string text_or_places(Read&& read, const std::string& code = {}) {
+  try {
+    return std::forward<Read>(read)();
+  } catch (const Error& error) {
+    if (!code.empty()) {
+      EXPECT_EQ(error.code(), code) << error.what();
+    }
+    std::string result;
+    for (const std::string& place : places(error)) result += (result.empty() ? "" : " ") + place;
+    return result;
+  }
 }
 
 }  // namespace supple::testing

@@ -28,7 +28,7 @@ std::string as_lines(const nlohmann::json& answer) {
 
 void run(const GlobalOptions& options, const CurveArguments& arguments) {
   Session session(options);
-  const auto answer = reduce_curve(session, arguments.file, arguments.task, arguments.measured);
+  const auto answer = reduce_curve(session, bytes_of_measurements(arguments.file), arguments.task, arguments.measured);
   if (!arguments.out_file.empty()) write_file(arguments.out_file, as_lines(answer));
   if (session.json() && arguments.out_file != "-") return print_json(answer);
   print_curve_notes(answer);

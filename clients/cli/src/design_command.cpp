@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <utility>
 
 #include "angles.h"
 #include "commands.h"
@@ -9,6 +10,7 @@
 #include "measured_curve_arguments.h"
 #include "numbers.h"
 #include "picture.h"
+#include "problem.h"
 #include "profile_arguments.h"
 #include "profile_plot.h"
 
@@ -59,10 +61,27 @@ nlohmann::json request_in_file(const std::string& file) {
   return request;
 }
 
+/// The curve of a file of measurements. Where the server refuses it, and its lines could be control points, the failure
+/// names the option that reads those.
+nlohmann::json measured_curve(Session& session, const DesignArguments& arguments, const std::string& bytes,
+                              const std::string& task) {
+  try {
+    return reduce_curve(session, bytes, task, arguments.measured);
+  } catch (const Problem& problem) {
+    constexpr int unprocessable = 422;
+    if (problem.status() != unprocessable || !holds_control_points(bytes, is_over_directions(task))) throw;
+    auto document = problem.document();
+    document["hint"] = fmt::format("If its lines are control points rather than measurements, give --target-points {}.",
+                                   arguments.target == "-" ? "FILE" : arguments.target);
+    throw Problem(problem.code(), problem.status(), problem.what(), std::move(document));
+  }
+}
+
 /// The target of a file of measurements. Instruments measure stretch and force over rest width.
 void take_measured_target(Session& session, const DesignArguments& arguments, nlohmann::json& request) {
   const std::string task = request.value("task", "stress_strain");
-  const auto answer = reduce_curve(session, arguments.target, task, arguments.measured);
+  const std::string bytes = bytes_of_measurements(arguments.target);
+  const auto answer = measured_curve(session, arguments, bytes, task);
   request["task"] = task;
   request["target"] = answer.at("target");
   if (task == "stress_strain" && !request.contains("strain_measure")) request["strain_measure"] = "engineering";

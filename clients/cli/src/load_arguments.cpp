@@ -39,7 +39,10 @@ nlohmann::json biaxial_stretches(const LoadArguments& arguments) {
 std::vector<std::string> parse_rows(const std::string& argument, bool& is_file) {
   std::error_code ignored;
   is_file = std::filesystem::is_regular_file(argument, ignored) || looks_like_path(argument);
-  std::string text = is_file ? read_file(argument) : argument;
+  return rows_in(is_file ? read_file(argument) : argument);
+}
+
+std::vector<std::string> rows_in(std::string text) {
   std::replace(text.begin(), text.end(), ';', '\n');
   std::vector<std::string> rows;
   std::istringstream lines(text);

@@ -26,6 +26,9 @@ nlohmann::json load_of(const LoadArguments& arguments);
 /// skipped. `is_file` says which it was. Throws Failure(local_file).
 std::vector<std::string> parse_rows(const std::string& argument, bool& is_file);
 
+/// The rows of a text, which end at line breaks and semicolons: without blanks, empty rows and comments ("# ...").
+std::vector<std::string> rows_in(std::string text);
+
 /// Green strains xx,yy,xy of a file or between semicolons. Throws Failure(usage), Failure(local_file).
 nlohmann::json parse_green_strains(const std::string& argument);
 

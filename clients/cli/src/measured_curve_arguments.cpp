@@ -20,11 +20,6 @@ namespace {
 constexpr int max_control_points = 64;
 constexpr int max_blocks = 10'000;
 
-std::string text_of(const std::string& file) {
-  if (file != "-") return read_file(file);
-  return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
-}
-
 /// Whether a text can stand in JSON as it is: no overlong forms and no surrogates either.
 bool is_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
@@ -122,9 +117,13 @@ bool is_measured(const std::string& target) {
   return target == "-" || std::filesystem::is_regular_file(target, ignored) || looks_like_path(target);
 }
 
-nlohmann::json reduce_curve(Session& session, const std::string& file, const std::string& task,
+std::string bytes_of_measurements(const std::string& file) {
+  if (file != "-") return read_file(file);
+  return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
+}
+
+nlohmann::json reduce_curve(Session& session, const std::string& bytes, const std::string& task,
                             const MeasuredCurveArguments& arguments) {
-  const std::string bytes = text_of(file);
   nlohmann::json request;
   // The server tells the encodings of instruments apart; JSON can hold UTF-8 alone.
   if (is_utf8(bytes) && bytes.find('\0') == std::string::npos) {

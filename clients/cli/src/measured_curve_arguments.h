@@ -28,8 +28,11 @@ void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& argum
 /// stand on the command line.
 bool is_measured(const std::string& target);
 
-/// The answer of the server to the measurements of a file, or of standard input where it is "-". Throws Failure.
-nlohmann::json reduce_curve(Session& session, const std::string& file, const std::string& task,
+/// The bytes of a file, or of standard input where it is "-". Throws Failure(local_file).
+std::string bytes_of_measurements(const std::string& file);
+
+/// The answer of the server to the measurements that the bytes of a file hold. Throws Failure.
+nlohmann::json reduce_curve(Session& session, const std::string& bytes, const std::string& task,
                             const MeasuredCurveArguments& arguments);
 
 /// How close the control points come, in a sentence.

@@ -173,6 +173,8 @@ std::string name_of_field(const std::string& pointer, const std::vector<const CL
     const bool here = known.command.empty() || known.command == command.get_name();
     if (!here || !lies_within(pointer, known.pointer)) continue;
     if (from_file) return field;
+    const CLI::Option* const points = command.get_option_no_throw("--target-points");
+    if (known.name == "--target" && points != nullptr && points->count() > 0) return "--target-points";
     // Entries of several options are counted together, which tells nothing of one of them.
     const bool several = known.name.find(" or ") != std::string_view::npos;
     return std::string(known.name) +

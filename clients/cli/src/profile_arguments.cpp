@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -94,6 +95,13 @@ nlohmann::json parse_target(const std::string& argument, bool over_directions) {
     if (point.size() > 3) target["bands"].push_back(point[3]);
   }
   return target;
+}
+
+bool holds_control_points(const std::string& text, bool over_directions) {
+  const auto rows = rows_in(text);
+  const auto first = rows.begin() + (!rows.empty() && is_heading(rows.front()) ? 1 : 0);
+  return first != rows.end() &&
+         std::all_of(first, rows.end(), [&](const std::string& row) { return control_point_in(row, over_directions); });
 }
 
 nlohmann::json parse_fixed(const std::string& text) {

@@ -32,6 +32,9 @@ std::optional<std::vector<double>> control_point_in(const std::string& row, bool
 /// a unit. Throws Failure(usage), Failure(local_file).
 nlohmann::json parse_target(const std::string& argument, bool over_directions);
 
+/// Whether every line of a text is a control point as parse_target reads it, below a heading or not.
+bool holds_control_points(const std::string& text, bool over_directions);
+
 /// Whether the x of a task's profile are directions.
 bool is_over_directions(const std::string& task);
 

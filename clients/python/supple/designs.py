@@ -18,6 +18,7 @@ from .design_answers import (
     profile_from_wire,
     regions_from_wire,
 )
+from .errors import InvalidRequest
 from .jobs import Computation
 
 if TYPE_CHECKING:
@@ -103,12 +104,33 @@ class Target:
 def _measured(
     client: Optional["Client"], source: Union[str, Path, None], points: Optional[ArrayLike], how: Dict[str, Any]
 ) -> Target:
-    if client is not None:
-        return client.measured_curve(source, points=points, **how).target()
-    from .client import Client
+    if client is None:
+        from .client import Client
 
-    with Client() as own:
-        return own.measured_curve(source, points=points, **how).target()
+        with Client() as own:
+            return _measured(own, source, points, how)
+    try:
+        return client.measured_curve(source, points=points, **how).target()
+    except InvalidRequest as refused:
+        if source is None or not _holds_control_points(source):
+            raise
+        advice = " If the lines are control points rather than measurements, give them to supple.Target, for example by numpy.loadtxt."
+        raise type(refused)(refused.status, refused.code, refused.title, refused.detail + advice, refused.faults) from None
+
+
+def _holds_control_points(source: Union[str, Path]) -> bool:
+    """Whether each line of a file or text is two to four numbers, below a heading or not: what control points look like."""
+    from .measured import text_of
+
+    lines = [line for line in text_of(source).splitlines() if line.strip() and not line.lstrip().startswith("#")]
+
+    def is_point(line: str) -> bool:
+        try:
+            return 2 <= len([float(cell) for cell in line.split(",")]) <= 4
+        except ValueError:
+            return False
+
+    return bool(lines) and all(map(is_point, lines[1:])) and (is_point(lines[0]) or len(lines) > 1)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { MeshRepair } from "../src/contract/types";
-import { afterChoice, helpAgainst, ordered, repairSentence, uploadPath } from "../src/mesh/repair";
+import { afterChoice, helpAgainst, mayBeRepaired, ordered, repairSentence, uploadPath } from "../src/mesh/repair";
 
 const NONE: MeshRepair = {
   made: [],
@@ -9,6 +9,13 @@ const NONE: MeshRepair = {
 };
 
 describe("repairs at upload", () => {
+  it("are offered by a click where a warning names one and none was made", () => {
+    const cracks = "The surface is open along cracks: 2 vertices differ; uploaded with repair=weld they are joined.";
+    expect(mayBeRepaired({ warnings: ["1 polygon was cut into triangles.", cracks] })).toBe(true);
+    expect(mayBeRepaired({ warnings: ["1 polygon was cut into triangles."] })).toBe(false);
+    expect(mayBeRepaired({ warnings: [cracks], repair: NONE })).toBe(false);
+  });
+
   it("are offered where they help and were not made", () => {
     const problem = (code: string, detail = "2 faces are degenerate; uploaded with repair=drop_degenerate the mesh is sound.") => ({ code, detail });
     expect(helpAgainst(problem("mesh.degenerate_face"), [])).toEqual(["automatic"]);

@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
+#include "grid_cells.h"
 #include "polygon_measures.h"
 #include "reading.h"
 
@@ -22,12 +25,10 @@ constexpr double longest_merged = 2;
 /// Two short lines lie over each other only if their ends are nearer than this fraction of their length.
 constexpr double same_end = 0.25;
 
-using Cell = std::array<std::int64_t, 2>;
-using CellOfGroup = std::pair<std::string, Cell>;
+/// Sides of the cells in which ends are looked for, in reaches: mostly one cell is near an end.
+constexpr double cell_size = 16;
 
-Cell cell_of(const Point& p, double size) {
-  return {static_cast<std::int64_t>(std::floor(p.x() / size)), static_cast<std::int64_t>(std::floor(p.y() / size))};
-}
+using Cells = std::unordered_map<GridCell, std::vector<std::size_t>, GridCell::Hash>;
 
 double length_of(const Points& points) {
   double length = 0;
@@ -40,7 +41,7 @@ struct Chain {
   Points points;
   std::vector<std::size_t> members;  ///< polylines in the order of the chain
   double length = 0;
-  std::string group;
+  std::size_t group = 0;  ///< a number for each group
 
   std::size_t first_member() const { return *std::min_element(members.begin(), members.end()); }
 };
@@ -98,27 +99,30 @@ class Graph {
   }
 
   void find_nodes(bool by_group) {
-    std::map<CellOfGroup, std::vector<std::size_t>> cells;
+    Cells cells;
     Sets sets(ends_.size());
     for (std::size_t half = 0; half < ends_.size(); ++half) {
       if (half % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
       const Chain& chain = chains_[half / 2];
       if (chain.length <= reach_) continue;  // it would close by itself
-      const std::string group = by_group ? chain.group : std::string();
-      const Cell own = cell_of(end_point(half), reach_);
-      for (std::int64_t i = -1; i <= 1; ++i) {
-        for (std::int64_t j = -1; j <= 1; ++j) {
-          const auto found = cells.find({group, {own[0] + i, own[1] + j}});
-          if (found == cells.end()) continue;
-          for (const std::size_t other : found->second) {
-            if ((end_point(other) - end_point(half)).norm() <= reach_) sets.unite(half, other);
-          }
-        }
-      }
+      const std::size_t group = by_group ? chain.group : 0;
+      const Point& end = end_point(half);
+      const double size = cell_size * reach_;
+      any_cell_near(
+          end, reach_, size,
+          [&](const GridCell& cell) {
+            const auto found = cells.find(cell);
+            if (found == cells.end()) return false;
+            for (const std::size_t other : found->second) {
+              if ((end_point(other) - end).norm() <= reach_) sets.unite(half, other);
+            }
+            return false;
+          },
+          group);
       // Ends in the same place are one node whichever of them represents it.
-      auto& here = cells[{group, own}];
+      auto& here = cells[cell_of(end, size, group)];
       const bool known =
-          std::any_of(here.begin(), here.end(), [&](std::size_t other) { return end_point(other) == end_point(half); });
+          std::any_of(here.begin(), here.end(), [&](std::size_t other) { return end_point(other) == end; });
       if (!known) here.push_back(half);
     }
     for (std::size_t half = 0; half < ends_.size(); ++half) ends_[half] = sets.find(half);
@@ -138,31 +142,44 @@ class Graph {
         continue;
       }
       used_[k] = true;
-      closed.push_back(chains_[k]);
+      closed.push_back(std::move(chains_[k]));
     }
   }
 
   bool is_active(std::size_t k) const { return !used_[k] && !is_idle_[k]; }
 
+  /// Sorts the half-edges of active chains by the node where they begin.
+  void list_at_nodes() {
+    first_at_node_.assign(ends_.size() + 1, 0);
+    for (std::size_t half = 0; half < ends_.size(); ++half) first_at_node_[ends_[half] + 1] += is_active(half / 2);
+    std::partial_sum(first_at_node_.begin(), first_at_node_.end(), first_at_node_.begin());
+    halves_.resize(first_at_node_.back());
+    std::vector<std::size_t> next(first_at_node_.begin(), first_at_node_.end() - 1);
+    for (std::size_t half = 0; half < ends_.size(); ++half) {
+      if (is_active(half / 2)) halves_[next[ends_[half]]++] = half;
+    }
+  }
+
+  /// The half-edges that begin at a node.
+  std::span<const std::size_t> at_node(std::size_t node) const {
+    return std::span(halves_).subspan(first_at_node_[node], first_at_node_[node + 1] - first_at_node_[node]);
+  }
+
   /// The chains that are left when those with a free end are taken away again and again.
   void find_core() {
-    for (std::size_t k = 0; k < chains_.size(); ++k) {
-      if (!is_active(k)) continue;
-      at_node_[ends_[2 * k]].push_back(2 * k);
-      at_node_[ends_[2 * k + 1]].push_back(2 * k + 1);
-    }
-    std::unordered_map<std::size_t, std::size_t> degree;
+    list_at_nodes();
+    std::vector<std::size_t> degree(ends_.size());
     std::vector<std::size_t> free;
-    for (const auto& [node, halves] : at_node_) {
-      degree[node] = halves.size();
-      if (halves.size() == 1) free.push_back(node);
+    for (std::size_t node = 0; node < ends_.size(); ++node) {
+      degree[node] = at_node(node).size();
+      if (degree[node] == 1) free.push_back(node);
     }
     is_core_.assign(chains_.size(), false);
     for (std::size_t k = 0; k < chains_.size(); ++k) is_core_[k] = is_active(k);
     while (!free.empty()) {
       const std::size_t node = free.back();
       free.pop_back();
-      for (const std::size_t half : at_node_[node]) {
+      for (const std::size_t half : at_node(node)) {
         if (!is_core_[half / 2]) continue;
         is_core_[half / 2] = false;
         --degree[node];
@@ -173,7 +190,7 @@ class Graph {
 
   std::vector<std::size_t> core_at(std::size_t node) const {
     std::vector<std::size_t> halves;
-    for (const std::size_t half : at_node_.at(node)) {
+    for (const std::size_t half : at_node(node)) {
       if (is_core_[half / 2]) halves.push_back(half);
     }
     return halves;
@@ -207,11 +224,16 @@ class Graph {
   }
 
   void close_core(std::vector<Chain>& closed, std::vector<Point>& branches) {
-    std::unordered_map<std::size_t, std::size_t> next;  // of half-edges, along the area to their left
-    for (const auto& [node, unused] : at_node_) {
-      std::vector<std::pair<double, std::size_t>> around;
+    std::vector<std::size_t> next(ends_.size());  // of half-edges, along the area to their left
+    std::vector<std::pair<double, std::size_t>> around;
+    for (std::size_t node = 0; node < ends_.size(); ++node) {
       const auto halves = core_at(node);
-      around.reserve(halves.size());
+      if (halves.size() == 2) {
+        next[halves[0] ^ 1U] = halves[1];
+        next[halves[1] ^ 1U] = halves[0];
+        continue;
+      }
+      around.clear();
       for (const std::size_t half : halves) around.emplace_back(angle_of(half), half);
       std::sort(around.begin(), around.end());
       // What comes in along the reverse of a half-edge leaves by the one before it counterclockwise.
@@ -233,14 +255,14 @@ class Graph {
           walked[half] = true;
           append(chain, half);
           is_simple_cycle = is_simple_cycle && at_core_degree(to(half)) == 2;
-          half = next.at(half);
+          half = next[half];
         } while (half != start);
         if (is_simple_cycle) {
           // Both directions are the same curve; it keeps that of its first piece.
           std::size_t back = start;
           do {
             walked[back ^ 1U] = true;
-            back = next.at(back);
+            back = next[back];
           } while (back != start);
         } else if (area_of(chain.points) <= 0) {
           continue;  // the outside
@@ -255,13 +277,13 @@ class Graph {
 
   std::size_t at_core_degree(std::size_t node) const {
     std::size_t count = 0;
-    for (const std::size_t half : at_node_.at(node)) count += is_core_[half / 2] ? 1 : 0;
+    for (const std::size_t half : at_node(node)) count += is_core_[half / 2] ? 1 : 0;
     return count;
   }
 
   std::vector<std::size_t> open_at(std::size_t node) const {
     std::vector<std::size_t> halves;
-    for (const std::size_t half : at_node_.at(node)) {
+    for (const std::size_t half : at_node(node)) {
       if (!used_[half / 2]) halves.push_back(half);
     }
     return halves;
@@ -304,36 +326,38 @@ class Graph {
   const Execution& execution_;
   std::vector<std::size_t> ends_;  ///< of half-edges: the node where each begins
   std::vector<bool> used_, is_idle_, is_core_;
-  std::map<std::size_t, std::vector<std::size_t>> at_node_;  ///< half-edges that begin at a node
+  std::vector<std::size_t> halves_;         ///< half-edges by the node where they begin
+  std::vector<std::size_t> first_at_node_;  ///< where those of a node begin in `halves_`
   std::vector<Chain> merged_;
 };
 
 /// Takes away open chains that lie over others.
 void drop_doubled(std::vector<Chain>& chains, double reach, bool by_group, std::vector<std::size_t>& doubled,
                   const Execution& execution) {
-  std::map<CellOfGroup, std::vector<std::size_t>> cells;
+  Cells cells;
   std::vector<Chain> kept;
+  kept.reserve(chains.size());
   for (std::size_t k = 0; k < chains.size(); ++k) {
     if (k % curves_between_checks == 0) execution.cancellation.throw_if_requested();
     Chain& chain = chains[k];
     const double close = std::min(reach, same_end * chain.length);
     const Point middle = (chain.points.front() + chain.points.back()) / 2;
-    const std::string group = by_group ? chain.group : std::string();
-    const Cell own = cell_of(middle, reach);
-    bool found = false;
-    for (std::int64_t i = -1; i <= 1 && !found; ++i) {
-      for (std::int64_t j = -1; j <= 1 && !found; ++j) {
-        const auto near = cells.find({group, {own[0] + i, own[1] + j}});
-        if (near == cells.end()) continue;
-        for (const std::size_t other : near->second)
-          found = found || is_same_curve(kept[other].points, chain.points, close, false);
-      }
-    }
+    const std::size_t group = by_group ? chain.group : 0;
+    const double size = cell_size * reach;
+    const bool found = any_cell_near(
+        middle, reach, size,
+        [&](const GridCell& cell) {
+          const auto near = cells.find(cell);
+          return near != cells.end() && std::any_of(near->second.begin(), near->second.end(), [&](std::size_t other) {
+                   return is_same_curve(kept[other].points, chain.points, close, false);
+                 });
+        },
+        group);
     if (found) {
       doubled.insert(doubled.end(), chain.members.begin(), chain.members.end());
       continue;
     }
-    cells[{group, own}].push_back(kept.size());
+    cells[cell_of(middle, size, group)].push_back(kept.size());
     kept.push_back(std::move(chain));
   }
   chains = std::move(kept);
@@ -341,14 +365,21 @@ void drop_doubled(std::vector<Chain>& chains, double reach, bool by_group, std::
 
 }  // namespace
 
-Chains joined(const std::vector<Polyline>& polylines, double reach, const Execution& execution) {
+Chains joined(std::vector<Polyline>& polylines, double reach, const Execution& execution) {
   Chains result;
   std::vector<Chain> open, closed;
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // by the first polyline; open ones after closed ones
+  constexpr std::size_t alone = SIZE_MAX;                  // for a polyline that is closed as it stands
+  std::unordered_map<std::string_view, std::size_t> groups;
   for (std::size_t i = 0; i < polylines.size(); ++i) {
     const Polyline& polyline = polylines[i];
     const bool back_again = polyline.points.size() > 2 && polyline.points.front() == polyline.points.back();
-    Chain chain{polyline.points, {i}, length_of(polyline.points), polyline.group};
-    (polyline.closed || back_again ? closed : open).push_back(std::move(chain));
+    if (polyline.closed || back_again) {
+      order.emplace_back(i, alone);
+      continue;
+    }
+    const std::size_t group = groups.try_emplace(polyline.source->group, groups.size()).first->second;
+    open.push_back({polyline.points, {i}, length_of(polyline.points), group});
   }
   drop_doubled(open, reach, true, result.doubled, execution);
   std::size_t closed_by_group = 0;
@@ -360,16 +391,20 @@ Chains joined(const std::vector<Polyline>& polylines, double reach, const Execut
     }
     if (by_group) closed_by_group = closed.size();
   }
-  std::vector<std::pair<std::size_t, std::size_t>> order;  // by the first polyline; open ones after closed ones
   for (std::size_t k = 0; k < closed.size() + open.size(); ++k)
     order.emplace_back((k < closed.size() ? closed[k] : open[k - closed.size()]).first_member(), k);
   std::sort(order.begin(), order.end());
+  result.polylines.reserve(order.size());
+  result.members.reserve(order.size());
   for (const auto& [first, k] : order) {
+    if (k == alone) {
+      polylines[first].closed = true;
+      result.polylines.push_back(std::move(polylines[first]));
+      result.members.push_back({first});
+      continue;
+    }
     Chain& chain = k < closed.size() ? closed[k] : open[k - closed.size()];
-    Polyline polyline = polylines[first];
-    polyline.points = std::move(chain.points);
-    polyline.closed = k < closed.size();
-    polyline.curves = chain.members.size();
+    Polyline polyline{std::move(chain.points), k < closed.size(), polylines[first].source, chain.members.size()};
     for (const std::size_t member : chain.members) polyline.error = std::max(polyline.error, polylines[member].error);
     if (polyline.closed && k >= closed_by_group && polyline.curves > 1)
       result.across.push_back(result.polylines.size());

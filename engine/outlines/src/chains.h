@@ -13,11 +13,9 @@ namespace supple::outlines {
 struct Polyline {
   Points points;
   bool closed = false;
-  std::vector<std::string> names;
-  std::string group, what;
-  std::size_t curves = 1;  ///< of which it was made
-  std::size_t source = 0;  ///< index of the first of these curves
-  double error = 0;        ///< the largest distance of a chord from its curve
+  const Curve* source = nullptr;  ///< the curve of which it was made, or the first of them
+  std::size_t curves = 1;         ///< of which it was made
+  double error = 0;               ///< the largest distance of a chord from its curve
 };
 
 /// What came of joining.
@@ -32,8 +30,9 @@ struct Chains {
 /// Closes polylines whose ends meet, and joins open ones until they close. Ends meet if they lie within `reach` of each
 /// other; those that lie much closer are joined first, so that short lines do not close by themselves. What hangs on a
 /// closed chain with a free end, and lines over other lines, are not joined. Where chains branch, each of the areas
-/// between them is a closed polyline. Lines of one group are joined first, then those of several. O(n log n) for n
-/// polylines, unless very many ends lie in one place.
-Chains joined(const std::vector<Polyline>& polylines, double reach, const Execution& execution);
+/// between them is a closed polyline. Lines of one group are joined first, then those of several. Polylines that are
+/// closed already are moved into the result; the others remain. O(n log n) for n polylines, unless very many ends lie
+/// in one place.
+Chains joined(std::vector<Polyline>& polylines, double reach, const Execution& execution);
 
 }  // namespace supple::outlines

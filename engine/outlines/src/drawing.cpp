@@ -33,7 +33,7 @@ std::string open_words(const std::vector<Polyline>& open) {
   for (std::size_t k = 0; k < std::min(open.size(), most_named); ++k) {
     const Polyline& curve = open[k];
     const Point &a = curve.points.front(), &b = curve.points.back();
-    words += (k == 0 ? "" : "; ") + curve.what;
+    words += (k == 0 ? "" : "; ") + curve.source->what;
     words += " ends " + rounded((a - b).norm()) + " mm from where it begins, at (" + rounded(b.x()) + ", " +
              rounded(b.y()) + ")";
   }
@@ -83,7 +83,8 @@ void take_outlines(Shapes& shapes, const RawDrawing& raw, double scale, Drawing&
   for (Shape& shape : shapes.shapes) {
     for (Points& points : shape.polygons) {
       for (Point& p : points) p *= scale;
-      drawing.outlines.push_back({std::move(points), shape.names});
+      const bool is_last = &points == &shape.polygons.back();
+      drawing.outlines.push_back({std::move(points), is_last ? std::move(shape.names) : shape.names});
     }
   }
   for (Polyline& open : shapes.open) {
@@ -97,13 +98,13 @@ void take_outlines(Shapes& shapes, const RawDrawing& raw, double scale, Drawing&
   drawing.simplified = shapes.simplified;
   drawing.chord_error = shapes.chord_error * scale;
   drawing.left_out = raw.list;
-  drawing.left_out_count = raw.listed + shapes.left_out.size() + shapes.open.size();
+  drawing.left_out_count = raw.listed + shapes.left_out_count + shapes.open.size();
   const auto tell = [&drawing](const std::string& element, const std::string& reason) {
     if (drawing.left_out.size() < Drawing::most_left_out) drawing.left_out.push_back({element, reason});
   };
   for (const LeftOut& one : shapes.left_out) tell(one.element, one.reason);
   for (const Polyline& open : shapes.open)
-    tell(open.what,
+    tell(open.source->what,
          "it stays open: its ends are " + rounded((open.points.front() - open.points.back()).norm()) + " mm apart");
 }
 

@@ -39,10 +39,10 @@ double cross(const Point& a, const Point& b, const Point& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
+/// A side of a polygon, from one corner to the next.
 struct Side {
   std::size_t polygon, index;
   Point a, b;
-  double left, right, bottom, top;
 };
 
 bool touch(const Side& s, const Side& t, double distance) {
@@ -51,6 +51,74 @@ bool touch(const Side& s, const Side& t, double distance) {
   if (((d1 > 0) != (d2 > 0)) && ((d3 > 0) != (d4 > 0))) return true;
   return distance_to_side(t.a, s.a, s.b) <= distance || distance_to_side(t.b, s.a, s.b) <= distance ||
          distance_to_side(s.a, t.a, t.b) <= distance || distance_to_side(s.b, t.a, t.b) <= distance;
+}
+
+Box widened(Box box, double distance) {
+  box.lower.array() -= distance;
+  box.upper.array() += distance;
+  return box;
+}
+
+bool overlap(const Box& a, const Box& b) {
+  return a.lower.x() <= b.upper.x() && b.lower.x() <= a.upper.x() && a.lower.y() <= b.upper.y() &&
+         b.lower.y() <= a.upper.y();
+}
+
+Box common_part(const Box& a, const Box& b) { return {a.lower.cwiseMax(b.lower), a.upper.cwiseMin(b.upper)}; }
+
+/// Calls visit(i, j) for each pair of boxes that overlap, until it answers false. The boxes are looked at from left to
+/// right, in strips. About O(n sqrt(n)) where few of them overlap.
+template <class Visit>
+void for_each_overlap(const std::vector<Box>& boxes, const Execution& execution, const Visit& visit) {
+  constexpr std::size_t few = 40, boxes_between_checks = 1'024;
+  if (boxes.size() <= few) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (overlap(boxes[i], boxes[j]) && !visit(j, i)) return;
+      }
+    }
+    return;
+  }
+  std::vector<std::pair<double, std::size_t>> order;
+  order.reserve(boxes.size());
+  Box whole;
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    order.emplace_back(boxes[k].lower.x(), k);
+    whole.include(boxes[k]);
+  }
+  std::sort(order.begin(), order.end());
+  const auto strips = static_cast<std::size_t>(std::sqrt(static_cast<double>(boxes.size())));
+  const double bottom = whole.lower.y();
+  const double height = std::max((whole.upper.y() - bottom) / static_cast<double>(strips), 1e-300);
+  const auto strip_of = [&](double y) {
+    return static_cast<std::size_t>(std::clamp((y - bottom) / height, 0.0, static_cast<double>(strips - 1)));
+  };
+  std::vector<std::vector<std::size_t>> active(strips);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k % boxes_between_checks == 0) execution.cancellation.throw_if_requested();
+    const std::size_t own = order[k].second;
+    const Box& box = boxes[own];
+    const std::size_t first = strip_of(box.lower.y()), last = strip_of(box.upper.y());
+    for (std::size_t strip = first; strip <= last; ++strip) {
+      std::vector<std::size_t>& others = active[strip];
+      std::size_t kept = 0;
+      bool goes_on = true;
+      for (const std::size_t other : others) {
+        if (boxes[other].upper.x() < box.lower.x()) continue;
+        others[kept++] = other;
+        // A pair that lies in several strips counts in the first of them.
+        if (goes_on && overlap(box, boxes[other]) && strip == std::max(first, strip_of(boxes[other].lower.y())))
+          goes_on = visit(other, own);
+      }
+      if (!goes_on) return;
+      others.resize(kept);
+      others.push_back(own);
+    }
+  }
+}
+
+Box box_of_side(const Point& a, const Point& b, double distance) {
+  return widened({a.cwiseMin(b), a.cwiseMax(b)}, distance);
 }
 
 }  // namespace
@@ -129,56 +197,64 @@ Points simplified(const Points& polygon, double distance) {
 }
 
 void drop_repeated(Points& points, double least) {
-  Points kept;
-  for (const Point& p : points) {
-    if (kept.empty() || (p - kept.back()).norm() > least) kept.push_back(p);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (kept == 0 || (points[k] - points[kept - 1]).norm() > least) points[kept++] = points[k];
   }
-  while (kept.size() > 1 && (kept.front() - kept.back()).norm() <= least) kept.pop_back();
-  points = std::move(kept);
+  while (kept > 1 && (points.front() - points[kept - 1]).norm() <= least) --kept;
+  points.resize(kept);
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> contacts(const std::vector<const Points*>& polygons, double distance,
+bool touches_itself(const Points& polygon, double distance, const Execution& execution) {
+  const std::size_t n = polygon.size();
+  std::vector<Box> boxes;
+  boxes.reserve(n);
+  for (std::size_t k = 0; k < n; ++k) boxes.push_back(box_of_side(polygon[k], polygon[(k + 1) % n], distance));
+  const auto side = [&](std::size_t k) { return Side{0, k, polygon[k], polygon[(k + 1) % n]}; };
+  bool found = false;
+  for_each_overlap(boxes, execution, [&](std::size_t i, std::size_t j) {
+    const std::size_t apart = i < j ? j - i : i - j;
+    found = apart > 1 && apart + 1 < n && touch(side(i), side(j), distance);
+    return !found;
+  });
+  return found;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> contacts(const std::vector<const Points*>& polygons,
+                                                          const std::vector<std::size_t>& owners, double distance,
                                                           const Execution& execution) {
-  constexpr std::size_t sides_between_checks = 1'024;
+  std::vector<Box> boxes;
+  boxes.reserve(polygons.size());
+  for (const Points* points : polygons) boxes.push_back(widened(box_of(*points), distance));
+  // Only where the boxes of polygons overlap do their sides touch.
+  std::vector<Box> shared(polygons.size());
+  for_each_overlap(boxes, execution, [&](std::size_t i, std::size_t j) {
+    if (owners[i] == owners[j]) return true;
+    const Box part = common_part(boxes[i], boxes[j]);
+    shared[i].include(part);
+    shared[j].include(part);
+    return true;
+  });
   std::vector<Side> sides;
-  double bottom = INFINITY, top = -INFINITY;
+  std::vector<Box> boxes_of_sides;
   for (std::size_t i = 0; i < polygons.size(); ++i) {
+    if (!(shared[i].lower.x() <= shared[i].upper.x())) continue;
     const Points& points = *polygons[i];
     for (std::size_t k = 0; k < points.size(); ++k) {
       const Point &a = points[k], &b = points[(k + 1) % points.size()];
-      sides.push_back({i, k, a, b, std::min(a.x(), b.x()) - distance, std::max(a.x(), b.x()) + distance,
-                       std::min(a.y(), b.y()) - distance, std::max(a.y(), b.y()) + distance});
-      bottom = std::min(bottom, sides.back().bottom);
-      top = std::max(top, sides.back().top);
+      const Box box = box_of_side(a, b, distance);
+      if (!overlap(box, shared[i])) continue;
+      sides.push_back({i, k, a, b});
+      boxes_of_sides.push_back(box);
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) { return s.left < t.left; });
   std::set<std::pair<std::size_t, std::size_t>> found;
-  const auto strips = static_cast<std::size_t>(std::max(1.0, std::sqrt(static_cast<double>(sides.size()))));
-  const double height = std::max((top - bottom) / static_cast<double>(strips), 1e-300);
-  const auto strip_of = [&](double y) {
-    return static_cast<std::size_t>(std::clamp((y - bottom) / height, 0.0, static_cast<double>(strips - 1)));
-  };
-  std::vector<std::vector<std::size_t>> active(strips);
-  for (std::size_t k = 0; k < sides.size(); ++k) {
-    if (k % sides_between_checks == 0) execution.cancellation.throw_if_requested();
-    const Side& side = sides[k];
-    for (std::size_t strip = strip_of(side.bottom); strip <= strip_of(side.top); ++strip) {
-      std::erase_if(active[strip], [&](std::size_t other) { return sides[other].right < side.left; });
-      for (const std::size_t at : active[strip]) {
-        const Side& other = sides[at];
-        if (other.top < side.bottom || other.bottom > side.top) continue;
-        const auto pair = std::minmax(side.polygon, other.polygon);
-        if (side.polygon == other.polygon) {
-          const std::size_t n = polygons[side.polygon]->size();
-          const std::size_t apart = (side.index + n - other.index) % n;
-          if (apart <= 1 || apart == n - 1) continue;
-        }
-        if (!found.contains(pair) && touch(side, other, distance)) found.insert(pair);
-      }
-      active[strip].push_back(k);
-    }
-  }
+  for_each_overlap(boxes_of_sides, execution, [&](std::size_t i, std::size_t j) {
+    if (owners[sides[i].polygon] == owners[sides[j].polygon]) return true;
+    const auto pair = std::minmax(sides[i].polygon, sides[j].polygon);
+    if (!found.contains(pair) && touch(sides[i], sides[j], distance)) found.insert(pair);
+    return true;
+  });
   return {found.begin(), found.end()};
 }
 

@@ -44,9 +44,14 @@ Points simplified(const Points& polygon, double distance);
 /// Drops corners that are not farther than `least` from the one before.
 void drop_repeated(Points& points, double least);
 
-/// The pairs of polygons (i <= j) of which sides cross or touch; i == j where sides of one do that are not neighbours.
-/// About O(n sqrt(n)) for n sides.
-std::vector<std::pair<std::size_t, std::size_t>> contacts(const std::vector<const Points*>& polygons, double distance,
+/// Whether sides of the polygon that are not neighbours cross, or come as near to each other as `distance`. About
+/// O(n sqrt(n)) for n sides.
+bool touches_itself(const Points& polygon, double distance, const Execution& execution);
+
+/// The pairs of polygons i < j of different owners of which sides cross, or come as near to each other as `distance`.
+/// About O(n sqrt(n)) for n polygons, and as much for those of their sides that lie where boxes of polygons overlap.
+std::vector<std::pair<std::size_t, std::size_t>> contacts(const std::vector<const Points*>& polygons,
+                                                          const std::vector<std::size_t>& owners, double distance,
                                                           const Execution& execution);
 
 }  // namespace supple::outlines

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numeric>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "areas.h"
+#include "grid_cells.h"
 
 namespace supple::outlines {
 namespace {
@@ -32,11 +36,10 @@ class ShapeMaker {
       : drawing_(drawing), tolerance_(tolerance), execution_(execution), areas_(tolerance, extent(drawing)) {}
 
   Shapes make() {
-    const std::vector<Polyline> polylines = flattened();
+    std::vector<Polyline> polylines = flattened();
     Chains chains = joined(polylines, tolerance_, execution_);
     result_.doubled = chains.doubled.size();
-    for (const std::size_t k : chains.doubled)
-      result_.left_out.push_back({polylines[k].what, "it lies over another line"});
+    for (const std::size_t k : chains.doubled) leave_out(polylines[k].source->what, "it lies over another line");
     tell_branches(chains);
     close(polylines, chains);
     unite_crossing();
@@ -44,12 +47,6 @@ class ShapeMaker {
   }
 
  private:
-  /// A closed polygon of a curve, with the curve that says how it is filled.
-  struct Loop {
-    Polyline polyline;
-    const Curve* curve = nullptr;
-  };
-
   static double extent(const RawDrawing& drawing) {
     double most = 1e-9;
     for (const Curve& curve : drawing.curves) {
@@ -63,6 +60,7 @@ class ShapeMaker {
   std::vector<Polyline> flattened() {
     Flattener flattener(tolerance_);
     std::vector<Polyline> polylines;
+    polylines.reserve(drawing_.curves.size());
     for (std::size_t i = 0; i < drawing_.curves.size(); ++i) {
       if (i % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
       const Curve& curve = drawing_.curves[i];
@@ -71,13 +69,10 @@ class ShapeMaker {
       Points points = flattener.flatten(curve);
       const double error = flattener.take_chord_error();
       if (points.size() < 2) {
-        result_.left_out.push_back({curve.what, "it has no length"});
+        leave_out(curve.what, "it has no length");
         continue;
       }
-      Polyline polyline{std::move(points), curve.closed, curve.names, curve.group, curve.what};
-      polyline.source = i;
-      polyline.error = error;
-      polylines.push_back(std::move(polyline));
+      polylines.push_back({std::move(points), curve.closed, &curve, 1, error});
     }
     return polylines;
   }
@@ -96,15 +91,19 @@ class ShapeMaker {
 
   /// Makes shapes of what is closed, and of filled curves that stay open.
   void close(const std::vector<Polyline>& polylines, Chains& chains) {
-    std::vector<std::vector<Loop>> elements;
-    std::map<std::size_t, std::size_t> place;  // in `elements`, of filled elements
+    std::vector<std::vector<Polyline>> elements;
+    elements.reserve(chains.polylines.size());
+    constexpr std::size_t nowhere = SIZE_MAX;
+    std::vector<std::size_t> place;  // in `elements`, of filled elements by their number
     std::set<std::size_t> across(chains.across.begin(), chains.across.end());
     const auto add = [&](Polyline polyline) {
-      const Curve& curve = drawing_.curves[polyline.source];
+      const Curve& curve = *polyline.source;
       const bool alone = polyline.curves == 1 && curve.is_filled;
-      const auto known = alone ? place.try_emplace(curve.element, elements.size()) : std::pair(place.end(), true);
-      if (known.second) elements.emplace_back();
-      elements[alone ? known.first->second : elements.size() - 1].push_back({std::move(polyline), &curve});
+      if (alone && curve.element >= place.size()) place.resize(curve.element + 1, nowhere);
+      const std::size_t known = alone ? place[curve.element] : nowhere;
+      if (known != nowhere) return elements[known].push_back(std::move(polyline));
+      if (alone) place[curve.element] = elements.size();
+      elements.emplace_back().push_back(std::move(polyline));
     };
     for (std::size_t k = 0; k < chains.polylines.size(); ++k) {
       Polyline& polyline = chains.polylines[k];
@@ -116,7 +115,7 @@ class ShapeMaker {
       // A browser closes each filled curve by a straight line.
       for (const std::size_t member : chains.members[k]) {
         const Polyline& own = polylines[member];
-        const Curve& curve = drawing_.curves[own.source];
+        const Curve& curve = *own.source;
         if (curve.is_filled && std::abs(area_of(own.points)) >= least_area * tolerance_ * tolerance_) {
           Polyline closed = own;
           closed.closed = true;
@@ -135,16 +134,17 @@ class ShapeMaker {
   void tell_joined(const std::vector<Polyline>& polylines, const std::vector<std::size_t>& members,
                    const Polyline& polyline, bool is_across) {
     if (is_across)
-      result_.warnings.push_back("Curves of several layers or groups close together, at " + polyline.what + ".");
+      result_.warnings.push_back("Curves of several layers or groups close together, at " + polyline.source->what +
+                                 ".");
     double filled = 0;
     for (const std::size_t member : members) {
-      if (!drawing_.curves[polylines[member].source].is_filled) return;
+      if (!polylines[member].source->is_filled) return;
       filled += std::abs(area_of(polylines[member].points));
     }
     const double whole = std::abs(area_of(polyline.points));
     if (filled > least_area * tolerance_ * tolerance_ && std::abs(filled - whole) > same_filling * whole)
-      result_.warnings.push_back("Curves that are filled one by one were joined to one outline, at " + polyline.what +
-                                 ".");
+      result_.warnings.push_back("Curves that are filled one by one were joined to one outline, at " +
+                                 polyline.source->what + ".");
   }
 
   bool is_tiny(const Points& points) const {
@@ -169,48 +169,62 @@ class ShapeMaker {
     polyline.points = std::move(fewer);
   }
 
-  void add_element(std::vector<Loop>& loops) {
-    Shape shape{{}, loops[0].polyline.names, loops[0].polyline.group, loops[0].polyline.what};
-    for (Loop& loop : loops) {
-      tidy(loop.polyline);
-      if (loop.polyline.curves > 1) {
-        shape.curves += loop.polyline.curves;
-        result_.joined += loop.polyline.curves;
+  void add_element(std::vector<Polyline>& loops) {
+    const Curve& first = *loops[0].source;
+    Shape shape{{}, first.names, &first};
+    shape.polygons.reserve(loops.size());
+    for (Polyline& loop : loops) {
+      tidy(loop);
+      if (loop.curves > 1) {
+        shape.curves += loop.curves;
+        result_.joined += loop.curves;
       }
-      if (loop.polyline.points.size() < 3) {
-        leave_tiny(loop.polyline.what);
+      if (loop.points.size() < 3) {
+        leave_tiny(loop.source->what);
       } else {
-        shape.polygons.push_back(std::move(loop.polyline.points));
+        shape.polygons.push_back(std::move(loop.points));
       }
     }
     if (shape.polygons.empty()) return;
-    fill(shape, loops[0].curve->rule);
-    cut(shape, loops[0].curve->clip.get());
+    fill(shape, first.rule);
+    cut(shape, first.clip.get());
     drop_tiny(shape);
     if (!shape.polygons.empty()) result_.shapes.push_back(std::move(shape));
   }
 
+  /// Counts what is left out, and keeps as many reasons as a drawing tells.
+  void leave_out(const std::string& what, const char* reason) {
+    ++result_.left_out_count;
+    if (result_.left_out.size() < Drawing::most_left_out) result_.left_out.push_back({what, reason});
+  }
+
   void leave_tiny(const std::string& what) {
     ++result_.tiny;
-    result_.left_out.push_back({what, "it has no area"});
+    leave_out(what, "it has no area");
   }
 
   void drop_tiny(Shape& shape) {
     const auto dropped = std::erase_if(shape.polygons, [this](const Points& points) { return is_tiny(points); });
-    for (std::size_t k = 0; k < dropped; ++k) leave_tiny(shape.what);
+    for (std::size_t k = 0; k < dropped; ++k) leave_tiny(shape.curve->what);
   }
 
-  static std::vector<const Points*> pointers(const std::vector<Points>& polygons) {
-    std::vector<const Points*> result;
-    result.reserve(polygons.size());
-    for (const Points& points : polygons) result.push_back(&points);
-    return result;
+  /// Whether a polygon of the shape crosses or touches itself or another one.
+  bool is_tangled(const Shape& shape) const {
+    const double distance = touching * tolerance_;
+    const auto itself = [&](const Points& points) { return touches_itself(points, distance, execution_); };
+    if (std::any_of(shape.polygons.begin(), shape.polygons.end(), itself)) return true;
+    if (shape.polygons.size() < 2) return false;
+    std::vector<const Points*> polygons;
+    for (const Points& points : shape.polygons) polygons.push_back(&points);
+    std::vector<std::size_t> owners(polygons.size());
+    std::iota(owners.begin(), owners.end(), 0U);
+    return !contacts(polygons, owners, distance, execution_).empty();
   }
 
   /// Makes polygons of the same area, by the even-odd rule, which do not cross themselves or each other.
   void fill(Shape& shape, FillRule rule) {
     drop_tiny(shape);
-    if (!contacts(pointers(shape.polygons), touching * tolerance_, execution_).empty()) {
+    if (is_tangled(shape)) {
       shape.polygons = areas_.filled(shape.polygons, rule);
     } else if (rule == FillRule::nonzero && shape.polygons.size() > 1) {
       drop_inner(shape);
@@ -225,7 +239,7 @@ class ShapeMaker {
       boxes.push_back(outlines::box_of(points));
       turns.push_back(area_of(points) > 0 ? 1 : -1);
     }
-    std::vector<Points> kept;
+    std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < shape.polygons.size(); ++i) {
       if (i % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
       int outside = 0;
@@ -235,13 +249,17 @@ class ShapeMaker {
       }
       if ((outside == 0) == (outside + turns[i] == 0)) {
         ++result_.inner;
-        result_.left_out.push_back(
-            {shape.what, "a curve of it lies within another one of the same direction, and both are filled (nonzero)"});
+        leave_out(shape.curve->what,
+                  "a curve of it lies within another one of the same direction, and both are filled (nonzero)");
       } else {
-        kept.push_back(shape.polygons[i]);
+        kept.push_back(i);
       }
     }
-    shape.polygons = std::move(kept);
+    if (kept.size() == shape.polygons.size()) return;
+    std::vector<Points> left;
+    left.reserve(kept.size());
+    for (const std::size_t i : kept) left.push_back(std::move(shape.polygons[i]));
+    shape.polygons = std::move(left);
   }
 
   const Area& area_of_clip(const Clip& clip) {
@@ -280,7 +298,7 @@ class ShapeMaker {
     if (after >= before * (1 - equal_areas)) return;
     ++result_.clipped;
     if (after <= least_area * tolerance_ * tolerance_) {
-      result_.left_out.push_back({shape.what, "a clip path hides all of it"});
+      leave_out(shape.curve->what, "a clip path hides all of it");
       left.clear();
     }
     shape.polygons = std::move(left);
@@ -299,9 +317,8 @@ class ShapeMaker {
       }
     }
     std::set<std::pair<std::size_t, std::size_t>> pairs;
-    for (const auto& [i, j] : contacts(polygons, touching * tolerance_, execution_)) {
-      if (owner[i] != owner[j]) pairs.insert(std::minmax(owner[i], owner[j]));
-    }
+    for (const auto& [i, j] : contacts(polygons, owner, touching * tolerance_, execution_))
+      pairs.insert(std::minmax(owner[i], owner[j]));
     std::vector<std::size_t> into(shapes.size());
     std::iota(into.begin(), into.end(), 0U);
     const auto root = [&into](std::size_t k) {
@@ -314,12 +331,12 @@ class ShapeMaker {
     for (const auto& [i, j] : pairs) {
       if (looked++ % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
       if (!overlap(shapes[i], shapes[j])) continue;
-      if (shapes[i].group == shapes[j].group) {
+      if (shapes[i].curve->group == shapes[j].curve->group) {
         into[std::max(root(i), root(j))] = std::min(root(i), root(j));
         crossing.push_back(i);
         crossing.push_back(j);
-      } else {
-        apart.push_back(shapes[i].what + " and " + shapes[j].what);
+      } else if (!is_region(shapes[i]) && !is_region(shapes[j])) {
+        apart.push_back(shapes[i].curve->what + " and " + shapes[j].curve->what);
       }
     }
     if (!apart.empty()) {
@@ -348,6 +365,16 @@ class ShapeMaker {
     std::erase_if(shapes, [](const Shape& shape) { return shape.polygons.empty(); });
   }
 
+  /// Whether a shape stands in a group or layer called "regions", in small letters or capitals: such a shape may cross
+  /// the part of which it is a region.
+  static bool is_region(const Shape& shape) {
+    constexpr std::string_view regions = "regions";
+    const auto is_same_letter = [](char a, char small) { return a == small || (a >= 'A' && a - 'A' + 'a' == small); };
+    return std::any_of(shape.curve->names.begin(), shape.curve->names.end(), [&](const std::string& name) {
+      return std::equal(name.begin(), name.end(), regions.begin(), regions.end(), is_same_letter);
+    });
+  }
+
   /// Whether two areas have one in common that is neither of them.
   bool overlap(const Shape& a, const Shape& b) const {
     const double both = AreaArithmetic::size(areas_.common(a.polygons, b.polygons));
@@ -358,33 +385,29 @@ class ShapeMaker {
   }
 
   void drop_equal() {
-    struct Known {
-      Box box;
-      const Points* points;
-    };
-    std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Known>> cells;  // by the lower corner of the box
-    const auto cell = [this](double x) { return static_cast<std::int64_t>(std::floor(x / tolerance_)); };
+    // Boxes by the cell of their lower corner. Cells are much larger than what equal boxes differ by, so that mostly
+    // one cell is looked at.
+    const double size = 16 * tolerance_;
+    std::unordered_map<GridCell, std::vector<const Points*>, GridCell::Hash> cells;
+    cells.reserve(result_.shapes.size());
     for (Shape& shape : result_.shapes) {
       std::vector<Points> kept;
       kept.reserve(shape.polygons.size());
       for (Points& points : shape.polygons) {
         const Box box = outlines::box_of(points);
-        bool found = false;
-        for (std::int64_t i = -1; i <= 1 && !found; ++i) {
-          for (std::int64_t j = -1; j <= 1 && !found; ++j) {
-            const auto near = cells.find({cell(box.lower.x()) + i, cell(box.lower.y()) + j});
-            if (near == cells.end()) continue;
-            for (const Known& known : near->second)
-              found = found || is_same_curve(*known.points, points, tolerance_, true);
-          }
-        }
+        const bool found = any_cell_near(box.lower, tolerance_, size, [&](const GridCell& cell) {
+          const auto near = cells.find(cell);
+          return near != cells.end() && std::any_of(near->second.begin(), near->second.end(), [&](const Points* known) {
+                   return is_same_curve(*known, points, tolerance_, true);
+                 });
+        });
         if (found) {
           ++result_.equal;
-          result_.left_out.push_back({shape.what, "it lies over another outline, which counts once"});
+          leave_out(shape.curve->what, "it lies over another outline, which counts once");
           continue;
         }
         kept.push_back(std::move(points));
-        cells[{cell(box.lower.x()), cell(box.lower.y())}].push_back({box, &kept.back()});
+        cells[cell_of(box.lower, size)].push_back(&kept.back());
       }
       // The points stay where they are in memory: their places were reserved, and vectors move as they are.
       shape.polygons = std::move(kept);

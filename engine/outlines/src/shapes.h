@@ -15,8 +15,8 @@ namespace supple::outlines {
 struct Shape {
   std::vector<Points> polygons;
   std::vector<std::string> names;
-  std::string group, what;
-  std::size_t curves = 0;  ///< of which it was joined; 0 if it was closed as it stood
+  const Curve* curve = nullptr;  ///< the first of its curves in the drawing
+  std::size_t curves = 0;        ///< of which it was joined; 0 if it was closed as it stood
 };
 
 /// What became of the curves of a drawing at a tolerance.
@@ -32,14 +32,16 @@ struct Shapes {
   std::size_t clipped = 0;     ///< shapes of which something was cut off
   std::size_t simplified = 0;  ///< corners
   double chord_error = 0;
-  std::vector<LeftOut> left_out;
+  std::vector<LeftOut> left_out;  ///< the first of what was left out, as many as a drawing tells
+  std::size_t left_out_count = 0;
   std::vector<std::string> warnings;
 
   Box box() const;
 };
 
 /// Flattens and joins the curves of a drawing, fills what is filled, cuts with clip paths, and unites the shapes of one
-/// group that cross. All lengths are those of the drawing. Throws "outline.too_large".
+/// group that cross. All lengths are those of the drawing, to whose curves the shapes refer. Throws
+/// "outline.too_large".
 Shapes shapes_of(const RawDrawing& drawing, double tolerance, const Execution& execution);
 
 }  // namespace supple::outlines

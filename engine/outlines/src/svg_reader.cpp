@@ -45,7 +45,8 @@ std::vector<std::string> names_of(const pugi::xml_node& node, const std::vector<
   };
   add(node.attribute("id").value());
   for (const auto& attribute : node.attributes()) {
-    if (local_name(attribute.name()) == "label") add(attribute.value());
+    const std::string_view name(attribute.name());
+    if (name.ends_with("label") && local_name(attribute.name()) == "label") add(attribute.value());
   }
   names.insert(names.end(), outer.begin(), outer.end());
   if (names.size() > most_names) names.resize(most_names);
@@ -150,7 +151,7 @@ class SvgReader {
   /// A length of an element, which a style may set. None for "auto".
   std::optional<double> length(const pugi::xml_node& node, const char* name, const Eigen::Vector2d& viewport) const {
     std::string text = node.attribute(name).value();
-    if (const auto own = styled_lengths_.find(name); own != styled_lengths_.end()) text = own->second;
+    if (const std::string* const own = styled_lengths_.find(name)) text = *own;
     if (!node.attribute(name) && text.empty()) return std::nullopt;
     if (text == "auto") return std::nullopt;
     if (const auto value = read_length(text)) return value;
@@ -261,8 +262,12 @@ class SvgReader {
     return map;
   }
 
+  void check_depth(const Context& context, const pugi::xml_node& node) const {
+    if (context.depth > most_nested) check_nesting(context.depth, "groups", words_for(node));
+  }
+
   void read_children(const pugi::xml_node& parent, const Context& context) {
-    check_nesting(context.depth, "groups", words_for(parent));
+    check_depth(context, parent);
     const bool is_switch = local_name(parent.name()) == "switch";
     for (const pugi::xml_node& node : parent.children()) {
       if (++read_ % elements_between_checks == 0) execution_.cancellation.throw_if_requested();
@@ -348,8 +353,8 @@ class SvgReader {
     const bool is_use = name == "use";
     const bool is_other = is_one_of(name, {"text", "image", "foreignObject"});
     if (!is_group && !is_shape && !is_use && !is_other) return;
-    const Declarations declared = styles_.declared(node);
-    Context context = outer;
+    Declarations declared = styles_.declared(node);
+    Context context{outer.map, {}, {}, outer.group, outer.clip, outer.viewport, outer.depth};
     context.style = at(node, [&] { return style_of(declared, outer.style); });
     if (!context.style.is_displayed) return leave_hidden(drawing_, words_for(node), "it is hidden (display: none)");
     if (is_other) {
@@ -360,7 +365,7 @@ class SvgReader {
     }
     context.map = at(node, [&] { return Map(outer.map * read_transform(node.attribute("transform").value())); });
     context = clipped(node, std::move(context));
-    styled_lengths_ = declared;
+    styled_lengths_ = std::move(declared);
     context.names = names_of(node, outer.names);
     if (is_group || is_use) {
       context.group = outer.group + "/" + std::to_string(node.offset_debug());
@@ -369,7 +374,7 @@ class SvgReader {
       if (name == "svg") context = at(node, [&] { return nested(node, context, {}); });
       return read_children(node, context);
     }
-    add_shape(node, name, context);
+    add_shape(node, name, std::move(context));
   }
 
   /// Why a shape is not shown; empty if it is.
@@ -379,7 +384,7 @@ class SvgReader {
     return style.fills() || style.strokes() ? "" : "it is invisible: it has neither fill nor stroke";
   }
 
-  void add_shape(const pugi::xml_node& node, std::string_view name, const Context& context) {
+  void add_shape(const pugi::xml_node& node, std::string_view name, Context context) {
     const Style& style = context.style;
     const std::string what = words_for(node);
     if (const std::string why = is_clipping_ ? (style.is_visible ? "" : "hidden") : unseen(style); !why.empty())
@@ -390,7 +395,7 @@ class SvgReader {
     const bool fills = is_clipping_ || style.fills();
     for (Curve& curve : curves) {
       transform(curve, context.map);
-      curve.names = context.names;
+      curve.names = &curve == &curves.back() ? std::move(context.names) : context.names;
       curve.group = context.group;
       curve.what = what;
       curve.is_filled = fills;
@@ -463,7 +468,7 @@ class SvgReader {
 
   /// What a <use> refers to is drawn again. Nothing outside the file is opened.
   void read_use(const pugi::xml_node& node, Context context) {
-    check_nesting(context.depth, "groups", words_for(node));
+    check_depth(context, node);
     const pugi::xml_node target = target_of(node);
     count_copy(target ? target : node);
     const std::string_view name = local_name(target.name());
@@ -472,7 +477,7 @@ class SvgReader {
                                                     length_or_zero(node, "y", context.viewport)));
     });
     const bool was_copying = std::exchange(copying_, true);
-    styled_lengths_.clear();
+    styled_lengths_ = {};
     if (name == "symbol" || name == "svg") {
       const Declarations declared = styles_.declared(target);
       Context inside = context;

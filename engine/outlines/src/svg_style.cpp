@@ -380,8 +380,8 @@ Declarations StyleSheet::declared(const pugi::xml_node& node) const {
   Declarations result;
   for (const auto& attribute : node.attributes()) {
     const std::string_view name(attribute.name());
-    const std::string_view value = trimmed(attribute.value());
-    if (contains(presentation, name) && !value.empty()) result[std::string(name)] = value;
+    if (!contains(presentation, name)) continue;
+    if (const std::string_view value = trimmed(attribute.value()); !value.empty()) result[name] = value;
   }
   std::vector<const Rule*> matched;
   const auto try_rules = [&](const std::string& key) {
@@ -411,15 +411,14 @@ Declarations StyleSheet::declared(const pugi::xml_node& node) const {
   const auto take = [&result](const Declarations& from) {
     for (const auto& [name, value] : from) result[name] = value;
   };
-  Declarations own, own_important;
-  for_each_declaration(node.attribute("style").value(),
-                       [&](const std::string& name, std::string_view value, bool important) {
-                         (important ? own_important : own)[name] = value;
-                       });
   for (const Rule* rule : matched) take(rule->normal);
-  take(own);
+  Declarations important;
+  for_each_declaration(node.attribute("style").value(),
+                       [&](const std::string& name, std::string_view value, bool is_important) {
+                         (is_important ? important : result)[name] = value;
+                       });
   for (const Rule* rule : matched) take(rule->important);
-  take(own_important);
+  take(important);
   return result;
 }
 
@@ -427,13 +426,14 @@ Style style_of(const Declarations& own, const Style& outer) {
   Style style = outer;
   style.clip_path.clear();
   style.mask.clear();
+  if (own.empty()) return style;
   const auto value_of = [&own](std::string_view name) -> std::optional<std::string> {
-    const auto found = own.find(name);
-    if (found == own.end()) return std::nullopt;
-    const std::string value = lower(found->second);
+    const std::string* const found = own.find(name);
+    if (found == nullptr) return std::nullopt;
+    const std::string value = lower(*found);
     if (value.find("var(") != std::string::npos || value.find("calc(") != std::string::npos ||
         value.find("env(") != std::string::npos)
-      throw std::invalid_argument(std::string(name) + " is " + quoted(found->second) +
+      throw std::invalid_argument(std::string(name) + " is " + quoted(*found) +
                                   ", which is computed by a browser only");
     return value;
   };
@@ -456,7 +456,7 @@ Style style_of(const Declarations& own, const Style& outer) {
   if (const auto value = value_of("clip-rule"); value && !inherited(*value)) style.clip_rule = rule_of(*value);
   const auto reference = [&](const char* name) {
     const auto value = value_of(name);
-    return value && *value != "none" && *value != "initial" ? own.find(name)->second : std::string();
+    return value && *value != "none" && *value != "initial" ? *own.find(name) : std::string();
   };
   style.clip_path = reference("clip-path");
   style.mask = reference("mask");

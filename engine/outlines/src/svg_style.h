@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "reading.h"
@@ -27,7 +27,32 @@ struct Selector {
   int specificity = 0;
 };
 
-using Declarations = std::map<std::string, std::string, std::less<>>;
+/// Properties and their values. There are few of them for an element, which are looked through one after another.
+class Declarations {
+ public:
+  using Entry = std::pair<std::string, std::string>;
+
+  /// The value of a property, which is added where it is not there yet.
+  std::string& operator[](std::string_view name) {
+    for (Entry& entry : entries_) {
+      if (entry.first == name) return entry.second;
+    }
+    return entries_.emplace_back(name, std::string()).second;
+  }
+  /// Null for none.
+  const std::string* find(std::string_view name) const {
+    for (const Entry& entry : entries_) {
+      if (entry.first == name) return &entry.second;
+    }
+    return nullptr;
+  }
+  bool empty() const { return entries_.empty(); }
+  auto begin() const { return entries_.begin(); }
+  auto end() const { return entries_.end(); }
+
+ private:
+  std::vector<Entry> entries_;
+};
 
 /// The style sheets of an SVG file: the rules that say what is shown. Read are type, class, id, attribute (= and
 /// presence) and ":root" selectors, and the descendant and child combinators; @media for screens is entered, other

@@ -20,7 +20,7 @@ Eigen::Vector3d read_position(TextScanner& scanner) {
   for (int i = 0; i < 3; ++i) p[i] = scanner.number(scanner.statement_token(), "a coordinate");
   // A weight or a colour may follow; whatever else does shows that the line is not what it seems to be.
   for (auto token = scanner.statement_token(); !token.empty(); token = scanner.statement_token())
-    scanner.number(token, "a number or the end of the line");
+    scanner.check_number(token, "a number or the end of the line");
   return p;
 }
 
@@ -29,11 +29,14 @@ void check_further_numbers(const TextScanner& scanner, std::string_view corner, 
   int parts = 0;
   char before = '/';
   for (const char c : further) {
-    const bool digit = c >= '0' && c <= '9', sign = (c == '-' || c == '+') && before == '/';
-    parts += c == '/';
-    if ((!digit && !sign && c != '/') || (c == '/' && (before == '-' || before == '+'))) {
-      throw_malformed_line(scanner.line_number(),
-                           "expected numbers of a texture coordinate and a normal, found " + quoted(corner));
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit) {
+      const bool begins_number = c != '/' && before == '/', after_sign = before == '-' || before == '+';
+      parts += c == '/';
+      if ((c == '/' && after_sign) || (c != '/' && !(begins_number && (c == '-' || c == '+')))) {
+        throw_malformed_line(scanner.line_number(),
+                             "expected numbers of a texture coordinate and a normal, found " + quoted(corner));
+      }
     }
     before = c;
   }
@@ -42,14 +45,16 @@ void check_further_numbers(const TextScanner& scanner, std::string_view corner, 
 
 /// The vertex of "7", "7/1", "7//3", "7/1/3" or "-2/...", counted from 0.
 std::int32_t read_corner(const TextScanner& scanner, std::string_view token, std::int64_t vertices_so_far) {
-  const std::string_view first = token.substr(0, token.find('/'));
+  std::size_t end = 0;
+  while (end < token.size() && token[end] != '/') ++end;
+  const std::string_view first = token.substr(0, end);
   const std::int64_t number = scanner.integer(first, "a vertex number");
   const std::int64_t v = number > 0 ? number - 1 : vertices_so_far + number;
   if (number == 0 || v < 0 || v > std::numeric_limits<std::int32_t>::max()) {
     throw_malformed_line(scanner.line_number(), "vertex number " + std::to_string(number) + " does not exist; " +
                                                     std::to_string(vertices_so_far) + " vertices precede this line");
   }
-  check_further_numbers(scanner, token, token.substr(first.size()));
+  if (end < token.size()) check_further_numbers(scanner, token, token.substr(end));
   return static_cast<std::int32_t>(v);
 }
 

@@ -85,7 +85,7 @@ class OffReader {
       inside_element_ = true;
     }
     if (layout_ == Layout::words) {
-      for (int i = 0; i < further_numbers_; ++i) scanner_.number(word(), "a number of a normal or a colour");
+      for (int i = 0; i < further_numbers_; ++i) scanner_.check_number(word(), "a number of a normal or a colour");
     } else {
       dropped_ = (drop_rest_of_line() && further_numbers_ == 0) || dropped_;
     }
@@ -121,7 +121,7 @@ class OffReader {
   bool drop_rest_of_line() {
     bool any = false;
     for (std::string_view token = scanner_.token(); !token.empty(); token = scanner_.token()) {
-      scanner_.number(token, "a number of a colour or the end of the line");
+      scanner_.check_number(token, "a number of a colour or the end of the line");
       any = true;
     }
     return any;

@@ -1,8 +1,6 @@
 #include "mesh_reading.h"
 
 #include <algorithm>
-#include <charconv>
-#include <limits>
 #include <utility>
 
 #include "mesh_faults.h"
@@ -12,47 +10,13 @@
 namespace supple::surface {
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-
-[[noreturn]] void throw_malformed(std::string where, const std::string& message) {
-  throw Error("mesh.malformed", "The mesh file is malformed at " + where + ": " + message + ".", {{where, message}});
-}
-
-void check_limit(std::int64_t count, std::int64_t limit, const std::string& what) {
-  if (count <= limit) return;
+[[noreturn]] void throw_too_large(std::int64_t count, std::int64_t limit, const std::string& what) {
   const std::string over = std::to_string(count) + " " + what + ", the limit is " + std::to_string(limit);
   throw Error("mesh.too_large", "The mesh has at least " + over + ".", {{what, over}});
 }
 
-// from_chars takes no leading plus, files may.
-std::string_view without_plus(std::string_view token) {
-  if (token.size() > 1 && token[0] == '+' && token[1] != '-') token.remove_prefix(1);
-  return token;
-}
-
-/// What the word says if it is a number that is not finite as the C library of Microsoft writes it: "1.#INF",
-/// "-1.#IND", "1.#QNAN", "1.#SNAN", or "1.#J" where these were rounded. Nothing for any other word.
-std::optional<double> microsoft_non_finite(std::string_view digits) {
-  if (!digits.empty() && digits[0] == '-') digits.remove_prefix(1);
-  if (!digits.starts_with("1.#")) return std::nullopt;
-  digits.remove_prefix(3);
-  while (digits.ends_with('0')) digits.remove_suffix(1);
-  if (digits == "INF") return std::numeric_limits<double>::infinity();
-  for (const std::string_view name : {"IND", "QNAN", "SNAN", "J", "IO", "R", "QO", "S"})
-    if (digits == name) return std::numeric_limits<double>::quiet_NaN();
-  return std::nullopt;
-}
-
-/// Ends a refusal where the token would be a number if its comma were a point.
-std::string decimal_comma_hint(std::string_view token) {
-  std::string with_point(token);
-  const std::size_t comma = with_point.find(',');
-  if (comma == std::string::npos) return {};
-  with_point[comma] = '.';
-  double value = 0;
-  const char* const last = with_point.data() + with_point.size();
-  const auto [end, error] = std::from_chars(with_point.data(), last, value);
-  return error == std::errc() && end == last ? "; decimals take a point, not a comma" : "";
+void check_limit(std::int64_t count, std::int64_t limit, const char* what) {
+  if (count > limit) throw_too_large(count, limit, what);
 }
 
 /// Whether zeros between printable characters show text in UTF-16 that has no byte order mark.
@@ -97,117 +61,6 @@ void refuse_foreign_files(std::string_view bytes) {
   for (const Row& row : table)
     if (bytes.starts_with(row.start)) refuse(row.kind);
   if (looks_like_utf16(bytes, 0) || looks_like_utf16(bytes, 1)) refuse(utf16);
-}
-
-void throw_malformed_line(std::int64_t line, const std::string& message) {
-  throw_malformed("line " + std::to_string(line), message);
-}
-
-void throw_malformed_byte(std::size_t offset, const std::string& message) {
-  throw_malformed("byte " + std::to_string(offset), message);
-}
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t longest = 24;
-  if (text.empty()) return "nothing";
-  std::string result = "'";
-  for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (text.size() > longest ? "...'" : "'");
-}
-
-std::string_view without_byte_order_mark(std::string_view bytes) {
-  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
-  return bytes;
-}
-
-bool TextScanner::next_line() {
-  if (rest_.empty()) {
-    line_ = {};
-    return false;
-  }
-  continues_ = false;
-  const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
-  line_ = rest_.substr(0, end);
-  rest_.remove_prefix(end);
-  if (rest_.starts_with("\r\n")) {
-    rest_.remove_prefix(2);
-  } else if (!rest_.empty()) {
-    rest_.remove_prefix(1);
-  }
-  ++line_number_;
-  return true;
-}
-
-std::string_view TextScanner::token() {
-  const auto first = std::find_if_not(line_.begin(), line_.end(), is_blank);
-  const auto last = std::find_if(first, line_.end(), is_blank);
-  const std::string_view found(first, last);
-  line_ = std::string_view(last, line_.end());
-  return found;
-}
-
-std::string_view TextScanner::token_across_lines() {
-  for (;;) {
-    if (const std::string_view found = token(); !found.empty()) return found;
-    if (!next_line()) return {};
-  }
-}
-
-void TextScanner::cut_comment() {
-  for (std::size_t mark = line_.find('#'); mark != std::string_view::npos; mark = line_.find('#', mark + 1)) {
-    const bool in_number = mark >= 2 && line_.substr(mark - 2, 2) == "1." && mark + 1 < line_.size() &&
-                           line_[mark + 1] >= 'A' && line_[mark + 1] <= 'Z';
-    if (in_number) continue;
-    line_ = line_.substr(0, mark);
-    return;
-  }
-}
-
-std::string_view TextScanner::continued_token() {
-  continues_ = false;
-  if (!next_line()) return {};
-  cut_comment();
-  return statement_token();
-}
-
-std::string_view TextScanner::token_before_backslash(std::string_view found) {
-  if (!std::all_of(line_.begin(), line_.end(), is_blank)) return found;
-  continues_ = true;
-  found.remove_suffix(1);
-  return found.empty() ? continued_token() : found;
-}
-
-void TextScanner::skip_statement() {
-  const auto goes_on = [this] {
-    std::string_view line = line_;
-    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
-    return line.ends_with('\\');
-  };
-  while (goes_on() && next_line()) {
-  }
-}
-
-double TextScanner::number(std::string_view token, std::string_view what) const {
-  const std::string_view digits = without_plus(token);
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error == std::errc::result_out_of_range) {
-    throw_malformed_line(line_number_, quoted(token) + " is beyond the range of double precision");
-  }
-  if (error == std::errc() && end == digits.data() + digits.size()) return value;
-  if (const auto non_finite = microsoft_non_finite(digits)) return *non_finite;
-  throw_malformed_line(line_number_,
-                       "expected " + std::string(what) + ", found " + quoted(token) + decimal_comma_hint(token));
-}
-
-std::int64_t TextScanner::integer(std::string_view token, std::string_view what) const {
-  const std::string_view digits = without_plus(token);
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size()) {
-    throw_malformed_line(line_number_, "expected " + std::string(what) + ", found " + quoted(token));
-  }
-  return value;
 }
 
 void SoupBuilder::check_announced(std::int64_t vertices, std::int64_t faces) const {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mesh_text.h"
 #include "supple/base/stop_pace.h"
 #include "supple/surface/mesh_io.h"
 
@@ -34,57 +35,6 @@ std::optional<OffKeyword> read_off_keyword(std::string_view word);
 /// Throws "mesh.malformed" at "byte 0" for text in UTF-16 or UTF-32 and for files of other kinds (ZIP, glTF, STEP and
 /// the like), and names what they are.
 void refuse_foreign_files(std::string_view bytes);
-
-/// Throws "mesh.malformed" at "line <line>" or "byte <offset>".
-[[noreturn]] void throw_malformed_line(std::int64_t line, const std::string& message);
-[[noreturn]] void throw_malformed_byte(std::size_t offset, const std::string& message);
-/// The text in quotes, shortened, with everything but printable ASCII replaced: fit for a message whatever it is.
-std::string quoted(std::string_view text);
-std::string_view without_byte_order_mark(std::string_view bytes);
-
-/// Steps through the lines and the blank-separated tokens of a text. Lines end with LF, CR or CR LF.
-class TextScanner {
- public:
-  /// `lines_before` precede the text in its file and count in line_number.
-  explicit TextScanner(std::string_view text, std::int64_t lines_before = 0)
-      : rest_(text), line_number_(lines_before) {}
-
-  /// Moves to the next line; false at the end of the text.
-  bool next_line();
-  /// The next token of the current line, empty at its end.
-  std::string_view token();
-  /// The next token of this line or those that follow, empty at the end of the text.
-  std::string_view token_across_lines();
-  /// Drops the comment that "#" begins in what remains of the current line. The "#" of "-1.#IND" begins none: by such
-  /// words the C library of Microsoft writes numbers that are not finite.
-  void cut_comment();
-  /// The next token of a statement that goes on in the next line where a line ends with a backslash; empty at its end.
-  std::string_view statement_token() {
-    if (continues_) return continued_token();
-    const std::string_view found = token();
-    return found.empty() || found.back() != '\\' ? found : token_before_backslash(found);
-  }
-  /// Skips the lines into which the current statement goes on.
-  void skip_statement();
-
-  std::int64_t line_number() const { return line_number_; }
-  /// What follows the current line.
-  std::string_view rest() const { return rest_; }
-
-  /// The token as a number. "nan", "inf", "nan(ind)", "-1.#IND", "1.#QNAN" and "1.#INF" are numbers that are not
-  /// finite: the mesh check names the vertex that has them.
-  double number(std::string_view token, std::string_view what) const;
-  std::int64_t integer(std::string_view token, std::string_view what) const;
-
- private:
-  std::string_view continued_token();
-  std::string_view token_before_backslash(std::string_view found);
-
-  std::string_view rest_;
-  std::int64_t line_number_;
-  std::string_view line_;
-  bool continues_ = false;  ///< whether statement_token has met the backslash at the end of the current line
-};
 
 /// Collects vertices and polygons within the limits.
 class SoupBuilder {

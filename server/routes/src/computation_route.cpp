@@ -190,6 +190,24 @@ std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, con
   }
 }
 
+const surface::NearestPointSearch& nearest_search(const Services& services, const http::Request& request,
+                                                  const std::string& id, const store::LoadedMesh& mesh,
+                                                  double deadline) {
+  // Up to here it takes some milliseconds, for which no request waits until others have computed.
+  constexpr std::int64_t most_faces_at_once = 20'000;
+  if (remaking) return mesh.nearest(remaking->execution);
+  if (!mesh.has_nearest() && mesh.mesh().face_count() > most_faces_at_once) {
+    jobs::Computation making{"meshes", id, rest_of_deadline(request, deadline), {}};
+    making.client = request.client;
+    making.run = [&mesh](const Execution& execution) {
+      mesh.nearest(execution);
+      return store::Result{};
+    };
+    services.jobs->run_now(making, [peer = request.peer] { return peer.hung_up(); });
+  }
+  return mesh.nearest();
+}
+
 void tell_asked(const Execution& execution, std::string_view effect, bool asked) {
   if (execution.cost)
     execution.cost->add_effect(effect, asked, asked ? "the request asks for it" : "the request does not ask for it");

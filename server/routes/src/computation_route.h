@@ -30,6 +30,12 @@ http::Response answer_immediately(Services& services, const http::Request& reque
 std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, const http::Request& request,
                                                    const std::string& id, double deadline);
 
+/// The search for nearest points of a mesh. Where it is not made yet, that of a large mesh is made as a mesh is loaded:
+/// within a compute slot and the deadline, and for as long as the client is there. Throws what ends a computation.
+const surface::NearestPointSearch& nearest_search(const Services& services, const http::Request& request,
+                                                  const std::string& id, const store::LoadedMesh& mesh,
+                                                  double deadline);
+
 /// The body as text that must be JSON. Throws "http.unsupported_media_type" for another Content-Type.
 const std::string& json_body(const http::Request& request);
 

@@ -46,7 +46,8 @@ embedded::NetworkLimits network_limits(const json::Limits& limits) {
   return {limits.max_points, limits.max_springs, limits.max_springs, refuse};
 }
 
-embedded::NetworkPlan plan_of(EmbeddedSystemRequest& request, const store::LoadedMesh& mesh) {
+embedded::NetworkPlan plan_of(const Services& services, const http::Request& http_request,
+                              EmbeddedSystemRequest& request, const store::LoadedMesh& mesh) {
   embedded::NetworkPlan plan;
   plan.springs = request.springs;
   plan.fixed_points = request.fixed_points;
@@ -54,7 +55,7 @@ embedded::NetworkPlan plan_of(EmbeddedSystemRequest& request, const store::Loade
   plan.rest_scale = request.rest_scale;
   plan.material = request.material;
   if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&request.points)) {
-    plan.points = PointResolver(mesh, request.points_in_space).resolve(*given, "/points");
+    plan.points = PointResolver(services, http_request, mesh, request).resolve(*given, "/points");
   } else if (const auto* in_faces = std::get_if<embedded::PointsInFaces>(&request.points)) {
     plan.points = *in_faces;
   } else {
@@ -132,7 +133,7 @@ void add_embedded_system_route(http::Router& router, Services& services) {
     const auto file = negotiate_network_file(http_request);
     auto request = json::parse_embedded_system(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto plan = plan_of(request, *mesh);
+    auto plan = plan_of(services, http_request, request, *mesh);
     jobs::Computation computation{"embedded-systems", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), plan = std::move(plan), file,
                        limits = services.limits.json](const Execution& execution) {

@@ -31,7 +31,7 @@ void add_exponential_map_route(http::Router& router, Services& services) {
     require_ready(services);
     auto request = json::parse_exponential_map(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    const auto start = PointResolver(*mesh, request.points_in_space).resolve(request.start, "/start");
+    const auto start = PointResolver(services, http_request, *mesh, request).resolve(request.start, "/start");
     jobs::Computation computation{"exponential-maps", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), start](const Execution& execution) {
       return compute(request, *mesh, start, execution);

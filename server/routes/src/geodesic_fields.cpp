@@ -73,7 +73,7 @@ void add_geodesic_field_route(http::Router& router, Services& services) {
     if (!type) throw Error("http.not_acceptable", "A field is sent as application/json or application/octet-stream.");
     auto request = json::parse_geodesic_field(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto sources = PointResolver(*mesh, request.points_in_space).resolve(request.sources, "/sources");
+    auto sources = PointResolver(services, http_request, *mesh, request).resolve(request.sources, "/sources");
     jobs::Computation computation{"geodesic-fields", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), sources = std::move(sources),
                        binary = *type != "application/json"](const Execution& execution) {

@@ -25,7 +25,7 @@ Work prepare(const Services& services, const http::Request& http_request) {
   work.request = json::parse_geodesics(json_body(http_request), services.limits.json);
   work.mesh = load_mesh(services, http_request, work.request.mesh, work.request.deadline);
   const auto& pairs = work.request.pairs;
-  PointResolver points(*work.mesh, work.request.points_in_space);
+  PointResolver points(services, http_request, *work.mesh, work.request);
   work.ends.reserve(pairs.size());
   work.known_paths.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {

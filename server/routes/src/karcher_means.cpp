@@ -5,9 +5,10 @@
 namespace supple::routes {
 namespace {
 
-surface::KarcherProblem problem_of(json::KarcherMeanRequest& request, const store::LoadedMesh& mesh) {
+surface::KarcherProblem problem_of(const Services& services, const http::Request& http_request,
+                                   json::KarcherMeanRequest& request, const store::LoadedMesh& mesh) {
   surface::KarcherProblem problem;
-  PointResolver points(mesh, request.points_in_space);
+  PointResolver points(services, http_request, mesh, request);
   problem.points = points.resolve(request.points, "/points");
   problem.weights = request.weights;
   problem.method = request.method;
@@ -38,7 +39,7 @@ void add_karcher_mean_route(http::Router& router, Services& services) {
     require_ready(services);
     auto request = json::parse_karcher_mean(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto problem = problem_of(request, *mesh);
+    auto problem = problem_of(services, http_request, request, *mesh);
     jobs::Computation computation{"karcher-means", request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), problem = std::move(problem)](
                           const Execution& execution) { return compute(request, *mesh, problem, execution); };

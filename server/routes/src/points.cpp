@@ -7,12 +7,16 @@
 
 namespace supple::routes {
 
+surface::NearestPoint PointResolver::nearest(const Eigen::Vector3d& position) {
+  if (search_ == nullptr) search_ = &nearest_search(services_, http_request_, id_, mesh_, deadline_);
+  return search_->find(position);
+}
+
 surface::SurfacePoint PointResolver::resolve(const json::PointSpec& point, const std::string& pointer) {
+  // What ends a computation is no fault of the point.
+  if (point.position) placed_.push_back({pointer, nearest(*point.position)});
   try {
-    if (point.position) {
-      placed_.push_back({pointer, mesh_.nearest().find(*point.position)});
-      return surface::checked_point(mesh(), placed_.back().nearest.point, pointer);
-    }
+    if (point.position) return surface::checked_point(mesh(), placed_.back().nearest.point, pointer);
     if (point.by_vertex) return surface::vertex_point(mesh(), VertexId{point.index});
     return surface::checked_point(mesh(), {FaceId{point.index}, point.barycentric}, pointer);
   } catch (const Error& error) {

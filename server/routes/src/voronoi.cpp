@@ -38,9 +38,10 @@ DiagramFile negotiate_diagram_file(const http::Request& request) {
 
 /// The sites one by one, or none yet where they are random, which is part of the computation.
 template <class Request>
-std::optional<Sites> given_sites(const store::LoadedMesh& mesh, Request& request) {
+std::optional<Sites> given_sites(const Services& services, const http::Request& http_request,
+                                 const store::LoadedMesh& mesh, Request& request) {
   if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&request.sites))
-    return PointResolver(mesh, request.points_in_space).resolve(*given, "/sites");
+    return PointResolver(services, http_request, mesh, request).resolve(*given, "/sites");
   return std::nullopt;
 }
 
@@ -152,7 +153,7 @@ void add_voronoi_route(http::Router& router, Services& services, const std::stri
     const auto file = negotiate_diagram_file(http_request);
     auto request = parse(json_body(http_request), services.limits.json);
     auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto given = given_sites(*mesh, request);
+    auto given = given_sites(services, http_request, *mesh, request);
     jobs::Computation computation{kind, request.mesh, request.deadline, {}};
     computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file, kept,
                        limits = services.limits.json](const Execution& execution) {

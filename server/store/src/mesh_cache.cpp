@@ -21,8 +21,10 @@ void LoadedMesh::make_solver(const Execution& execution) const {
 }
 
 const surface::NearestPointSearch& LoadedMesh::nearest(const Execution& execution) const {
+  if (has_nearest()) return *nearest_;
   const auto lock = lock_stoppably(making_nearest_, execution.cancellation);
   if (!nearest_) nearest_.emplace(*mesh_, execution);
+  has_nearest_.store(true, std::memory_order_release);
   return *nearest_;
 }
 

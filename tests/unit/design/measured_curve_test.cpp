@@ -7,6 +7,7 @@
 #include <random>
 
 #include "supple/base/error.h"
+#include "support/expect_error.h"
 
 namespace supple::design {
 namespace {
@@ -68,13 +69,11 @@ TEST(MeasuredUnits, TurnNumbersIntoTheProfilesOwn) {
 
 TEST(MeasuredUnits, AreRefusedWithWhatTheyNeed) {
   const auto where = [](const auto& convert) -> std::string {
-    try {
+    const auto read = [&] {
       convert();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), "design.invalid_measurement");
-      return error.details().at(0).where;
-    }
-    return "nothing thrown";
+      return "nothing thrown";
+    };
+    return testing::text_or_places(read, "design.invalid_measurement");
   };
   EXPECT_EQ(where([] { conversion_of_x(Task::stress_strain, "mm", {}); }), "specimen/gauge_length");
   EXPECT_EQ(where([] { conversion_of_y(Task::stress_strain, "N", {50.0, 0.0}); }), "specimen/area");

@@ -8,10 +8,14 @@
 #include "supple/base/error.h"
 #include "supple/design/measured_curve.h"
 #include "supple/design/measured_text.h"
+#include "support/expect_error.h"
 
 namespace supple::design {
 namespace {
 
+using testing::expect_error;
+using testing::places;
+using testing::text_or_places;
 using Values = std::vector<double>;
 
 struct Written {
@@ -114,12 +118,10 @@ TEST(MeasuredTable, ReadsTypographicMinusSignsAndFullWidthDigits) {
 }
 
 std::string place_of(const std::string& text, const TableOptions& options = {}) {
-  try {
+  return text_or_places([&] {
     read_table(text, options);
-  } catch (const Error& error) {
-    return error.details().at(0).where;
-  }
-  return "nothing thrown";
+    return "nothing thrown";
+  });
 }
 
 TEST(MeasuredTable, AsksWhereANumberMayBeReadInTwoWays) {
@@ -244,14 +246,10 @@ TEST(MeasuredText, IsDecodedFromWhatMachinesWrite) {
 /// The columns by a table's text; what has to be said where they are not told.
 std::string chosen(const char* text, Task task = Task::stress_strain, const ColumnChoice& x = {},
                    const ColumnChoice& y = {}) {
-  try {
+  return text_or_places([&] {
     const auto columns = choose_columns(read_table(text), task, x, y);
     return std::to_string(columns.x) + "," + std::to_string(columns.y) + (columns.note.empty() ? "" : " said");
-  } catch (const Error& error) {
-    std::string places;
-    for (const auto& detail : error.details()) places += (places.empty() ? "" : " ") + detail.where;
-    return places;
-  }
+  });
 }
 
 TEST(MeasuredColumns, AreFoundByTitlesAndUnits) {
@@ -298,13 +296,8 @@ TEST(MeasuredColumns, AreNeverTimesIndicesOrOtherThings) {
 
 TEST(MeasuredTable, RefusesTextWithoutRows) {
   for (const char* text : {"", "hello\nworld\n", "1\n2\n3\n", "a,b\nc,d\n", "1,2,x\nx,1,2\n1,x,2\n"}) {
-    try {
-      read_table(text);
-      ADD_FAILURE() << text;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), "design.unreadable_table");
-      EXPECT_EQ(error.details().at(0).where, "text");
-    }
+    const Error error = expect_error("design.unreadable_table", [&] { read_table(text); });
+    EXPECT_EQ(places(error), std::vector<std::string>{"text"}) << text;
   }
 }
 

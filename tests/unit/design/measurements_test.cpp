@@ -6,9 +6,12 @@
 
 #include "supple/base/error.h"
 #include "supple/design/measured_curve.h"
+#include "support/expect_error.h"
 
 namespace supple::design {
 namespace {
+
+using testing::text_or_places;
 
 MeasurementRequest table_of(std::string text) {
   MeasurementRequest request;
@@ -18,14 +21,11 @@ MeasurementRequest table_of(std::string text) {
 
 /// The places of what has to be said, in their order.
 std::string places_of(const MeasurementRequest& request) {
-  try {
+  const auto read = [&] {
     read_measurements(request);
-  } catch (const Error& error) {
-    std::string places = error.code() == "design.invalid_measurement" ? "" : error.code() + ": ";
-    for (const auto& detail : error.details()) places += (places.empty() ? "" : " ") + detail.where;
-    return places;
-  }
-  return "nothing thrown";
+    return "nothing thrown";
+  };
+  return text_or_places(read, "design.invalid_measurement");
 }
 
 bool says(const Measurements& found, const std::string& words, const std::string& where) {
@@ -85,14 +85,12 @@ TEST(Measurements, TakeTheSenseFromTitlesRemarksAndSigns) {
   const auto sense = [](const std::string& text, Sense asked = Sense::automatic) -> std::string {
     auto request = table_of(text);
     request.sense = asked;
-    try {
+    return text_or_places([&] {
       const Measurements found = read_measurements(request);
       const auto& last = found.curve.points.back();
       return to_string(found.sense) + " by " + to_string(found.told_by) + (last.x() < 0 ? " -" : " +") +
              (last.y() < 0 ? "-" : "+");
-    } catch (const Error& error) {
-      return error.details().at(0).where;
-    }
+    });
   };
   EXPECT_EQ(sense("Compressive strain (%);Compressive stress (kPa)\n0;0\n5;21\n"), "compression by titles --");
   EXPECT_EQ(sense("Stauchung [%];Druckspannung [kPa]\n0;0\n5;21\n"), "compression by titles --");

@@ -118,6 +118,14 @@ TEST(ShownShapes, AreFilledAsTheirRuleSays) {
       read_sheet("<g><rect x='25' y='10' width='10' height='40'/></g>" + plus.substr(plus.find("<rect", 1)));
   EXPECT_EQ(apart.outlines.size(), 2U);
   EXPECT_TRUE(warns_of(apart, "cross each other"));
+  // Regions are meant to cross the part.
+  for (const char* name : {"regions", "Regions"}) {
+    const Drawing region =
+        read_sheet(std::string("<g id='") + name + "'><rect x='25' y='10' width='10' height='40'/></g>" +
+                   plus.substr(plus.find("<rect", 1)));
+    EXPECT_EQ(region.outlines.size(), 2U);
+    EXPECT_FALSE(warns_of(region, "cross each other")) << name;
+  }
 
   const auto filled = [](const char* data, const char* rule) {
     return even_odd_area(read_sheet(std::string("<path fill-rule='") + rule + "' d='" + data + "'/>"));

@@ -7,7 +7,7 @@ import { pointWords, readPoint } from "./link";
 import { nameOf } from "./names";
 import { networkPanel } from "./network_panel";
 import type { NetworkSession } from "./network_session";
-import { afterChoice, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
+import { afterChoice, mayBeRepaired, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { type MeshSession, MOST_STARTS, type Tool } from "./session";
 import { cssGradient, RAMP_NAMES, RAMP_WORDS, type RampName, RAMPS } from "../base/ramps";
 import { isolineSpacing, rampTicks } from "./mesh_data";
@@ -51,7 +51,8 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
       ["Components", String(info.components)], ["Boundaries", String(info.boundary_loops)], ["Handles", String(info.genus)], ["Area", digits(info.area, 4)],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)), ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)));
+    replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)), ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)),
+      mayBeRepaired(info) && button("Repair the mesh", () => void session.repairShown()));
   });
   return h("section", { class: "card controls", "aria-label": "Surface" },
     h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a mesh"), file, button("Sample", sample)),

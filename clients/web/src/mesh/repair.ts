@@ -20,6 +20,11 @@ export function helpAgainst(problem: Pick<ProblemDocument, "code" | "detail">, m
   return REPAIRABLE.includes(problem.code) && !hopeless ? ["automatic"] : [];
 }
 
+/** Whether a repair is worth a click: a warning names one, and none was made yet. */
+export function mayBeRepaired(mesh: Pick<Mesh, "warnings" | "repair">): boolean {
+  return !mesh.repair && mesh.warnings.some((sentence) => sentence.includes("repair="));
+}
+
 /** The repairs without repetition, in their order; `automatic` stands alone. */
 export function ordered(repairs: Iterable<Repair>): Repair[] {
   const asked = new Set(repairs);

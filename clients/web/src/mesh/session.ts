@@ -6,7 +6,7 @@ import { type Client, ConnectionLost, explain, isAbort, Problem, readJson } from
 import { runJob } from "../contract/jobs";
 import type { Geodesics, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
-import { keepName } from "./names";
+import { keepName, nameOf } from "./names";
 import { helpAgainst, ordered, uploadPath } from "./repair";
 
 export type Tool = "path" | "distance" | "mean" | "network" | "voronoi";
@@ -93,18 +93,42 @@ export class MeshSession {
     await this.send(refused.content, refused.words);
   }
 
+  /** Uploads the mesh at hand again with whatever repairs it needs; they are for this mesh alone. */
+  repairShown(): Promise<void> {
+    const loaded = this.mesh.get();
+    if (!loaded) return Promise.resolve();
+    this.forgetRefused();
+    const words = nameOf(loaded.info.id) ?? "the mesh";
+    return this.attempt(`Repairing ${words}`, async () => {
+      const content = await this.contentOf(loaded.info);
+      await this.showUploaded(await this.post(content, ["automatic"]), words);
+    });
+  }
+
   private send(content: Blob, words: string): Promise<void> {
     return this.attempt(`Uploading ${words}`, async () => {
-      const response = await this.client.send("POST", uploadPath(this.repairs.get()), content, { headers: { "Content-Type": "application/octet-stream" } }).catch((error: unknown) => {
+      const response = await this.post(content, this.repairs.get()).catch((error: unknown) => {
         this.offerRepairs(content, words, error);
         throw error;
       });
-      const info = await readJson<Mesh>(response);
-      keepName(info.id, words);
-      await this.show(info);
-      this.forgetRefused();
-      void this.list();
+      await this.showUploaded(response, words);
     });
+  }
+
+  private post(content: Blob | ArrayBuffer, repairs: readonly Repair[]): Promise<Response> {
+    return this.client.send("POST", uploadPath(repairs), content, { headers: { "Content-Type": "application/octet-stream" } });
+  }
+
+  private async showUploaded(response: Response, words: string): Promise<void> {
+    const info = await readJson<Mesh>(response);
+    keepName(info.id, words);
+    await this.show(info);
+    this.forgetRefused();
+    void this.list();
+  }
+
+  private async contentOf(info: Mesh): Promise<ArrayBuffer> {
+    return (await this.client.send("GET", `/v1/meshes/${info.id}/content`, undefined, { headers: { Accept: "model/ply" } })).arrayBuffer();
   }
 
   private offerRepairs(content: Blob, words: string, error: unknown): void {
@@ -210,8 +234,7 @@ export class MeshSession {
   }
 
   private async show(info: Mesh, points: readonly SurfacePoint[] = []): Promise<void> {
-    const content = await this.client.send("GET", `/v1/meshes/${info.id}/content`, undefined, { headers: { Accept: "model/ply" } });
-    const data = parsePly(await content.arrayBuffer());
+    const data = parsePly(await this.contentOf(info));
     this.points.set([]);
     this.finding.set(NOTHING);
     this.mesh.set({ info, data });

@@ -59,6 +59,19 @@ TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {
   EXPECT_EQ(got[0]->mesh().face_count(), 1);
 }
 
+TEST_F(MeshCacheTest, AStopEndsTheMakingOfTheSearchForNearestPointsAndTheNextOneMakesIt) {
+  MeshCache cache(store_, 1 << 30);
+  const auto mesh = cache.get(add_grid(100));
+  const Execution stopped;
+  stopped.cancellation.request(StopReason::cancelled);
+  EXPECT_THROW(mesh->nearest(stopped), Error);
+  EXPECT_FALSE(mesh->has_nearest());
+  const Eigen::Vector3d corner = mesh->mesh().positions()[0];
+  EXPECT_EQ(mesh->nearest().find(corner).position, corner);
+  EXPECT_TRUE(mesh->has_nearest());
+  EXPECT_EQ(mesh->nearest(stopped).find(corner).position, corner) << "it is made already";
+}
+
 TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
   const auto id = add_grid(400);  // 320,000 faces: a tenth of a second and more
   MeshCache cache(store_, 1 << 30);

@@ -85,11 +85,11 @@ struct ReducedCurve {
 
 /// Control points whose curve comes closest to the measured points in the sense of least squares. Knots are added where
 /// the squared deviation is largest until the deviation is within the tolerance or one more follows nothing but the
-/// points' scatter, moved to where they serve best, and left out again where they are not needed. Of many points
-/// averages of neighbours are fitted, 400 or 16 for each control point; deviations are those of all points. Directions
-/// are taken modulo pi. The bill has the effects "origin", "loading" and "rupture". Throws "design.invalid_measurement"
-/// where fewer than two points of different x remain. Some 20 ms for 500 points and 12 control points, seconds for 64
-/// control points or a million points.
+/// points' scatter, moved to where they serve best, and left out again where they are not needed. Where there are many
+/// points, averages of neighbours are fitted, 400 or 16 for each control point; deviations are those of all points.
+/// Directions are taken modulo pi. The bill has the effects "origin", "loading" and "rupture". Throws
+/// "design.invalid_measurement" where fewer than two points of different x remain. Some 20 ms for 500 points and 12
+/// control points, seconds for 64 control points or a million points.
 ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options, const Execution& execution = {});
 
 }  // namespace supple::design

@@ -63,8 +63,8 @@ struct ChosenColumns {
 
 /// Columns that are not named are found by their titles' words, in several languages, and by their units. For stress
 /// over strain: strains before stretches before displacements, and stresses before forces; columns of times, indices,
-/// temperatures, rates, transverse strains, true strains and true stresses are never taken unless they are named. Of
-/// several equally good columns the first one is taken, and for y the first one behind x. Where titles and units tell
+/// temperatures, rates, transverse strains, true strains and true stresses are never taken unless they are named. Among
+/// equally good columns the first one is taken, and for y the first one behind x. Where titles and units tell
 /// nothing, a table of two columns has x in the first and y in the second. Throws "design.invalid_measurement" that
 /// lists the columns, with the places "columns/x" and "columns/y".
 ChosenColumns choose_columns(const MeasuredTable& table, Task task, const ColumnChoice& x, const ColumnChoice& y);

@@ -38,6 +38,8 @@ class LoadedMesh {
   }
   /// Finds the points of the surface that are nearest to points in space. The first call makes it, see its header.
   const surface::NearestPointSearch& nearest(const Execution& execution = {}) const;
+  /// Whether nearest() answers at once.
+  bool has_nearest() const { return has_nearest_.load(std::memory_order_acquire); }
 
  private:
   void make_solver(const Execution& execution) const;
@@ -47,6 +49,7 @@ class LoadedMesh {
   mutable std::atomic<bool> is_made_{false};
   mutable std::optional<surface::GeodesicSolver> solver_;
   mutable StoppableMutex making_nearest_;
+  mutable std::atomic<bool> has_nearest_{false};
   mutable std::optional<surface::NearestPointSearch> nearest_;
 };
 

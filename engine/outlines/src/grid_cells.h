@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "curve.h"
+
+namespace supple::outlines {
+
+/// A square of a grid over the plane, of the lines of one group or of all.
+struct GridCell {
+  std::int64_t x = 0, y = 0;
+  std::size_t group = 0;
+
+  bool operator==(const GridCell&) const = default;
+
+  struct Hash {
+    std::size_t operator()(const GridCell& cell) const {
+      // Odd factors of 64 bits (Knuth's and others) spread neighbours over all buckets.
+      const auto mixed = static_cast<std::uint64_t>(cell.x) * 0x9E3779B97F4A7C15U ^
+                         static_cast<std::uint64_t>(cell.y) * 0xC2B2AE3D27D4EB4FU ^ cell.group * 0x165667B19E3779F9U;
+      return static_cast<std::size_t>(mixed ^ (mixed >> 32U));
+    }
+  };
+};
+
+inline GridCell cell_of(const Point& p, double size, std::size_t group = 0) {
+  return {static_cast<std::int64_t>(std::floor(p.x() / size)), static_cast<std::int64_t>(std::floor(p.y() / size)),
+          group};
+}
+
+/// Whether visit(cell) is true for one of the cells that hold all points within `distance` of a point: one to four of
+/// them where cells are larger than twice the distance.
+template <class Visit>
+bool any_cell_near(const Point& p, double distance, double size, const Visit& visit, std::size_t group = 0) {
+  const Point reach = Point::Constant(distance);
+  const GridCell lower = cell_of(p - reach, size, group), upper = cell_of(p + reach, size, group);
+  for (std::int64_t x = lower.x; x <= upper.x; ++x) {
+    for (std::int64_t y = lower.y; y <= upper.y; ++y) {
+      if (visit(GridCell{x, y, group})) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace supple::outlines
