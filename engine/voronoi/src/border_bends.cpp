@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 
 /// Bends this near to an end do not count: there it is not sure which way paths come.
 constexpr double bend_margin = 1e-7;
-constexpr int most_bend_samples = 8;
+constexpr std::size_t most_bend_samples = 8;
 constexpr std::size_t most_bends = 48;
 constexpr int most_change_steps = 10;
 /// Relative to the distance: what rounding does to lengths of two ways.
@@ -35,8 +35,7 @@ BendWidths widths_for_areas(double area) {
 
 }  // namespace
 
-void BorderCurve::find_bends(bool all, std::vector<Vector2d>& bends) {
-  bends.clear();
+void BorderCurve::find_bends(bool all) {
   if (other_images_ == 0) return;
   bool probed = false;
   if (!all) {
@@ -47,23 +46,29 @@ void BorderCurve::find_bends(bool all, std::vector<Vector2d>& bends) {
     if (has_nodes_) return;
     probed = probes_.front().left.arrival >= 0;
   }
-  Point point;
-  if (!find(bend_margin, point)) return;
-  Stage before = stage_of(bend_margin, point);
-  const int parts = probed ? 1 + static_cast<int>(probes_.size()) : std::min(2 * other_images_, most_bend_samples);
-  for (int i = 1; i <= parts; ++i) {
-    double fraction = i == parts ? 1 - bend_margin : static_cast<double>(i) / parts;
-    if (probed && i < parts) {
-      fraction = three_nodes[static_cast<std::size_t>(i - 1)];
-      point = probes_[static_cast<std::size_t>(i - 1)];
-    } else {
-      point = {};
-      if (!find(fraction, point)) return;
+  std::array<Stage, most_bend_samples + 1> stages;
+  const std::size_t last =
+      probed ? 1 + probes_.size() : std::min(2 * static_cast<std::size_t>(other_images_), most_bend_samples);
+  for (std::size_t i = 1; i < last; ++i) {
+    double fraction = static_cast<double>(i) / static_cast<double>(last);
+    Point point;
+    if (probed) {
+      fraction = three_nodes[i - 1];
+      point = probes_[i - 1];
+    } else if (!find(fraction, point)) {
+      return;
     }
-    const Stage after = stage_of(fraction, point);
-    if (!find_bends_between(before, after, all, bends)) return;
-    before = after;
+    stages[i] = stage_of(fraction, point);
   }
+  for (const std::size_t end : {std::size_t{0}, last}) {
+    const double fraction = end == 0 ? bend_margin : 1 - bend_margin;
+    Point point;
+    if (!find(fraction, point, &stages[end == 0 ? 1 : last - 1].ways)) return;
+    stages[end] = stage_of(fraction, point);
+  }
+  for (std::size_t i = 0; i < last; ++i)
+    if (!find_bends_between(stages[i], stages[i + 1], all)) return;
+  ways_of_parts_.push_back(stages[last].ways);
 }
 
 BorderCurve::Way BorderCurve::way_of(const Slope& slope, const Vector2d& place) const {
@@ -72,8 +77,12 @@ BorderCurve::Way BorderCurve::way_of(const Slope& slope, const Vector2d& place) 
   return {turn, arrival.sigma + (turn - arrival.image).norm()};
 }
 
+BorderCurve::Ways BorderCurve::ways_at(const Point& point) const {
+  return {way_of(point.left, point.place), way_of(point.right, point.place)};
+}
+
 BorderCurve::Stage BorderCurve::stage_of(double fraction, const Point& point) const {
-  return {fraction, point.height, point.place, {way_of(point.left, point.place), way_of(point.right, point.place)}};
+  return {fraction, point.height, point.place, ways_at(point)};
 }
 
 bool BorderCurve::same(const Way& one, const Way& other) const {
@@ -82,16 +91,21 @@ bool BorderCurve::same(const Way& one, const Way& other) const {
          std::abs(one.length - other.length) <= tolerance;
 }
 
-bool BorderCurve::same(const std::array<Way, 2>& one, const std::array<Way, 2>& other) const {
+bool BorderCurve::same(const Ways& one, const Ways& other) const {
   return same(one[0], other[0]) && same(one[1], other[1]);
+}
+
+void BorderCurve::add_bend(const Vector2d& place, double distance, const Ways& before) {
+  bends_.push_back({within_face(corners_, place), distance});
+  ways_of_parts_.push_back(before);
 }
 
 /// Bends between two places, where paths come from the sites in such ways. Of each change of a way its equations give
 /// the place; where paths come by a third way in between, they say so there, and the part is divided. False where the
 /// border is lost.
-bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all, std::vector<Vector2d>& bends) const {
+bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all) {
   while (!same(first.ways, last.ways)) {
-    if (bends.size() >= most_bends) return false;
+    if (bends_.size() >= most_bends) return false;
     double divided = 0.5;
     bool found = false;
     bool smooth = true;
@@ -102,7 +116,7 @@ bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all, s
       if (!find_change(first, last, side, change)) continue;
       found = is_on_border(change);
       if (found) {
-        bends.push_back(within_face(corners_, change.place));
+        add_bend(change.place, change.ways[0].length_to(change.place), first.ways);
         first = change;
         first.ways[side] = last.ways[side];
       } else {
@@ -112,7 +126,7 @@ bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all, s
     if (found) continue;
     const BendWidths widths = all ? widths_for_derivatives : widths_for_areas(area_tolerance_ / (size_ * size_));
     if (!(last.fraction - first.fraction > (smooth ? widths.turn : widths.bend))) {
-      bends.push_back(within_face(corners_, last.place));
+      add_bend(last.place, last.ways[0].length_to(last.place), first.ways);
       return true;
     }
     divided = std::clamp(divided, least_part, 1 - least_part);
@@ -122,7 +136,7 @@ bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all, s
     const double fraction = first.fraction + divided * (last.fraction - first.fraction);
     if (!find(fraction, point)) return false;
     const Stage between = stage_of(fraction, point);
-    if (!find_bends_between(first, between, all, bends)) return false;
+    if (!find_bends_between(first, between, all)) return false;
     first = between;
   }
   return true;
@@ -171,7 +185,10 @@ bool BorderCurve::find_change(const Stage& first, const Stage& last, std::size_t
     change.height = (place - begin_).dot(normal_);
     change.place = place;
     change.ways = first.ways;
-    return change.fraction > first.fraction && change.fraction < last.fraction;
+    if (!(change.fraction > first.fraction && change.fraction < last.fraction)) return false;
+    // Beyond the face lengths go on, and may be equal at other places.
+    const auto [below, above] = heights_within_face(begin_ + change.fraction * way_);
+    return change.height > below && change.height < above;
   }
   return false;
 }

@@ -35,14 +35,23 @@ class BorderCurve {
               double area_tolerance)
       : distances_(distances), corners_(corners), size_(size), area_tolerance_(area_tolerance) {}
 
+  /// Where a border bends, and how far the sites on both sides are from there.
+  struct Bend {
+    Eigen::Vector2d place;
+    double distance = 0;
+  };
+
   /// Begins a border from one place to another, which has these sites on its left and right.
   void lay(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, std::int32_t left, std::int32_t right,
            const Active& active);
 
-  /// Where it bends, from its begin to its end: `all` bends, or those that make a difference to areas.
-  void find_bends(bool all, std::vector<Eigen::Vector2d>& bends);
+  /// Finds its bends, from its begin to its end: `all`, or those that make a difference to areas.
+  void find_bends(bool all);
+  const std::vector<Bend>& bends() const { return bends_; }
+  /// Goes on with the part between two bends or ends: `number` bends lie before it.
+  void lay_part(std::size_t number, const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
 
-  /// Points of quadrature along it, which is to have no bends in between.
+  /// Points of quadrature along the border or the part of it, which is to have no bends in between.
   const std::vector<Node>& nodes();
 
   /// Of the straight line.
@@ -60,27 +69,33 @@ class BorderCurve {
 
     double length_to(const Eigen::Vector2d& place) const { return length + (place - turn).norm(); }
   };
-  /// A place of the border, as a fraction of the straight line, and the ways from both sites: left, right.
+  /// From the sites on the left and on the right.
+  using Ways = std::array<Way, 2>;
+  /// A place of the border, as a fraction of the straight line, and how paths come there.
   struct Stage {
     double fraction = 0;
     double height = 0;
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
-    std::array<Way, 2> ways;
+    Ways ways;
   };
 
-  double sigma_of(const Active& active) const;
-  bool comes_straight(const Active& active) const;
+  void lay_line(const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
+  const surface::FaceArrival* comes_straight(const Active& active) const;
   std::pair<double, double> heights_within_face(const Eigen::Vector2d& base) const;
-  bool find(double fraction, Point& point) const;
+  void measure(Point& point) const;
+  double height_by(const Ways& ways, const Eigen::Vector2d& base, double height, double below, double above) const;
+  bool find(double fraction, Point& point, const Ways* guess = nullptr) const;
   bool find_nodes(double begin, double height_at_begin, double end, double height_at_end, int halvings);
   bool turns_near_ends(const Points& points) const;
   bool take_nodes(const Points& points, double begin, double end);
 
   Way way_of(const Slope& slope, const Eigen::Vector2d& place) const;
+  Ways ways_at(const Point& point) const;
   Stage stage_of(double fraction, const Point& point) const;
   bool same(const Way& one, const Way& other) const;
-  bool same(const std::array<Way, 2>& one, const std::array<Way, 2>& other) const;
-  bool find_bends_between(Stage first, const Stage& last, bool all, std::vector<Eigen::Vector2d>& bends) const;
+  bool same(const Ways& one, const Ways& other) const;
+  void add_bend(const Eigen::Vector2d& place, double distance, const Ways& before);
+  bool find_bends_between(Stage first, const Stage& last, bool all);
   bool is_tangent(const Way& one, const Way& other) const;
   bool find_change(const Stage& first, const Stage& last, std::size_t side, Stage& change) const;
   bool is_on_border(const Stage& stage) const;
@@ -98,6 +113,9 @@ class BorderCurve {
   Active from_left_, from_right_;  ///< the arrivals that matter along it
   bool bisects_ = false;           ///< images are as far from their sites, so that it is straight
   int other_images_ = 0;           ///< that paths from the sites may come from besides one for each
+  std::vector<Bend> bends_;
+  std::vector<Ways> ways_of_parts_;   ///< how paths come to each part between bends
+  const Ways* known_ways_ = nullptr;  ///< of the part, where it is one
   bool has_nodes_ = false;
   std::vector<Node> nodes_;
   Points probes_;  ///< where areas have been tried without bends

@@ -305,16 +305,17 @@ class Cutter {
                                    const Active& active) {
     std::vector<Vector2d> bends;
     curve_.lay(place_of(from), place_of(to), left, right, active);
-    curve_.find_bends(samples_, bends);
+    curve_.find_bends(samples_);
     std::int32_t before = from;
-    for (const Vector2d& bend : bends) {
+    for (const auto& [bend, distance] : curve_.bends()) {
       const auto number = static_cast<std::int32_t>(result_.points.size());
-      result_.points.push_back({bend, distances_.nearest(active, bend).distance, false});
-      curve_.lay(place_of(before), bend, left, right, active);
+      result_.points.push_back({bend, distance, false});
+      curve_.lay_part(bends.size(), place_of(before), bend);
       add_smooth_border(before, number, left, right);
+      bends.push_back(bend);
       before = number;
     }
-    if (!bends.empty()) curve_.lay(place_of(before), place_of(to), left, right, active);
+    if (!bends.empty()) curve_.lay_part(bends.size(), place_of(before), place_of(to));
     add_smooth_border(before, to, left, right);
     return bends;
   }

@@ -92,6 +92,7 @@ int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eig
 Nearest FaceDistances::nearest(const Active& active, const Eigen::Vector2d& point) const {
   Nearest best{std::numeric_limits<double>::infinity(), -1};
   for (const std::int32_t i : active) {
+    if (!(arrivals_[i].least_length_to(point) < best.distance)) continue;
     const double length = arrivals_[i].length_to(point);
     if (length < best.distance) best = {length, arrivals_[i].source};
   }
@@ -102,7 +103,7 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
   double least = std::numeric_limits<double>::infinity();
   const surface::FaceArrival* best = nullptr;
   for (const std::int32_t i : active) {
-    if (arrivals_[i].source != site) continue;
+    if (arrivals_[i].source != site || !(arrivals_[i].least_length_to(point) < least)) continue;
     const double length = arrivals_[i].length_to(point);
     if (length < least) {
       least = length;
@@ -114,14 +115,6 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
   const double length = way.norm();
   return {least, length > 0 ? Eigen::Vector2d(way / length) : Eigen::Vector2d::Zero(),
           static_cast<std::int32_t>(best - arrivals_.data())};
-}
-
-bool FaceDistances::same_paths(std::int32_t a, const Eigen::Vector2d& at_a, std::int32_t b, const Eigen::Vector2d& at_b,
-                               double tolerance) const {
-  const Eigen::Vector2d& turn_a = arrivals_[a].turns_at(at_a);
-  const Eigen::Vector2d& turn_b = arrivals_[b].turns_at(at_b);
-  if ((turn_a - turn_b).norm() > tolerance) return false;
-  return std::abs(arrivals_[a].length_to(turn_a) - arrivals_[b].length_to(turn_b)) <= tolerance;
 }
 
 bool FaceDistances::of_one_site(const Active& active) const {
