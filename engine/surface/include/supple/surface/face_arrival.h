@@ -35,8 +35,6 @@ struct FaceArrival {
     if (misses(begin - image, 1)) return begin;
     return misses(end - image, -1) ? end : image;
   }
-  /// The length of a straight path from the image, wherever it runs: none of the paths to the point is shorter.
-  double least_length_to(const Eigen::Vector2d& point) const { return sigma + (point - image).norm(); }
   /// The length of the shortest of these paths to a point of the face. It is never less than the point's distance.
   double length_to(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d& turn = turns_at(point);
