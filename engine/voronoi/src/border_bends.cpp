@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "border_curve.h"
 #include "border_rounding.h"

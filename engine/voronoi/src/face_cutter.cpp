@@ -31,6 +31,7 @@ constexpr double outside = 1e-9;
 /// Relative to the distance: distances to the sites of a vertex differ by no more, and no other site is nearer by more.
 constexpr double equidistance = 2e-13;
 constexpr int most_newton_steps = 30;
+
 /// Room that a thread keeps from face to face, so that cutting one asks for little memory.
 struct CutterRoom {
   /// What a polygon that is being divided needs.
