@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 /// Bends this near to an end do not count: there it is not sure which way paths come.
 constexpr double bend_margin = 1e-7;
 constexpr std::size_t most_bend_samples = 8;
-constexpr std::size_t most_bends = 48;
+constexpr std::size_t most_bends = 96;
 constexpr int most_change_steps = 10;
 /// Relative to the distance: what rounding does to lengths of two ways.
 constexpr double length_rounding = 1e-14;
