@@ -170,13 +170,29 @@ bool BisectorCells::is_farther(const FaceArrival& arrival, std::size_t image, do
   const Vector2d& near = images_[image].place;
   // Where the arrival is shorter is convex and goes on for ever: it meets the sides of the cell or stays out of it.
   const double least = arrival.sigma - sigma_ + same_sigma * size;
-  if ((arrival.image - near).norm() <= least) return true;
+  const double apart = (arrival.image - near).norm();
+  if (apart <= least) return true;
+  std::array<double, Cell::most_corners> gains;  // of the arrival on the image's own paths
+  std::array<double, Cell::most_corners> sums;
   for (std::size_t i = 0; i < cell.count; ++i) {
     const Vector2d& place = cell.corners[i].place;
-    if ((place - near).norm() - (place - arrival.image).norm() > least) return false;
+    const double own = (place - near).norm();
+    const double other = (place - arrival.image).norm();
+    gains[i] = own - other;
+    sums[i] = own + other;
+    if (gains[i] > least) return false;
   }
-  for (std::size_t i = 0; i < cell.count; ++i)
-    if (falls_below(arrival.image, near, least, cell.corners[i].place, cell.after(i).place)) return false;
+  for (std::size_t i = 0; i < cell.count; ++i) {
+    const std::size_t next = i + 1 < cell.count ? i + 1 : 0;
+    const Vector2d& from = cell.corners[i].place;
+    const Vector2d& to = cell.corners[next].place;
+    // The directions in which two images S, T see a place x differ by at most 2 |S - T| / (|x - S| + |x - T|): so much
+    // may be gained on a part of the side.
+    const double length = (to - from).norm();
+    const double sum = std::min(sums[i], sums[next]) - length;
+    if (sum > 0 && 0.5 * (gains[i] + gains[next]) + length * apart / sum <= least) continue;
+    if (falls_below(arrival.image, near, least, from, to)) return false;
+  }
   return true;
 }
 

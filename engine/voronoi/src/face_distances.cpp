@@ -10,6 +10,13 @@ namespace {
 /// Relative to a distance: what rounding does to lengths of two arrivals.
 constexpr double rounding = 1e-14;
 
+/// Whether even a straight path from the image would be no shorter than `length`. Most arrivals are, and this takes no
+/// root and asks for no turns.
+bool is_no_shorter(const surface::FaceArrival& arrival, const Eigen::Vector2d& point, double length) {
+  const double straight = length - arrival.sigma;
+  return straight <= 0 || (point - arrival.image).squaredNorm() > straight * straight * (1 + rounding);
+}
+
 }  // namespace
 
 void FaceDistances::all(Active& active) const {
@@ -39,6 +46,7 @@ Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point,
   std::int32_t nearest = -1;
   for (const std::int32_t i : active) {
     const surface::FaceArrival& arrival = arrivals_[i];
+    if (is_no_shorter(arrival, point, (best.distance + 2 * radius) * (1 + 2 * rounding))) continue;
     const double length = arrival.length_to(point);
     if (length > best.distance + 2 * radius + rounding * length) continue;
     candidates.push_back({i, length});
@@ -74,12 +82,15 @@ int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eig
   kept.clear();
   double best = std::numeric_limits<double>::infinity();
   for (const std::int32_t i : active)
-    if (arrivals_[i].source == site) best = std::min(best, arrivals_[i].length_to(point));
+    if (arrivals_[i].source == site && !is_no_shorter(arrivals_[i], point, best))
+      best = std::min(best, arrivals_[i].length_to(point));
   const double limit = best + 2 * radius + rounding * best;
   int others = 0;
   for (const std::int32_t i : active) {
     const surface::FaceArrival& arrival = arrivals_[i];
-    if (arrival.source != site || arrival.length_to(point) > limit) continue;
+    if (arrival.source != site || is_no_shorter(arrival, point, limit * (1 + rounding)) ||
+        arrival.length_to(point) > limit)
+      continue;
     const bool known = std::any_of(kept.begin(), kept.end(), [&](std::int32_t k) {
       return (arrival.image - arrivals_[k].image).norm() <= tolerance;
     });
@@ -92,6 +103,7 @@ int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eig
 Nearest FaceDistances::nearest(const Active& active, const Eigen::Vector2d& point) const {
   Nearest best{std::numeric_limits<double>::infinity(), -1};
   for (const std::int32_t i : active) {
+    if (is_no_shorter(arrivals_[i], point, best.distance)) continue;
     const double length = arrivals_[i].length_to(point);
     if (length < best.distance) best = {length, arrivals_[i].source};
   }
@@ -102,7 +114,7 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
   double least = std::numeric_limits<double>::infinity();
   const surface::FaceArrival* best = nullptr;
   for (const std::int32_t i : active) {
-    if (arrivals_[i].source != site) continue;
+    if (arrivals_[i].source != site || is_no_shorter(arrivals_[i], point, least)) continue;
     const double length = arrivals_[i].length_to(point);
     if (length < least) {
       least = length;
@@ -114,14 +126,6 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
   const double length = way.norm();
   return {least, length > 0 ? Eigen::Vector2d(way / length) : Eigen::Vector2d::Zero(),
           static_cast<std::int32_t>(best - arrivals_.data())};
-}
-
-bool FaceDistances::same_paths(std::int32_t a, const Eigen::Vector2d& at_a, std::int32_t b, const Eigen::Vector2d& at_b,
-                               double tolerance) const {
-  const Eigen::Vector2d& turn_a = arrivals_[a].turns_at(at_a);
-  const Eigen::Vector2d& turn_b = arrivals_[b].turns_at(at_b);
-  if ((turn_a - turn_b).norm() > tolerance) return false;
-  return std::abs(arrivals_[a].length_to(turn_a) - arrivals_[b].length_to(turn_b)) <= tolerance;
 }
 
 bool FaceDistances::of_one_site(const Active& active) const {

@@ -47,10 +47,6 @@ class FaceDistances {
   Nearest nearest(const Active& active, const Eigen::Vector2d& point) const;
   /// The distance from one site, infinite where none of its arrivals is active.
   Slope from_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point) const;
-  /// Whether two arrivals, each at a point where it is the shortest of its site, are one bundle of straight paths, up
-  /// to `tolerance` of length.
-  bool same_paths(std::int32_t a, const Eigen::Vector2d& at_a, std::int32_t b, const Eigen::Vector2d& at_b,
-                  double tolerance) const;
   /// Whether all are of one site.
   bool of_one_site(const Active& active) const;
 

@@ -2,9 +2,12 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
+#include "planar_cross.h"
 #include "supple/surface/triangle_mesh.h"
 
 namespace supple::voronoi {
@@ -28,6 +31,23 @@ inline Eigen::Vector3d barycentric(const std::array<Eigen::Vector2d, 3>& corners
   Eigen::Vector3d result(1 - b - c, b, c);
   result = result.cwiseMax(0.0);
   return result / result.sum();
+}
+
+/// A place that is outside the face by rounding, as where sites are so near to each other that their border is known to
+/// few digits, on its boundary.
+inline Eigen::Vector2d within_face(const std::array<Eigen::Vector2d, 3>& corners, const Eigen::Vector2d& place) {
+  bool inside = true;
+  for (std::size_t i = 0; i < 3; ++i)
+    inside = inside && cross(corners[(i + 1) % 3] - corners[i], place - corners[i]) >= 0;
+  if (inside) return place;
+  const Eigen::Vector3d weights = barycentric(corners, place);
+  return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+}
+
+inline double longest_side(const std::array<Eigen::Vector2d, 3>& corners) {
+  double longest = 0;
+  for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, (corners[(i + 1) % 3] - corners[i]).norm());
+  return longest;
 }
 
 }  // namespace supple::voronoi

@@ -14,6 +14,7 @@
 #include "supple/voronoi/optimization.h"
 #include "support/sampling.h"
 #include "support/shapes.h"
+#include "support/valid_diagram.h"
 
 namespace supple::voronoi {
 namespace {
@@ -24,14 +25,7 @@ using surface::TriangleMesh;
 
 constexpr double equidistance = 1e-10;
 
-double area_of(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& f : mesh.faces()) {
-    const auto& p = mesh.positions();
-    area += 0.5 * (p[f[1]] - p[f[0]]).cross(p[f[2]] - p[f[0]]).norm();
-  }
-  return area;
-}
+using testing::area_of;
 
 void expect_partition(const TriangleMesh& mesh, const Diagram& diagram) {
   double area = diagram.unreached_area;

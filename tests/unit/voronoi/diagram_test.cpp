@@ -15,6 +15,7 @@
 #include "support/expect_error.h"
 #include "support/sampling.h"
 #include "support/shapes.h"
+#include "support/valid_diagram.h"
 
 namespace supple::voronoi {
 namespace {
@@ -23,14 +24,7 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-double area_of(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& f : mesh.faces()) {
-    const auto& p = mesh.positions();
-    area += 0.5 * (p[f[1]] - p[f[0]]).cross(p[f[2]] - p[f[0]]).norm();
-  }
-  return area;
-}
+using testing::area_of;
 
 std::vector<SurfacePoint> drawn_sites(const TriangleMesh& mesh, int count, std::uint64_t seed) {
   return random_sites(mesh, count, seed);
