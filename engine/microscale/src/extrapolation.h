@@ -19,8 +19,8 @@ struct PatchResponse {
 /// energy, prescribed components of F are exact, and free directions stay free of force.
 PatchResponse extrapolate(const PatchResponse& coarse, const PatchResponse& fine);
 
-/// The estimated errors of the two meshes' extrapolation, and of the coarse mesh: of stress and energy density, MPa, for
-/// a patch of the rest area `area`.
+/// The estimated errors of the two meshes' extrapolation, and of the coarse mesh: of stress and energy density, MPa,
+/// for a patch of the rest area `area`.
 MeshError extrapolation_error(const PatchResponse& coarse, const PatchResponse& fine, double area);
 MeshError coarse_error(const PatchResponse& coarse, const PatchResponse& fine, double area);
 
