@@ -32,7 +32,7 @@ SHALLOW = ["-Xclang", "-analyzer-config", "-Xclang", "mode=shallow,max-nodes=150
 """The analyzer follows calls into small functions alone; to follow all of them takes it about three times as long. Of a function
 with very many paths it looks at a fifth of what it would otherwise, which takes it half as long."""
 INCLUDES_LIBTORCH = {"checkpoint", "jet_layer", "matrix_product", "optimizer", "row_losses", "stiffness_fit", "torch_network",
-                     "trainer", "training_batches"}
+                     "trainer", "training_batches", "training_set"}
 
 
 @dataclass

@@ -146,9 +146,10 @@ TEST(MeshErrorCases, ACancelledPathLeavesNothingBehind) {
   for (std::size_t k = 0; k < found.states.size(); ++k) {
     EXPECT_LT(norm_of(found.states[k].stress - wanted.states[k].stress), 1e-9 * norm_of(wanted.states[k].stress));
     ASSERT_EQ(found.states[k].mesh_error.has_value(), wanted.states[k].mesh_error.has_value());
-    if (wanted.states[k].mesh_error)
+    if (wanted.states[k].mesh_error) {
       EXPECT_NEAR(found.states[k].mesh_error->stress, wanted.states[k].mesh_error->stress,
                   1e-4 * wanted.states[k].mesh_error->stress);
+    }
   }
 }
 
