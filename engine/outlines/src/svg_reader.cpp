@@ -395,7 +395,6 @@ class SvgReader {
     const bool fills = is_clipping_ || style.fills();
     for (Curve& curve : curves) {
       transform(curve, context.map);
-      curve.names = &curve == &curves.back() ? std::move(context.names) : context.names;
       curve.group = context.group;
       curve.what = what;
       curve.is_filled = fills;
@@ -403,6 +402,8 @@ class SvgReader {
       curve.element = elements_;
       curve.clip = context.clip;
     }
+    for (std::size_t i = 0; i + 1 < curves.size(); ++i) curves[i].names = context.names;
+    curves.back().names = std::move(context.names);
     if (name == "rect" && !is_clipping_ && is_background(curves.front(), style))
       return leave_hidden(drawing_, what, "it is a white background of the whole page");
     if (!fills) drawing_.stroked += curves.size();
