@@ -65,6 +65,22 @@ describe("measured data", () => {
     expect(measuredRequest({ text: "1" }, "poisson", answers)).not.toHaveProperty("sense");
   });
 
+  it("keeps every change, also those that come before the answer to earlier ones", async () => {
+    const asked: any[] = [];
+    const client = { post: async (path: string, body: unknown) => (path === "/v1/measured-curves" && asked.push(body), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
+    const measured = new Measured(new DesignSession(client), client);
+    await measured.read({ text: "0;0" }, "test.csv");
+    measured.change({ units: { x: "mm" } });
+    measured.change({ units: { y: "N" } });
+    measured.change({ specimen: { area: 20 } });
+    measured.change({ specimen: { gauge_length: 50 } });
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(asked.at(-1)).toMatchObject({ units: { x: "mm", y: "N" }, specimen: { area: 20, gauge_length: 50 } });
+    // A new file begins anew.
+    await measured.read({ text: "1;1" }, "other.csv");
+    expect(asked.at(-1).specimen ?? {}).toEqual({});
+  });
+
   it("becomes the target, of engineering strain", async () => {
     const asked: unknown[] = [];
     const client = { post: async (path: string, body: unknown) => (asked.push([path, body]), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;

@@ -19,6 +19,21 @@ describe("a part", () => {
     expect(fileName(null, "3mf")).toBe("part.3mf");
   });
 
+  it("reads its drawing in a width and a resolution that were chosen one right after the other", async () => {
+    const asked: any[] = [];
+    const client = { post: async (_path: string, body: unknown) => { asked.push(body); return { format: "svg", unit_is_known: false, shapes: [] }; } } as unknown as Client;
+    const part = new Part(client);
+    await part.open("<svg/>", "sole.svg");
+    part.scale(80);
+    part.setResolution(72);
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(asked.at(-1)).toEqual({ text: "<svg/>", width: 80, resolution: 72 });
+    part.setResolution(90);
+    part.scale(90);
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    expect(asked.at(-1)).toEqual({ text: "<svg/>", width: 90, resolution: 90 });
+  });
+
   it("is described with a picture, and says why it cannot be made", async () => {
     const asked: any[] = [];
     let answer: unknown = { size: [20, 90, 4] };

@@ -91,6 +91,8 @@ export function reductionSentence(curve: MeasuredCurve, number: (value: number) 
 export class Measured {
   readonly data = new Observable<MeasuredData | null>(null);
   private readonly requests = new Latest();
+  /** What was asked for last, whether the answer has come or not. */
+  private asked: { readonly table: MeasuredTable; readonly settings: MeasuredSettings } | null = null;
 
   constructor(
     private readonly session: DesignSession,
@@ -102,14 +104,22 @@ export class Measured {
     return new Promise((done) => this.ask(table, name, FIRST_SETTINGS, done));
   }
 
-  change(settings: Partial<MeasuredSettings>): void {
+  /** Asks again with these settings; columns, units and sizes that are not named stay. Changes that come before the answer to earlier ones add up. */
+  change(change: Partial<MeasuredSettings>): void {
     const data = this.data.get();
     if (!data) return;
+    const settings = this.asked?.table === data.table ? this.asked.settings : data.settings;
     // The target that the data became comes into sight, so that they replace no other.
     const { at, regionAt } = data.kind;
     if (regionAt !== undefined) this.session.selectRegion(regionAt);
     if (at !== undefined) this.session.select(at);
-    this.ask(data.table, data.name, { ...data.settings, ...settings });
+    this.ask(data.table, data.name, {
+      ...settings,
+      ...change,
+      columns: { ...settings.columns, ...change.columns },
+      units: { ...settings.units, ...change.units },
+      specimen: { ...settings.specimen, ...change.specimen },
+    });
   }
 
   remove(): void {
@@ -118,6 +128,7 @@ export class Measured {
   }
 
   private ask(table: MeasuredTable, name: string, settings: MeasuredSettings, done: (problem: string) => void = () => {}): void {
+    this.asked = { table, settings };
     const { task } = this.session.state.get();
     // Instruments measure stretch and force over rest width; directions have no such choice.
     const kind = { task, measure: task === "stress_strain" ? ("engineering" as const) : this.session.state.get().measure };

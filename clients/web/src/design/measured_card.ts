@@ -84,9 +84,9 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
   points.value = settings.controlPoints;
   const asked = askedFor(data);
   const needs = (place: string) => asked.has(place);
-  const columns = (change: MeasuredSettings["columns"]) => measured.change({ columns: { ...settings.columns, ...change } });
-  const units = (change: MeasuredSettings["units"]) => measured.change({ units: { ...settings.units, ...change } });
-  const specimen = (change: MeasuredSettings["specimen"]) => measured.change({ specimen: { ...settings.specimen, ...change } });
+  const columns = (change: MeasuredSettings["columns"]) => measured.change({ columns: change });
+  const units = (change: MeasuredSettings["units"]) => measured.change({ units: change });
+  const specimen = (change: MeasuredSettings["specimen"]) => measured.change({ specimen: change });
   const blocks = curve?.table?.blocks ?? 1;
   return [
     curve?.table !== undefined && column("x from", curve, curve.columns?.x ?? 0, (x) => columns({ x })),

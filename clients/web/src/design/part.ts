@@ -164,19 +164,21 @@ export class Part {
   /** The same drawing, of another width in mm. */
   scale(width: number | null): void {
     const drawing = this.drawing.get();
-    if (drawing) void this.readDrawing(drawing.text, drawing.name, width, drawing.resolution);
+    if (!drawing) return;
+    const resolution = this.asked?.text === drawing.text ? this.asked.resolution : drawing.resolution;
+    void this.readDrawing(drawing.text, drawing.name, width, resolution);
   }
 
   /** The drawing that was opened last, with so many pixels per inch. */
   setResolution(resolution: number | null): void {
-    const last = this.lastOpened;
-    if (last) void this.readDrawing(last.text, last.name, this.drawing.get()?.text === last.text ? (this.drawing.get()?.width ?? null) : null, resolution);
+    if (this.asked) void this.readDrawing(this.asked.text, this.asked.name, this.asked.width, resolution);
   }
 
-  private lastOpened: { text: string; name: string } | null = null;
+  /** What was asked for last, whether the answer has come or not: changes that come before it add up. */
+  private asked: { text: string; name: string; width: number | null; resolution: number | null } | null = null;
 
   private readDrawing(text: string, name: string, width: number | null, resolution: number | null): Promise<string> {
-    this.lastOpened = { text, name };
+    this.asked = { text, name, width, resolution };
     return new Promise((done) => this.drawings.submit(async (signal) => {
       try {
         const curves = await this.client.post<Outlines>("/v1/outlines", outlineRequest(text, width, resolution), { signal });
