@@ -44,7 +44,7 @@ class GroupReader {
       const auto [end, error] = std::from_chars(first->data(), first->data() + first->size(), code);
       if (error != std::errc() || end != first->data() + first->size()) {
         if (first->empty() && without_spaces(rest_).empty()) return std::nullopt;
-        refuse("line " + std::to_string(line_) + ": " + quoted(*first) + " is no group code of a DXF file");
+        refuse("line " + std::to_string(line_) + ": " + in_quotes(*first) + " is no group code of a DXF file");
       }
       const auto value = line();
       if (!value) refuse("line " + std::to_string(line_) + ": the file ends after a group code");
@@ -72,7 +72,7 @@ double number_of(const Group& group) {
   std::string_view text = group.value;
   const auto value = take_number(text);
   if (!value || !text.empty())
-    refuse("line " + std::to_string(group.line) + ": " + quoted(group.value) + " is no number");
+    refuse("line " + std::to_string(group.line) + ": " + in_quotes(group.value) + " is no number");
   return *value;
 }
 
@@ -281,7 +281,7 @@ class DxfReader {
   }
 
   std::string words_for(const Entity& entity) const {
-    return entity.words() + " (layer " + outlines::quoted(layer_of(entity)) + ")";
+    return entity.words() + " (layer " + in_quotes(layer_of(entity)) + ")";
   }
 
   /// Whether the entity is shown in model space.

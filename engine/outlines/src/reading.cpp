@@ -119,7 +119,7 @@ std::string rounded(double value) {
   return {digits, end};
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 40;
   std::string result = "\"";
   for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';

@@ -77,7 +77,7 @@ void add_curve(RawDrawing& drawing, Curve curve, const Execution& execution);
 /// A number for a message, with four digits.
 std::string rounded(double value);
 /// Text of a file for a message: shortened, and without what is not printable ASCII.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 /// The first bytes of a name, no half characters of UTF-8.
 std::string shortened(std::string_view name);
 

@@ -18,7 +18,7 @@ void skip_separator(std::string_view& text) {
 Map function_of(std::string_view name, const std::vector<double>& n) {
   const auto count = [&](std::size_t least, std::size_t most) {
     if (n.size() < least || n.size() > most)
-      throw std::invalid_argument(quoted(name) + " has " + std::to_string(n.size()) + " numbers");
+      throw std::invalid_argument(in_quotes(name) + " has " + std::to_string(n.size()) + " numbers");
   };
   Map map = Map::Identity();
   constexpr double degree = std::numbers::pi / 180;
@@ -41,7 +41,7 @@ Map function_of(std::string_view name, const std::vector<double>& n) {
     count(1, 1);
     map.linear()(name == "skewX" ? 0 : 1, name == "skewX" ? 1 : 0) = std::tan(n[0] * degree);
   } else {
-    throw std::invalid_argument(quoted(name) + " is no function of a transform");
+    throw std::invalid_argument(in_quotes(name) + " is no function of a transform");
   }
   return map;
 }
@@ -53,7 +53,7 @@ std::vector<double> read_numbers(std::string_view text) {
   text = without_spaces(text);
   while (!text.empty()) {
     const auto number = take_number(text);
-    if (!number) throw std::invalid_argument(quoted(text.substr(0, 20)) + " is no number");
+    if (!number) throw std::invalid_argument(in_quotes(text.substr(0, 20)) + " is no number");
     numbers.push_back(*number);
     skip_separator(text);
   }
@@ -66,7 +66,7 @@ Map read_transform(std::string_view text) {
   while (!text.empty()) {
     const auto open = text.find('('), close = text.find(')');
     if (open == std::string_view::npos || close == std::string_view::npos || close < open)
-      throw std::invalid_argument(quoted(text.substr(0, 20)) + " has no pair of parentheses");
+      throw std::invalid_argument(in_quotes(text.substr(0, 20)) + " has no pair of parentheses");
     std::string_view name = text.substr(0, open);
     while (!name.empty() && is_space(name.back())) name.remove_suffix(1);
     map = map * function_of(name, read_numbers(text.substr(open + 1, close - open - 1)));
@@ -80,7 +80,7 @@ std::optional<double> read_length(std::string_view text) {
   std::string_view rest = without_spaces(text);
   const auto number = take_number(rest);
   while (!rest.empty() && is_space(rest.back())) rest.remove_suffix(1);
-  if (!number) throw std::invalid_argument(quoted(text) + " is no length");
+  if (!number) throw std::invalid_argument(in_quotes(text) + " is no length");
   if (rest == "%") return std::nullopt;
   if (rest.empty() || rest == "px") return *number;
   const double millimetres = rest == "mm"   ? 1
@@ -91,7 +91,7 @@ std::optional<double> read_length(std::string_view text) {
                              : rest == "Q"  ? 0.25
                                             : 0;
   if (millimetres == 0)
-    throw std::invalid_argument(quoted(text) + " is in none of the units mm, cm, in, pt, pc, Q and px");
+    throw std::invalid_argument(in_quotes(text) + " is in none of the units mm, cm, in, pt, pc, Q and px");
   return *number * millimetres / mm_per_pixel;
 }
 

@@ -56,7 +56,7 @@ class PathReader {
 
  private:
   [[noreturn]] void refuse_here(const char* what) const {
-    throw std::invalid_argument(quoted(rest_.substr(0, 10)) + " at character " +
+    throw std::invalid_argument(in_quotes(rest_.substr(0, 10)) + " at character " +
                                 std::to_string(text_.size() - rest_.size() + 1) + " " + what);
   }
 

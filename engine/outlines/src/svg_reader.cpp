@@ -72,7 +72,7 @@ class SvgReader {
              result.description());
     }
     const pugi::xml_node root = document.document_element();
-    if (local_name(root.name()) != "svg") refuse("the element " + quoted(root.name()) + " is no <svg>");
+    if (local_name(root.name()) != "svg") refuse("the element " + in_quotes(root.name()) + " is no <svg>");
     read_styles(document);
     const Map page = at(root, [&] { return page_of(root); });
     Context context{
@@ -114,7 +114,7 @@ class SvgReader {
       std::string text;
       for (const pugi::xml_node& child : node.children()) text += child.value();
       styles_.add(text, [&](const std::string& rule) {
-        drawing_.warnings.push_back("The rule " + quoted(rule) + " of " + words_for(node) +
+        drawing_.warnings.push_back("The rule " + in_quotes(rule) + " of " + words_for(node) +
                                     " is not followed: it may hide or show shapes.");
       });
     }
@@ -127,7 +127,7 @@ class SvgReader {
 
   std::string words_for(const pugi::xml_node& node) const {
     const std::string_view id = node.attribute("id").value();
-    return "<" + shortened(local_name(node.name())) + ">" + (id.empty() ? "" : " " + quoted(id)) + " of line " +
+    return "<" + shortened(local_name(node.name())) + ">" + (id.empty() ? "" : " " + in_quotes(id)) + " of line " +
            std::to_string(line_of(node.offset_debug()));
   }
 
@@ -306,11 +306,11 @@ class SvgReader {
     std::string id = reference;
     std::erase_if(id, [](char c) { return is_space(c) || c == '"' || c == '\''; });
     if (!id.starts_with("url(") || !id.ends_with(")"))
-      refuse(words_for(node) + " is clipped by " + quoted(reference) + "; only clip paths of the file are read");
+      refuse(words_for(node) + " is clipped by " + in_quotes(reference) + "; only clip paths of the file are read");
     id = id.substr(4, id.size() - 5);
     const pugi::xml_node target = element_of(node, id);
     if (!target || local_name(target.name()) != "clipPath") {
-      drawing_.warnings.push_back(words_for(node) + " is clipped by " + quoted(reference) +
+      drawing_.warnings.push_back(words_for(node) + " is clipped by " + in_quotes(reference) +
                                   ", which is no clip path of the file: nothing is cut.");
       return context.clip;
     }

@@ -433,7 +433,7 @@ Style style_of(const Declarations& own, const Style& outer) {
     const std::string value = lower(*found);
     if (value.find("var(") != std::string::npos || value.find("calc(") != std::string::npos ||
         value.find("env(") != std::string::npos)
-      throw std::invalid_argument(std::string(name) + " is " + quoted(*found) +
+      throw std::invalid_argument(std::string(name) + " is " + in_quotes(*found) +
                                   ", which is computed by a browser only");
     return value;
   };
@@ -463,7 +463,7 @@ Style style_of(const Declarations& own, const Style& outer) {
   for (const char* name : {"transform", "rotate", "d"}) {
     const std::string moved = reference(name);
     if (!moved.empty())
-      throw std::invalid_argument("its style has " + std::string(name) + ": " + quoted(moved) +
+      throw std::invalid_argument("its style has " + std::string(name) + ": " + in_quotes(moved) +
                                   "; write it as an attribute of the element");
   }
   return style;

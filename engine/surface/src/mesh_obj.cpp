@@ -35,12 +35,12 @@ void check_further_numbers(const TextScanner& scanner, std::string_view corner, 
       parts += c == '/';
       if ((c == '/' && after_sign) || (c != '/' && !(begins_number && (c == '-' || c == '+')))) {
         throw_malformed_line(scanner.line_number(),
-                             "expected numbers of a texture coordinate and a normal, found " + quoted(corner));
+                             "expected numbers of a texture coordinate and a normal, found " + in_quotes(corner));
       }
     }
     before = c;
   }
-  if (parts > 2) throw_malformed_line(scanner.line_number(), "expected at most three numbers in " + quoted(corner));
+  if (parts > 2) throw_malformed_line(scanner.line_number(), "expected at most three numbers in " + in_quotes(corner));
 }
 
 /// The vertex of "7", "7/1", "7//3", "7/1/3" or "-2/...", counted from 0.
@@ -82,7 +82,7 @@ TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits, const Ex
       ++skipped;
       scanner.skip_statement();
     } else if (std::ranges::count(ignored_statements, word) == 0) {
-      throw_malformed_line(scanner.line_number(), "expected an OBJ statement such as v or f, found " + quoted(word));
+      throw_malformed_line(scanner.line_number(), "expected an OBJ statement such as v or f, found " + in_quotes(word));
     } else {
       scanner.skip_statement();
     }

@@ -57,7 +57,7 @@ class OffReader {
     const std::string_view first = word();
     const std::optional<OffKeyword> keyword = read_off_keyword(first);
     if (!keyword)
-      throw_malformed_line(scanner_.line_number(), "expected OFF of three dimensions, found " + quoted(first));
+      throw_malformed_line(scanner_.line_number(), "expected OFF of three dimensions, found " + in_quotes(first));
     further_numbers_ = keyword->further_numbers;
     const std::string_view count = keyword->glued.empty() ? word() : keyword->glued;
     if (count == "BINARY") throw_malformed_line(scanner_.line_number(), "binary OFF is not read; write it as text");

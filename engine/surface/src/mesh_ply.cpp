@@ -66,17 +66,17 @@ Scalar scalar_type(const TextScanner& scanner, std::string_view name) {
   for (const Row& row : table) {
     if (row.name == name) return row.type;
   }
-  throw_malformed_line(scanner.line_number(), "expected a PLY scalar type, found " + quoted(name));
+  throw_malformed_line(scanner.line_number(), "expected a PLY scalar type, found " + in_quotes(name));
 }
 
 Encoding read_encoding(TextScanner& scanner) {
   const std::string_view name = scanner.token(), version = scanner.token();
   if (version != "1.0")
-    throw_malformed_line(scanner.line_number(), "expected PLY version 1.0, found " + quoted(version));
+    throw_malformed_line(scanner.line_number(), "expected PLY version 1.0, found " + in_quotes(version));
   if (name == "ascii") return Encoding::ascii;
   if (name == "binary_little_endian") return Encoding::little_endian;
   if (name == "binary_big_endian") return Encoding::big_endian;
-  throw_malformed_line(scanner.line_number(), "expected a PLY format, found " + quoted(name));
+  throw_malformed_line(scanner.line_number(), "expected a PLY format, found " + in_quotes(name));
 }
 
 Property read_property(TextScanner& scanner) {
@@ -98,7 +98,7 @@ Header read_header(std::string_view bytes) {
   bool has_format = false;
   scanner.next_line();
   if (const std::string_view magic = scanner.token(); magic != "ply") {
-    throw_malformed_line(1, "expected ply, found " + quoted(magic));
+    throw_malformed_line(1, "expected ply, found " + in_quotes(magic));
   }
   while (scanner.next_line()) {
     const std::string_view word = scanner.token();
@@ -125,7 +125,7 @@ Header read_header(std::string_view bytes) {
       if (header.elements.empty()) throw_malformed_line(scanner.line_number(), "a property precedes every element");
       header.elements.back().properties.push_back(read_property(scanner));
     } else if (!word.empty() && word != "comment" && word != "obj_info") {
-      throw_malformed_line(scanner.line_number(), "expected a PLY header line, found " + quoted(word));
+      throw_malformed_line(scanner.line_number(), "expected a PLY header line, found " + in_quotes(word));
     }
   }
   throw_malformed_line(scanner.line_number(), "the header has no end_header");
@@ -282,7 +282,7 @@ int find_vertex_list(const Body& body, const Element& element) {
   int list = element.find("vertex_indices");
   if (list < 0) list = element.find("vertex_index");
   if (list < 0 || !element.properties[list].count_type)
-    body.fail("the element " + quoted(element.name) + " has no list property vertex_indices");
+    body.fail("the element " + in_quotes(element.name) + " has no list property vertex_indices");
   return list;
 }
 
@@ -398,7 +398,7 @@ TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits
     }
   }
   if (left_out > 0) {
-    builder.add_warning("Elements other than vertex and face were left out: " + quoted(first_left_out) +
+    builder.add_warning("Elements other than vertex and face were left out: " + in_quotes(first_left_out) +
                         (left_out > 1 ? " and " + std::to_string(left_out - 1) + " more." : "."));
   }
   if (!body.at_end()) {

@@ -81,7 +81,7 @@ bool is_word(std::string_view found, std::string_view word) {
 
 void expect(const TextScanner& scanner, std::string_view found, std::string_view word) {
   if (is_word(found, word)) return;
-  throw_malformed_line(scanner.line_number(), "expected " + std::string(word) + ", found " + quoted(found));
+  throw_malformed_line(scanner.line_number(), "expected " + std::string(word) + ", found " + in_quotes(found));
 }
 
 /// The next word outside of comments, which fill a line each; empty at the end of the text.

@@ -55,7 +55,7 @@ void throw_malformed_byte(std::size_t offset, const std::string& message) {
   throw_malformed("byte " + std::to_string(offset), message);
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 24;
   if (text.empty()) return "nothing";
   std::string result = "'";
@@ -114,12 +114,12 @@ double TextScanner::number(std::string_view token, std::string_view what) const 
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::result_out_of_range) {
-    throw_malformed_line(line_number_, quoted(token) + " is beyond the range of double precision");
+    throw_malformed_line(line_number_, in_quotes(token) + " is beyond the range of double precision");
   }
   if (error == std::errc() && end == digits.data() + digits.size()) return value;
   if (const auto non_finite = microsoft_non_finite(digits)) return *non_finite;
   throw_malformed_line(line_number_,
-                       "expected " + std::string(what) + ", found " + quoted(token) + decimal_comma_hint(token));
+                       "expected " + std::string(what) + ", found " + in_quotes(token) + decimal_comma_hint(token));
 }
 
 std::int64_t TextScanner::any_integer(std::string_view token, std::string_view what) const {
@@ -127,7 +127,7 @@ std::int64_t TextScanner::any_integer(std::string_view token, std::string_view w
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc() || end != digits.data() + digits.size()) {
-    throw_malformed_line(line_number_, "expected " + std::string(what) + ", found " + quoted(token));
+    throw_malformed_line(line_number_, "expected " + std::string(what) + ", found " + in_quotes(token));
   }
   return value;
 }

@@ -13,7 +13,7 @@ namespace supple::surface {
 [[noreturn]] void throw_malformed_line(std::int64_t line, const std::string& message);
 [[noreturn]] void throw_malformed_byte(std::size_t offset, const std::string& message);
 /// The text in quotes, shortened, with everything but printable ASCII replaced: fit for a message whatever it is.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 std::string_view without_byte_order_mark(std::string_view bytes);
 
 /// Finds the places of a character in a text from its beginning to its end. It looks ahead over many lines at once, so

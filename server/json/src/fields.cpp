@@ -19,7 +19,7 @@ std::string text_of(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
 
 /// An unknown key as it may be shown: long ones are cut, and so stay cheap to compare.
 std::string shown(const std::string& key) { return key.size() <= 64 ? key : key.substr(0, 64) + "..."; }
@@ -134,7 +134,7 @@ std::optional<std::size_t> Fields::choice_index(std::string_view name, const std
     if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
   }
   std::string list;
-  for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + quoted(choice);
+  for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + in_quotes(choice);
   faults_.add(at(name), "must be one of " + list);
   return std::nullopt;
 }
@@ -212,7 +212,7 @@ void Fields::finish() {
       return problem::edit_distance(name, a) < problem::edit_distance(name, b);
     });
     if (nearest != known_.end() && problem::edit_distance(name, *nearest) <= 2)
-      message += "; did you mean " + quoted(*nearest) + "?";
+      message += "; did you mean " + in_quotes(*nearest) + "?";
     faults_.add(pointer_ + "/" + pointer_token(name), message);
   }
 }
