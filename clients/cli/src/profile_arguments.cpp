@@ -17,8 +17,8 @@ namespace supple::cli {
 namespace {
 
 /// x and y; then a weight; then a band.
-constexpr std::size_t fewest_columns = 2;
-constexpr std::size_t most_columns = 4;
+constexpr std::size_t min_columns = 2;
+constexpr std::size_t max_columns = 4;
 
 /// Whether a row begins with a word. One that begins with a number is a control point, or a mistake to be told.
 bool is_heading(const std::string& row) { return !angle_in(std::string_view(row).substr(0, row.find(','))); }
@@ -36,7 +36,7 @@ std::optional<std::vector<double>> control_point_in(const std::string& row, bool
   } else {
     numbers = numbers_in(row);
   }
-  return numbers && numbers->size() >= fewest_columns && numbers->size() <= most_columns ? numbers : std::nullopt;
+  return numbers && numbers->size() >= min_columns && numbers->size() <= max_columns ? numbers : std::nullopt;
 }
 
 void add_profile_options(CLI::App& command, ProfileArguments& arguments) {

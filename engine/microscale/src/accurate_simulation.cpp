@@ -19,10 +19,10 @@ constexpr double aimed_share = 0.7;
 /// Sizes over the beam width. Coarser ones leave one element across a beam, and finer ones take minutes.
 constexpr double coarsest = 1.4;
 constexpr double finest = 0.1;
-/// From one mesh to the next.
-constexpr double least_refinement = 0.8;
-constexpr double most_refinement = 0.4;
-constexpr int most_meshes = 5;
+/// The next mesh has sides between these two multiples of the last one's.
+constexpr double largest_next_size = 0.8;
+constexpr double smallest_next_size = 0.4;
+constexpr int max_meshes = 5;
 
 /// Where a first mesh is too large, the next one has sides this many times as long.
 constexpr double coarser = 1.4;
@@ -69,7 +69,7 @@ AccurateSimulation simulate_within(const tiling::Structure& structure, const Loa
   attempt.mesh.mesh_size = std::clamp(size_for(usual.mesh_size, usual_error, accepted), finest, coarsest);
   std::optional<AccurateSimulation> best;
   bool finer_fits = true;
-  for (int k = 0; k < most_meshes || !best; ++k) {
+  for (int k = 0; k < max_meshes || !best; ++k) {
     std::optional<tiling::PeriodicMesh> mesh = mesh_with_room(structure, attempt.mesh, execution);
     const double size = attempt.mesh.mesh_size;
     if (!mesh) {
@@ -85,7 +85,7 @@ AccurateSimulation simulate_within(const tiling::Structure& structure, const Loa
     const auto error = discretization_error(best->result.states);
     if (!error || error->stress <= accepted || size <= finest || !finer_fits) break;
     attempt.mesh.mesh_size = std::max(finest, std::clamp(size_for(size, error->stress, aimed_share * accepted),
-                                                         most_refinement * size, least_refinement * size));
+                                                         smallest_next_size * size, largest_next_size * size));
   }
   return std::move(*best);
 }

@@ -22,7 +22,7 @@ MeshError scaled(const MeshError& error, double factor) {
   return {factor * error.stress, factor * error.energy_density};
 }
 
-/// Of stress and energy density, for a patch of the rest area `area`.
+/// By how much stress and energy density of two meshes differ; `area` is the rest area of the patch.
 MeshError difference(const PatchResponse& a, const PatchResponse& b, double area) {
   const auto stress = [&](const PatchResponse& response) {
     return second_piola_kirchhoff(response.deformation_gradient, response.strain_gradient, area);

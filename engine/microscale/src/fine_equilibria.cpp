@@ -15,7 +15,7 @@ constexpr double loosest_tolerance = 1e-6;
 
 /// Newton steps with one factorization. They have converged once the square of a step, measured by the energy, is this
 /// share of the first one's: what it still changes is added to first order.
-constexpr int most_steps = 4;
+constexpr int max_steps_of_a_factorization = 4;
 constexpr double converged_share = 1e-3;
 
 SimulationOptions options_for(const SimulationOptions& options) {
@@ -144,7 +144,7 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
   Step step = linearized->step();
   const double first = step.decrease;
   double before = first;
-  for (int k = 0; k < most_steps; ++k) {
+  for (int k = 0; k < max_steps_of_a_factorization; ++k) {
     Eigen::VectorXd change(step.core.size() + step.free.size());
     change << step.core, step.free;
     const CellState from = system.state();

@@ -57,7 +57,7 @@ struct Models {
   SimulationOptions options;
   CellModel cell;
   std::unique_ptr<CellModel> patch;  ///< 2x2 cells, made when they are called for
-  /// Of one cell and of the patch, made when they are called for.
+  /// The finer meshes of one cell and of the patch, which are made when they are called for.
   std::unique_ptr<FineEquilibria> fine_cell, fine_patch;
   PatchStability patch_stability;
 
@@ -146,7 +146,7 @@ class Run {
     return true;
   }
 
-  /// Of the equilibrium whose contact is tight; the path goes on from the one that it followed.
+  /// Writes down the equilibrium whose contact is tight. The path goes on from the one that it followed.
   void record() {
     path_->tighten_contact();
     write_state();

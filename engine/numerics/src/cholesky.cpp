@@ -36,11 +36,11 @@ struct ShiftedCholesky::Implementation {
   bool last_was_sparse = false;
   int analyses = 0;
   CostLedger* cost = nullptr;
-  // Of a bordered matrix: H = [core border; border^T corner].
+  // These are for a bordered matrix H = [core border; border^T corner].
   Eigen::MatrixXd border;
   Eigen::MatrixXd core_inverse_border;
   Eigen::LLT<Eigen::MatrixXd> schur;
-  // Of what is of low rank, L: the inverse of the rest times L, and I + L^T times that.
+  // These are for a part L L^T of low rank: the inverse of the rest times L, and the factors of I + L^T times that.
   Eigen::MatrixXd low_rank;
   Eigen::MatrixXd inverse_low_rank;
   Eigen::LLT<Eigen::MatrixXd> capacitance;

@@ -21,7 +21,8 @@ constexpr int unknowns_worth_keeping = 1000;
 
 /// Multiply-adds that are worth more than one thread: some milliseconds.
 constexpr double work_worth_sharing = 1e7;
-/// Of the whole work: no subtree has more, and what has less is done together with what is above it.
+/// Shares of the whole work: no subtree that a thread takes has more than the first, and one that has less than the
+/// second is done together with what is above it.
 constexpr double largest_share = 0.1;
 constexpr double smallest_share = 0.002;
 

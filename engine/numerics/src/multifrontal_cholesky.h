@@ -30,7 +30,8 @@ class MultifrontalCholesky {
   /// Orders and analyses the pattern of the lower triangle of `matrix` (entries above the diagonal are ignored). A
   /// pattern of the size of the last one keeps its supernodes, then its ordering, as long as these serve it well.
   void analyze(const SparseMatrix& matrix);
-  /// Of matrix + shift I, which has the analysed pattern. False where it is not numerically positive definite.
+  /// Factorizes matrix + shift I, whose pattern is the analysed one. False where it is not numerically positive
+  /// definite.
   bool factorize(const SparseMatrix& matrix, double shift);
   /// Overwrites the columns of b by A^-1 b, four at a time.
   void solve(Eigen::Ref<Eigen::MatrixXd> b) const;
