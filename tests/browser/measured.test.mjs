@@ -100,4 +100,44 @@ describe("measured data", () => {
       await until(async () => /28 points were set aside/.test(await card.locator(".warnings").textContent()), "the warning in its colour");
       await picture(page, "design-measured-warning");
     }));
+
+  it("shows what is asked for next, whether the answers come before, between or after what somebody writes", async () => {
+    const rows = Array.from({ length: 60 }, (_, k) => `${k};${(0.1 * k).toFixed(3)};${(20 * stress((0.1 * k) / 50)).toFixed(6)}`);
+    // How many of the two sizes are written before the server's answers arrive.
+    for (const ahead of [0, 1, 2])
+      await withDesign(async (design, page) => {
+        const card = page.locator("details.measured");
+        await design.drop(".plot-card .stage", ["Zeit;Weg [mm];Kraft [N]", ...rows].join("\n"), "forces.csv");
+        await card.getByLabel("Cross-section, mm²").waitFor();
+        const held = [];
+        let holds = true;
+        await page.route("**/v1/measured-curves", (route) => (holds ? held.push(route) : route.continue()));
+        const release = async () => {
+          holds = false;
+          for (const route of held.splice(0)) await route.continue().catch(() => {}); // the page has given up the earlier ones
+        };
+        if (ahead === 0) await release();
+        await card.getByLabel("Gauge length, mm").fill("50");
+        await card.getByLabel("Gauge length, mm").press("Tab");
+        if (ahead === 1) {
+          await until(() => held.length > 0, "the question about the first size");
+          await card.getByLabel("Cross-section, mm²").fill("20");
+          await release();
+          await until(async () => !/gauge_length/.test(await card.textContent()), "the answer to the first size");
+          assert.equal(await card.getByLabel("Cross-section, mm²").inputValue(), "20", "an answer takes away what is being written");
+        } else {
+          await card.getByLabel("Cross-section, mm²").fill("20");
+        }
+        await card.getByLabel("Cross-section, mm²").press("Shift+Tab");
+        if (ahead === 2) {
+          await until(() => held.length > 1, "the question about both sizes");
+          await release();
+        }
+        await card.getByLabel("What was measured").waitFor();
+        assert.match(await card.textContent(), /follow 60 measured ones.*tension was assumed/);
+        assert.equal(await page.evaluate(() => document.activeElement.labels?.[0].textContent), "Gauge length, mm", `${ahead}: the focus`);
+        assert.equal(await card.getByLabel("Gauge length, mm").inputValue(), "50");
+        assert.equal(await card.getByLabel("Cross-section, mm²").inputValue(), "20");
+      });
+  });
 });

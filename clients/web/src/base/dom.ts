@@ -1,6 +1,6 @@
 // Elements in one expression. Styles are classes only: the server's policy refuses style attributes.
 
-type Child = Node | string | null | undefined | false;
+export type Child = Node | string | null | undefined | false;
 type Attributes = Record<string, string | number | boolean | null | undefined | ((event: never) => void)>;
 
 /** An element with attributes (`onclick` and the like are listeners, true is an empty attribute) and children. */

@@ -2,6 +2,7 @@
 import { button, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
+import { rebuild } from "../base/writing";
 import type { MeasuredCurve } from "../contract/types";
 import { askedFor, type Measured, type MeasuredData, type MeasuredSettings, reductionSentence, tableOf } from "./measured";
 import { isPolar } from "./state";
@@ -36,18 +37,13 @@ export function measuredCard(measured: Measured): HTMLElement {
     remove.hidden = !data;
     replace(warnings, ...(data?.problem ? [] : data?.curve?.notes ?? []).filter(({ level }) => level === "warning").map(({ text }) => h("p", {}, text)));
     if (!data) {
-      replace(settings);
+      rebuild(settings, () => []);
       note.textContent = "CSV or text with two columns or more; or drop a file onto the page.";
       return;
     }
     note.textContent = data.problem ? `${data.name}: ${data.problem}` : `${data.name}: ${data.curve ? reductionSentence(data.curve, digits, percent) : ""}`;
     note.classList.toggle("problem", data.problem !== "");
-    const render = () => replace(settings, ...fields(measured, measured.data.get() ?? data));
-    // An answer that comes while somebody writes into a field leaves the field alone until that is done.
-    const field = document.activeElement;
-    const isWritten = field instanceof HTMLInputElement && field.type !== "range" && settings.contains(field) && field.value !== field.defaultValue;
-    if (isWritten) field.addEventListener("blur", render, { once: true });
-    else render();
+    rebuild(settings, () => fields(measured, measured.data.get() ?? data));
     // What the file does not tell is asked for here, where it is seen.
     const isAsked = data.problem ? QUESTIONS.some((place) => data.places.includes(place)) : data.curve?.sense?.told_by === "nothing";
     if (isAsked) card.setAttribute("open", "");
@@ -100,8 +96,8 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
     !polar && unit("Unit of strain", STRAIN_UNITS, x, (value) => units({ x: value })),
     polar && unit("Unit of direction", ["rad", "deg"], x, (value) => units({ x: value })),
     data.kind.task !== "poisson" && unit(polar ? "Unit of stiffness" : "Unit of stress", polar ? STRESS_UNITS.slice(0, 8) : STRESS_UNITS, y, (value) => units({ y: value })),
-    (LENGTHS.includes(x) || needs("/specimen/gauge_length")) && length("Gauge length, mm", settings.specimen.gauge_length, (value) => specimen({ gauge_length: value })),
-    (FORCES.includes(y) || needs("/specimen/area")) && length("Cross-section, mm²", settings.specimen.area, (value) => specimen({ area: value })),
+    (LENGTHS.includes(x) || needs("/specimen/gauge_length") || settings.specimen.gauge_length !== undefined) && length("Gauge length, mm", settings.specimen.gauge_length, (value) => specimen({ gauge_length: value })),
+    (FORCES.includes(y) || needs("/specimen/area") || settings.specimen.area !== undefined) && length("Cross-section, mm²", settings.specimen.area, (value) => specimen({ area: value })),
     (needs("/zero") || settings.zero !== undefined) && choice("Displacements count from", ZEROS, settings.zero ?? "",
       (value) => measured.change({ zero: value as MeasuredSettings["zero"] })),
     !polar && (needs("/sense") || settings.sense !== undefined) && choice("What was measured", SENSES, settings.sense ?? (curve?.sense?.told_by === "nothing" ? "" : curve?.sense?.used ?? ""),
