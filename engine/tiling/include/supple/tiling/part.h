@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,13 @@ struct Part {
   double trimmed_area = 0;       ///< mm^2 of walls and tips that were too narrow
   std::size_t crumbs = 0;        ///< pieces without connection to the largest one, which are left out
   double crumb_area = 0;         ///< mm^2
+  /// Necks: places narrower than the smallest wall between wider ones, where eroding the solid by half the wall parts
+  /// it.
+  std::size_t widened_necks = 0;  ///< those that were widened to the wall
+  std::size_t cut_necks = 0;      ///< those that were cut, because they could not be widened within the outline
+  /// The width in mm of the narrowest place between wider ones, measured on the faces; none if there is none. It is at
+  /// least 0.98 smallest walls, unless repairs did not end; then it says so.
+  std::optional<double> smallest_neck;
   /// Indices of the design's solids that are not in the part: what fills the outline does not hold on to them.
   std::vector<std::size_t> lost_solids;
   double thickness = 0;  ///< mm
