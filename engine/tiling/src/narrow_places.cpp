@@ -22,65 +22,70 @@ constexpr int max_straight_corners = 100;
 /// The first search looks for places up to so many usual widths, and each further one for so much wider ones.
 constexpr double first_search = 2;
 constexpr double wider_search = 8;
-/// A grid has at most so many columns and rows.
-constexpr double max_grid_lines = 4000;
 
 struct Side {
   Eigen::Vector2d from, to;
+  Eigen::Vector2d direction;
   std::size_t previous = 0, next = 0;  ///< the neighbours in its polygon
 };
 
-/// Sides by the squares of a grid that they run through.
+/// Sides by the squares of a grid that they run through. There are about as many squares as sides.
 class SideGrid {
  public:
-  SideGrid(const std::vector<Side>& sides, double square) : square_(square) {
+  SideGrid(const std::vector<Side>& sides, const Bounds& bounds, double least_square) : lower_(bounds.lower) {
+    const Eigen::Vector2d size = bounds.upper - bounds.lower;
+    square_ = std::max(least_square, size.maxCoeff() / std::sqrt(static_cast<double>(sides.size())));
+    columns_ = static_cast<int>(size.x() / square_) + 1;
+    rows_ = static_cast<int>(size.y() / square_) + 1;
+    std::vector<std::pair<std::size_t, std::uint32_t>> entries;
+    entries.reserve(2 * sides.size());
+    first_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
     for (std::size_t i = 0; i < sides.size(); ++i) {
       const Eigen::Vector2d way = sides[i].to - sides[i].from;
-      const auto pieces = static_cast<int>(way.norm() / square) + 1;
+      const auto pieces = static_cast<int>(way.norm() / square_) + 1;
       for (int k = 0; k < pieces; ++k) {
         const Eigen::Vector2d p = sides[i].from + way * k / pieces, q = sides[i].from + way * (k + 1) / pieces;
-        for_each_square(p.cwiseMin(q), p.cwiseMax(q), [&](std::uint64_t key) { entries_.emplace_back(key, i); });
+        for_each_square(p.cwiseMin(q), p.cwiseMax(q), [&](std::size_t square) {
+          entries.emplace_back(square, static_cast<std::uint32_t>(i));
+          ++first_[square + 1];
+        });
       }
     }
-    std::sort(entries_.begin(), entries_.end());
-    entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
-    last_seen_.assign(sides.size(), 0);
+    for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+    sides_.resize(entries.size());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (const auto& [square, side] : entries) sides_[next[square]++] = side;
   }
 
-  /// Sides that may come within `radius` of the point, in their order in each square.
-  const std::vector<std::size_t>& near(const Eigen::Vector2d& point, double radius, std::vector<std::size_t>& found) {
-    found.clear();
-    ++search_;
+  /// Calls visit(side) for sides that may come within `radius` of the point, for some of them several times.
+  template <class Visit>
+  void for_each_near(const Eigen::Vector2d& point, double radius, const Visit& visit) const {
     const Eigen::Vector2d reach = Eigen::Vector2d::Constant(radius);
-    for_each_square(point - reach, point + reach, [&](std::uint64_t key) {
-      for (auto entry = std::lower_bound(entries_.begin(), entries_.end(), std::pair(key, std::size_t{0}));
-           entry != entries_.end() && entry->first == key; ++entry) {
-        if (last_seen_[entry->second] == search_) continue;
-        last_seen_[entry->second] = search_;
-        found.push_back(entry->second);
-      }
+    for_each_square(point - reach, point + reach, [&](std::size_t square) {
+      for (std::size_t k = first_[square]; k < first_[square + 1]; ++k) visit(std::size_t{sides_[k]});
     });
-    return found;
   }
 
  private:
   template <class Visit>
-  void for_each_square(const Eigen::Vector2d& lower, const Eigen::Vector2d& upper, const Visit& visit) const {
-    // Coordinates of parts are within some metres, so that the numbers of squares are small.
-    constexpr std::int64_t offset = std::int64_t{1} << 31;
-    const auto number = [&](double coordinate) {
-      return static_cast<std::int64_t>(std::floor(coordinate / square_)) + offset;
+  void for_each_square(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Visit& visit) const {
+    const auto number = [&](double distance, int count) {
+      return std::clamp(static_cast<int>(distance / square_), 0, count - 1);
     };
-    for (std::int64_t y = number(lower.y()); y <= number(upper.y()); ++y) {
-      for (std::int64_t x = number(lower.x()); x <= number(upper.x()); ++x)
-        visit((static_cast<std::uint64_t>(y) << 32U) | static_cast<std::uint64_t>(x));
+    const int first_column = number(from.x() - lower_.x(), columns_),
+              last_column = number(to.x() - lower_.x(), columns_);
+    const int last_row = number(to.y() - lower_.y(), rows_);
+    for (int row = number(from.y() - lower_.y(), rows_); row <= last_row; ++row) {
+      for (int column = first_column; column <= last_column; ++column)
+        visit(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column));
     }
   }
 
-  double square_;
-  std::vector<std::pair<std::uint64_t, std::size_t>> entries_;
-  std::vector<std::uint32_t> last_seen_;
-  std::uint32_t search_ = 0;
+  Eigen::Vector2d lower_;
+  double square_ = 1;
+  int columns_ = 1, rows_ = 1;
+  std::vector<std::size_t> first_;  ///< for each square the place of its first side in sides_
+  std::vector<std::uint32_t> sides_;
 };
 
 /// A point of a side.
@@ -98,7 +103,8 @@ class Search {
       const std::size_t first = sides_.size(), n = polygon.size();
       bounds_.include(polygon);
       for (std::size_t k = 0; k < n; ++k) {
-        sides_.push_back({polygon[k], polygon[(k + 1) % n], first + (k + n - 1) % n, first + (k + 1) % n});
+        const Eigen::Vector2d &from = polygon[k], &to = polygon[(k + 1) % n];
+        sides_.push_back({from, to, (to - from).normalized(), first + (k + n - 1) % n, first + (k + 1) % n});
       }
     }
   }
@@ -106,35 +112,32 @@ class Search {
   double diameter() const { return (bounds_.upper - bounds_.lower).norm(); }
 
   /// All places narrower than `limit`, and the narrowest of the others up to the width `reach`.
-  NarrowPlaces within(double limit, double reach) {
-    SideGrid grid(sides_, std::max(reach, diameter() / max_grid_lines));
+  NarrowPlaces within(double limit, double reach) const {
+    const SideGrid grid(sides_, bounds_, reach);
     NarrowPlaces found;
     double widest = reach;  // nothing wider is of interest
-    std::vector<std::size_t> opposite_sides, around;
     for (std::size_t v = 0; v < sides_.size(); ++v) {
       if (!is_reentrant(v)) continue;
       const OutlinePoint corner{sides_[v].from, v, true, false};
-      grid.near(corner.at, std::max(limit, widest), opposite_sides);
-      for (const std::size_t side : opposite_sides) {
-        if (side == v || side == sides_[v].previous) continue;
+      std::size_t last = v;
+      grid.for_each_near(corner.at, std::max(limit, widest), [&](std::size_t side) {
+        if (side == v || side == sides_[v].previous || side == last) return;
+        last = side;
         const OutlinePoint facing = nearest_point(side, corner.at);
         const double width = (facing.at - corner.at).norm();
-        if (!(width > 0) || (width >= limit && width >= widest) || !face_each_other(corner, facing)) continue;
-        grid.near((corner.at + facing.at) / 2, width / 2, around);
-        if (!holds_disk(corner.at, facing.at, around) || !widens_both_ways(corner, facing)) continue;
-        if (width < limit) {
+        if (!(width > 0) || (width >= limit && width >= widest) || !face_each_other(corner, facing)) return;
+        if (!holds_disk(grid, corner.at, facing.at) || !widens_both_ways(corner, facing)) return;
+        if (width >= limit)
+          found.least_of_rest = widest = width;
+        else if (!is_known(found.below, {corner.at, facing.at}))
           found.below.push_back({corner.at, facing.at});
-        } else {
-          widest = width;
-          found.least_of_rest = width;
-        }
-      }
+      });
     }
     return found;
   }
 
  private:
-  Eigen::Vector2d direction(std::size_t side) const { return (sides_[side].to - sides_[side].from).normalized(); }
+  const Eigen::Vector2d& direction(std::size_t side) const { return sides_[side].direction; }
 
   /// Whether the solid fills more than half of the surroundings of the corner where the side begins.
   bool is_reentrant(std::size_t side) const {
@@ -168,12 +171,19 @@ class Search {
            direction(sides_[corner].previous).dot(into_solid) >= -right_angle;
   }
 
-  bool holds_disk(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const std::vector<std::size_t>& around) const {
+  bool holds_disk(const SideGrid& grid, const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
     const Eigen::Vector2d centre = (a + b) / 2;
     const double radius = (1 - right_angle) * (b - a).norm() / 2;
-    return std::all_of(around.begin(), around.end(), [&](std::size_t side) {
-      return distance_to_segment(centre, sides_[side].from, sides_[side].to) >= radius;
+    bool is_free = true;
+    grid.for_each_near(centre, radius, [&](std::size_t side) {
+      is_free = is_free && distance_to_segment(centre, sides_[side].from, sides_[side].to) >= radius;
     });
+    return is_free;
+  }
+
+  /// A side that runs through several squares is met several times.
+  static bool is_known(const std::vector<NarrowPlace>& places, const NarrowPlace& place) {
+    return !places.empty() && places.back().a == place.a && places.back().b == place.b;
   }
 
   bool widens_both_ways(const OutlinePoint& corner, const OutlinePoint& facing) const {
@@ -224,7 +234,7 @@ class Search {
 }  // namespace
 
 NarrowPlaces narrow_places(const SolidFace& face, double limit, double usual_width) {
-  Search search(face);
+  const Search search(face);
   double reach = std::max(limit, first_search * usual_width);
   for (;; reach *= wider_search) {
     NarrowPlaces found = search.within(limit, reach);

@@ -37,11 +37,12 @@ PartDesign coupon(const Structure& structure, double width, double length, doubl
 /// Erosion by nearly half the wall parts the solid nowhere, and by a bit more than half the narrowest place it does.
 void expect_no_neck(const Part& part, double wall) {
   ASSERT_EQ(part.faces.size(), 1U);
-  ASSERT_TRUE(part.smallest_neck.has_value());
-  EXPECT_GE(*part.smallest_neck, 0.97 * wall);
   const SolidRaster raster(part.faces[0], wall / 24);
   const SolidRaster::Topology whole{1, static_cast<int>(part.faces[0].size())};
   EXPECT_EQ(raster.eroded(0.88 * wall, wall), whole) << "the solid hangs by a neck narrower than the wall";
+  // A tree of beams that get wider towards one place has no narrow place.
+  if (!part.smallest_neck) return;
+  EXPECT_GE(*part.smallest_neck, 0.97 * wall);
   EXPECT_EQ(raster.eroded(*part.smallest_neck - 0.1 * wall, *part.smallest_neck), whole);
   EXPECT_NE(raster.eroded(*part.smallest_neck + 0.1 * wall, *part.smallest_neck + 0.12 * wall), whole);
 }
@@ -92,6 +93,13 @@ TEST(HardNecks, RandomPartsHaveNone) {
     if (random.uniform() < 0.3) design.frame = beam_width * random.uniform(0.8, 2);
     if (random.uniform() < 0.3) design.smallest_wall = beam_width * random.uniform(0.4, 1);
     const Part part = make_part(design);
+    if (std::getenv("DBG")) {
+      std::printf("wall %g beam %g family %s widened %zu cut %zu least %g\n", design.smallest_wall, beam_width,
+                  structure.family.c_str(), part.widened_necks, part.cut_necks, part.smallest_neck.value_or(-1));
+      FILE* f = std::fopen("/tmp/part.svg", "w");
+      std::fputs(part_svg(part).c_str(), f);
+      std::fclose(f);
+    }
     widened += part.widened_necks;
     cut += part.cut_necks;
     expect_no_neck(part, design.smallest_wall);

@@ -77,6 +77,21 @@ void SolidRaster::mark_inside(const tiling::SolidFace& face) {
         distance_[index(column, row)] = INFINITY;
     }
   }
+  mark_outline(face);
+}
+
+// Holes narrower than a step have points too.
+void SolidRaster::mark_outline(const tiling::SolidFace& face) {
+  for (const auto& polygon : face) {
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Eigen::Vector2d a = (polygon[k] - lower_) / step_, b = (polygon[(k + 1) % polygon.size()] - lower_) / step_;
+      const int pieces = static_cast<int>(2 * (b - a).norm()) + 1;
+      for (int i = 0; i < pieces; ++i) {
+        const Eigen::Vector2d p = a + (b - a) * i / pieces;
+        distance_[index(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())))] = 0;
+      }
+    }
+  }
 }
 
 void SolidRaster::measure_distances() {
@@ -95,9 +110,7 @@ void SolidRaster::measure_distances() {
   };
   along(rows_, columns_, [&](int k, int l) { return index(l, k); });
   along(columns_, rows_, [&](int k, int l) { return index(k, l); });
-  // The outline runs half a step before the nearest point outside.
-  for (float& value : distance_)
-    if (value > 0) value = static_cast<float>(step_) * (std::sqrt(value) - 0.5F);
+  for (float& value : distance_) value = static_cast<float>(step_) * std::sqrt(value);
 }
 
 int SolidRaster::number_regions(const std::vector<char>& marked, bool with_diagonals, std::vector<int>& region) const {

@@ -6,8 +6,8 @@
 
 namespace supple::testing {
 
-/// A part as points of a square grid, each with its distance to the nearest point outside of the part. It shares nothing
-/// with the code that makes parts and measures them, so that tests can hold these against it.
+/// A part as points of a square grid, each with its distance to the nearest point outside of the part. It shares
+/// nothing with the code that makes parts and measures them, so that tests can hold these against it.
 class SolidRaster {
  public:
   /// `step`: distance of the points in mm. Distances are right but for about one step.
@@ -26,6 +26,7 @@ class SolidRaster {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
   }
   void mark_inside(const tiling::SolidFace& face);
+  void mark_outline(const tiling::SolidFace& face);
   void measure_distances();
   /// Numbers the connected regions of the points that are marked, from 1 on, and returns how many there are.
   int number_regions(const std::vector<char>& marked, bool with_diagonals, std::vector<int>& region) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,11 +52,19 @@ struct PartShape {
   std::vector<Polygon> outline, solids;
 };
 
+/// The angle of y, along which coupons and blocks are loaded, from x in rad.
+inline constexpr double load_axis = std::numbers::pi / 2;
+
 /// A strip for a tensile test: `length` of the structure along y between solid grips of `grip_length` (mm).
 PartShape tensile_coupon(double width, double length, double grip_length);
 /// A block for a compression test: `height` of the structure along y between solid plates of the thickness `plate`
 /// (mm).
 PartShape compression_block(double width, double height, double plate);
+
+/// The orientation of a structure (rad) in a coupon or a block whose load, along y, is to be the load of a design along
+/// `direction` (rad): the design with its structure, which lies in it as `orientation` says, is turned until the
+/// direction points along y.
+double orientation_under_load(double orientation, double direction);
 
 /// The solid of a part.
 struct Part {
