@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "clipper_paths.h"
@@ -205,13 +203,12 @@ Paths trimmed(const Paths& solid, double wall, double& trimmed_area) {
 
 /// Whether two corners of the solid lie in one place.
 bool has_touching_corners(const Paths& paths) {
-  std::set<std::pair<ClipperLib::cInt, ClipperLib::cInt>> corners;
+  std::vector<std::pair<ClipperLib::cInt, ClipperLib::cInt>> corners;
   for (const auto& path : paths) {
-    for (const auto& p : path) {
-      if (!corners.emplace(p.X, p.Y).second) return true;
-    }
+    for (const auto& p : path) corners.emplace_back(p.X, p.Y);
   }
-  return false;
+  std::sort(corners.begin(), corners.end());
+  return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
 }
 
 /// Keeps the largest face. The others are crumbs, besides those of before.
@@ -330,7 +327,7 @@ Part make_part_here(const PartDesign& design) {
   part.thickness = design.thickness;
   part.outline_area = area_of(outline);
   solid = trimmed(solid, design.smallest_wall, part.trimmed_area);
-  if (design.smallest_wall > 0) solid = joined_corners(solid, outline);
+  if (design.smallest_wall > 0 && has_touching_corners(solid)) solid = joined_corners(solid, outline);
   if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
   auto faces = cleaned_faces(solid, smallest_part_side * finest);
   keep_largest(faces, part);
