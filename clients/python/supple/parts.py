@@ -101,7 +101,7 @@ class PartOptions:
         """Options of a coupon or a block of a design: its walls, density and orientation, and its direction if it is loaded
         along one alone. `further` are other options, which come first."""
         directions = {profile.direction for profile in (design.profile, *design.also)}
-        options = {
+        options: Dict[str, Any] = {
             "beam_width": design.size.beam_width,
             "orientation": design.orientation,
             "direction": directions.pop() if len(directions) == 1 else None,

@@ -94,8 +94,9 @@ class Surroundings {
     windows.reserve(places.size());
     for (const NarrowPlace& place : places)
       windows.push_back(to_path(square_around(place.middle(), window_reach * wall)));
-    near_ = operation(ClipperLib::ctIntersection, to_paths(solid), windows);
-    disks_ = grown(near_, -full / 2 * wall, ClipperLib::jtRound);
+    const Paths near = operation(ClipperLib::ctIntersection, to_paths(solid), windows);
+    near_ = with_bounds(near);
+    disks_ = with_bounds(grown(near, -full / 2 * wall, ClipperLib::jtRound));
   }
 
   /// `side`: 1 or -1.
@@ -140,19 +141,31 @@ class Surroundings {
     return {};
   }
 
+  struct BoundedPath {
+    ClipperLib::Path path;
+    Bounds bounds;
+  };
+
+  static std::vector<BoundedPath> with_bounds(const Paths& paths) {
+    std::vector<BoundedPath> result;
+    result.reserve(paths.size());
+    for (const auto& path : paths) result.push_back({path, bounds_of(to_polygon(path))});
+    return result;
+  }
+
   /// The paths that may meet a polygon.
-  static Paths near_only(const Paths& paths, const Polygon& polygon) {
+  static Paths near_only(const std::vector<BoundedPath>& paths, const Polygon& polygon) {
     Paths result;
     const Bounds bounds = bounds_of(polygon);
-    for (const auto& path : paths) {
-      if (bounds_of(to_polygon(path)).meet(bounds)) result.push_back(path);
+    for (const BoundedPath& one : paths) {
+      if (one.bounds.meet(bounds)) result.push_back(one.path);
     }
     return result;
   }
 
   double wall_;
-  Paths near_;
-  Paths disks_;  ///< centres of disks that fit in
+  std::vector<BoundedPath> near_;
+  std::vector<BoundedPath> disks_;  ///< centres of disks that fit in
 };
 
 }  // namespace
