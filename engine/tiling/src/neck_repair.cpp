@@ -27,6 +27,10 @@ constexpr double neck_reach = 2.5;
 constexpr double window_reach = 4.2;
 /// Places so near to each other are one neck.
 constexpr double one_neck = 1;
+/// A strip is so wide: what simplifying outlines takes away leaves a wall.
+constexpr double strip = 1.02;
+/// A strip may leave narrow places beside it, which are widened in their turn; so often this is tried.
+constexpr int max_widenings = 3;
 /// A cut reaches this far beyond the neck and is half as long along the solid as this says twice.
 constexpr double cut_margin = 0.02;
 constexpr double half_cut = 0.05;
@@ -191,7 +195,7 @@ NeckRepair NeckRepairs::next(const SolidFace& solid, const std::vector<NarrowPla
     repair.removed.push_back(to_path(rectangle_around(place.middle(), (place.width() / 2 + cut_margin * wall_) * across,
                                                       half_cut * wall_ * Eigen::Vector2d(-across.y(), across.x()))));
   };
-  std::vector<std::size_t> treated;
+  ++round_;
   for (const NarrowPlace& place : places) {
     const Beyond left = surroundings.beyond(place, 1), right = surroundings.beyond(place, -1);
     const bool is_neck = (left.disk || left.goes_on) && (right.disk || right.goes_on);
@@ -204,19 +208,19 @@ NeckRepair NeckRepairs::next(const SolidFace& solid, const std::vector<NarrowPla
       return (neck.at - place.middle()).norm() < one_neck * wall_;
     });
     const auto index = static_cast<std::size_t>(known - necks_.begin());
-    const bool is_new = known == necks_.end();
-    if (is_new) necks_.push_back({place.middle()});
-    const bool in_this_round = is_new || std::find(treated.begin(), treated.end(), index) != treated.end();
-    treated.push_back(index);
-    if (in_this_round && left.disk && right.disk && !necks_[index].is_cut) {
-      if (!middles) middles = grown(outline_, -wall_ / 2, ClipperLib::jtMiter);
+    if (known == necks_.end()) necks_.push_back({place.middle()});
+    Neck& neck = necks_[index];
+    if (neck.last_round != round_) ++neck.rounds;
+    neck.last_round = round_;
+    if (neck.rounds <= max_widenings && left.disk && right.disk && !neck.is_cut) {
+      if (!middles) middles = grown(outline_, -strip / 2 * wall_, ClipperLib::jtMiter);
       const Eigen::Vector2d middle =
           is_within(*middles, place.middle()) ? place.middle() : nearest_outline_point(*middles, place.middle());
-      const Paths strip =
-          widened_line({to_path({*left.disk})[0], to_path({middle})[0], to_path({*right.disk})[0]}, wall_ / 2);
-      repair.added.insert(repair.added.end(), strip.begin(), strip.end());
+      const Paths widening =
+          widened_line({to_path({*left.disk})[0], to_path({middle})[0], to_path({*right.disk})[0]}, strip / 2 * wall_);
+      repair.added.insert(repair.added.end(), widening.begin(), widening.end());
     } else {
-      necks_[index].is_cut = true;
+      neck.is_cut = true;
       cut(place);
     }
   }

@@ -27,8 +27,8 @@ class NeckRepairs {
   /// necks.
   double limit() const;
 
-  /// What to do next about the necks among these narrow places of the solid. The same neck is widened once; if it is
-  /// found again, it is cut. Empty where no neck is left. O(n log n) for n corners, if there is a narrow place.
+  /// What to do next about the necks among these narrow places of the solid. A neck that is found again and
+  /// again is cut in the end. Empty where no neck is left. O(n log n) for n corners, if there is a narrow place.
   NeckRepair next(const SolidFace& solid, const std::vector<NarrowPlace>& places);
 
   std::size_t widened() const;  ///< necks that were widened
@@ -37,12 +37,14 @@ class NeckRepairs {
  private:
   struct Neck {
     Eigen::Vector2d at;
+    int rounds = 0, last_round = 0;  ///< in how many rounds it was found, and in which one at last
     bool is_cut = false;
   };
 
   const ClipperLib::Paths& outline_;
   double wall_;
   std::vector<Neck> necks_;
+  int round_ = 0;
 };
 
 /// Joins the solid, by some micrometres, where two of its corners lie in one place. A neck is left there.
