@@ -42,7 +42,8 @@ struct PartDesign {
   double frame = 0;                 ///< width of a solid rim along the outline
   double seam = 0;                  ///< width of a solid strip along the outlines of regions, half on either side
   Rim rim = Rim::clipped;
-  /// Walls and tips narrower than this are left out; those of beams are 0.3 mm wide where nothing scales them.
+  /// Walls and tips narrower than this are left out, and necks are widened to it; beams are 0.3 mm wide where nothing
+  /// scales them. 0 does neither.
   double smallest_wall = 0.2;
   double thickness = 1;  ///< of the extrusion
 };
@@ -87,8 +88,9 @@ struct Part {
   double thickness = 0;  ///< mm
 };
 
-/// Fills the outline. A lattice point of every filling lies in the middle of the outline's bounding box. Where the cut
-/// leaves two corners that touch, they are parted by some micrometres, so that the solid is a manifold. Throws
+/// Fills the outline. A lattice point of every filling lies in the middle of the outline's bounding box. Walls and tips
+/// narrower than the smallest wall are left out, and necks are widened to it or cut. Corners that touch are joined and
+/// are necks then; where they cannot be, they are parted by some micrometres, so that the solid is a manifold. Throws
 /// "tiling.part" where an outline is empty, crosses itself or is larger than 2000 mm, a length is out of range, the
 /// smallest wall is wider than the beams, the outlines have more than 5,000 corners, or more than 50,000 tiles would
 /// fill a region (each with its place: "outline/0", "regions/2/outline"); with `rim` whole also where no tile lies
