@@ -283,6 +283,7 @@ void repair_necks(Part& part, const Paths& outline, double wall, double beam_wid
   }
   part.widened_necks = repairs.widened();
   part.cut_necks = repairs.cut();
+  part.left_necks = places.below.size();
   part.smallest_neck = places.least_of_rest;
   for (const NarrowPlace& place : places.below)
     part.smallest_neck = std::min(part.smallest_neck.value_or(place.width()), place.width());

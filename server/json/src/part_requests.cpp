@@ -175,6 +175,10 @@ std::string part_message(const PartRequest& request, const tiling::Part& part) {
     return missing + (part.lost_solids.size() > 1 ? " are" : " is") +
            " missing: the structure does not reach from one end to the other in one piece. " + remedies;
   }
+  if (part.left_necks > 0 && part.smallest_neck) {
+    return "The part hangs by a neck of " + std::to_string(std::lround(1000 * *part.smallest_neck)) +
+           " micrometres, narrower than the smallest wall, which could neither be widened nor cut. " + remedies;
+  }
   const double share = part.crumb_area / (part.crumb_area + part.solid_area);
   if (share <= told_crumbs) return {};
   return "Pieces without connection to the largest one were left out, " + std::to_string(std::lround(100 * share)) +

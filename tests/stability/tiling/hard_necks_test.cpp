@@ -105,7 +105,9 @@ TEST(HardNecks, RandomPartsHaveNone) {
   }
   std::printf("%d parts: %zu necks widened, %zu cut; %d narrowest places confirmed\n", parts, widened, cut, sharp);
   EXPECT_GE(sharp, 0.95 * parts) << "the narrowest place is one";
-  if (parts >= 40) EXPECT_GT(widened, 0U) << "some random parts have necks, or this test tests nothing";
+  if (parts >= 40) {
+    EXPECT_GT(widened, 0U) << "some random parts have necks, or this test tests nothing";
+  }
 }
 
 }  // namespace

@@ -80,8 +80,9 @@ struct Part {
   /// it.
   std::size_t widened_necks = 0;  ///< those that were widened to the wall
   std::size_t cut_necks = 0;      ///< those that were cut, because they could not be widened within the outline
+  std::size_t left_necks = 0;     ///< those that are left where repairing them only made others
   /// The width in mm of the narrowest place between wider ones, measured on the faces; none if there is none. It is at
-  /// least 0.98 smallest walls, unless repairs did not end; then it says so.
+  /// least 0.98 smallest walls if no necks are left.
   std::optional<double> smallest_neck;
   /// Indices of the design's solids that are not in the part: what fills the outline does not hold on to them.
   std::vector<std::size_t> lost_solids;
