@@ -23,7 +23,7 @@ constexpr int max_straight_corners = 100;
 constexpr double first_search = 2;
 constexpr double wider_search = 8;
 
-struct Side {
+struct OutlineSide {
   Eigen::Vector2d from, to;
   Eigen::Vector2d direction;
   std::size_t previous = 0, next = 0;  ///< the neighbours in its polygon
@@ -32,7 +32,7 @@ struct Side {
 /// Sides by the squares of a grid that they run through. There are about as many squares as sides.
 class SideGrid {
  public:
-  SideGrid(const std::vector<Side>& sides, const Bounds& bounds, double least_square) : lower_(bounds.lower) {
+  SideGrid(const std::vector<OutlineSide>& sides, const Bounds& bounds, double least_square) : lower_(bounds.lower) {
     const Eigen::Vector2d size = bounds.upper - bounds.lower;
     square_ = std::max(least_square, size.maxCoeff() / std::sqrt(static_cast<double>(sides.size())));
     columns_ = static_cast<int>(size.x() / square_) + 1;
@@ -96,9 +96,9 @@ struct OutlinePoint {
   bool is_end = false;     ///< the corner where it ends and the next one begins
 };
 
-class Search {
+class NarrowPlaceSearch {
  public:
-  explicit Search(const SolidFace& face) {
+  explicit NarrowPlaceSearch(const SolidFace& face) {
     for (const Polygon& polygon : face) {
       const std::size_t first = sides_.size(), n = polygon.size();
       bounds_.include(polygon);
@@ -141,7 +141,7 @@ class Search {
 
   /// Whether the solid fills more than half of the surroundings of the corner where the side begins.
   bool is_reentrant(std::size_t side) const {
-    const Side& before = sides_[sides_[side].previous];
+    const OutlineSide& before = sides_[sides_[side].previous];
     return cross(before.to - before.from, sides_[side].to - sides_[side].from) < 0;
   }
 
@@ -161,7 +161,7 @@ class Search {
     }
     // The end of a side is looked at as the beginning of the next one.
     if (facing.is_end) return false;
-    const Side& side = sides_[facing.side];
+    const OutlineSide& side = sides_[facing.side];
     return cross(side.to - side.from, corner.at - side.from) > 0;
   }
 
@@ -227,14 +227,14 @@ class Search {
     return away > 0 ? INFINITY : -INFINITY;
   }
 
-  std::vector<Side> sides_;
+  std::vector<OutlineSide> sides_;
   Bounds bounds_;
 };
 
 }  // namespace
 
 NarrowPlaces narrow_places(const SolidFace& face, double limit, double usual_width) {
-  const Search search(face);
+  const NarrowPlaceSearch search(face);
   double reach = std::max(limit, first_search * usual_width);
   for (;; reach *= wider_search) {
     NarrowPlaces found = search.within(limit, reach);

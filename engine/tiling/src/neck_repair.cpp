@@ -37,7 +37,7 @@ constexpr double half_cut = 0.05;
 
 // Lengths in mm.
 /// Corners in one place become necks of about this width, and what is narrower counts as corners in one place.
-constexpr double joint = 4e-3;
+constexpr double joint_width = 4e-3;
 /// Points so near to each other are one but for rounding.
 constexpr double rounding = 1e-6;
 
@@ -54,7 +54,7 @@ Polygon square_around(const Eigen::Vector2d& middle, double half_side) {
 }
 
 Polygon diamond_around(const Eigen::Vector2d& middle) {
-  return rectangle_around(middle, {joint / 2, joint / 2}, {-joint / 2, joint / 2});
+  return rectangle_around(middle, {joint_width / 2, joint_width / 2}, {-joint_width / 2, joint_width / 2});
 }
 
 bool is_within(const Paths& area, const Eigen::Vector2d& point) {
@@ -183,7 +183,7 @@ NeckRepair NeckRepairs::next(const SolidFace& solid, const std::vector<NarrowPla
   if (places.empty()) return repair;
   Paths joints;
   for (const NarrowPlace& place : places) {
-    if (place.width() < joint / 2) joints.push_back(to_path(diamond_around(place.middle())));
+    if (place.width() < joint_width / 2) joints.push_back(to_path(diamond_around(place.middle())));
   }
   repair.added = operation(ClipperLib::ctIntersection, joints, outline_);
   if (!repair.added.empty()) return repair;
@@ -201,7 +201,7 @@ NeckRepair NeckRepairs::next(const SolidFace& solid, const std::vector<NarrowPla
     const bool is_neck = (left.disk || left.goes_on) && (right.disk || right.goes_on);
     if (!is_neck) {
       // What hangs by a joint of corners is a crumb.
-      if (place.width() < 2 * joint) cut(place);
+      if (place.width() < 2 * joint_width) cut(place);
       continue;
     }
     const auto known = std::find_if(necks_.begin(), necks_.end(), [&](const Neck& neck) {

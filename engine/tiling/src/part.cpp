@@ -259,7 +259,7 @@ std::vector<SolidFace> cleaned_faces(const Paths& paths, double smallest) {
 }
 
 /// Widens the necks of the part's only face to the wall, or cuts them, and measures the narrowest place that is left.
-void repair_necks(Part& part, const Paths& outline, double wall, double beam_width, double smallest_side) {
+void repair_necks(Part& part, const Paths& outline, double wall, double beam_width, double shortest_side) {
   if (wall <= 0) {
     part.smallest_neck = narrow_places(part.faces[0], 0, beam_width).least_of_rest;
     return;
@@ -277,7 +277,7 @@ void repair_necks(Part& part, const Paths& outline, double wall, double beam_wid
     solid.insert(solid.end(), repair.added.begin(), repair.added.end());
     solid = operation(ClipperLib::ctDifference, operation(ClipperLib::ctUnion, solid, {}), repair.removed);
     if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
-    auto faces = cleaned_faces(solid, smallest_side);
+    auto faces = cleaned_faces(solid, shortest_side);
     keep_largest(faces, part);
     places = narrow_places(part.faces[0], repairs.limit(), beam_width);
   }

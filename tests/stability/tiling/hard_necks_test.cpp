@@ -21,7 +21,7 @@ using supple::testing::preset_structure;
 using supple::testing::SolidRaster;
 using supple::testing::volume_of_closed_stl;
 
-constexpr double pi = std::numbers::pi;
+constexpr double half_turn = std::numbers::pi;
 
 PartDesign coupon(const Structure& structure, double width, double length, double grip, double beam_width,
                   double orientation) {
@@ -85,7 +85,7 @@ TEST(HardNecks, RandomPartsHaveNone) {
     const Structure structure = random_structure(random);
     const double beam_width = random.uniform(0.25, 0.6);
     PartDesign design = coupon(structure, beam_width * random.uniform(18, 40), beam_width * random.uniform(15, 40),
-                               random.uniform(0.5, 3), beam_width, random.uniform(-pi, pi));
+                               random.uniform(0.5, 3), beam_width, random.uniform(-half_turn, half_turn));
     if (random.uniform() < 0.3) {
       // A slanted outline with a hole, which the structure fills alone.
       const Eigen::Vector2d size = design.outline[0][2];
